@@ -1,0 +1,59 @@
+#pragma once
+
+/// The few geometric values that cross the core's surface. Double precision throughout: Box2D
+/// works in single precision, but a map is measured in tens of metres and a lidar in millimetres.
+
+#include <cmath>
+
+namespace flatland {
+
+/// A point or a direction in the plane [m].
+struct Vec2 {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+/// Position [m] and heading [rad], counter-clockwise from +x (REP 103).
+struct Pose {
+  double x = 0.0;
+  double y = 0.0;
+  double yaw = 0.0;
+};
+
+/// Velocity along x and y [m/s] and about z [rad/s].
+struct Twist {
+  double vx = 0.0;
+  double vy = 0.0;
+  double omega = 0.0;
+};
+
+/// A wall: the straight line between two points [m].
+struct Segment {
+  Vec2 a;
+  Vec2 b;
+};
+
+inline Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+inline double Dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+inline double Cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+
+inline bool IsFinite(double value) { return std::isfinite(value); }
+inline bool IsFinite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+inline bool IsFinite(const Pose& p) { return IsFinite(Vec2{p.x, p.y}) && std::isfinite(p.yaw); }
+inline bool IsFinite(const Twist& t) {
+  return IsFinite(Vec2{t.vx, t.vy}) && std::isfinite(t.omega);
+}
+
+/// A rotation, kept as cosine and sine so that many vectors can be turned at the price of one.
+struct Rotation {
+  explicit Rotation(double yaw) : cos(std::cos(yaw)), sin(std::sin(yaw)) {}
+
+  Vec2 Apply(Vec2 v) const { return {cos * v.x - sin * v.y, sin * v.x + cos * v.y}; }
+  Vec2 ApplyInverse(Vec2 v) const { return {cos * v.x + sin * v.y, cos * v.y - sin * v.x}; }
+
+  double cos;
+  double sin;
+};
+
+}  // namespace flatland

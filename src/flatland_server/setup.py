@@ -1,0 +1,8 @@
+from catkin_pkg.python_setup import generate_distutils_setup
+from setuptools import setup
+
+setup(
+    **generate_distutils_setup(
+        packages=["flatland_server", "flatland_server.ros"], package_dir={"": "src"}
+    )
+)
