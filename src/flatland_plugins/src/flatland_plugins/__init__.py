@@ -1,0 +1,1 @@
+"""Flatland's own plugins, found by name through flatland_plugins.xml."""

@@ -1,0 +1,26 @@
+"""The `linear_dynamics` and `angular_dynamics` of a drive."""
+
+from typing import NamedTuple
+
+from flatland_server.yaml_reader import YamlReader
+
+
+class DynamicsLimits(NamedTuple):
+    """Limits of one component of a velocity; 0 is no limit. In m/s^2 and m/s, or rad."""
+
+    acceleration_limit: float
+    deceleration_limit: float
+    velocity_limit: float
+
+    @classmethod
+    def read(cls, config: YamlReader, key: str) -> "DynamicsLimits":
+        """Reads the section; the deceleration limit defaults to the acceleration limit."""
+        section = config.get_section(key)
+        acceleration = section.get_float("acceleration_limit", 0.0, minimum=0.0)
+        limits = cls(
+            acceleration,
+            section.get_float("deceleration_limit", acceleration, minimum=0.0),
+            section.get_float("velocity_limit", 0.0, minimum=0.0),
+        )
+        section.finish()
+        return limits

@@ -1,0 +1,152 @@
+"""Laser: a planar lidar on a body."""
+
+import math
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+from sensor_msgs.msg import LaserScan
+
+from flatland_plugins.messages import header
+from flatland_server._core import BeamFan
+from flatland_server.geometry import Pose, Transform
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+from flatland_server.yaml_reader import YamlReader
+
+REFLECTANCE_LAYER = "reflectance"
+"""What is on the layer of this name returns an intensity of 255."""
+
+_MAX_BEAMS = 1_000_000
+
+
+@dataclass(frozen=True)
+class LaserConfig:
+    """The documented keys; angles in rad, lengths in m."""
+
+    topic: str
+    frame: str
+    broadcast_tf: bool
+    origin: Pose
+    range: float
+    noise_std_dev: float
+    angle_min: float
+    increment: float
+    beams: int
+    update_rate: float
+    layers: Tuple[str, ...]
+    upside_down: bool
+    always_publish: bool
+
+    @classmethod
+    def read(cls, config: YamlReader, name: str) -> "LaserConfig":
+        """Reads the keys, the body aside; a laser called `name` has a frame called that too."""
+        angle = config.get_section("angle", required=True)
+        angle_min = angle.get_float("min")
+        angle_max = angle.get_float("max")
+        increment = angle.get_float("increment")
+        angle.finish()
+        laser = cls(
+            topic=config.get_string("topic", "scan"),
+            frame=config.get_string("frame", name),
+            broadcast_tf=config.get_bool("broadcast_tf", True),
+            origin=config.get_pose("origin", Pose()),
+            range=config.get_float("range", above=0.0),
+            noise_std_dev=config.get_float("noise_std_dev", 0.0, minimum=0.0),
+            angle_min=angle_min,
+            increment=increment,
+            beams=count_beams(angle_min, angle_max, increment),
+            update_rate=config.get_rate("update_rate", math.inf),
+            layers=config.get_strings("layers", ("all",)),
+            upside_down=config.get_bool("upside_down", False),
+            always_publish=config.get_bool("always_publish", False),
+        )
+        if not 1 <= laser.beams <= _MAX_BEAMS:
+            raise config.error(
+                f"expected an increment that leads from min to max in 1 to {_MAX_BEAMS} beams, "
+                f"found {increment:g} from {angle_min:g} to {angle_max:g}",
+                "angle",
+            )
+        config.finish()
+        return laser
+
+
+def count_beams(angle_min: float, angle_max: float, increment: float) -> int:
+    """How many beams there are from min to max, both included; 0 if it never gets there.
+
+    An increment that was rounded when it was written down still reaches the last beam.
+    """
+    if angle_min == angle_max:
+        return 1
+    steps = (angle_max - angle_min) / increment if increment else -1.0
+    return math.floor(steps + 1e-3) + 1 if 0 <= steps < 1e9 else 0
+
+
+class Laser(ModelPlugin):
+    """Publishes sensor_msgs/LaserScan; computes a scan only if somebody listens."""
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads the documented keys and opens the topic."""
+        self._body = self.get_body(config)
+        laser = self._config = LaserConfig.read(config, self.name)
+        registry = self.model.registry
+        try:
+            self._layers = registry.bits(laser.layers)
+        except ValueError as error:
+            raise config.error(str(error), "layers") from None
+        has_reflectance = REFLECTANCE_LAYER in registry.names
+        self._reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
+        # The noise of a scan depends on the seed and the time alone, not on who has listened so far.
+        self._noise_key = int(self.rng.integers(2**63))
+        # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
+        handedness = -1.0 if laser.upside_down else 1.0
+        self._fan = BeamFan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
+        self._frame = self.name_space_tf(laser.frame)
+        self._body_frame = self.name_space_tf(self._body.name)
+        self.update_timer = UpdateTimer(laser.update_rate)
+        self._publisher = self.node.advertise(laser.topic, LaserScan)
+        if laser.broadcast_tf:
+            self.node.claim_frame(self._body_frame, self._frame)
+
+    def before_physics_step(self, timekeeper: Timekeeper) -> None:
+        """Publishes the transform and the scan."""
+        laser = self._config
+        if laser.broadcast_tf and self.node.transforms_are_watched:
+            roll = math.pi if laser.upside_down else 0.0
+            self.node.send_transform(
+                Transform(
+                    timekeeper.nanoseconds, self._body_frame, self._frame, laser.origin, roll
+                )
+            )
+        if laser.always_publish or self._publisher.is_watched:
+            self._publisher.publish(self._scan(timekeeper.nanoseconds))
+
+    def _scan(self, nanoseconds: int) -> LaserScan:
+        laser = self._config
+        pose = self._body.pose.compose(laser.origin)
+        ranges, intensities = self.model.physics.scan(
+            self._fan, pose, laser.range, self._layers, self._reflectance
+        )
+        if laser.noise_std_dev > 0.0:
+            rng = np.random.default_rng([self._noise_key, nanoseconds])
+            ranges = add_noise(ranges, laser.noise_std_dev, laser.range, rng)
+        return LaserScan(
+            header=header(nanoseconds, self._frame),
+            angle_min=laser.angle_min,
+            angle_max=laser.angle_min + (laser.beams - 1) * laser.increment,
+            angle_increment=laser.increment,
+            scan_time=self.update_timer.period if self.update_timer else 0.0,
+            range_min=0.0,
+            range_max=laser.range,
+            ranges=ranges,
+            intensities=intensities,
+        )
+
+
+def add_noise(
+    ranges: np.ndarray, std_dev: float, range_max: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Ranges with Gaussian noise; returns stay within [0, range_max], and no return stays +inf."""
+    noisy = np.clip(ranges + rng.normal(0.0, std_dev, ranges.shape), 0.0, range_max)
+    return np.where(np.isinf(ranges), ranges, noisy).astype(np.float32)

@@ -1,0 +1,142 @@
+"""Odometry: what a wheeled robot believes about its pose and velocity, and what is true."""
+
+import math
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+
+from flatland_plugins.messages import fill_pose, fill_twist, header
+from flatland_server.geometry import Pose, Transform, wrap_angle
+from flatland_server.model_body import ModelBody
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.yaml_reader import YamlReader
+
+Vector3 = Tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class OdometryConfig:
+    """The keys of a drive that concern odometry; noises are variances."""
+
+    odom_frame_id: str
+    ground_truth_frame_id: str
+    odom_pub: str
+    ground_truth_pub: str
+    twist_pub: str
+    enable_odom_pub: bool
+    enable_twist_pub: bool
+    enable_odom_tf_pub: bool
+    twist_in_local_frame: bool
+    pose_noise: Vector3
+    twist_noise: Vector3
+    pose_covariance: Vector3
+    twist_covariance: Vector3
+
+    @classmethod
+    def read(cls, config: YamlReader) -> "OdometryConfig":
+        """Reads the keys, as documented, from a drive's configuration."""
+        pose_noise = config.get_floats("odom_pose_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
+        twist_noise = config.get_floats("odom_twist_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
+        return cls(
+            odom_frame_id=config.get_string("odom_frame_id", "odom"),
+            ground_truth_frame_id=config.get_string("ground_truth_frame_id", "map"),
+            odom_pub=config.get_string("odom_pub", "odometry/filtered"),
+            ground_truth_pub=config.get_string("ground_truth_pub", "odometry/ground_truth"),
+            twist_pub=config.get_string("twist_pub", "twist"),
+            enable_odom_pub=config.get_bool("enable_odom_pub", True),
+            enable_twist_pub=config.get_bool("enable_twist_pub", True),
+            enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", True),
+            twist_in_local_frame=config.get_bool("twist_in_local_frame", True),
+            pose_noise=pose_noise,
+            twist_noise=twist_noise,
+            pose_covariance=config.get_floats(
+                "odom_pose_covariance", 36, planar_covariance(pose_noise)
+            ),
+            twist_covariance=config.get_floats(
+                "odom_twist_covariance", 36, planar_covariance(twist_noise)
+            ),
+        )
+
+
+def planar_covariance(variances: Vector3) -> Vector3:
+    """A 6x6 covariance of x, y, z, roll, pitch, yaw, row by row, from those of x, y and yaw."""
+    diagonal = (variances[0], variances[1], 0.0, 0.0, 0.0, variances[2])
+    return tuple(np.diag(diagonal).ravel().tolist())
+
+
+class OdometryPublisher:
+    """Publishes a body's odometry with noise, without, as a twist, and as a transform.
+
+    Args:
+        plugin: the drive that it belongs to.
+        body: whose odometry it is, about the body's origin.
+        config: topics, frames and noise.
+    """
+
+    def __init__(self, plugin: ModelPlugin, body: ModelBody, config: OdometryConfig) -> None:
+        self._config = config
+        self._body = body
+        self._node = plugin.node
+        self._rng = plugin.rng
+        self._base_frame = plugin.name_space_tf(body.name)
+        self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
+        self._is_noisy = bool(self._deviation.any())
+        self._odom = self._ground_truth = self._twist = None
+        if config.enable_odom_pub:
+            self._odom = self._node.advertise(config.odom_pub, Odometry)
+            self._ground_truth = self._node.advertise(config.ground_truth_pub, Odometry)
+        if config.enable_twist_pub:
+            self._twist = self._node.advertise(config.twist_pub, TwistStamped)
+        if config.enable_odom_tf_pub:
+            self._node.claim_frame(config.odom_frame_id, self._base_frame)
+
+    def publish(self, nanoseconds: int) -> None:
+        """Publishes what is listened to, for the present pose and velocity.
+
+        The noise is drawn whether anybody listens or not, so that a listener changes no numbers.
+        """
+        config = self._config
+        noise = [0.0] * 6
+        if self._is_noisy:
+            noise = (self._rng.standard_normal(6) * self._deviation).tolist()
+        pose = self._body.pose
+        x, y, yaw = pose
+        noisy_pose = Pose(x + noise[0], y + noise[1], wrap_angle(yaw + noise[2]))
+        local = self._body.physics_body.local_velocity
+        noisy_local = (local[0] + noise[3], local[1] + noise[4], local[2] + noise[5])
+
+        if self._twist is not None and self._twist.is_watched:
+            twist = TwistStamped(header=header(nanoseconds, self._base_frame))
+            fill_twist(twist.twist, *noisy_local)
+            self._twist.publish(twist)
+        if self._odom is not None and self._odom.is_watched:
+            self._odom.publish(
+                self._message(nanoseconds, config.odom_frame_id, noisy_pose, noisy_local)
+            )
+        if self._ground_truth is not None and self._ground_truth.is_watched:
+            self._ground_truth.publish(
+                self._message(nanoseconds, config.ground_truth_frame_id, pose, local)
+            )
+        if config.enable_odom_tf_pub and self._node.transforms_are_watched:
+            self._node.send_transform(
+                Transform(nanoseconds, config.odom_frame_id, self._base_frame, noisy_pose)
+            )
+
+    def _message(
+        self, nanoseconds: int, frame_id: str, pose: Pose, local: Tuple[float, float, float]
+    ) -> Odometry:
+        message = Odometry(
+            header=header(nanoseconds, frame_id), child_frame_id=self._base_frame
+        )
+        fill_pose(message.pose.pose, pose)
+        message.pose.covariance = self._config.pose_covariance
+        vx, vy, omega = local
+        if not self._config.twist_in_local_frame:
+            cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+            vx, vy = cos * vx - sin * vy, sin * vx + cos * vy
+        fill_twist(message.twist.twist, vx, vy, omega)
+        message.twist.covariance = self._config.twist_covariance
+        return message

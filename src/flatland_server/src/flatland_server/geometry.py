@@ -1,0 +1,56 @@
+"""Poses in the plane: metres and radians, counter-clockwise (REP 103)."""
+
+import math
+from typing import NamedTuple, Tuple
+
+
+class Pose(NamedTuple):
+    """Position [m] and heading [rad] of one frame in another."""
+
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+    def apply(self, x: float, y: float) -> Tuple[float, float]:
+        """A point of this frame, in the frame that this pose is given in."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return self.x + cos * x - sin * y, self.y + sin * x + cos * y
+
+    def compose(self, inner: "Pose") -> "Pose":
+        """The pose of `inner`, given in this frame, in the frame that this pose is given in."""
+        x, y = self.apply(inner.x, inner.y)
+        return Pose(x, y, wrap_angle(self.yaw + inner.yaw))
+
+    def inverse(self) -> "Pose":
+        """The pose of the outer frame in this one."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
+
+    def is_finite(self) -> bool:
+        """Whether no component is infinite or not a number."""
+        return all(math.isfinite(value) for value in self)
+
+
+class Transform(NamedTuple):
+    """A frame's pose in its parent frame at one moment, for TF.
+
+    `roll` is 0, or pi for a frame that is mounted upside down.
+    """
+
+    nanoseconds: int
+    parent: str
+    child: str
+    pose: Pose
+    roll: float = 0.0
+
+
+def wrap_angle(angle: float) -> float:
+    """The same angle within [-pi, pi]."""
+    return math.remainder(angle, math.tau)
+
+
+def quaternion(yaw: float, roll: float = 0.0) -> Tuple[float, float, float, float]:
+    """(x, y, z, w) of a turn by `roll` about x, then by `yaw` about z."""
+    cos_yaw, sin_yaw = math.cos(yaw / 2), math.sin(yaw / 2)
+    cos_roll, sin_roll = math.cos(roll / 2), math.sin(roll / 2)
+    return sin_roll * cos_yaw, sin_roll * sin_yaw, cos_roll * sin_yaw, cos_roll * cos_yaw

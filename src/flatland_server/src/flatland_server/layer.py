@@ -1,0 +1,146 @@
+"""A layer: the walls of the world, from a map image or from line segments.
+
+A layer may have several names, which all count as collision layers; the first identifies it. A layer
+without a map is a name that footprints can use, and nothing else.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Optional, Tuple
+
+import numpy as np
+from PIL import Image, UnidentifiedImageError
+
+from flatland_server import _core
+from flatland_server.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.exceptions import YamlError
+from flatland_server.geometry import Pose
+from flatland_server.names import check_topic_name
+from flatland_server.wall_outlines import Segments, bright_pixels, outlines
+from flatland_server.yaml_reader import Color, YamlReader
+
+
+@dataclass(frozen=True)
+class LayerConfig:
+    """An entry of a world's `layers`, with its walls."""
+
+    names: Tuple[str, ...]
+    bits: int
+    color: Color
+    min_z: float
+    max_z: float
+    segments: Segments = field(repr=False, compare=False)
+
+    @classmethod
+    def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "LayerConfig":
+        """Reads the entry and its map, and registers its names.
+
+        Raises:
+            YamlError: something in the entry or its files is wrong.
+        """
+        names = reader.get_strings("name")
+        if not names:
+            raise reader.error("expected a name or a list of names, found an empty list", "name")
+        bits = 0
+        for name in names:
+            check_topic_name(reader, "name", name)
+            try:
+                bits |= registry.register(name)
+            except ValueError as error:
+                raise reader.error(str(error), "name") from None
+        color = reader.get_color("color", (1.0, 1.0, 1.0, 1.0))
+        debug = reader.get_section("properties").get_section("debug")
+        min_z = debug.get_float("min_z", 0.0)
+        max_z = debug.get_float("max_z", 0.0)
+        debug.finish()
+        segments: Segments = np.empty((0, 4))
+        if reader.has("map"):
+            segments = read_map(reader.file.parent / reader.get_string("map"), reader)
+        reader.get_string("map", "")
+        reader.finish()
+        return cls(names, bits, color, min_z, max_z, segments)
+
+
+class Layer:
+    """A layer of a world."""
+
+    def __init__(self, config: LayerConfig, physics: _core.World) -> None:
+        self.config = config
+        if len(config.segments):
+            physics.add_layer(config.segments, config.bits)
+
+    @property
+    def name(self) -> str:
+        """The name that identifies it."""
+        return self.config.names[0]
+
+    @property
+    def segments(self) -> Segments:
+        """Its walls in the world [m]: shape (n, 4), x1, y1, x2, y2."""
+        return self.config.segments
+
+
+def read_map(path: Path, referrer: Optional[YamlReader] = None) -> Segments:
+    """The walls [m] that a map's YAML file describes: shape (n, 4), x1, y1, x2, y2.
+
+    Args:
+        path: of a map_server or a line segments file.
+        referrer: where the path was written, for the error when there is no such file.
+    """
+    if referrer is not None and not path.is_file():
+        raise referrer.error(f"there is no file {path}", "map")
+    reader = YamlReader.from_file(path)
+    origin = reader.get_pose("origin")
+    if reader.get_choice("type", ["image", "line_segments"], "image") == "line_segments":
+        scale = reader.get_float("scale", above=0.0)
+        data = path.parent / reader.get_string("data")
+        reader.finish()
+        return _place(_read_line_segments(data) * scale, origin)
+    resolution = reader.get_float("resolution", above=0.0)
+    occupied_thresh = reader.get_float("occupied_thresh")
+    for unused in ("free_thresh", "negate", "mode"):
+        reader.get_string(unused, "")
+    image = path.parent / reader.get_string("image")
+    reader.finish()
+    return _place(_read_image(image, occupied_thresh) * resolution, origin)
+
+
+def _read_image(path: Path, occupied_thresh: float) -> Segments:
+    try:
+        with Image.open(path) as image:
+            return outlines(bright_pixels(image, occupied_thresh))
+    except UnidentifiedImageError:
+        raise YamlError(path, "is not an image of a known format") from None
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise YamlError(path, f"cannot be read as an image: {reason}") from None
+
+
+def _read_line_segments(path: Path) -> Segments:
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        raise YamlError(path, f"cannot be read: {reason}") from None
+    rows = []
+    for number, line in enumerate(lines, start=1):
+        if not line.strip():
+            continue
+        try:
+            row = [float(word) for word in line.split()]
+        except ValueError:
+            row = []
+        if len(row) != 4 or not np.isfinite(row).all():
+            raise YamlError(path, f'expected "x1 y1 x2 y2", found "{line.strip()[:60]}"', number)
+        if row[:2] == row[2:]:
+            raise YamlError(path, "expected two different ends, found one point twice", number)
+        rows.append(row)
+    return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+
+def _place(segments: Segments, origin: Pose) -> Segments:
+    """Turns and moves segments from the map's frame to the world's."""
+    cos, sin = np.cos(origin.yaw), np.sin(origin.yaw)
+    turn = np.array([[cos, sin], [-sin, cos]])
+    points = segments.reshape(-1, 2) @ turn + np.array([origin.x, origin.y])
+    return np.asarray(points.reshape(-1, 4))

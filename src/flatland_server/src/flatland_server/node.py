@@ -1,0 +1,191 @@
+"""The seam between a plugin and the world outside.
+
+A plugin speaks to a `Node`: it publishes, subscribes, sends transforms and reads parameters, all in
+its model's namespace, and all of that goes away when its model does. What is behind the node is a
+`Transport`: ROS (`flatland_server.ros.ros_transport`), or this process alone
+(`flatland_server.local_transport`), so that one plugin runs under roslaunch, in a unit test and in a
+thousand worlds without a master. Callbacks run between steps, on the simulation's own thread.
+"""
+
+import logging
+from abc import ABC, abstractmethod
+from typing import Any, Callable, Dict, List, Optional
+
+from flatland_server.geometry import Transform
+
+logger = logging.getLogger(__name__)
+
+
+class Publisher(ABC):
+    """Sends messages to one topic."""
+
+    @property
+    @abstractmethod
+    def is_watched(self) -> bool:
+        """Whether anybody listens. Ask before you compute something only to publish it."""
+
+    @abstractmethod
+    def publish(self, message: Any) -> None:
+        """Sends a message. It must not be changed afterwards."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Takes the topic away."""
+
+
+class Subscription(ABC):
+    """Receives the messages of one topic until it is closed."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """No callback comes after this."""
+
+
+class Transport(ABC):
+    """What carries topics, transforms and parameters. Names come with their namespace."""
+
+    @abstractmethod
+    def advertise(
+        self, topic: str, message_type: Any, *, latch: bool, queue_size: int
+    ) -> Publisher:
+        """Opens a topic for sending."""
+
+    @abstractmethod
+    def subscribe(
+        self, topic: str, message_type: Any, callback: Callable[[Any], None]
+    ) -> Subscription:
+        """Opens a topic for receiving; callbacks come in `process`."""
+
+    @property
+    @abstractmethod
+    def transforms_are_watched(self) -> bool:
+        """Whether anybody listens to transforms."""
+
+    @abstractmethod
+    def send_transform(self, transform: Transform) -> None:
+        """Takes a transform along with the others of this step."""
+
+    @abstractmethod
+    def get_param(self, name: str, default: Any = None) -> Any:
+        """A parameter's value, or the default."""
+
+    @abstractmethod
+    def process(self, timeout: float = 0.0) -> None:
+        """Runs the callbacks that wait, and those that come within `timeout` [s]."""
+
+    @abstractmethod
+    def flush(self) -> None:
+        """Sends what the step has collected."""
+
+
+class FrameRegistry:
+    """Who publishes which frame. TF is a tree: a frame with two parents jumps between them."""
+
+    def __init__(self) -> None:
+        self._owners: Dict[str, str] = {}
+        self._parents: Dict[str, str] = {}
+        self._warned: Dict[str, str] = {}
+
+    def claim(self, parent: str, child: str, owner: str) -> None:
+        """Notes a frame's publisher; warns once if there is another one."""
+        first = self._owners.setdefault(child, owner)
+        if first == owner:
+            self._parents[child] = parent
+        elif self._warned.get(child) != owner:
+            self._warned[child] = owner
+            logger.warning(
+                'two plugins publish the frame "%s": %s from "%s" and %s from "%s"; a frame can '
+                "have only one parent, so switch one of them off",
+                *(child, first, self._parents[child], owner, parent),
+            )
+
+    def release(self, owner: str) -> None:
+        """Forgets the frames of a publisher that is gone."""
+        for child in [child for child, other in self._owners.items() if other == owner]:
+            del self._owners[child]
+            self._warned.pop(child, None)
+
+
+class Node:
+    """A plugin's access to topics, transforms and parameters.
+
+    Args:
+        transport: what carries them.
+        namespace: put before each topic that does not begin with "/".
+        owner: who this node belongs to, for warnings.
+        frames: the frames of the whole world.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        namespace: str = "",
+        owner: str = "",
+        frames: Optional[FrameRegistry] = None,
+    ) -> None:
+        self.namespace = namespace.strip("/")
+        self._transport = transport
+        self._owner = owner
+        self._frames = frames if frames is not None else FrameRegistry()
+        self._publishers: List[Publisher] = []
+        self._subscriptions: List[Subscription] = []
+
+    def scoped(self, namespace: str, owner: str) -> "Node":
+        """A node for somebody else, in a namespace within this one's."""
+        joined = "/".join(part for part in (self.namespace, namespace.strip("/")) if part)
+        return Node(self._transport, joined, owner, self._frames)
+
+    def resolve(self, name: str) -> str:
+        """A topic's or parameter's name with the namespace; absolute names stay as they are."""
+        return name if name.startswith("/") or not self.namespace else f"{self.namespace}/{name}"
+
+    def advertise(
+        self, topic: str, message_type: Any, *, latch: bool = False, queue_size: int = 10
+    ) -> Publisher:
+        """Opens a topic for sending.
+
+        Args:
+            topic: its name within the namespace.
+            message_type: the ROS message class.
+            latch: whether late listeners get the last message.
+            queue_size: how many messages wait for a slow listener before the oldest is dropped.
+        """
+        publisher = self._transport.advertise(
+            self.resolve(topic), message_type, latch=latch, queue_size=queue_size
+        )
+        self._publishers.append(publisher)
+        return publisher
+
+    def subscribe(
+        self, topic: str, message_type: Any, callback: Callable[[Any], None]
+    ) -> Subscription:
+        """Calls `callback(message)` between steps for each message of a topic."""
+        subscription = self._transport.subscribe(self.resolve(topic), message_type, callback)
+        self._subscriptions.append(subscription)
+        return subscription
+
+    @property
+    def transforms_are_watched(self) -> bool:
+        """Whether anybody listens to transforms."""
+        return self._transport.transforms_are_watched
+
+    def claim_frame(self, parent: str, child: str) -> None:
+        """Says that this node will publish a frame; warns if somebody else does."""
+        self._frames.claim(parent, child, self._owner)
+
+    def send_transform(self, transform: Transform) -> None:
+        """Sends a transform, together with all others of this step."""
+        self._frames.claim(transform.parent, transform.child, self._owner)
+        self._transport.send_transform(transform)
+
+    def get_param(self, name: str, default: Any = None) -> Any:
+        """A parameter's value within the namespace, or the default."""
+        return self._transport.get_param(self.resolve(name), default)
+
+    def close(self) -> None:
+        """Takes away all that this node opened."""
+        for opened in [*self._publishers, *self._subscriptions]:
+            opened.close()
+        self._publishers.clear()
+        self._subscriptions.clear()
+        self._frames.release(self._owner)

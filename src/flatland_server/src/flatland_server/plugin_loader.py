@@ -1,0 +1,141 @@
+"""Finds plugins by their type, as pluginlib does.
+
+A package declares its plugins in an XML file and exports it in its package.xml:
+
+    <export><flatland_server plugin="${prefix}/flatland_plugins.xml"/></export>
+
+    <library>
+      <class name="ConstVelocity" type="my_plugins.const_velocity.ConstVelocity"
+             base_class_type="flatland_server.model_plugin.ModelPlugin">
+        <description>Moves a body at a constant velocity</description>
+      </class>
+    </library>
+
+`type` is the importable Python class, `name` what YAML files call it, alone or as
+`my_plugins::ConstVelocity`. The package makes its modules importable with catkin_python_setup().
+"""
+
+import importlib
+import inspect
+import logging
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Iterable, List, Optional, Type, TypeVar
+
+from flatland_server.exceptions import PluginError, suggestion
+from flatland_server.plugin import Plugin
+
+logger = logging.getLogger(__name__)
+
+P = TypeVar("P", bound=Plugin)
+
+
+@dataclass(frozen=True)
+class PluginDeclaration:
+    """A class that a package declares."""
+
+    name: str
+    package: str
+    class_path: str
+
+    def answers_to(self, type: str) -> bool:
+        """Whether a YAML file's `type` means this class."""
+        package, _, name = type.rpartition("::")
+        return name == self.name and package in ("", self.package)
+
+
+class PluginLoader:
+    """Imports plugins on demand.
+
+    Args:
+        declarations: what there is; by default all that is exported on ROS_PACKAGE_PATH, looked up
+            when the first plugin is needed.
+    """
+
+    def __init__(self, declarations: Optional[Iterable[PluginDeclaration]] = None) -> None:
+        self._declarations = None if declarations is None else list(declarations)
+
+    def load(self, type: str, base: Type[P]) -> Type[P]:
+        """The class that a YAML file's `type` means.
+
+        Raises:
+            PluginError: there is none, it cannot be imported, or it is not derived from `base`.
+        """
+        if self._declarations is None:
+            self._declarations = discover()
+        found = [d for d in self._declarations if d.answers_to(type)]
+        if not found:
+            names = sorted(d.name for d in self._declarations)
+            known = ", ".join(names) or "none; is the workspace's setup.bash sourced?"
+            hint = suggestion(type.rpartition("::")[2], names)
+            raise PluginError(f'unknown plugin type "{type}"{hint}; there are: {known}')
+        if len(found) > 1:
+            choices = " or ".join(f"{d.package}::{d.name}" for d in found)
+            raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
+        cls = _import(found[0])
+        if not (inspect.isclass(cls) and issubclass(cls, base)):
+            raise PluginError(f'"{type}" is not a {base.__name__}: {found[0].class_path}')
+        return cls
+
+
+def _import(declaration: PluginDeclaration) -> object:
+    module_name, _, class_name = declaration.class_path.rpartition(".")
+    try:
+        module = importlib.import_module(module_name)
+    except Exception as error:
+        raise PluginError(
+            f'the plugin "{declaration.name}" of the package {declaration.package} cannot be '
+            f"imported: {module_name}: {error}"
+        ) from error
+    if not hasattr(module, class_name):
+        raise PluginError(f'{module_name} has no class "{class_name}", though its XML names it')
+    return getattr(module, class_name)
+
+
+def discover() -> List[PluginDeclaration]:
+    """All plugins that packages on ROS_PACKAGE_PATH export; a faulty declaration only warns."""
+    import rospkg
+
+    rospack = rospkg.RosPack()
+    declarations: List[PluginDeclaration] = []
+    for package in sorted(rospack.list()):
+        prefix = Path(rospack.get_path(package))
+        for xml in _exported_files(prefix):
+            try:
+                declarations.extend(_read_declarations(package, xml))
+            except (OSError, ElementTree.ParseError, ValueError) as error:
+                logger.warning("the plugins of the package %s are left out: %s", package, error)
+    return declarations
+
+
+def _exported_files(prefix: Path) -> List[Path]:
+    """The plugin files that a package exports. Most packages do not mention us: not parsed."""
+    manifest = prefix / "package.xml"
+    try:
+        text = manifest.read_text(encoding="utf-8")
+        if "<flatland_server" not in text:
+            return []
+        exports = ElementTree.fromstring(text).iterfind("export/flatland_server")
+    except (OSError, UnicodeDecodeError, ElementTree.ParseError) as error:
+        logger.warning("%s is left out: %s", manifest, error)
+        return []
+    files = [export.get("plugin") for export in exports]
+    return [Path(file.replace("${prefix}", str(prefix))) for file in files if file]
+
+
+def _read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
+    root = ElementTree.fromstring(xml.read_text(encoding="utf-8"))
+    declarations = []
+    for element in root.iter("class"):
+        class_path = element.get("type", "")
+        if "::" in class_path:
+            raise ValueError(
+                f"{xml}: {class_path} is a C++ class; here plugins are Python classes, such as "
+                f"{class_path.replace('::', '.')}"
+            )
+        if "." not in class_path:
+            raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
+        name = element.get("name", class_path.rpartition(".")[2])
+        declarations.append(PluginDeclaration(name.rpartition("/")[2], package, class_path))
+    return declarations

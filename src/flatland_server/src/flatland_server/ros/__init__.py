@@ -1,0 +1,1 @@
+"""The ROS edge: the only part of the server that imports rospy."""

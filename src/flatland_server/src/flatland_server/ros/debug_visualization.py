@@ -1,0 +1,118 @@
+"""What rviz shows: the layers and models as marker arrays.
+
+`~debug/layer/<name>` is published once and latched. `~debug/model/<name>` is published at a rate of
+real time, while somebody listens. `~debug/topics` is latched and lists them without `~debug/`.
+"""
+
+import time
+from typing import Dict, List
+
+import rospy
+from flatland_msgs.msg import DebugTopicList
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from flatland_server.geometry import quaternion
+from flatland_server.layer import Layer
+from flatland_server.model import Model
+from flatland_server.ros.footprint_markers import body_markers
+from flatland_server.world import World
+
+FRAME_ID = "map"
+
+_WALL_WIDTH = 0.03  # m
+
+
+class DebugVisualization:
+    """Publishes the markers of a world.
+
+    Args:
+        world: what is shown.
+        rate: how often models are published [Hz of real time].
+    """
+
+    def __init__(self, world: World, rate: float) -> None:
+        self._world = world
+        self._period = 1.0 / rate
+        self._next = time.monotonic()
+        self._layers = [_LayerDisplay(layer) for layer in world.layers]
+        self._models: Dict[str, _ModelDisplay] = {}
+        self._topics = rospy.Publisher("~debug/topics", DebugTopicList, queue_size=1, latch=True)
+        self._follow_models()
+        self._publish_topics()
+
+    def update(self) -> None:
+        """Publishes what is due. To be called often, on the simulation's thread."""
+        if self._follow_models():
+            self._publish_topics()
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = max(self._next + self._period, now)
+        for display in self._models.values():
+            display.publish()
+
+    def _follow_models(self) -> bool:
+        """Makes displays for new models and ends those of models that are gone."""
+        present = self._world.models
+        gone = [name for name, shown in self._models.items() if present.get(name) is not shown.model]
+        new = [name for name in present if name not in self._models or name in gone]
+        for name in gone:
+            self._models.pop(name).close()
+        for name in new:
+            self._models[name] = _ModelDisplay(present[name])
+        return bool(gone or new)
+
+    def _publish_topics(self) -> None:
+        self._topics.publish(
+            [display.topic for display in [*self._layers, *self._models.values()]]
+        )
+
+
+class _LayerDisplay:
+    def __init__(self, layer: Layer) -> None:
+        self.topic = f"layer/{layer.name}"
+        self._publisher = rospy.Publisher(
+            f"~debug/{self.topic}", MarkerArray, queue_size=1, latch=True
+        )
+        marker = Marker(ns=layer.name, type=Marker.LINE_LIST, action=Marker.ADD)
+        marker.header.frame_id = FRAME_ID
+        marker.scale.x = _WALL_WIDTH
+        marker.color = ColorRGBA(*layer.config.color)
+        marker.pose.orientation.w = 1.0
+        marker.points = [
+            Point(x, y, z)
+            for x1, y1, x2, y2 in layer.segments.tolist()
+            for x, y, z in ((x1, y1, layer.config.min_z), (x2, y2, layer.config.min_z))
+        ]
+        self._publisher.publish([marker])
+
+
+class _ModelDisplay:
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.topic = f"model/{model.name}"
+        self._publisher = rospy.Publisher(f"~debug/{self.topic}", MarkerArray, queue_size=1)
+        self._markers: List[Marker] = []
+        self._bodies = []
+        for body in model.bodies.values():
+            for marker in body_markers(body.config, f"{model.name}/{body.name}"):
+                marker.header.frame_id = FRAME_ID
+                self._markers.append(marker)
+                self._bodies.append(body)
+
+    def publish(self) -> None:
+        if self._publisher.get_num_connections() == 0:
+            return
+        for marker, body in zip(self._markers, self._bodies):
+            pose = body.pose
+            marker.pose.position.x, marker.pose.position.y = pose.x, pose.y
+            turn = marker.pose.orientation
+            turn.x, turn.y, turn.z, turn.w = quaternion(pose.yaw)
+        self._publisher.publish(self._markers)
+
+    def close(self) -> None:
+        """Makes rviz forget the model, and takes the topic away."""
+        self._publisher.publish([Marker(action=Marker.DELETEALL)])
+        self._publisher.unregister()

@@ -1,0 +1,157 @@
+"""Topics, transforms and parameters over ROS.
+
+rospy calls back on threads of its own. Here a callback is only queued; it runs on the simulation's
+thread when that calls `process`, so that no plugin ever sees a half-stepped world or needs a lock.
+"""
+
+import logging
+import queue
+import threading
+import time
+from typing import Any, Callable, Generic, List, TypeVar
+
+import rospy
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
+
+from flatland_server.geometry import Transform, quaternion
+from flatland_server.node import Publisher, Subscription, Transport
+
+logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+class RosTransport(Transport):
+    """A transport over rospy. The ROS node must be initialised."""
+
+    def __init__(self) -> None:
+        self._waiting: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
+        self._transforms: List[Transform] = []
+        self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
+
+    def advertise(self, topic: str, message_type: Any, *, latch: bool, queue_size: int) -> Publisher:
+        return _RosPublisher(topic, message_type, latch, queue_size)
+
+    def subscribe(
+        self, topic: str, message_type: Any, callback: Callable[[Any], None]
+    ) -> Subscription:
+        return _RosSubscription(topic, message_type, callback, self._waiting.put)
+
+    @property
+    def transforms_are_watched(self) -> bool:
+        return self._tf.get_num_connections() > 0
+
+    def send_transform(self, transform: Transform) -> None:
+        self._transforms.append(transform)
+
+    def get_param(self, name: str, default: Any = None) -> Any:
+        return rospy.get_param(name, default)
+
+    def process(self, timeout: float = 0.0) -> None:
+        deadline = time.monotonic() + timeout
+        try:
+            while True:
+                remaining = deadline - time.monotonic()
+                if remaining > 0:
+                    run = self._waiting.get(timeout=remaining)
+                else:
+                    run = self._waiting.get_nowait()
+                try:
+                    run()
+                except Exception:
+                    logger.exception("a callback failed")
+        except queue.Empty:
+            pass
+
+    def call(self, function: Callable[[], T]) -> T:
+        """Runs a function on the simulation's thread, between steps, and returns its result.
+
+        For ROS's threads; blocks until it is done. An exception is raised here.
+        """
+        errand = _Errand(function)
+        self._waiting.put(errand.run)
+        return errand.result()
+
+    def flush(self) -> None:
+        if self._transforms:
+            self._tf.publish(TFMessage([_to_message(t) for t in self._transforms]))
+            self._transforms.clear()
+
+
+class _Errand(Generic[T]):
+    """A function that one thread runs for another."""
+
+    def __init__(self, function: Callable[[], T]) -> None:
+        self._function = function
+        self._outcome: List[Any] = []
+        self._done = threading.Event()
+
+    def run(self) -> None:
+        try:
+            self._outcome = [self._function(), None]
+        except BaseException as error:
+            self._outcome = [None, error]
+        self._done.set()
+
+    def result(self) -> T:
+        while not self._done.wait(0.1):
+            if rospy.is_shutdown():
+                raise rospy.ServiceException("the simulation is shutting down")
+        value, error = self._outcome
+        if error is not None:
+            raise error
+        return value
+
+
+class _RosPublisher(Publisher):
+    def __init__(self, topic: str, message_type: Any, latch: bool, queue_size: int) -> None:
+        self._publisher = rospy.Publisher(
+            topic, message_type, latch=latch, queue_size=queue_size, tcp_nodelay=True
+        )
+
+    @property
+    def is_watched(self) -> bool:
+        return self._publisher.get_num_connections() > 0
+
+    def publish(self, message: Any) -> None:
+        self._publisher.publish(message)
+
+    def close(self) -> None:
+        self._publisher.unregister()
+
+
+class _RosSubscription(Subscription):
+    def __init__(
+        self,
+        topic: str,
+        message_type: Any,
+        callback: Callable[[Any], None],
+        wait: Callable[[Callable[[], None]], None],
+    ) -> None:
+        self._is_open = True
+        self._callback = callback
+        self._subscriber = rospy.Subscriber(
+            topic, message_type, lambda message: wait(lambda: self._deliver(message))
+        )
+
+    def _deliver(self, message: Any) -> None:
+        if self._is_open:
+            self._callback(message)
+
+    def close(self) -> None:
+        self._is_open = False
+        self._subscriber.unregister()
+
+
+def _to_message(transform: Transform) -> TransformStamped:
+    message = TransformStamped()
+    message.header.stamp.secs, message.header.stamp.nsecs = divmod(
+        transform.nanoseconds, 1_000_000_000
+    )
+    message.header.frame_id = transform.parent
+    message.child_frame_id = transform.child
+    translation, rotation = message.transform.translation, message.transform.rotation
+    translation.x, translation.y = transform.pose.x, transform.pose.y
+    rotation.x, rotation.y, rotation.z, rotation.w = quaternion(transform.pose.yaw, transform.roll)
+    return message

@@ -1,0 +1,110 @@
+"""The node flatland_server: reads its parameters, loads the world and runs it."""
+
+import logging
+import math
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import rospy
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.ros.clock import ClockPublisher
+from flatland_server.ros.debug_visualization import DebugVisualization
+from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.ros.service_manager import ServiceManager
+from flatland_server.simulation_manager import SimulationManager
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.world import World
+
+
+class ServerConfig(NamedTuple):
+    """The node's private parameters."""
+
+    world_path: Path
+    update_rate: float
+    step_size: float
+    show_viz: bool
+    viz_pub_rate: float
+    seed: int
+
+    @classmethod
+    def read(cls) -> "ServerConfig":
+        """Reads and checks them.
+
+        Raises:
+            FlatlandError: one is missing or not usable.
+        """
+        world_path = rospy.get_param("~world_path", "")
+        if not world_path:
+            raise FlatlandError("the parameter ~world_path must be the path of a world file")
+        seed = rospy.get_param("~seed", 0)
+        if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+            raise FlatlandError(f"~seed: expected a whole number of 0 or more, found {seed}")
+        show_viz = rospy.get_param("~show_viz", True)
+        if not isinstance(show_viz, bool):
+            raise FlatlandError(f"~show_viz: expected true or false, found {show_viz}")
+        return cls(
+            world_path=Path(str(world_path)).absolute(),
+            update_rate=_positive("~update_rate", 200.0, allow_infinity=True),
+            step_size=_positive("~step_size", 0.005),
+            show_viz=show_viz,
+            viz_pub_rate=_positive("~viz_pub_rate", 30.0),
+            seed=seed,
+        )
+
+
+def _positive(name: str, default: float, *, allow_infinity: bool = False) -> float:
+    value: Any = rospy.get_param(name, default)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if number > 0 and (allow_infinity or math.isfinite(number)):
+        return number
+    raise FlatlandError(f"{name}: expected a number above 0, found {value}")
+
+
+class _RosLogHandler(logging.Handler):
+    """Hands what the ROS-free modules log on to rosout."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        log = {"WARNING": rospy.logwarn, "ERROR": rospy.logerr, "CRITICAL": rospy.logfatal}
+        log.get(record.levelname, rospy.loginfo)("%s", self.format(record))
+
+
+def main() -> int:
+    """Runs the node until it is shut down. Returns its exit code."""
+    rospy.init_node("flatland_server")
+    for package in ("flatland_server", "flatland_plugins"):
+        logging.getLogger(package).addHandler(_RosLogHandler())
+        logging.getLogger(package).setLevel(logging.INFO)
+    try:
+        _run(ServerConfig.read())
+    except FlatlandError as error:
+        rospy.logfatal("%s", error)
+        return 1
+    return 0
+
+
+def _run(config: ServerConfig) -> None:
+    try:
+        timekeeper = Timekeeper(config.step_size)
+    except ValueError as error:
+        raise FlatlandError(f"~step_size: {error}") from None
+    transport = RosTransport()
+    world = World.from_file(config.world_path, transport, seed=config.seed)
+    manager = SimulationManager(world, timekeeper, config.update_rate)
+    manager.after_step.append(ClockPublisher(timekeeper).publish)
+    if config.show_viz:
+        manager.each_turn.append(DebugVisualization(world, config.viz_pub_rate).update)
+    ServiceManager(manager, transport)
+    rospy.loginfo(
+        "%s: %d layers, %d models; running",
+        *(config.world_path, len(world.layers), len(world.models)),
+    )
+    manager.run(lambda: not rospy.is_shutdown())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,40 @@
+"""Simulated time."""
+
+
+class Timekeeper:
+    """Counts simulated time in whole nanoseconds, so that it is exact and equal in every run.
+
+    Args:
+        step_size: length of a step [s]; rounded to a nanosecond.
+
+    Raises:
+        ValueError: the step is shorter than a nanosecond, or not finite.
+    """
+
+    def __init__(self, step_size: float) -> None:
+        try:
+            self._step_nanoseconds = round(step_size * 1e9)
+        except (OverflowError, ValueError):
+            self._step_nanoseconds = 0
+        if self._step_nanoseconds < 1:
+            raise ValueError(f"expected a step of more than 0 s, found {step_size}")
+        self._nanoseconds = 0
+
+    @property
+    def nanoseconds(self) -> int:
+        """Simulated time since the start [ns]."""
+        return self._nanoseconds
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time since the start [s]."""
+        return self._nanoseconds * 1e-9
+
+    @property
+    def step_size(self) -> float:
+        """Length of a step [s]."""
+        return self._step_nanoseconds * 1e-9
+
+    def step(self) -> None:
+        """Moves on by one step."""
+        self._nanoseconds += self._step_nanoseconds

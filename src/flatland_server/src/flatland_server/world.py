@@ -1,0 +1,245 @@
+"""The world: layers, models and plugins, read from a file and moved step by step.
+
+    world = World.from_file(Path("world.yaml"))
+    timekeeper = Timekeeper(step_size=0.005)
+    world.step(timekeeper)
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, List, Optional, Tuple
+
+from flatland_server import _core
+from flatland_server.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.exceptions import FlatlandError, ModelError, suggestion
+from flatland_server.geometry import Pose
+from flatland_server.layer import Layer, LayerConfig
+from flatland_server.local_transport import LocalTransport
+from flatland_server.model import Model, ModelConfig
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.names import check_topic_name, namespace_problem, topic_name_problem
+from flatland_server.node import Node, Transport
+from flatland_server.plugin_config import PluginConfig, read_plugins
+from flatland_server.plugin_loader import PluginLoader
+from flatland_server.plugin_manager import PluginManager
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.world_plugin import WorldPlugin
+from flatland_server.yaml_reader import YamlReader
+
+
+@dataclass(frozen=True)
+class ModelEntry:
+    """An entry of a world's `models`, with the model's file."""
+
+    name: str
+    namespace: str
+    pose: Pose
+    model: ModelConfig
+
+
+@dataclass(frozen=True)
+class WorldConfig:
+    """A world file with all the files that it names."""
+
+    velocity_iterations: int
+    position_iterations: int
+    registry: CollisionFilterRegistry
+    layers: Tuple[LayerConfig, ...]
+    models: Tuple[ModelEntry, ...]
+    plugins: Tuple[PluginConfig, ...]
+
+    @classmethod
+    def from_file(cls, path: Path) -> "WorldConfig":
+        """Reads a world file and what it refers to; touches nothing else.
+
+        Raises:
+            YamlError: something in one of the files is wrong.
+        """
+        reader = YamlReader.from_file(path)
+        properties = reader.get_section("properties", required=True)
+        velocity_iterations = properties.get_int("velocity_iterations", 10, minimum=1)
+        position_iterations = properties.get_int("position_iterations", 10, minimum=1)
+        properties.finish()
+        registry = CollisionFilterRegistry()
+        layers = tuple(
+            LayerConfig.read(section, registry)
+            for section in reader.get_sections("layers", required=True)
+        )
+        models: Dict[str, ModelEntry] = {}
+        for section in reader.get_sections("models"):
+            entry = _read_model_entry(section, registry)
+            if entry.name in models:
+                raise section.error(f'the name "{entry.name}" is given twice', "name")
+            models[entry.name] = entry
+        plugins = tuple(read_plugins(reader))
+        reader.finish()
+        return cls(
+            velocity_iterations,
+            position_iterations,
+            registry,
+            layers,
+            tuple(models.values()),
+            plugins,
+        )
+
+
+def _read_model_entry(reader: YamlReader, registry: CollisionFilterRegistry) -> ModelEntry:
+    name = reader.get_string("name")
+    check_topic_name(reader, "name", name)
+    namespace = reader.get_string("namespace", "")
+    problem = namespace_problem(namespace)
+    if problem:
+        raise reader.error(problem, "namespace")
+    pose = reader.get_pose("pose", Pose())
+    path = reader.file.parent / reader.get_string("model")
+    reader.finish()
+    if not path.is_file():
+        raise reader.error(f"there is no file {path}", "model")
+    return ModelEntry(name, namespace, pose, ModelConfig.from_file(path, registry))
+
+
+class World:
+    """All that lives in the simulation.
+
+    Args:
+        config: what the world's files say.
+        transport: what carries its topics; by default this process alone.
+        seed: of all chance in it. Equal seeds and commands give equal runs.
+        loader: finds plugin classes; by default those on ROS_PACKAGE_PATH.
+
+    Raises:
+        FlatlandError: a model does not fit in, or a plugin does not start.
+    """
+
+    def __init__(
+        self,
+        config: WorldConfig,
+        transport: Optional[Transport] = None,
+        *,
+        seed: int = 0,
+        loader: Optional[PluginLoader] = None,
+    ) -> None:
+        self.transport: Transport = transport if transport is not None else LocalTransport()
+        self.registry = config.registry
+        self.models: Dict[str, Model] = {}
+        self.physics = _core.World(config.velocity_iterations, config.position_iterations)
+        self._plugins = PluginManager(Node(self.transport), loader or PluginLoader(), seed)
+        self._is_stepping = False
+        try:
+            self.layers = [Layer(layer, self.physics) for layer in config.layers]
+            for entry in config.models:
+                self._add_model(entry)
+            self._plugins.start(list(config.plugins), WorldPlugin, "", "", self)
+        except BaseException:
+            self.close()
+            raise
+
+    @classmethod
+    def from_file(
+        cls,
+        path: Path,
+        transport: Optional[Transport] = None,
+        *,
+        seed: int = 0,
+        loader: Optional[PluginLoader] = None,
+    ) -> "World":
+        """A world from its file; see the class and `WorldConfig.from_file` for what can go wrong."""
+        return cls(WorldConfig.from_file(path), transport, seed=seed, loader=loader)
+
+    def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Model:
+        """Puts a new model into the world: wholly, or not at all.
+
+        Args:
+            path: of the model file.
+            name: unique in the world.
+            namespace: of its topics and frames; may be empty.
+            pose: where its origin is put.
+
+        Raises:
+            FlatlandError: the file, the name, the namespace or the pose is not usable; the world is
+                then as it was.
+        """
+        problem = topic_name_problem(name) or namespace_problem(namespace)
+        if problem:
+            raise ModelError(problem)
+        if name in self.models:
+            raise ModelError(f'a model named "{name}" is already there')
+        _check_pose(pose)
+        if not path.is_file():
+            raise ModelError(f"there is no file {path}")
+        return self._add_model(
+            ModelEntry(name, namespace, pose, ModelConfig.from_file(path, self.registry))
+        )
+
+    def delete_model(self, name: str) -> None:
+        """Takes a model out of the world, with its topics and frames.
+
+        Raises:
+            ModelError: there is no such model.
+        """
+        model = self.get_model(name)
+        self._require_between_steps()
+        del self.models[name]
+        self._plugins.stop(name)
+        model.remove()
+
+    def move_model(self, name: str, pose: Pose) -> None:
+        """Puts a model somewhere else, at rest.
+
+        Raises:
+            ModelError: there is no such model, or the pose is not usable.
+        """
+        model = self.get_model(name)
+        self._require_between_steps()
+        _check_pose(pose)
+        model.move(pose)
+
+    def get_model(self, name: str) -> Model:
+        """The model of that name.
+
+        Raises:
+            ModelError: there is none.
+        """
+        if name not in self.models:
+            raise ModelError(f'there is no model "{name}"{suggestion(name, self.models)}')
+        return self.models[name]
+
+    def step(self, timekeeper: Timekeeper) -> None:
+        """Moves the world and the timekeeper on by one step."""
+        self._is_stepping = True
+        try:
+            self._plugins.before_physics_step(timekeeper)
+            self.physics.step(timekeeper.step_size)
+            timekeeper.step()
+            self._plugins.after_physics_step(timekeeper)
+        finally:
+            self._is_stepping = False
+        self.transport.flush()
+
+    def close(self) -> None:
+        """Ends all plugins."""
+        self._plugins.stop_all()
+
+    def _add_model(self, entry: ModelEntry) -> Model:
+        self._require_between_steps()
+        model = Model(
+            entry.name, entry.namespace, entry.model, entry.pose, self.physics, self.registry
+        )
+        self.models[entry.name] = model
+        plugins: List[PluginConfig] = list(entry.model.plugins)
+        try:
+            self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
+        except BaseException:
+            del self.models[entry.name]
+            model.remove()
+            raise
+        return model
+
+    def _require_between_steps(self) -> None:
+        if self._is_stepping:
+            raise FlatlandError("models come, go and are moved between steps, not during one")
+
+
+def _check_pose(pose: Pose) -> None:
+    if not pose.is_finite():
+        raise ModelError(f"expected a finite pose, found x={pose.x} y={pose.y} theta={pose.yaw}")

@@ -1,0 +1,157 @@
+#include "flatland_server/beam_fan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <ostream>
+#include <random>
+#include <set>
+#include <stdexcept>
+
+namespace flatland {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void ExpectDirection(Vec2 direction, double angle) {
+  EXPECT_NEAR(direction.x, std::cos(angle), 1e-12);
+  EXPECT_NEAR(direction.y, std::sin(angle), 1e-12);
+}
+
+TEST(BeamFan, TurnsCounterClockwise) {
+  const BeamFan fan(-0.5, 0.25, 5);
+
+  ASSERT_EQ(fan.size(), 5);
+  ExpectDirection(fan.direction(0), -0.5);
+  ExpectDirection(fan.direction(1), -0.25);
+  ExpectDirection(fan.direction(4), 0.5);
+}
+
+TEST(BeamFan, TurnsClockwiseWithANegativeIncrement) {
+  const BeamFan fan(0.5, -0.25, 5);
+
+  ASSERT_EQ(fan.size(), 5);
+  ExpectDirection(fan.direction(0), 0.5);
+  ExpectDirection(fan.direction(1), 0.25);
+  ExpectDirection(fan.direction(4), -0.5);
+}
+
+TEST(BeamFan, OneBeamNeedsNoIncrement) {
+  const BeamFan fan(2.0, 0.0, 1);
+
+  ASSERT_EQ(fan.size(), 1);
+  ExpectDirection(fan.direction(0), 2.0);
+}
+
+TEST(BeamFan, RefusesAnglesThatAreNotFinite) {
+  for (double bad : {kNaN, kInfinity, -kInfinity}) {
+    EXPECT_THROW(BeamFan(bad, 0.1, 3), std::invalid_argument);
+    EXPECT_THROW(BeamFan(0.0, bad, 3), std::invalid_argument);
+  }
+}
+
+TEST(BeamFan, RefusesNoBeams) {
+  EXPECT_THROW(BeamFan(0.0, 0.1, 0), std::invalid_argument);
+  EXPECT_THROW(BeamFan(0.0, 0.1, -1), std::invalid_argument);
+}
+
+TEST(BeamFan, RefusesTwoBeamsInOneDirection) {
+  EXPECT_THROW(BeamFan(0.0, 0.0, 2), std::invalid_argument);
+}
+
+struct FanCase {
+  const char* name;
+  double angle_min;
+  double span;  // from the first beam to the last [rad], negative for clockwise
+  int count;
+};
+
+void PrintTo(const FanCase& fan, std::ostream* out) { *out << fan.name; }
+
+class BeamsNear : public testing::TestWithParam<FanCase> {
+ protected:
+  BeamFan fan_{GetParam().angle_min, GetParam().span / (GetParam().count - 1), GetParam().count};
+
+  // Every beam whose direction is within half_width of the bearing must be visited.
+  void ExpectAllVisited(double bearing, double half_width) const {
+    std::set<int> visited;
+    fan_.ForEachBeamNear(bearing, half_width, [&](int beam) { visited.insert(beam); });
+
+    if (!visited.empty()) {
+      EXPECT_GE(*visited.begin(), 0);
+      EXPECT_LT(*visited.rbegin(), fan_.size());
+    }
+    for (int beam = 0; beam < fan_.size(); ++beam) {
+      const double angle = fan_.angle_min() + beam * fan_.increment();
+      const double apart = std::abs(std::remainder(angle - bearing, 2.0 * M_PI));
+      if (apart > half_width || visited.count(beam) == 1) continue;
+      ADD_FAILURE() << "beam " << beam << " at " << angle << " is missed near " << bearing
+                    << " with half width " << half_width;
+    }
+  }
+};
+
+TEST_P(BeamsNear, AreAllVisitedForRandomBearings) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> bearing(-M_PI, M_PI);
+  std::uniform_real_distribution<double> half_width(0.0, 1.05 * M_PI);
+
+  for (int i = 0; i < 2000; ++i) ExpectAllVisited(bearing(random), half_width(random));
+}
+
+TEST_P(BeamsNear, AreAllVisitedForNarrowThings) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> bearing(-M_PI, M_PI);
+
+  for (int i = 0; i < 2000; ++i) {
+    ExpectAllVisited(bearing(random), 0.6 * std::abs(fan_.increment()));
+  }
+}
+
+TEST_P(BeamsNear, AreAllVisitedStraightBehind) {
+  for (double bearing : {-M_PI, -M_PI + 1e-9, -3.14, 3.14, M_PI - 1e-9, M_PI}) {
+    for (double half_width : {0.0, 1e-6, 0.01, 0.5, 3.0, 3.1415, M_PI, 4.0}) {
+      ExpectAllVisited(bearing, half_width);
+    }
+  }
+}
+
+TEST_P(BeamsNear, AreFewForNarrowThings) {
+  for (double bearing = -3.0; bearing < 3.0; bearing += 0.1) {
+    std::multiset<int> visits;
+    fan_.ForEachBeamNear(bearing, 0.01, [&](int beam) { visits.insert(beam); });
+
+    const double per_turn = 2.0 * (0.01 / std::abs(fan_.increment()) + 1.0) + 1.0;
+    const double turns = std::ceil(std::abs(GetParam().span) / (2.0 * M_PI)) + 1.0;
+    EXPECT_LE(visits.size(), per_turn * turns) << "near " << bearing;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Fans, BeamsNear,
+    testing::Values(FanCase{"narrow", -0.4, 0.8, 81}, FanCase{"narrow_clockwise", 0.4, -0.8, 81},
+                    FanCase{"behind", 2.9, 0.6, 61}, FanCase{"behind_clockwise", -2.9, -0.6, 61},
+                    FanCase{"three_quarters", -2.356, 4.712, 1081},
+                    FanCase{"full_turn", -M_PI, 2.0 * M_PI, 361},
+                    FanCase{"full_turn_clockwise", M_PI, -2.0 * M_PI, 361},
+                    FanCase{"two_turns", -M_PI, 4.0 * M_PI, 500},
+                    FanCase{"two_turns_clockwise", M_PI, -4.0 * M_PI, 500},
+                    FanCase{"many_turns_from_afar", 50.0, 3.5 * M_PI, 400}),
+    [](const testing::TestParamInfo<FanCase>& info) { return info.param.name; });
+
+TEST(BeamFan, CoarseFanOfManyTurnsMissesNothing) {
+  const BeamFan fan(0.0, 5.0, 40);
+
+  std::set<int> visited;
+  fan.ForEachBeamNear(1.0, 0.2, [&](int beam) { visited.insert(beam); });
+
+  for (int beam = 0; beam < fan.size(); ++beam) {
+    const double apart = std::abs(std::remainder(beam * 5.0 - 1.0, 2.0 * M_PI));
+    if (apart > 0.2) continue;
+    EXPECT_EQ(visited.count(beam), 1u) << "beam " << beam;
+  }
+}
+
+}  // namespace
+}  // namespace flatland

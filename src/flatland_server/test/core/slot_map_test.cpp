@@ -1,0 +1,113 @@
+#include "flatland_server/slot_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace flatland {
+namespace {
+
+using Names = SlotMap<std::string>;
+
+TEST(SlotMap, FindsWhatWasAdded) {
+  Names names("robot");
+  const Handle<std::string> anna = names.Add("Anna");
+  const Handle<std::string> bert = names.Add("Bert");
+
+  EXPECT_EQ(names.Get(anna), "Anna");
+  EXPECT_EQ(names.Get(bert), "Bert");
+}
+
+TEST(SlotMap, DefaultHandleNamesNothing) {
+  Names names("robot");
+  const Handle<std::string> nobody;
+  EXPECT_FALSE(names.Contains(nobody));
+
+  names.Add("Anna");
+
+  EXPECT_FALSE(names.Contains(nobody));
+  EXPECT_THROW(names.Get(nobody), GoneError);
+}
+
+TEST(SlotMap, RemovedHandleIsGone) {
+  Names names("robot");
+  const Handle<std::string> anna = names.Add("Anna");
+
+  names.Remove(anna);
+
+  EXPECT_FALSE(names.Contains(anna));
+  EXPECT_THROW(names.Get(anna), GoneError);
+  EXPECT_THROW(names.Remove(anna), GoneError);
+}
+
+TEST(SlotMap, RemovedHandleIsGoneAlsoAfterItsSlotIsUsedAgain) {
+  Names names("robot");
+  const Handle<std::string> anna = names.Add("Anna");
+  names.Remove(anna);
+
+  const Handle<std::string> bert = names.Add("Bert");
+
+  ASSERT_EQ(bert.index, anna.index);
+  EXPECT_THROW(names.Get(anna), GoneError);
+  EXPECT_THROW(names.Remove(anna), GoneError);
+  EXPECT_EQ(names.Get(bert), "Bert");
+}
+
+TEST(SlotMap, ErrorSaysWhatIsGone) {
+  Names names("robot");
+
+  try {
+    names.Get({});
+    FAIL() << "nothing thrown";
+  } catch (const GoneError& error) {
+    EXPECT_STREQ(error.what(), "this robot has been deleted");
+  }
+}
+
+TEST(SlotMap, RemovingLetsGoOfTheValue) {
+  SlotMap<std::shared_ptr<int>> numbers("number");
+  const auto number = std::make_shared<int>(7);
+  const Handle<std::shared_ptr<int>> handle = numbers.Add(number);
+
+  numbers.Remove(handle);
+
+  EXPECT_EQ(number.use_count(), 1);
+}
+
+TEST(SlotMap, ForEachVisitsOnlyTheLiving) {
+  Names names("robot");
+  const Handle<std::string> anna = names.Add("Anna");
+  const Handle<std::string> bert = names.Add("Bert");
+  const Handle<std::string> cleo = names.Add("Cleo");
+  names.Remove(bert);
+
+  std::vector<std::string> visited;
+  std::vector<uint32_t> indices;
+  names.ForEach([&](Handle<std::string> handle, const std::string& name) {
+    visited.push_back(name);
+    indices.push_back(handle.index);
+    EXPECT_TRUE(names.Contains(handle));
+  });
+
+  EXPECT_EQ(visited, (std::vector<std::string>{"Anna", "Cleo"}));
+  EXPECT_EQ(indices, (std::vector<uint32_t>{anna.index, cleo.index}));
+}
+
+TEST(SlotMap, TheVisitedOneMayBeRemoved) {
+  Names names("robot");
+  for (const char* name : {"Anna", "Bert", "Cleo"}) names.Add(name);
+
+  int visits = 0;
+  names.ForEach([&](Handle<std::string> handle, const std::string&) {
+    ++visits;
+    names.Remove(handle);
+  });
+
+  EXPECT_EQ(visits, 3);
+  names.ForEach([](Handle<std::string>, const std::string& name) { ADD_FAILURE() << name; });
+}
+
+}  // namespace
+}  // namespace flatland

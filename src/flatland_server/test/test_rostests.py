@@ -1,0 +1,63 @@
+"""Every package's rostests (src/*/test/*.test), each against a ROS master of its own."""
+
+import shutil
+import signal
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+SRC = Path(__file__).resolve().parents[2]
+ROSTESTS = sorted(SRC.glob("*/test/*.test"))
+TIME_LIMIT = 120.0  # s
+
+pytestmark = pytest.mark.slow
+
+
+def run_rostest(path, results):
+    """Run a rostest; return its exit code (None: out of time) and output, and leave its results' XML."""
+    process = subprocess.Popen(
+        [sys.executable, shutil.which("rostest"), f"--results-base-dir={results}", str(path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        universal_newlines=True,
+    )
+    try:
+        output, _ = process.communicate(timeout=TIME_LIMIT)
+        return process.returncode, output
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGINT)  # it ends its nodes, which are in sessions of their own
+        try:
+            output, _ = process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            output, _ = process.communicate()
+        return None, output
+
+
+def count(results, attribute):
+    """Sum an attribute of the test suites in the results of a rostest's tests."""
+    suites = (
+        suite
+        for file in results.glob("*/rosunit-*.xml")
+        for suite in ElementTree.parse(file).getroot().iter("testsuite")
+    )
+    return sum(int(suite.get(attribute, 0)) for suite in suites)
+
+
+@pytest.mark.parametrize(
+    "path", [pytest.param(path, id=f"{path.parts[-3]}/{path.stem}") for path in ROSTESTS]
+)
+def test_rostest(path, tmp_path):
+    code, output = run_rostest(path, tmp_path)
+
+    # The exit code alone says little: a rostest without a single test ends with 0.
+    tests, failures, errors = (count(tmp_path, name) for name in ("tests", "failures", "errors"))
+    if code != 0 or tests == 0 or failures or errors:
+        ended = f"no end after {TIME_LIMIT:g} s" if code is None else f"exit code {code}"
+        pytest.fail(
+            f"{ended}, {tests} tests, {failures} failures, {errors} errors\n{output}",
+            pytrace=False,
+        )

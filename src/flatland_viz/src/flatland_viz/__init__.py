@@ -1,0 +1,1 @@
+"""Flatland's view on the world."""
