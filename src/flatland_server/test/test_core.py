@@ -15,9 +15,7 @@ pytestmark = pytest.mark.slow
 def run(*command):
     """Run a command; if it fails, so does the test, with the command's output."""
     words = [str(word) for word in command]
-    result = subprocess.run(
-        words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True
-    )
+    result = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if result.returncode != 0:
         pytest.fail(
             f"{' '.join(words)}: exit code {result.returncode}\n{result.stdout}", pytrace=False

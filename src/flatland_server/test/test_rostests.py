@@ -17,12 +17,12 @@ pytestmark = pytest.mark.slow
 
 
 def run_rostest(path, results):
-    """Run a rostest; return its exit code (None: out of time) and output, and leave its results' XML."""
+    """Run a rostest, leaving XML in `results`; return its exit code (None: out of time) and output."""
     process = subprocess.Popen(
         [sys.executable, shutil.which("rostest"), f"--results-base-dir={results}", str(path)],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        universal_newlines=True,
+        text=True,
     )
     try:
         output, _ = process.communicate(timeout=TIME_LIMIT)

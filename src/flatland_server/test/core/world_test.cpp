@@ -641,6 +641,11 @@ INSTANTIATE_TEST_SUITE_P(
         Damped("too_much_damping", kTooMuch, 0),
         Polygon("far_polygon_of_one_point",
                 {{99999, 99999}, {99999.003, 99999}, {99999, 99999.003}}),
+        Polygon("sliver_of_a_polygon", {{-1.20094163, -0.88022375},
+                                        {-3.49046546, -2.10999363},
+                                        {-1.6374956, -1.11470961},
+                                        {-3.61502771, -2.17689854}}),
+        Circle("circle_of_hardly_any_radius", {0, 0}, 1e-10),
         Polygon("far_polygon_on_a_line", {{1000, 1000}, {1001, 1001}, {1002, 1002.00001}})),
     NameOf);
 

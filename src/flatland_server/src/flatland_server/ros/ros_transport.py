@@ -5,10 +5,10 @@ thread when that calls `process`, so that no plugin ever sees a half-stepped wor
 """
 
 import logging
-import queue
 import threading
 import time
-from typing import Any, Callable, Generic, List, TypeVar
+from collections import deque
+from typing import Any, Callable, Deque, Generic, List, TypeVar
 
 import rospy
 from geometry_msgs.msg import TransformStamped
@@ -26,7 +26,8 @@ class RosTransport(Transport):
     """A transport over rospy. The ROS node must be initialised."""
 
     def __init__(self) -> None:
-        self._waiting: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
+        self._waiting: Deque[Callable[[], None]] = deque()
+        self._arrival = threading.Event()
         self._transforms: List[Transform] = []
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
 
@@ -36,7 +37,7 @@ class RosTransport(Transport):
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        return _RosSubscription(topic, message_type, callback, self._waiting.put)
+        return _RosSubscription(topic, message_type, callback, self._enqueue)
 
     @property
     def transforms_are_watched(self) -> bool:
@@ -50,19 +51,21 @@ class RosTransport(Transport):
 
     def process(self, timeout: float = 0.0) -> None:
         deadline = time.monotonic() + timeout
-        try:
-            while True:
-                remaining = deadline - time.monotonic()
-                if remaining > 0:
-                    run = self._waiting.get(timeout=remaining)
-                else:
-                    run = self._waiting.get_nowait()
+        while True:
+            while self._waiting:
                 try:
-                    run()
+                    self._waiting.popleft()()
                 except Exception:
                     logger.exception("a callback failed")
-        except queue.Empty:
-            pass
+            remaining = deadline - time.monotonic()
+            if remaining <= 0:
+                return
+            self._arrival.wait(remaining)
+            self._arrival.clear()
+
+    def _enqueue(self, callback: Callable[[], None]) -> None:
+        self._waiting.append(callback)
+        self._arrival.set()
 
     def call(self, function: Callable[[], T]) -> T:
         """Runs a function on the simulation's thread, between steps, and returns its result.
@@ -70,7 +73,7 @@ class RosTransport(Transport):
         For ROS's threads; blocks until it is done. An exception is raised here.
         """
         errand = _Errand(function)
-        self._waiting.put(errand.run)
+        self._enqueue(errand.run)
         return errand.result()
 
     def flush(self) -> None:
@@ -127,12 +130,12 @@ class _RosSubscription(Subscription):
         topic: str,
         message_type: Any,
         callback: Callable[[Any], None],
-        wait: Callable[[Callable[[], None]], None],
+        enqueue: Callable[[Callable[[], None]], None],
     ) -> None:
         self._is_open = True
         self._callback = callback
         self._subscriber = rospy.Subscriber(
-            topic, message_type, lambda message: wait(lambda: self._deliver(message))
+            topic, message_type, lambda message: enqueue(lambda: self._deliver(message))
         )
 
     def _deliver(self, message: Any) -> None:
