@@ -21,7 +21,7 @@ from flatland_server.world import World
 
 FRAME_ID = "map"
 
-_WALL_WIDTH = 0.03  # m
+_WALL_WIDTH = 0.05  # m
 
 
 class DebugVisualization:
