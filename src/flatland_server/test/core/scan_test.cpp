@@ -344,6 +344,17 @@ TEST_F(LidarTest, SaysInfinityWhereNothingIsInRange) {
   EXPECT_EQ(LookAhead({0, 0, M_PI}), kInfinity);
 }
 
+// The near end of a wide body is in range, its far ends are not.
+TEST_F(LidarTest, SeesOnlyThePartOfABodyThatIsInRange) {
+  world_.AddPolygon(AddBody({3, 0, 0}), {{0, -10}, {1, -10}, {1, 10}, {0, 10}}, {});
+  settings_.range = 5.0;
+
+  EXPECT_EQ(LookAhead({}), 3.0f);
+  EXPECT_NEAR(LookAhead({0, 0, 0.9}), 3.0 / std::cos(0.9), 1e-4);
+  EXPECT_EQ(LookAhead({0, 0, 0.95}), kInfinity);
+  EXPECT_EQ(LookAhead({0, 0, -1.2}), kInfinity);
+}
+
 TEST_F(LidarTest, MeasuresACircle) {
   const World::Body body = AddBody({2.0, 1.0, 0.5});
   const Rotation turn(0.5);

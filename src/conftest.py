@@ -1,0 +1,102 @@
+"""What the tests of more than one package share: `scripts/run` as a user starts it, and a screen."""
+
+import os
+import signal
+import socket
+import subprocess
+import time
+import xmlrpc.client
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Launch:
+    """`scripts/run` with a ROS master of its own."""
+
+    def __init__(self, *arguments, output, display=None):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        environment = {**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}"}
+        environment.pop("DISPLAY", None)
+        if display:
+            environment.update(DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")
+        self.environment = environment
+        self._output = output
+        with output.open("w") as file:
+            self.process = subprocess.Popen(
+                [str(ROOT / "scripts" / "run"), *arguments, "-p", str(self.port)],
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                stdin=subprocess.DEVNULL,
+                env=environment,
+                start_new_session=True,
+                # A shell that starts us in the background has SIGINT ignored; a user's has not.
+                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            )
+
+    @property
+    def output(self):
+        return self._output.read_text()
+
+    def wait_until(self, holds, what, limit=60.0):
+        """Wait for a condition; fail if it takes too long, or if the launch ends before."""
+        deadline = time.monotonic() + limit
+        while not holds():
+            assert self.process.poll() is None, self.output
+            assert time.monotonic() < deadline, f"waited for {what}:\n{self.output}"
+            time.sleep(0.02)
+
+    def wait_for(self, text):
+        """Wait for a line of output."""
+        self.wait_until(lambda: text in self.output, f'"{text}"')
+
+    def press_ctrl_c(self):
+        """As a terminal does it: to all processes of the session's foreground group."""
+        os.killpg(self.process.pid, signal.SIGINT)
+
+    def nodes(self):
+        """Who is registered with the master."""
+        master = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
+        publishers, subscribers, services = master.getSystemState("/test_launch")[2]
+        return {node for _, nodes in publishers + subscribers + services for node in nodes}
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Start `scripts/run` with arguments; it is ended after the test."""
+    launches = []
+
+    def start(*arguments, **options):
+        launch = Launch(*arguments, output=tmp_path / f"{len(launches)}.log", **options)
+        launches.append(launch)
+        return launch
+
+    yield start
+    for launch in launches:
+        if launch.process.poll() is None:
+            launch.press_ctrl_c()
+            try:
+                launch.process.wait(20)
+            except subprocess.TimeoutExpired:
+                os.killpg(launch.process.pid, signal.SIGKILL)
+
+
+@pytest.fixture
+def display():
+    """Name of an X server of our own."""
+    read, write = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x900x24", "-nolisten", "tcp"],
+        pass_fds=[write],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        number = pipe.readline().strip()
+    yield f":{number}"
+    server.terminate()
+    server.wait(10)

@@ -1,0 +1,204 @@
+#!/usr/bin/python3
+"""The services over a real master: two robots in namespaces, and everything that can be asked wrongly."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+import rosgraph
+import rospkg
+import rospy
+from flatland_msgs.msg import DebugTopicList
+from flatland_msgs.srv import DeleteModel, MoveModel, SpawnModel
+from geometry_msgs.msg import Pose2D, Twist
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from rostest_tools import Recorder, wait_until
+from sensor_msgs.msg import LaserScan
+from std_srvs.srv import Empty
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+OFFICE = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office"
+TURTLEBOT = str(OFFICE / "turtlebot.model.yaml")
+BOX = str(OFFICE / "box.model.yaml")
+
+
+def call(name, service, *arguments):
+    rospy.wait_for_service(name, timeout=20)
+    return rospy.ServiceProxy(name, service)(*arguments)
+
+
+def spawn(path, name, namespace="", x=0.0, y=0.0, theta=0.0):
+    return call("/spawn_model", SpawnModel, path, name, namespace, Pose2D(x, y, theta))
+
+
+def move(name, x, y, theta):
+    return call("/move_model", MoveModel, name, Pose2D(x, y, theta))
+
+
+def delete(name):
+    return call("/delete_model", DeleteModel, name)
+
+
+def server_topics():
+    publishers, subscribers, _ = rosgraph.Master("/services_rostest").getSystemState()
+    return {t for t, nodes in publishers + subscribers if "/flatland_server" in nodes}
+
+
+class Services(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.clock = Recorder("/clock", Clock)
+        cls.tf = Recorder("/tf", TFMessage)
+        cls.clock.next()
+
+    def frames(self):
+        """Parents by frame, of the transforms from now on."""
+        begin = len(self.tf.messages)
+        self.clock.next(200)
+        return {
+            t.child_frame_id: t.header.frame_id
+            for message in self.tf.messages[begin:]
+            for t in message.transforms
+        }
+
+    def test_two_robots_drive_and_scan_in_their_namespaces(self):
+        before = server_topics()
+        robots = {"r1": 1.5, "r2": -1.5}
+        recorders = {}
+        for name, y in robots.items():
+            answer = spawn(TURTLEBOT, name, name, -2.0, y)
+            self.assertTrue(answer.success, answer.message)
+            cmd_vel = rospy.Publisher(f"/{name}/cmd_vel", Twist, queue_size=1, latch=True)
+            twist = Twist()
+            twist.linear.x = 0.3 if name == "r1" else -0.3
+            cmd_vel.publish(twist)
+            recorders[name] = (
+                Recorder(f"/{name}/odometry/ground_truth", Odometry),
+                Recorder(f"/{name}/scan", LaserScan),
+                cmd_vel,
+            )
+
+        for name, direction in (("r1", 1.0), ("r2", -1.0)):
+            odometry, scan, _ = recorders[name]
+            moved = odometry.next(
+                holds=lambda m, d=direction: d * (m.pose.pose.position.x + 2.0) > 0.1
+            )
+            self.assertAlmostEqual(moved.pose.pose.position.y, robots[name], delta=1e-3)
+            self.assertEqual(moved.child_frame_id, f"{name}_base_link")
+            self.assertEqual(moved.header.frame_id, "map")
+            self.assertEqual(scan.next().header.frame_id, f"{name}_laser")
+        frames = self.frames()
+        for name in robots:
+            self.assertEqual(frames[f"{name}_base_link"], "odom")
+            self.assertEqual(frames[f"{name}_laser"], f"{name}_base_link")
+            self.assertEqual(frames[f"{name}_left_wheel"], f"{name}_base_link")
+
+        for name in robots:
+            for recorder in recorders[name][:2]:
+                recorder.close()
+            recorders[name][2].unregister()
+            self.assertTrue(delete(name).success)
+        wait_until(lambda: server_topics() == before, "the topics of deleted robots to go")
+        self.assertFalse([frame for frame in self.frames() if frame.startswith(("r1", "r2"))])
+
+    def test_a_moved_robot_is_there_and_stands(self):
+        odometry = Recorder("/mover/odometry/ground_truth", Odometry)
+        self.assertTrue(spawn(TURTLEBOT, "mover", "mover", 2.0, 2.0).success)
+        cmd_vel = rospy.Publisher("/mover/cmd_vel", Twist, queue_size=1, latch=True)
+        twist = Twist()
+        twist.linear.x = 0.2
+        cmd_vel.publish(twist)
+        odometry.next(holds=lambda m: m.twist.twist.linear.x > 0.1)
+
+        answer = move("mover", -3.0, -2.0, math.pi / 2)
+
+        self.assertTrue(answer.success, answer.message)
+        there = odometry.next(5)
+        self.assertAlmostEqual(there.pose.pose.position.x, -3.0, delta=1e-5)
+        self.assertAlmostEqual(there.pose.pose.position.y, -2.0, delta=1e-5)
+        self.assertAlmostEqual(there.pose.pose.orientation.z, math.sin(math.pi / 4), delta=1e-5)
+        self.assertAlmostEqual(there.twist.twist.linear.x, 0.0, delta=1e-4)
+        cmd_vel.unregister()
+        odometry.close()
+        self.assertTrue(delete("mover").success)
+
+    def test_wrong_calls_say_what_is_wrong_and_change_nothing(self):
+        before = server_topics()
+        for answer, expected in (
+            (spawn("/nowhere/robot.yaml", "a"), "there is no file /nowhere/robot.yaml"),
+            (spawn(str(OFFICE), "a"), f"there is no file {OFFICE}"),
+            (spawn(str(OFFICE / "office.png"), "a"), "is not UTF-8 text"),
+            (spawn(str(OFFICE / "office.yaml"), "a"), '"bodies" is missing'),
+            (spawn(BOX, "turtlebot"), 'a model named "turtlebot" is already there'),
+            (spawn(BOX, ""), "expected a name, found an empty one"),
+            (spawn(BOX, "my box"), 'found "my box"'),
+            (spawn(BOX, "a", "name space"), 'found "name space"'),
+            (spawn(BOX, "a", x=math.nan), "expected a finite pose"),
+            (spawn(BOX, "a", y=math.inf), "expected a finite pose"),
+            (spawn(BOX, "a", theta=-math.inf), "expected a finite pose"),
+            (spawn(BOX, "a", x=1e30), "within 100 km"),
+            (delete("turtlebo"), 'there is no model "turtlebo" (did you mean "turtlebot"?)'),
+            (delete(""), 'there is no model ""'),
+            (move("nobody", 0, 0, 0), 'there is no model "nobody"'),
+            (move("turtlebot", math.nan, 0, 0), "expected a finite pose"),
+            (move("turtlebot", 1e30, 0, 0), "within 100 km"),
+        ):
+            self.assertFalse(answer.success, expected)
+            self.assertIn(expected, answer.message)
+
+        self.assertEqual(server_topics(), before)
+        pose = Recorder("/odometry/ground_truth", Odometry).next().pose.pose.position
+        self.assertLess(math.hypot(pose.x, pose.y), 1e-6)
+        self.clock.next(10)
+
+    def test_pause_stops_time_and_resume_lets_it_go_on(self):
+        call("/pause", Empty)
+        count = len(self.clock.messages)
+        # Services still work while time stands, and each answer comes from the simulation's loop.
+        for _ in range(20):
+            self.assertFalse(delete("nobody").success)
+        self.assertLessEqual(len(self.clock.messages) - count, 1)
+
+        call("/resume", Empty)
+        self.clock.next(5)
+        call("/toggle_pause", Empty)
+        count = len(self.clock.messages)
+        for _ in range(20):
+            self.assertFalse(delete("nobody").success)
+        self.assertLessEqual(len(self.clock.messages) - count, 1)
+        call("/toggle_pause", Empty)
+        self.clock.next(5)
+
+    def test_markers_follow_the_models(self):
+        topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
+        wait_until(lambda: topics.messages, "the list of debug topics")
+        self.assertIn("layer/room", topics.messages[-1].topics)
+        self.assertIn("model/turtlebot", topics.messages[-1].topics)
+        walls = Recorder("/flatland_server/debug/layer/room", MarkerArray)
+        marker = wait_until(lambda: walls.messages, "the walls")[0].markers[0]
+        corners = {(round(p.x, 6), round(p.y, 6)) for p in marker.points}
+        self.assertEqual(corners, {(-5, -3), (5, -3), (5, 3), (-5, 3)})
+        self.assertEqual(marker.header.frame_id, "map")
+
+        self.assertTrue(spawn(BOX, "crate", "", 3.0, -2.0, 0.5).success)
+        wait_until(lambda: "model/crate" in topics.messages[-1].topics, "the crate to be listed")
+        crate = Recorder("/flatland_server/debug/model/crate", MarkerArray)
+        shown = crate.next().markers[0]
+        self.assertAlmostEqual(shown.pose.position.x, 3.0, delta=1e-5)
+        self.assertAlmostEqual(shown.pose.orientation.z, math.sin(0.25), delta=1e-5)
+
+        self.assertTrue(delete("crate").success)
+        wait_until(
+            lambda: crate.messages[-1].markers[0].action == Marker.DELETEALL, "the crate to vanish"
+        )
+        wait_until(lambda: "model/crate" not in topics.messages[-1].topics, "the list to shrink")
+
+
+if __name__ == "__main__":
+    import rostest
+
+    rospy.init_node("services_rostest")
+    rostest.rosrun("flatland_server", "services", Services, sys.argv)
