@@ -1,4 +1,4 @@
-"""What the tests of more than one package share: `scripts/run` as a user starts it, and a screen."""
+"""What tests of several packages share: `scripts/run` as a user starts it, and a screen."""
 
 import os
 import signal

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The services over a real master: two robots in namespaces, and everything that can be asked wrongly."""
+"""The services over a real master: two robots in namespaces, and all that can be asked wrongly."""
 
 import math
 import sys

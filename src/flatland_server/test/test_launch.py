@@ -97,7 +97,10 @@ def test_a_wrong_argument_is_named(run, argument, message):
 @pytest.mark.parametrize(("update_rate", "factor"), [("400", 2.0), ("100", 0.5)])
 def test_time_goes_at_update_rate_times_step_size(run, update_rate, factor):
     launch = run(
-        str(ROOM / "world.yaml"), f"update_rate:={update_rate}", "step_size:=0.005", "show_viz:=false"
+        str(ROOM / "world.yaml"),
+        f"update_rate:={update_rate}",
+        "step_size:=0.005",
+        "show_viz:=false",
     )
     launch.wait_for("running")
 

@@ -1,4 +1,4 @@
-"""The real rviz under Xvfb: does it show walls, robot, boxes and scan? The picture stays in build/."""
+"""The real rviz under Xvfb: does it show walls, robot, boxes and scan? Its picture is kept."""
 
 import shutil
 import subprocess

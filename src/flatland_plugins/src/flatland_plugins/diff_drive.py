@@ -35,13 +35,12 @@ class DiffDrive(ModelPlugin):
         self.node.subscribe(twist_sub, Twist, self._on_twist)
 
     def _on_twist(self, twist: Twist) -> None:
-        forwards, turn = twist.linear.x, twist.angular.z
-        if math.isfinite(forwards) and math.isfinite(turn):
-            self._drive.command(forwards, 0.0, turn)
-        else:
+        try:
+            self._drive.command(twist.linear.x, 0.0, twist.angular.z)
+        except ValueError as error:
             logger.warning(
-                "%s: expected finite velocities, found linear.x=%s angular.z=%s; ignored",
-                *(self._topic, forwards, turn),
+                "%s: %s; ignored linear.x=%s angular.z=%s",
+                *(self._topic, error, twist.linear.x, twist.angular.z),
             )
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:

@@ -9,6 +9,7 @@ from sensor_msgs.msg import LaserScan
 
 from flatland_plugins.messages import header
 from flatland_server._core import BeamFan
+from flatland_server.arrays import Float32Array
 from flatland_server.geometry import Pose, Transform
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper
@@ -97,7 +98,7 @@ class Laser(ModelPlugin):
             raise config.error(str(error), "layers") from None
         has_reflectance = REFLECTANCE_LAYER in registry.names
         self._reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
-        # The noise of a scan depends on the seed and the time alone, not on who has listened so far.
+        # A scan's noise depends on the seed and the time alone, not on who has listened so far.
         self._noise_key = int(self.rng.integers(2**63))
         # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
         handedness = -1.0 if laser.upside_down else 1.0
@@ -115,9 +116,7 @@ class Laser(ModelPlugin):
         if laser.broadcast_tf and self.node.transforms_are_watched:
             roll = math.pi if laser.upside_down else 0.0
             self.node.send_transform(
-                Transform(
-                    timekeeper.nanoseconds, self._body_frame, self._frame, laser.origin, roll
-                )
+                Transform(timekeeper.nanoseconds, self._body_frame, self._frame, laser.origin, roll)
             )
         if laser.always_publish or self._publisher.is_watched:
             self._publisher.publish(self._scan(timekeeper.nanoseconds))
@@ -145,8 +144,8 @@ class Laser(ModelPlugin):
 
 
 def add_noise(
-    ranges: np.ndarray, std_dev: float, range_max: float, rng: np.random.Generator
-) -> np.ndarray:
+    ranges: Float32Array, std_dev: float, range_max: float, rng: np.random.Generator
+) -> Float32Array:
     """Ranges with Gaussian noise; returns stay within [0, range_max], and no return stays +inf."""
     noisy = np.clip(ranges + rng.normal(0.0, std_dev, ranges.shape), 0.0, range_max)
     return np.where(np.isinf(ranges), ranges, noisy).astype(np.float32)

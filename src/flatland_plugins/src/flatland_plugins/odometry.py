@@ -128,9 +128,7 @@ class OdometryPublisher:
     def _message(
         self, nanoseconds: int, frame_id: str, pose: Pose, local: Tuple[float, float, float]
     ) -> Odometry:
-        message = Odometry(
-            header=header(nanoseconds, frame_id), child_frame_id=self._base_frame
-        )
+        message = Odometry(header=header(nanoseconds, frame_id), child_frame_id=self._base_frame)
         fill_pose(message.pose.pose, pose)
         message.pose.covariance = self._config.pose_covariance
         vx, vy, omega = local

@@ -38,12 +38,12 @@ inline Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
 inline double Dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline double Cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 
-inline bool IsFinite(double value) { return std::isfinite(value); }
-inline bool IsFinite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
-inline bool IsFinite(const Pose& p) { return IsFinite(Vec2{p.x, p.y}) && std::isfinite(p.yaw); }
-inline bool IsFinite(const Twist& t) {
-  return IsFinite(Vec2{t.vx, t.vy}) && std::isfinite(t.omega);
-}
+/// Whether Box2D can reckon with a number: finite, and so far from the end of single precision that
+/// its square is too.
+inline bool IsUsable(double value) { return std::abs(value) <= 1e9; }
+inline bool IsUsable(Vec2 v) { return IsUsable(v.x) && IsUsable(v.y); }
+inline bool IsUsable(const Pose& p) { return IsUsable(Vec2{p.x, p.y}) && IsUsable(p.yaw); }
+inline bool IsUsable(const Twist& t) { return IsUsable(Vec2{t.vx, t.vy}) && IsUsable(t.omega); }
 
 /// A rotation, kept as cosine and sine so that many vectors can be turned at the price of one.
 struct Rotation {

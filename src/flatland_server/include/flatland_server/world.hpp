@@ -144,6 +144,7 @@ class World : private b2DestructionListener {
   void SayGoodbye(b2Joint* joint) override;
   void SayGoodbye(b2Fixture*) override {}
 
+  void RequireIdle() const;
   b2Body& Find(Body body) const;
   Joint AddJoint(const b2JointDef& definition);
   void AddFixture(b2Body& body, const b2Shape& shape, const FixtureSettings& settings);

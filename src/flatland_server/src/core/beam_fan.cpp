@@ -6,7 +6,7 @@ namespace flatland {
 
 BeamFan::BeamFan(double angle_min, double increment, int count)
     : angle_min_(angle_min), increment_(increment) {
-  if (!IsFinite(angle_min) || !IsFinite(increment)) {
+  if (!IsUsable(angle_min) || !IsUsable(increment)) {
     throw std::invalid_argument("a beam's angle must be finite");
   }
   if (count < 1) throw std::invalid_argument("a fan needs at least one beam");

@@ -8,7 +8,7 @@ namespace {
 
 void Check(const DynamicsLimits& limits) {
   for (double limit : {limits.acceleration, limits.deceleration, limits.velocity}) {
-    if (!IsFinite(limit) || limit < 0.0) {
+    if (!IsUsable(limit) || limit < 0.0) {
       throw std::invalid_argument("a dynamics limit must be finite and not negative");
     }
   }
@@ -42,7 +42,7 @@ BodyDrive::BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular
 }
 
 void BodyDrive::Command(const Twist& target) {
-  if (!IsFinite(target)) throw std::invalid_argument("a commanded velocity must be finite");
+  if (!IsUsable(target)) throw std::invalid_argument("a commanded velocity must be finite");
   target_ = target;
 }
 

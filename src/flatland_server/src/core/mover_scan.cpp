@@ -46,7 +46,8 @@ double Mover::CastAtCircle(Vec2 direction) const {
   if (outside < 0.0 || along < 0.0) return kInfinity;
   const double across = Cross(direction, center_);
   const double half_chord_squared = radius_ * radius_ - across * across;
-  return half_chord_squared < 0.0 ? kInfinity : along - std::sqrt(half_chord_squared);
+  if (half_chord_squared < 0.0) return kInfinity;
+  return std::max(0.0, along - std::sqrt(half_chord_squared));
 }
 
 // A convex polygon is the intersection of half-planes: the ray is within it from where it has

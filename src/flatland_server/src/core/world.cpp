@@ -12,6 +12,8 @@ namespace {
 
 /// The largest coordinate [m] that single precision still resolves to about a centimetre.
 constexpr double kFarthest = 1e5;
+constexpr double kLeastRadius = 1e-4;  // [m]; a smaller circle's mass is lost in single precision
+constexpr double kLeastStep = 1e-9;    // [s]
 
 b2Vec2 ToBox2D(Vec2 v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
 Vec2 FromBox2D(b2Vec2 v) { return {v.x, v.y}; }
@@ -21,18 +23,19 @@ void Require(bool condition, const char* message) {
 }
 
 void RequirePlace(Vec2 place) {
-  Require(IsFinite(place) && std::abs(place.x) <= kFarthest && std::abs(place.y) <= kFarthest,
+  Require(std::abs(place.x) <= kFarthest && std::abs(place.y) <= kFarthest,
           "a position must be finite and within 100 km of the origin");
 }
 
 void RequireNotNegative(double value, const char* message) {
-  Require(IsFinite(value) && value >= 0.0, message);
+  Require(IsUsable(value) && value >= 0.0, message);
 }
 
 float WrapAngle(double yaw) { return static_cast<float>(std::remainder(yaw, 2.0 * M_PI)); }
 
 /// Box2D counts a body's turns in single precision: after an hour of spinning, a step's turn would
-/// be lost in rounding. This takes whole turns off a body and everything jointed to it.
+/// be lost in rounding. This takes whole turns off a body, and off all whose angle a joint compares
+/// with its own: not across a hinge without limits, where they may differ by any number of turns.
 void Unwind(b2Body& body) {
   constexpr float kTurn = 2.0f * b2_pi;
   if (std::abs(body.GetAngle()) <= kTurn) return;
@@ -42,9 +45,10 @@ void Unwind(b2Body& body) {
     b2Body& member = *group[i];
     member.SetTransform(member.GetPosition(), member.GetAngle() - turns);
     for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
-      if (std::find(group.begin(), group.end(), edge->other) == group.end()) {
-        group.push_back(edge->other);
-      }
+      const bool compares = edge->joint->GetType() != e_revoluteJoint ||
+                            static_cast<b2RevoluteJoint*>(edge->joint)->IsLimitEnabled();
+      const bool is_new = std::find(group.begin(), group.end(), edge->other) == group.end();
+      if (compares && is_new) group.push_back(edge->other);
     }
   }
 }
@@ -64,22 +68,27 @@ class BusyGuard {
 };
 
 /// b2PolygonShape::Set welds vertices closer than half b2_linearSlop and asserts that a hull with
-/// an area is left. The same test without the assertion.
-bool HasHull(const std::vector<Vec2>& vertices) {
-  std::vector<Vec2> corners;
-  for (const Vec2& vertex : vertices) {
-    const bool is_new = std::none_of(corners.begin(), corners.end(), [&](Vec2 corner) {
-      const Vec2 apart = vertex - corner;
-      return Dot(apart, apart) < 0.25 * b2_linearSlop * b2_linearSlop;
-    });
+/// an area is left. The same test, in the same precision, without the assertion.
+bool HasHull(const std::vector<b2Vec2>& vertices) {
+  std::vector<b2Vec2> corners;
+  float longest_squared = 0.0f;
+  for (const b2Vec2& vertex : vertices) {
+    bool is_new = true;
+    for (const b2Vec2& corner : corners) {
+      const float apart_squared = b2DistanceSquared(vertex, corner);
+      is_new = is_new && apart_squared >= 0.25f * b2_linearSlop * b2_linearSlop;
+      longest_squared = std::max(longest_squared, apart_squared);
+    }
     if (is_new) corners.push_back(vertex);
   }
-  constexpr double kLeastArea = 1e-6;  // b2_epsilon and something to spare [m^2]
+  // b2_epsilon and something to spare; a sliver's area must also stand out from rounding [m^2].
+  const float least_area = std::max(1e-6f, 1e-5f * longest_squared);
   for (size_t i = 0; i + 2 < corners.size(); ++i) {
     for (size_t j = i + 1; j + 1 < corners.size(); ++j) {
       for (size_t k = j + 1; k < corners.size(); ++k) {
-        const double area = 0.5 * std::abs(Cross(corners[j] - corners[i], corners[k] - corners[i]));
-        if (area > kLeastArea) return true;
+        const b2Vec2 u = corners[j] - corners[i];
+        const b2Vec2 v = corners[k] - corners[i];
+        if (0.5f * std::abs(b2Cross(u, v)) > least_area) return true;
       }
     }
   }
@@ -116,8 +125,12 @@ World::World(int velocity_iterations, int position_iterations)
   world_.SetDestructionListener(this);
 }
 
-b2Body& World::Find(Body body) const {
+void World::RequireIdle() const {
   if (busy_) throw std::logic_error("the world is in use by another thread");
+}
+
+b2Body& World::Find(Body body) const {
+  RequireIdle();
   return *bodies_.Get(body);
 }
 
@@ -145,7 +158,7 @@ void World::AddLayer(const std::vector<Segment>& segments, LayerBits layers) {
 
 World::Body World::AddBody(const BodySettings& settings) {
   RequirePlace({settings.pose.x, settings.pose.y});
-  Require(IsFinite(settings.pose.yaw), "a heading must be finite");
+  Require(IsUsable(settings.pose.yaw), "a heading must be finite");
   RequireNotNegative(settings.linear_damping, "linear_damping must be finite and not negative");
   RequireNotNegative(settings.angular_damping, "angular_damping must be finite and not negative");
   const BusyGuard guard(busy_);
@@ -196,8 +209,7 @@ void World::AddFixture(b2Body& body, const b2Shape& shape, const FixtureSettings
 
 void World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
   RequirePlace(center);
-  Require(IsFinite(radius) && radius > 0.0 && radius <= kFarthest,
-          "a radius must be finite and above zero");
+  Require(radius >= kLeastRadius && radius <= kFarthest, "a radius must be 0.1 mm to 100 km");
   b2CircleShape shape;
   shape.m_p = ToBox2D(center);
   shape.m_radius = static_cast<float>(radius);
@@ -209,9 +221,9 @@ void World::AddPolygon(Body body, const std::vector<Vec2>& vertices,
   Require(vertices.size() >= 3 && vertices.size() <= b2_maxPolygonVertices,
           "a polygon needs 3 to 8 vertices");
   for (const Vec2& vertex : vertices) RequirePlace(vertex);
-  Require(HasHull(vertices), "a polygon is too small or too thin: its corners fall together");
   std::vector<b2Vec2> points;
   for (const Vec2& vertex : vertices) points.push_back(ToBox2D(vertex));
+  Require(HasHull(points), "a polygon is too small or too thin: its corners fall together");
   b2PolygonShape shape;
   shape.Set(points.data(), static_cast<int32>(points.size()));
   AddFixture(Find(body), shape, settings);
@@ -234,7 +246,7 @@ World::Joint World::AddRevolute(Body a, Body b, const RevoluteSettings& settings
   definition.collideConnected = settings.collide_connected;
   if (settings.limits) {
     const auto [lower, upper] = *settings.limits;
-    Require(IsFinite(lower) && IsFinite(upper) && lower <= upper,
+    Require(IsUsable(lower) && IsUsable(upper) && lower <= upper,
             "a joint's limits must be finite, the lower one first");
     definition.enableLimit = true;
     definition.lowerAngle = static_cast<float>(lower);
@@ -246,7 +258,7 @@ World::Joint World::AddRevolute(Body a, Body b, const RevoluteSettings& settings
 World::Joint World::AddWeld(Body a, Body b, const WeldSettings& settings) {
   RequirePlace(settings.anchor_a);
   RequirePlace(settings.anchor_b);
-  Require(IsFinite(settings.angle), "a weld's angle must be finite");
+  Require(IsUsable(settings.angle), "a weld's angle must be finite");
   RequireNotNegative(settings.frequency, "a weld's frequency must be finite and not negative");
   RequireNotNegative(settings.damping, "a weld's damping must be finite and not negative");
   b2WeldJointDef definition;
@@ -265,6 +277,7 @@ World::Joint World::AddWeld(Body a, Body b, const WeldSettings& settings) {
 }
 
 double World::JointAngle(Joint joint) const {
+  RequireIdle();
   b2Joint* found = joints_.Get(joint);
   double angle = found->GetBodyB()->GetAngle() - found->GetBodyA()->GetAngle();
   if (found->GetType() == e_weldJoint) {
@@ -279,7 +292,10 @@ World::Drive World::AddDrive(Body body, const DynamicsLimits& linear,
   return drives_.Add({body, BodyDrive(linear, angular)});
 }
 
-BodyDrive& World::GetDrive(Drive drive) { return drives_.Get(drive).drive; }
+BodyDrive& World::GetDrive(Drive drive) {
+  RequireIdle();
+  return drives_.Get(drive).drive;
+}
 
 Pose World::GetPose(Body body) const {
   const b2Body& found = Find(body);
@@ -289,11 +305,13 @@ Pose World::GetPose(Body body) const {
 
 void World::SetPose(Body body, const Pose& pose) {
   RequirePlace({pose.x, pose.y});
-  Require(IsFinite(pose.yaw), "a heading must be finite");
+  Require(IsUsable(pose.yaw), "a heading must be finite");
   b2Body& found = Find(body);
   // The angle nearest to the present one: a joint's limits count whole turns.
   const double turn = std::remainder(pose.yaw - found.GetAngle(), 2.0 * M_PI);
+  const Twist velocity = GetVelocity(body);
   found.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(found.GetAngle() + turn));
+  SetVelocity(body, velocity);  // Box2D keeps that of the centre of mass, not of the origin
   found.SetAwake(true);
 }
 
@@ -304,7 +322,7 @@ Twist World::GetVelocity(Body body) const {
 }
 
 void World::SetVelocity(Body body, const Twist& velocity) {
-  Require(IsFinite(velocity), "a velocity must be finite");
+  Require(IsUsable(velocity), "a velocity must be finite");
   b2Body& found = Find(body);
   const Vec2 arm = Rotation(found.GetAngle()).Apply(FromBox2D(found.GetLocalCenter()));
   found.SetLinearVelocity(
@@ -333,14 +351,14 @@ void World::Halt(Body body) {
 double World::GetMass(Body body) const { return Find(body).GetMass(); }
 
 void World::ApplyForce(Body body, Vec2 force, double torque) {
-  Require(IsFinite(force) && IsFinite(torque), "a force must be finite");
+  Require(IsUsable(force) && IsUsable(torque), "a force must be finite");
   b2Body& found = Find(body);
   found.ApplyForceToCenter(ToBox2D(force), true);
   found.ApplyTorque(static_cast<float>(torque), true);
 }
 
 void World::Step(double dt) {
-  Require(IsFinite(dt) && dt > 0.0, "a step must be finite and longer than zero");
+  Require(IsUsable(dt) && dt >= kLeastStep, "a step must be finite and longer than zero");
   const BusyGuard guard(busy_);
   drives_.ForEach(
       [&](Drive, DrivenBody& driven) { driven.drive.Apply(*bodies_.Get(driven.body), dt); });
@@ -351,8 +369,8 @@ void World::Step(double dt) {
 
 void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
                  float* intensities) const {
-  Require(IsFinite(pose), "a lidar's pose must be finite");
-  Require(IsFinite(settings.range) && settings.range > 0.0,
+  Require(IsUsable(pose), "a lidar's pose must be finite");
+  Require(IsUsable(settings.range) && settings.range > 0.0,
           "a lidar's range must be finite and above zero");
   const BusyGuard guard(busy_);
   const Vec2 origin{pose.x, pose.y};

@@ -4,12 +4,12 @@ Using a handle whose object was deleted raises GoneError; a value that Box2D cou
 ValueError; using the world while another thread does raises RuntimeError.
 """
 
-from typing import Optional, Sequence, Tuple
+from typing import Sequence
 
-import numpy as np
+from flatland_server.arrays import Float32Array, Segments
 
-_Pair = Tuple[float, float]
-_Triple = Tuple[float, float, float]
+_Pair = tuple[float, float]
+_Triple = tuple[float, float, float]
 
 class GoneError(ReferenceError): ...
 
@@ -19,7 +19,7 @@ class BeamFan:
 
 class World:
     def __init__(self, velocity_iterations: int = 10, position_iterations: int = 10) -> None: ...
-    def add_layer(self, segments: np.ndarray, layers: int) -> None: ...
+    def add_layer(self, segments: Segments, layers: int) -> None: ...
     def add_body(
         self,
         type: str,
@@ -35,7 +35,7 @@ class World:
         range: float,
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
-    ) -> Tuple[np.ndarray, np.ndarray]: ...
+    ) -> tuple[Float32Array, Float32Array]: ...
     @property
     def body_count(self) -> int: ...
     @property
@@ -72,7 +72,7 @@ class Body:
         other_anchor: _Pair,
         *,
         collide_connected: bool = False,
-        limits: Optional[_Pair] = None,
+        limits: _Pair | None = None,
     ) -> Joint: ...
     def add_weld(
         self,

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Mapping, Optional, Sequence, Tuple
 
-from flatland_server import _core
 from flatland_server.exceptions import suggestion
 from flatland_server.model_body import ModelBody
 from flatland_server.yaml_reader import Color, YamlReader

@@ -1,7 +1,7 @@
 """A layer: the walls of the world, from a map image or from line segments.
 
-A layer may have several names, which all count as collision layers; the first identifies it. A layer
-without a map is a name that footprints can use, and nothing else.
+A layer may have several names, which all count as collision layers; the first identifies it. A
+layer without a map is a name that footprints can use, and nothing else.
 """
 
 from dataclasses import dataclass, field
@@ -12,11 +12,12 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from flatland_server import _core
+from flatland_server.arrays import Segments
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
 from flatland_server.names import check_topic_name
-from flatland_server.wall_outlines import Segments, bright_pixels, outlines
+from flatland_server.wall_outlines import bright_pixels, outlines
 from flatland_server.yaml_reader import Color, YamlReader
 
 

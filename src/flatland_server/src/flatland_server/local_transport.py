@@ -1,13 +1,14 @@
 """Topics within this process: for unit tests, batch runs and Python programs without a master.
 
-    transport = LocalTransport()
-    world = World.from_file(path, transport)
-    transport.send("/cmd_vel", twist)         # hand a command in
-    transport.last("/odometry/ground_truth")  # the newest message of a topic, or None
+transport = LocalTransport()
+world = World.from_file(path, transport)
+transport.send("/cmd_vel", twist)         # hand a command in
+transport.last("/odometry/ground_truth")  # the newest message of a topic, or None
 """
 
 from collections import Counter, deque
-from typing import Any, Callable, Counter as CounterType, Deque, Dict, List, Set, Tuple
+from typing import Any, Callable, Deque, Dict, List, Set, Tuple
+from typing import Counter as CounterType
 
 from flatland_server.geometry import Transform
 from flatland_server.node import Publisher, Subscription, Transport

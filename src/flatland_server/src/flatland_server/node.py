@@ -3,8 +3,8 @@
 A plugin speaks to a `Node`: it publishes, subscribes, sends transforms and reads parameters, all in
 its model's namespace, and all of that goes away when its model does. What is behind the node is a
 `Transport`: ROS (`flatland_server.ros.ros_transport`), or this process alone
-(`flatland_server.local_transport`), so that one plugin runs under roslaunch, in a unit test and in a
-thousand worlds without a master. Callbacks run between steps, on the simulation's own thread.
+(`flatland_server.local_transport`), so that one plugin runs under roslaunch, in a unit test and in
+a thousand worlds without a master. Callbacks run between steps, on the simulation's own thread.
 """
 
 import logging
@@ -184,8 +184,10 @@ class Node:
 
     def close(self) -> None:
         """Takes away all that this node opened."""
-        for opened in [*self._publishers, *self._subscriptions]:
-            opened.close()
+        for publisher in self._publishers:
+            publisher.close()
+        for subscription in self._subscriptions:
+            subscription.close()
         self._publishers.clear()
         self._subscriptions.clear()
         self._frames.release(self._owner)

@@ -1,8 +1,8 @@
 """From a map image to wall segments, as array operations.
 
-A pixel is bright or dark; beyond the image's border everything is bright. A segment lies between two
-neighbouring pixels that differ, and collinear segments that touch are one. The bottom left corner of
-the image is the layer's origin.
+A pixel is bright or dark; beyond the image's border everything is bright. A segment lies between
+two neighbouring pixels that differ, and collinear segments that touch are one. The bottom left
+corner of the image is the layer's origin.
 """
 
 from typing import Tuple
@@ -10,9 +10,7 @@ from typing import Tuple
 import numpy as np
 from PIL import Image
 
-BoolArray = np.ndarray
-Segments = np.ndarray
-"""Shape (n, 4): x1, y1, x2, y2."""
+from flatland_server.arrays import BoolArray, IntArray, Segments
 
 
 def bright_pixels(image: Image.Image, occupied_thresh: float) -> BoolArray:
@@ -50,7 +48,7 @@ def outlines(bright: BoolArray) -> Segments:
     return _near_ones_together(np.concatenate([horizontal, vertical]).astype(np.float64))
 
 
-def _runs(lines: BoolArray) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _runs(lines: BoolArray) -> Tuple[IntArray, IntArray, IntArray]:
     """Runs of true values in each row: their rows, first indices, and indices past the last."""
     edges = np.diff(np.pad(lines, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     row, first = np.nonzero(edges == 1)

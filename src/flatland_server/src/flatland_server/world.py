@@ -1,8 +1,8 @@
 """The world: layers, models and plugins, read from a file and moved step by step.
 
-    world = World.from_file(Path("world.yaml"))
-    timekeeper = Timekeeper(step_size=0.005)
-    world.step(timekeeper)
+world = World.from_file(Path("world.yaml"))
+timekeeper = Timekeeper(step_size=0.005)
+world.step(timekeeper)
 """
 
 from dataclasses import dataclass
@@ -143,7 +143,7 @@ class World:
         seed: int = 0,
         loader: Optional[PluginLoader] = None,
     ) -> "World":
-        """A world from its file; see the class and `WorldConfig.from_file` for what can go wrong."""
+        """A world from its file; the class and `WorldConfig.from_file` say what can go wrong."""
         return cls(WorldConfig.from_file(path), transport, seed=seed, loader=loader)
 
     def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Model:

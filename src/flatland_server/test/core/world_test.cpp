@@ -369,7 +369,7 @@ TEST_F(WorldTest, HaltStopsABodysDrives) {
   StepTimes(world_, 100);
 
   world_.Halt(other);
-  EXPECT_EQ(drive.velocity().vx, 0.5);
+  EXPECT_NEAR(drive.velocity().vx, 0.5, 1e-9);
   world_.Halt(box);
   const Pose halted = world_.GetPose(box);
   StepTimes(world_, 100);

@@ -11,7 +11,7 @@ from flatland_server.timekeeper import Timekeeper
 class ClockPublisher:
     """Publishes /clock. The ROS node must be initialised.
 
-    With use_sim_time, rospy would hear our own clock through a socket to itself; it is told directly.
+    With use_sim_time, rospy would hear our clock through a socket to itself; it is told directly.
     """
 
     def __init__(self, timekeeper: Timekeeper) -> None:

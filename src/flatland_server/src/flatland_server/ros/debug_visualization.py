@@ -44,19 +44,21 @@ class DebugVisualization:
 
     def update(self) -> None:
         """Publishes what is due. To be called often, on the simulation's thread."""
-        if self._follow_models():
-            self._publish_topics()
         now = time.monotonic()
         if now < self._next:
             return
         self._next = max(self._next + self._period, now)
+        if self._follow_models():
+            self._publish_topics()
         for display in self._models.values():
             display.publish()
 
     def _follow_models(self) -> bool:
         """Makes displays for new models and ends those of models that are gone."""
         present = self._world.models
-        gone = [name for name, shown in self._models.items() if present.get(name) is not shown.model]
+        gone = [
+            name for name, shown in self._models.items() if present.get(name) is not shown.model
+        ]
         new = [name for name in present if name not in self._models or name in gone]
         for name in gone:
             self._models.pop(name).close()
@@ -65,9 +67,7 @@ class DebugVisualization:
         return bool(gone or new)
 
     def _publish_topics(self) -> None:
-        self._topics.publish(
-            [display.topic for display in [*self._layers, *self._models.values()]]
-        )
+        self._topics.publish([display.topic for display in [*self._layers, *self._models.values()]])
 
 
 class _LayerDisplay:

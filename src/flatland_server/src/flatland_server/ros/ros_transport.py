@@ -31,7 +31,9 @@ class RosTransport(Transport):
         self._transforms: List[Transform] = []
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
 
-    def advertise(self, topic: str, message_type: Any, *, latch: bool, queue_size: int) -> Publisher:
+    def advertise(
+        self, topic: str, message_type: Any, *, latch: bool, queue_size: int
+    ) -> Publisher:
         return _RosPublisher(topic, message_type, latch, queue_size)
 
     def subscribe(

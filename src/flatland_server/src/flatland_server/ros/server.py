@@ -103,7 +103,10 @@ def _run(config: ServerConfig) -> None:
         "%s: %d layers, %d models; running",
         *(config.world_path, len(world.layers), len(world.models)),
     )
-    manager.run(lambda: not rospy.is_shutdown())
+    try:
+        manager.run(lambda: not rospy.is_shutdown())
+    finally:
+        world.close()
 
 
 if __name__ == "__main__":

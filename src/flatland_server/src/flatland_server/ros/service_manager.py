@@ -1,4 +1,4 @@
-"""The server's ROS services. Each runs between steps and answers what was wrong, if something was."""
+"""The server's ROS services. Each runs between steps, and says what was wrong if something was."""
 
 from pathlib import Path
 from typing import Any, Callable, Type

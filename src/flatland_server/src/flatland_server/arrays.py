@@ -1,0 +1,21 @@
+"""Names for NumPy's arrays, with their element types for the type checker.
+
+NumPy of ROS Noetic's age has no `numpy.typing`; at run time they are all `numpy.ndarray`.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    BoolArray = NDArray[np.bool_]
+    IntArray = NDArray[np.intp]
+    FloatArray = NDArray[np.float64]
+    Float32Array = NDArray[np.float32]
+else:
+    BoolArray = IntArray = FloatArray = Float32Array = np.ndarray
+
+Segments = FloatArray
+"""Wall segments, shape (n, 4): x1, y1, x2, y2."""
