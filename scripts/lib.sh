@@ -1,0 +1,34 @@
+# What the scripts share. Sourced by them, not run.
+# shellcheck shell=bash
+
+# The workspace: the folder that holds src/.
+root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+
+# ROS's Python packages belong to Debian's own interpreter. A `python3` of pyenv or conda that comes
+# earlier on PATH has no rospy, and would break the build, roslaunch and every node that starts with
+# `#!/usr/bin/env python3`. So the interpreter is named in full, and /usr/bin comes first.
+# shellcheck disable=SC2034
+python=/usr/bin/python3
+export PATH="/usr/bin:$PATH"
+
+# Ctrl-C ends the script, also if the program that is running makes little of it.
+trap 'exit 130' INT
+
+say() { printf '%s: %s\n' "${0##*/}" "$*" >&2; }
+
+die() {
+  say "$@"
+  exit 1
+}
+
+# Print the comment block at the top of the running script.
+show_help() { awk 'NR > 1 { if (!/^#/) exit; sub(/^# ?/, ""); print }' "$0"; }
+
+# Enter the built workspace. `--extend` keeps the workspaces sourced before, and the plugins in them.
+# setup.bash reads variables that may be unset, and the positional parameters of whoever sources it.
+enter_workspace() {
+  set +u
+  # shellcheck source=/dev/null
+  source "$root/devel/setup.bash" "$@"
+  set -u
+}
