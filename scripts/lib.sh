@@ -11,6 +11,9 @@ root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 python=/usr/bin/python3
 export PATH="/usr/bin:$PATH"
 
+# What a node says is seen at once, through a pipe as on a terminal.
+export PYTHONUNBUFFERED=1
+
 # Ctrl-C ends the script, also if the program that is running makes little of it.
 trap 'exit 130' INT
 

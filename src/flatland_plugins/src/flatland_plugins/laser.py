@@ -63,8 +63,8 @@ class LaserConfig:
             upside_down=config.get_bool("upside_down", False),
             always_publish=config.get_bool("always_publish", False),
         )
-        if not 1 <= laser.beams <= _MAX_BEAMS:
-            raise config.error(
+        if config.is_sound and not 1 <= laser.beams <= _MAX_BEAMS:
+            config.problem(
                 f"expected an increment that leads from min to max in 1 to {_MAX_BEAMS} beams, "
                 f"found {increment:g} from {angle_min:g} to {angle_max:g}",
                 "angle",

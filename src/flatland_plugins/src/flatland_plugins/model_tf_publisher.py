@@ -24,7 +24,7 @@ class ModelTfPublisher(ModelPlugin):
             try:
                 excluded.add(self.model.get_body(name).name)
             except ModelError as error:
-                raise config.error(str(error), "exclude") from None
+                config.problem(str(error), "exclude")
         config.finish()
 
         self.update_timer = UpdateTimer(rate)

@@ -2,13 +2,15 @@
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple, Union
+from typing import Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import ALL, ALL_LAYERS, CollisionFilterRegistry
 from flatland_server.yaml_reader import YamlReader
 
 Point = Tuple[float, float]
+
+_CIRCLE_SIDES = 36
 
 
 @dataclass(frozen=True)
@@ -18,12 +20,22 @@ class Circle:
     center: Point
     radius: float
 
+    def outline(self) -> Sequence[Point]:
+        """Corners of a polygon that looks like it."""
+        x, y = self.center
+        angles = [math.tau * i / _CIRCLE_SIDES for i in range(_CIRCLE_SIDES)]
+        return [(x + self.radius * math.cos(a), y + self.radius * math.sin(a)) for a in angles]
+
 
 @dataclass(frozen=True)
 class Polygon:
     """A convex polygon of 3 to 8 vertices [m], in the body's frame, either way round."""
 
     vertices: Tuple[Point, ...]
+
+    def outline(self) -> Sequence[Point]:
+        """Its corners."""
+        return self.vertices
 
 
 @dataclass(frozen=True)
@@ -61,7 +73,7 @@ class Footprint:
         else:
             vertices = tuple(reader.get_points("points", 3, 8))
             if not _is_convex(vertices):
-                raise reader.error("expected a convex polygon, found one with a dent", "points")
+                reader.problem("expected a convex polygon, found one with a dent", "points")
             shape = Polygon(vertices)
         layers = reader.get_strings("layers", (ALL,))
         layer_bits = ALL_LAYERS if ALL in layers else 0
@@ -69,7 +81,7 @@ class Footprint:
             try:
                 layer_bits = registry.bits(layers)
             except ValueError as error:
-                raise reader.error(str(error), "layers") from None
+                reader.problem(str(error), "layers")
         footprint = cls(
             shape,
             density=reader.get_float("density", minimum=0.0),

@@ -38,22 +38,17 @@ class JointConfig:
             lower, upper = reader.get_floats("limits", 2)
             if lower > upper:
                 message = f"expected [lower, upper], found {lower:g} above {upper:g}"
-                raise reader.error(message, "limits")
+                reader.problem(message, "limits")
             limits = (lower, upper)
-        ends = reader.get_sections("bodies", required=True)
+        ends = reader.get_sections(
+            "bodies", lambda section: _read_end(section, body_names), required=True
+        )
+        reader.raise_problems()
         if len(ends) != 2:
             raise reader.error(f"expected two bodies, found {len(ends)}", "bodies")
-        names, anchors = [], []
-        for end in ends:
-            name = end.get_string("name")
-            if name not in body_names:
-                hint = suggestion(name, body_names)
-                raise end.error(f'the model has no body "{name}"{hint}', "name")
-            names.append(name)
-            anchors.append(end.get_point("anchor"))
-            end.finish()
+        names, anchors = zip(*ends)
         if names[0] == names[1]:
-            raise reader.error(f'expected two bodies, found "{names[0]}" twice', "bodies")
+            reader.problem(f'expected two bodies, found "{names[0]}" twice', "bodies")
         weld = kind == "weld"
         joint = cls(
             type=kind,
@@ -69,6 +64,16 @@ class JointConfig:
         )
         reader.finish()
         return joint
+
+
+def _read_end(reader: YamlReader, body_names: Sequence[str]) -> Tuple[str, Point]:
+    """A joint's body and the anchor on it."""
+    name = reader.get_string("name")
+    if name and name not in body_names:
+        reader.problem(f'the model has no body "{name}"{suggestion(name, body_names)}', "name")
+    anchor = reader.get_point("anchor")
+    reader.finish()
+    return name, anchor
 
 
 class Joint:

@@ -4,6 +4,8 @@ A layer may have several names, which all count as collision layers; the first i
 layer without a map is a name that footprints can use, and nothing else.
 """
 
+import logging
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Optional, Tuple
@@ -17,8 +19,14 @@ from flatland_server.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
 from flatland_server.names import check_topic_name
+from flatland_server.simplify_outlines import TOLERANCES, simplify
 from flatland_server.wall_outlines import bright_pixels, outlines
+from flatland_server.yaml_preprocessor import YamlPreprocessor
 from flatland_server.yaml_reader import Color, YamlReader
+
+logger = logging.getLogger(__name__)
+
+_SLOW = 2.0  # s; reading that takes longer is worth a line
 
 
 @dataclass(frozen=True)
@@ -33,30 +41,49 @@ class LayerConfig:
     segments: Segments = field(repr=False, compare=False)
 
     @classmethod
-    def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "LayerConfig":
+    def read(
+        cls,
+        reader: YamlReader,
+        registry: CollisionFilterRegistry,
+        preprocessor: Optional[YamlPreprocessor] = None,
+        simplify_map: int = 0,
+    ) -> "LayerConfig":
         """Reads the entry and its map, and registers its names.
+
+        Args:
+            reader: the entry.
+            registry: of the world's layers.
+            preprocessor: has the parameters for the map file's expressions.
+            simplify_map: how much the outlines of images are simplified; see `read_map`.
 
         Raises:
             YamlError: something in the entry or its files is wrong.
         """
         names = reader.get_strings("name")
-        if not names:
-            raise reader.error("expected a name or a list of names, found an empty list", "name")
+        if not names and reader.has("name"):
+            reader.problem("expected a name or a list of names, found an empty list", "name")
         bits = 0
         for name in names:
             check_topic_name(reader, "name", name)
             try:
                 bits |= registry.register(name)
             except ValueError as error:
-                raise reader.error(str(error), "name") from None
+                reader.problem(str(error), "name")
         color = reader.get_color("color", (1.0, 1.0, 1.0, 1.0))
-        debug = reader.get_section("properties").get_section("debug")
+        properties = reader.get_section("properties")
+        debug = properties.get_section("debug")
         min_z = debug.get_float("min_z", 0.0)
         max_z = debug.get_float("max_z", 0.0)
         debug.finish()
+        properties.finish()
         segments: Segments = np.empty((0, 4))
         if reader.has("map"):
-            segments = read_map(reader.file.parent / reader.get_string("map"), reader)
+            path = reader.get_path("map")
+            if path.is_file():
+                try:
+                    segments = read_map(path, preprocessor, simplify_map)
+                except YamlError as error:
+                    reader.note(error)
         reader.get_string("map", "")
         reader.finish()
         return cls(names, bits, color, min_z, max_z, segments)
@@ -81,29 +108,48 @@ class Layer:
         return self.config.segments
 
 
-def read_map(path: Path, referrer: Optional[YamlReader] = None) -> Segments:
+def read_map(
+    path: Path, preprocessor: Optional[YamlPreprocessor] = None, simplify_map: int = 0
+) -> Segments:
     """The walls [m] that a map's YAML file describes: shape (n, 4), x1, y1, x2, y2.
 
     Args:
         path: of a map_server or a line segments file.
-        referrer: where the path was written, for the error when there is no such file.
+        preprocessor: has the parameters for the file's expressions.
+        simplify_map: an index of `simplify_outlines.TOLERANCES`; 0 leaves outlines as they are.
+
+    Raises:
+        YamlError: something in the file, or in the image or data that it names, is wrong.
     """
-    if referrer is not None and not path.is_file():
-        raise referrer.error(f"there is no file {path}", "map")
-    reader = YamlReader.from_file(path)
+    begin = time.monotonic()
+    reader = YamlReader.from_file(path, preprocessor)
     origin = reader.get_pose("origin")
-    if reader.get_choice("type", ["image", "line_segments"], "image") == "line_segments":
+    is_lines = reader.get_choice("type", ["image", "line_segments"], "image") == "line_segments"
+    if is_lines:
         scale = reader.get_float("scale", above=0.0)
-        data = path.parent / reader.get_string("data")
-        reader.finish()
-        return _place(_read_line_segments(data) * scale, origin)
-    resolution = reader.get_float("resolution", above=0.0)
-    occupied_thresh = reader.get_float("occupied_thresh")
-    for unused in ("free_thresh", "negate", "mode"):
-        reader.get_string(unused, "")
-    image = path.parent / reader.get_string("image")
+        source = reader.get_path("data")
+    else:
+        scale = reader.get_float("resolution", above=0.0)
+        occupied_thresh = reader.get_float("occupied_thresh")
+        for unused in ("free_thresh", "negate", "mode"):
+            reader.get_string(unused, "")
+        source = reader.get_path("image")
     reader.finish()
-    return _place(_read_image(image, occupied_thresh) * resolution, origin)
+    if is_lines:
+        segments = _read_line_segments(source)
+    else:
+        segments = _read_image(source, occupied_thresh)
+        if simplify_map:
+            before, tolerance = len(segments), TOLERANCES[simplify_map]
+            segments = simplify(segments, tolerance)
+            logger.info(
+                "%s: outlines simplified from %d to %d segments, within %g m",
+                *(path, before, len(segments), tolerance * scale),
+            )
+    segments = _place(segments * scale, origin)
+    if time.monotonic() - begin > _SLOW:
+        logger.info("%s: %d segments read", path, len(segments))
+    return segments
 
 
 def _read_image(path: Path, occupied_thresh: float) -> Segments:

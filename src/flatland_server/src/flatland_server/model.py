@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence, Tuple, TypeVar
+from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
@@ -10,10 +10,9 @@ from flatland_server.exceptions import ModelError, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.joint import Joint, JointConfig
 from flatland_server.model_body import BodyConfig, ModelBody
-from flatland_server.plugin_config import PluginConfig, read_plugins
-from flatland_server.yaml_reader import YamlReader
-
-T = TypeVar("T")
+from flatland_server.plugin_config import PluginConfig
+from flatland_server.yaml_preprocessor import YamlPreprocessor
+from flatland_server.yaml_reader import YamlReader, read_enabled
 
 
 @dataclass(frozen=True)
@@ -26,31 +25,39 @@ class ModelConfig:
     plugins: Tuple[PluginConfig, ...]
 
     @classmethod
-    def from_file(cls, path: Path, registry: Optional[CollisionFilterRegistry]) -> "ModelConfig":
+    def from_file(
+        cls,
+        path: Path,
+        registry: Optional[CollisionFilterRegistry],
+        preprocessor: Optional[YamlPreprocessor] = None,
+    ) -> "ModelConfig":
         """Reads a model file.
 
         Args:
             path: of the file.
             registry: the layers that footprints may name; None accepts every name.
+            preprocessor: has the parameters for the file's expressions.
 
         Raises:
             YamlError: something in it is wrong. What is in a plugin's entry is for the plugin to
                 say, when it starts.
         """
-        reader = YamlReader.from_file(path)
-        bodies = _read_enabled(
-            reader.get_sections("bodies", required=True),
-            lambda section: BodyConfig.read(section, registry),
+        return cls.read(YamlReader.from_file(path, preprocessor), registry)
+
+    @classmethod
+    def read(cls, reader: YamlReader, registry: Optional[CollisionFilterRegistry]) -> "ModelConfig":
+        """The same of a file that is being read already."""
+        bodies = read_enabled(
+            reader, "bodies", lambda section: BodyConfig.read(section, registry), required=True
         )
-        if not bodies:
-            raise reader.error("expected at least one body, found none", "bodies")
-        body_names = [body.name for body in bodies]
-        joints = _read_enabled(
-            reader.get_sections("joints"), lambda section: JointConfig.read(section, body_names)
-        )
-        plugins = read_plugins(reader)
+        if not bodies and reader.has("bodies"):
+            reader.problem("expected at least one body, found none that can be used", "bodies")
+        # A body that cannot be read is still a body that joints may name.
+        names = reader.names_in("bodies")
+        joints = read_enabled(reader, "joints", lambda section: JointConfig.read(section, names))
+        plugins = read_enabled(reader, "plugins", PluginConfig.read)
         reader.finish()
-        return cls(path, tuple(bodies), tuple(joints), tuple(plugins))
+        return cls(reader.file, tuple(bodies), tuple(joints), tuple(plugins))
 
 
 class Model:
@@ -137,17 +144,3 @@ class Model:
         if frame_id.startswith("/"):
             return frame_id[1:]
         return f"{self.namespace}_{frame_id}" if self.namespace else frame_id
-
-
-def _read_enabled(sections: Sequence[YamlReader], read: Callable[[YamlReader], T]) -> List[T]:
-    """The entries that are not switched off, each with a name of its own."""
-    entries, names = [], set()
-    for section in sections:
-        if not section.get_bool("enabled", True):
-            continue
-        entries.append(read(section))
-        name = section.get_string("name")
-        if name in names:
-            raise section.error(f'the name "{name}" is given twice', "name")
-        names.add(name)
-    return entries

@@ -40,8 +40,11 @@ class BodyConfig:
             linear_damping=reader.get_float("linear_damping", 0.0, minimum=0.0),
             angular_damping=reader.get_float("angular_damping", 0.0, minimum=0.0),
             footprints=tuple(
-                Footprint.read(section, registry, scratch)
-                for section in reader.get_sections("footprints", required=True)
+                reader.get_sections(
+                    "footprints",
+                    lambda section: Footprint.read(section, registry, scratch),
+                    required=True,
+                )
             ),
         )
         reader.finish()

@@ -27,13 +27,15 @@ class ModelPlugin(Plugin):
     def get_body(self, config: YamlReader, key: str = "body", default: Any = REQUIRED) -> ModelBody:
         """The body that a key of the configuration names.
 
-        Raises:
-            YamlError: the key is missing, or the model has no such body.
+        If there is no such body, that is noted as a problem for `config.finish()` to raise.
         """
+        name = config.get_string(key, default)
         try:
-            return self.model.get_body(config.get_string(key, default))
+            return self.model.get_body(name)
         except ModelError as error:
-            raise config.error(str(error), key) from None
+            if name:
+                config.problem(str(error), key)
+            return self.model.base
 
     def name_space_tf(self, frame_id: str) -> str:
         """A frame's name with the model's namespace; see `Model.name_space_tf`."""

@@ -29,7 +29,7 @@ def namespace_problem(namespace: str) -> Optional[str]:
 
 
 def check_topic_name(reader: YamlReader, key: str, name: str) -> None:
-    """Raises the reader's error at `key` if the name cannot be part of a topic."""
+    """Notes a problem at `key` if the name that is given there cannot be part of a topic."""
     problem = topic_name_problem(name)
-    if problem:
-        raise reader.error(problem, key)
+    if problem and reader.has(key):
+        reader.problem(problem, key)

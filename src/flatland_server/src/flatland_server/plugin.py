@@ -2,9 +2,9 @@
 
 The life of a plugin: it is made; `on_initialize` reads its configuration and opens its topics;
 then, at every step, `before_physics_step` at time t and `after_physics_step` at time t + dt, or,
-with an `update_timer`, only when that is due; at last `on_shutdown`, when its model is deleted or the
-world ends. Its topics, subscriptions and transforms go away with its node. All of it happens on one
-thread, between steps; a hook that a plugin does not override is never called and costs nothing.
+with an `update_timer`, only when that is due; at last `on_shutdown`, when its model is deleted or
+the world ends. Its topics, subscriptions and transforms go away with its node. All of it happens on
+one thread, between steps; a hook that a plugin does not override is never called and costs nothing.
 """
 
 from typing import Optional

@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Type, TypeVa
 
 import numpy as np
 
-from flatland_server.exceptions import FlatlandError, PluginError
+from flatland_server.exceptions import FlatlandError, PluginError, Problem, YamlError
 from flatland_server.node import Node
 from flatland_server.plugin import HOOKS, Plugin
 from flatland_server.plugin_config import PluginConfig
@@ -64,9 +64,15 @@ class PluginManager:
             FlatlandError: one does not exist, or does not start.
         """
         self._plugins[owner] = []
+        problems: List[Problem] = []
         try:
             for config in configs:
-                self._start_one(config, base, owner, namespace, subject)
+                try:
+                    self._start_one(config, base, owner, namespace, subject)
+                except YamlError as error:
+                    problems.extend(error.problems)
+            if problems:
+                raise YamlError.of(problems)
         except BaseException:
             self.stop(owner)
             raise
@@ -79,7 +85,7 @@ class PluginManager:
         try:
             plugin_class = self._loader.load(config.type, base)
         except PluginError as error:
-            raise PluginError(str(reader.error(str(error), "type"))) from error.__cause__
+            raise reader.error(str(error), "type") from error.__cause__
         label = f"{owner}/{config.name}" if owner else config.name
         rng = np.random.default_rng([self._seed, zlib.crc32(label.encode())])
         node = self._node.scoped(namespace, label)
@@ -89,10 +95,12 @@ class PluginManager:
             reader.finish()
         except BaseException as error:
             node.close()
-            if isinstance(error, FlatlandError) or not isinstance(error, Exception):
+            if isinstance(error, YamlError) or not isinstance(error, Exception):
                 raise
-            message = reader.error(f"does not start: {type(error).__name__}: {error}")
-            raise PluginError(str(message)) from error
+            reason = str(error)
+            if not isinstance(error, FlatlandError):
+                reason = f"does not start: {type(error).__name__}: {error}"
+            raise reader.error(reason) from error
         self._plugins[owner].append(plugin)
 
     def stop(self, owner: str) -> None:

@@ -11,7 +11,7 @@ from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.exceptions import FlatlandError, ModelError, suggestion
+from flatland_server.exceptions import FlatlandError, ModelError, Problem, YamlError, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.layer import Layer, LayerConfig
 from flatland_server.local_transport import LocalTransport
@@ -19,12 +19,13 @@ from flatland_server.model import Model, ModelConfig
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.names import check_topic_name, namespace_problem, topic_name_problem
 from flatland_server.node import Node, Transport
-from flatland_server.plugin_config import PluginConfig, read_plugins
+from flatland_server.plugin_config import PluginConfig
 from flatland_server.plugin_loader import PluginLoader
 from flatland_server.plugin_manager import PluginManager
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world_plugin import WorldPlugin
-from flatland_server.yaml_reader import YamlReader
+from flatland_server.yaml_preprocessor import YamlPreprocessor
+from flatland_server.yaml_reader import YamlReader, read_enabled
 
 
 @dataclass(frozen=True)
@@ -49,53 +50,81 @@ class WorldConfig:
     plugins: Tuple[PluginConfig, ...]
 
     @classmethod
-    def from_file(cls, path: Path) -> "WorldConfig":
+    def from_file(
+        cls,
+        path: Path,
+        preprocessor: Optional[YamlPreprocessor] = None,
+        *,
+        simplify_map: int = 0,
+    ) -> "WorldConfig":
         """Reads a world file and what it refers to; touches nothing else.
 
+        Args:
+            path: of the file.
+            preprocessor: has the parameters for expressions in the files.
+            simplify_map: how much the outlines of map images are simplified; see `read_map`.
+
         Raises:
-            YamlError: something in one of the files is wrong.
+            YamlError: something in the files is wrong; all that was found.
         """
-        reader = YamlReader.from_file(path)
+        reader = YamlReader.from_file(path, preprocessor)
+        return cls.read(reader, preprocessor, simplify_map=simplify_map)
+
+    @classmethod
+    def read(
+        cls,
+        reader: YamlReader,
+        preprocessor: Optional[YamlPreprocessor] = None,
+        *,
+        simplify_map: int = 0,
+    ) -> "WorldConfig":
+        """The same of a file that is being read already."""
         properties = reader.get_section("properties", required=True)
         velocity_iterations = properties.get_int("velocity_iterations", 10, minimum=1)
         position_iterations = properties.get_int("position_iterations", 10, minimum=1)
         properties.finish()
         registry = CollisionFilterRegistry()
-        layers = tuple(
-            LayerConfig.read(section, registry)
-            for section in reader.get_sections("layers", required=True)
+        layers = reader.get_sections(
+            "layers",
+            lambda section: LayerConfig.read(section, registry, preprocessor, simplify_map),
+            required=True,
         )
-        models: Dict[str, ModelEntry] = {}
-        for section in reader.get_sections("models"):
-            entry = _read_model_entry(section, registry)
-            if entry.name in models:
-                raise section.error(f'the name "{entry.name}" is given twice', "name")
-            models[entry.name] = entry
-        plugins = tuple(read_plugins(reader))
+        models = read_enabled(
+            reader, "models", lambda section: _read_model_entry(section, registry, preprocessor)
+        )
+        plugins = read_enabled(reader, "plugins", PluginConfig.read)
         reader.finish()
         return cls(
             velocity_iterations,
             position_iterations,
             registry,
-            layers,
-            tuple(models.values()),
-            plugins,
+            tuple(layers),
+            tuple(models),
+            tuple(plugins),
         )
 
 
-def _read_model_entry(reader: YamlReader, registry: CollisionFilterRegistry) -> ModelEntry:
+def _read_model_entry(
+    reader: YamlReader,
+    registry: CollisionFilterRegistry,
+    preprocessor: Optional[YamlPreprocessor],
+) -> ModelEntry:
     name = reader.get_string("name")
     check_topic_name(reader, "name", name)
     namespace = reader.get_string("namespace", "")
     problem = namespace_problem(namespace)
     if problem:
-        raise reader.error(problem, "namespace")
+        reader.problem(problem, "namespace")
     pose = reader.get_pose("pose", Pose())
-    path = reader.file.parent / reader.get_string("model")
+    path = reader.get_path("model")
+    try:
+        model = ModelConfig.from_file(path, registry, preprocessor) if path.is_file() else None
+    except YamlError as error:
+        reader.note(error)
+        model = None
     reader.finish()
-    if not path.is_file():
-        raise reader.error(f"there is no file {path}", "model")
-    return ModelEntry(name, namespace, pose, ModelConfig.from_file(path, registry))
+    assert model is not None  # or there was a problem
+    return ModelEntry(name, namespace, pose, model)
 
 
 class World:
@@ -127,8 +156,14 @@ class World:
         self._is_stepping = False
         try:
             self.layers = [Layer(layer, self.physics) for layer in config.layers]
+            problems: List[Problem] = []
             for entry in config.models:
-                self._add_model(entry)
+                try:
+                    self._add_model(entry)
+                except YamlError as error:
+                    problems.extend(error.problems)
+            if problems:
+                raise YamlError.of(problems)
             self._plugins.start(list(config.plugins), WorldPlugin, "", "", self)
         except BaseException:
             self.close()
@@ -141,10 +176,22 @@ class World:
         transport: Optional[Transport] = None,
         *,
         seed: int = 0,
+        simplify_map: int = 0,
         loader: Optional[PluginLoader] = None,
     ) -> "World":
         """A world from its file; the class and `WorldConfig.from_file` say what can go wrong."""
-        return cls(WorldConfig.from_file(path), transport, seed=seed, loader=loader)
+        transport = transport if transport is not None else LocalTransport()
+        preprocessor = YamlPreprocessor(transport.get_param)
+        try:
+            config = WorldConfig.from_file(path, preprocessor, simplify_map=simplify_map)
+        finally:
+            preprocessor.close()
+        return cls(config, transport, seed=seed, loader=loader)
+
+    @property
+    def plugin_count(self) -> int:
+        """How many plugins live in it and its models."""
+        return sum(len(self._plugins.plugins_of(owner)) for owner in ["", *self.models])
 
     def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Model:
         """Puts a new model into the world: wholly, or not at all.
@@ -167,9 +214,12 @@ class World:
         _check_pose(pose)
         if not path.is_file():
             raise ModelError(f"there is no file {path}")
-        return self._add_model(
-            ModelEntry(name, namespace, pose, ModelConfig.from_file(path, self.registry))
-        )
+        preprocessor = YamlPreprocessor(self.transport.get_param)
+        try:
+            config = ModelConfig.from_file(path, self.registry, preprocessor)
+        finally:
+            preprocessor.close()
+        return self._add_model(ModelEntry(name, namespace, pose, config))
 
     def delete_model(self, name: str) -> None:
         """Takes a model out of the world, with its topics and frames.

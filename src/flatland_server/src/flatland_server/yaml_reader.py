@@ -3,16 +3,30 @@
 A `YamlReader` stands for one mapping. Its getters name a key, what it must be and its default;
 `finish` refuses the keys that nobody asked for. Values are read as what is asked for, not as what
 YAML guesses: `1e3` and `inf` are numbers where a number is due.
+
+So that all problems are reported together, a getter that meets one notes it and returns something
+harmless of the right type; `finish` raises for all of them. Use no value before you have called it.
 """
 
 import math
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, Union, cast
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
 import yaml
 
-from flatland_server.exceptions import YamlError, suggestion
+from flatland_server.exceptions import Problem, YamlError, suggestion
 from flatland_server.geometry import Pose
+from flatland_server.yaml_preprocessor import YamlPreprocessor
+from flatland_server.yaml_values import (
+    Unexpected,
+    describe,
+    is_null,
+    to_float,
+    to_floats,
+    to_string,
+)
+
+T = TypeVar("T")
 
 Color = Tuple[float, float, float, float]
 
@@ -21,68 +35,67 @@ REQUIRED: Any = object()
 
 _TRUE = {"true", "yes", "on", "y"}
 _FALSE = {"false", "no", "off", "n"}
-_INFINITE = {"inf", ".inf", "+inf", "+.inf"}
 
 
 class YamlReader:
     """One mapping of a YAML document.
 
     Args:
-        node: the composed mapping.
-        file: the file that it stands in.
+        node: the composed mapping, whose marks name its file.
         path: where it stands in the document, such as `models[0]`; empty for the whole.
+        root: the file that the document begins in, if this mapping was included into it.
+
+    Raises:
+        YamlError: it is not a mapping, or a key is given twice.
     """
 
-    def __init__(self, node: yaml.Node, file: Path, path: str = "") -> None:
-        self.file = file
+    def __init__(self, node: yaml.Node, path: str = "", root: Optional[Path] = None) -> None:
+        self.file = Path(node.start_mark.name)
         self.path = path
+        self._root = root or self.file
         self._node = node
         self._values: Dict[str, yaml.Node] = {}
         self._read: Set[str] = set()
+        self._problems: List[Problem] = []
+        self._is_within = False  # part of a mapping that raises this one's problems too
         if not isinstance(node, yaml.MappingNode):
-            raise self._error(node, path, f"expected a map, found {_describe(node)}")
+            raise _error(node, path, f"expected a map, found {describe(node)}")
         for key, value in node.value:
             if not isinstance(key, yaml.ScalarNode):
-                raise self._error(key, path, f"expected a key, found {_describe(key)}")
+                raise _error(key, path, f"expected a key, found {describe(key)}")
             if key.value in self._values:
-                raise self._error(key, path, f'the key "{key.value}" is given twice')
+                self._note(_error(key, path, f'the key "{key.value}" is given twice'))
             self._values[key.value] = value
 
     @classmethod
-    def from_file(cls, path: Path) -> "YamlReader":
-        """The mapping that a file consists of.
+    def from_file(cls, path: Path, preprocessor: Optional[YamlPreprocessor] = None) -> "YamlReader":
+        """The mapping that a file consists of, its includes and expressions resolved.
+
+        Args:
+            path: of the file.
+            preprocessor: has the parameters; by default there are none.
 
         Raises:
             YamlError: it is missing, unreadable, empty, not YAML or not a mapping.
         """
+        if preprocessor is not None:
+            return cls(preprocessor.read(path))
+        own = YamlPreprocessor()
         try:
-            text = path.read_bytes().decode("utf-8")
-            node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-        except OSError as error:
-            raise YamlError(path, f"cannot be read: {error.strerror}") from None
-        except UnicodeDecodeError as error:
-            raise YamlError(path, f"is not UTF-8 text: byte {error.start} is wrong") from None
-        except yaml.MarkedYAMLError as error:
-            mark = error.problem_mark
-            line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
-            problem = " ".join(part for part in (error.context, error.problem) if part)
-            raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
-        except (yaml.YAMLError, RecursionError) as error:
-            raise YamlError(path, f"is not valid YAML: {error}") from None
-        if node is None:
-            raise YamlError(path, "expected a map, found an empty file")
-        return cls(node, path)
+            return cls(own.read(path))
+        finally:
+            own.close()
 
     # Values
 
     def has(self, key: str) -> bool:
         """Whether the key is given; a `null` counts as not given."""
         value = self._values.get(key)
-        return value is not None and not _is_null(value)
+        return value is not None and not is_null(value)
 
     def get_string(self, key: str, default: Any = REQUIRED) -> str:
         """A text; may be empty."""
-        return cast(str, self._get(key, default, _to_string))
+        return cast(str, self._get(key, default, to_string, ""))
 
     def get_float(
         self,
@@ -96,16 +109,17 @@ class YamlReader:
         """A number, at least `minimum` and larger than `above`; never NaN."""
 
         def convert(node: yaml.Node) -> float:
-            value = _to_float(node)
+            value = to_float(node)
             if math.isinf(value) and not allow_infinity:
-                raise _Unexpected("a finite number")
+                raise Unexpected("a finite number")
             if value < minimum:
-                raise _Unexpected(f"a number of {minimum:g} or more")
+                raise Unexpected(f"a number of {minimum:g} or more")
             if value <= above:
-                raise _Unexpected(f"a number above {above:g}")
+                raise Unexpected(f"a number above {above:g}")
             return value
 
-        return cast(float, self._get(key, default, convert))
+        harmless = 1.0 if minimum <= 1.0 and above < 1.0 else max(minimum, above + 1.0)
+        return cast(float, self._get(key, default, convert, harmless))
 
     def get_rate(self, key: str, default: Any = REQUIRED) -> float:
         """A rate [Hz] above zero; `inf` is as often as possible."""
@@ -116,37 +130,37 @@ class YamlReader:
 
         def convert(node: yaml.Node) -> int:
             try:
-                value = int(_to_string(node))
+                value = int(to_string(node))
             except ValueError:
-                raise _Unexpected("a whole number") from None
+                raise Unexpected("a whole number") from None
             if minimum is not None and value < minimum:
-                raise _Unexpected(f"a whole number of {minimum} or more")
+                raise Unexpected(f"a whole number of {minimum} or more")
             return value
 
-        return cast(int, self._get(key, default, convert))
+        return cast(int, self._get(key, default, convert, minimum or 0))
 
     def get_bool(self, key: str, default: Any = REQUIRED) -> bool:
         """True or false, in any of YAML's spellings."""
 
         def convert(node: yaml.Node) -> bool:
-            text = _to_string(node).lower()
+            text = to_string(node).lower()
             if text not in _TRUE | _FALSE:
-                raise _Unexpected("true or false")
+                raise Unexpected("true or false")
             return text in _TRUE
 
-        return cast(bool, self._get(key, default, convert))
+        return cast(bool, self._get(key, default, convert, False))
 
     def get_choice(self, key: str, choices: Sequence[str], default: Any = REQUIRED) -> str:
-        """One of some words."""
+        """One of some words. What else there must be hangs on it: a wrong one raises at once."""
 
         def convert(node: yaml.Node) -> str:
-            text = _to_string(node)
+            text = to_string(node)
             if text not in choices:
                 words = ", ".join(choices[:-1]) + " or " + choices[-1]
-                raise _Unexpected(f"{words}{suggestion(text, choices)}")
+                raise Unexpected(f"{words}{suggestion(text, choices)}")
             return text
 
-        return cast(str, self._get(key, default, convert))
+        return cast(str, self._get(key, default, convert, None))
 
     def get_floats(
         self, key: str, length: int, default: Any = REQUIRED, *, minimum: float = -math.inf
@@ -171,10 +185,11 @@ class YamlReader:
         def convert(node: yaml.Node) -> List[Tuple[float, float]]:
             items = node.value if isinstance(node, yaml.SequenceNode) else []
             if not minimum <= len(items) <= maximum:
-                raise _Unexpected(f"a list of {minimum} to {maximum} points [x, y]")
-            return [cast(Tuple[float, float], _to_floats(item, 2, "[x, y]")) for item in items]
+                raise Unexpected(f"a list of {minimum} to {maximum} points [x, y]")
+            return [cast(Tuple[float, float], to_floats(item, 2, "[x, y]")) for item in items]
 
-        return cast(List[Tuple[float, float]], self._get(key, REQUIRED, convert))
+        harmless = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
+        return cast(List[Tuple[float, float]], self._get(key, REQUIRED, convert, harmless))
 
     def get_color(self, key: str, default: Any = REQUIRED) -> Color:
         """`[r, g, b, alpha]`, each 0 to 1."""
@@ -185,65 +200,137 @@ class YamlReader:
 
         def convert(node: yaml.Node) -> Tuple[str, ...]:
             if isinstance(node, yaml.SequenceNode):
-                return tuple(_to_string(item) for item in node.value)
-            return (_to_string(node),)
+                return tuple(to_string(item) for item in node.value)
+            return (to_string(node),)
 
-        return cast(Tuple[str, ...], self._get(key, default, convert))
+        return cast(Tuple[str, ...], self._get(key, default, convert, ()))
+
+    def get_path(self, key: str) -> Path:
+        """A file that is there: absolute, or relative to the document or to where the key is."""
+        name = self.get_string(key)
+        candidates = [self._root.parent / name]
+        if key in self._values:
+            candidates.append(Path(self._values[key].start_mark.name).parent / name)
+        for path in candidates:
+            if path.is_file():
+                return path
+        if name:
+            kind = "is a folder" if candidates[0].is_dir() else "is not there"
+            self.problem(f"expected a file, but {candidates[0]} {kind}", key)
+        elif key in self._values:
+            self.problem("expected a file, found an empty text", key)
+        return candidates[0]
 
     # Sections
 
     def get_section(self, key: str, *, required: bool = False) -> "YamlReader":
-        """A mapping within this one; an empty one if it is not given and not required."""
-        self._read.add(key)
-        path = self._path_of(key)
-        if not self.has(key):
-            if required and key not in self._values:
-                raise self._missing(key)
-            empty = yaml.MappingNode("tag:yaml.org,2002:map", [], self._node.start_mark)
-            return YamlReader(empty, self.file, path)
-        return YamlReader(self._values[key], self.file, path)
+        """A mapping within this one; an empty one if it is not given and not required.
 
-    def get_sections(self, key: str, *, required: bool = False) -> List["YamlReader"]:
-        """A list of mappings; an empty list if it is not given and not required."""
+        Its problems are raised by this mapping's `finish`; its own only looks for unknown keys.
+        """
+        self._read.add(key)
+        node: yaml.Node = yaml.MappingNode("tag:yaml.org,2002:map", [], self._node.start_mark)
+        is_usable = True
+        if self.has(key):
+            is_usable = isinstance(self._values[key], yaml.MappingNode)
+            if is_usable:
+                node = self._values[key]
+            else:
+                found = describe(self._values[key])
+                self.problem(f"expected a map, found {found}", key)
+        elif required and key not in self._values:
+            is_usable = False
+            self._note(self._missing(key))
+        section = YamlReader(node, self._path_of(key), self._root)
+        if is_usable:  # otherwise what is missing within follows from what was said
+            self._problems.extend(section._problems)
+            section._problems = self._problems
+        section._is_within = True
+        return section
+
+    def get_sections(
+        self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False
+    ) -> List[T]:
+        """What `read` makes of each mapping of a list; an empty list if it is not given.
+
+        The problems that `read` raises are noted; what it cannot read is left out.
+        """
         self._read.add(key)
         path = self._path_of(key)
         if not self.has(key):
             if required:
-                raise self._missing(key)
+                self._note(self._missing(key))
             return []
         node = self._values[key]
         if not isinstance(node, yaml.SequenceNode):
-            raise self._error(node, path, f"expected a list, found {_describe(node)}")
+            self._note(_error(node, path, f"expected a list, found {describe(node)}"))
+            return []
+        results = []
+        for index, item in enumerate(node.value):
+            try:
+                results.append(read(YamlReader(item, f"{path}[{index}]", self._root)))
+            except YamlError as error:
+                self._note(error)
+        return results
+
+    def names_in(self, key: str) -> List[str]:
+        """The `name` of each mapping of a list that has one, whatever else is wrong there."""
+        node = self._values.get(key)
+        items = node.value if isinstance(node, yaml.SequenceNode) else []
         return [
-            YamlReader(item, self.file, f"{path}[{index}]") for index, item in enumerate(node.value)
+            value.value
+            for item in items
+            if isinstance(item, yaml.MappingNode)
+            for name, value in item.value
+            if name.value == "name" and isinstance(value, yaml.ScalarNode)
         ]
 
-    # Errors
+    # Problems
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether nothing wrong was noted so far."""
+        return not self._problems
+
+    def problem(self, message: str, key: Optional[str] = None) -> None:
+        """Notes something wrong at a key's value, or with this mapping; `finish` raises it."""
+        self._note(self.error(message, key))
 
     def finish(self) -> None:
-        """Refuses keys that no getter has asked for.
+        """Refuses keys that no getter has asked for, and raises all that was noted.
 
         Raises:
-            YamlError: there is one; the nearest known key is suggested.
+            YamlError: there is something; for an unknown key the nearest known one is suggested.
         """
         for key, value in self._values.items():
             if key not in self._read:
                 hint = suggestion(key, self._read - self._values.keys())
-                raise self._error(value, self._label(), f'unknown key "{key}"{hint}')
+                self._note(_error(value, self._label(), f'unknown key "{key}"{hint}'))
+        self._read.update(self._values)
+        if not self._is_within:
+            self.raise_problems()
+
+    def raise_problems(self) -> None:
+        """Raises what was noted so far, where going on would only lead to more."""
+        if self._problems:
+            problems, self._problems = self._problems, []
+            raise YamlError.of(problems)
 
     def error(self, message: str, key: Optional[str] = None) -> YamlError:
-        """An error at a key's value, or at this mapping, for whoever knows more than the reader."""
+        """An error at a key's value, or at this mapping, to raise at once."""
         if key is None or key not in self._values:
-            return self._error(self._node, self._label(), message)
-        return self._error(self._values[key], self._path_of(key), message)
+            return _error(self._node, self._label(), message)
+        return _error(self._values[key], self._path_of(key), message)
+
+    def note(self, error: YamlError) -> None:
+        """Notes the problems of another file that this mapping refers to."""
+        self._note(error)
+
+    def _note(self, error: YamlError) -> None:
+        self._problems.extend(error.problems)
 
     def _missing(self, key: str) -> YamlError:
         return self.error(f'the required key "{key}" is missing')
-
-    def _error(self, node: yaml.Node, path: str, message: str) -> YamlError:
-        mark = node.start_mark
-        message = f"{path}: {message}" if path else message
-        return YamlError(self.file, message, mark.line + 1, mark.column + 1)
 
     def _path_of(self, key: str) -> str:
         return f"{self.path}.{key}" if self.path else key
@@ -254,18 +341,28 @@ class YamlReader:
             return f'{self.path} "{name.value}"'
         return self.path
 
-    def _get(self, key: str, default: Any, convert: Callable[[yaml.Node], Any]) -> Any:
+    def _get(
+        self, key: str, default: Any, convert: Callable[[yaml.Node], Any], harmless: Any
+    ) -> Any:
+        """A key's value; if it is missing or wrong, notes that and returns `harmless`.
+
+        Without anything harmless, None, it raises, with what was noted before.
+        """
         self._read.add(key)
         if not self.has(key):
-            if default is REQUIRED:
-                raise self._missing(key)
-            return default
-        node = self._values[key]
-        try:
-            return convert(node)
-        except _Unexpected as unexpected:
-            message = f"expected {unexpected}, found {_describe(node)}"
-            raise self._error(node, self._path_of(key), message) from None
+            if default is not REQUIRED:
+                return default
+            self._note(self._missing(key))
+        else:
+            node = self._values[key]
+            try:
+                return convert(node)
+            except Unexpected as unexpected:
+                message = f"expected {unexpected}, found {describe(node)}"
+                self._note(_error(node, self._path_of(key), message))
+        if harmless is None:
+            raise YamlError.of(self._problems)
+        return harmless
 
     def _get_floats(
         self,
@@ -277,64 +374,38 @@ class YamlReader:
         maximum: float = math.inf,
     ) -> Tuple[float, ...]:
         def convert(node: yaml.Node) -> Tuple[float, ...]:
-            values = _to_floats(node, length, shown)
+            values = to_floats(node, length, shown)
             if any(not minimum <= value <= maximum for value in values):
-                raise _Unexpected(shown)
+                raise Unexpected(shown)
             return values
 
-        return cast(Tuple[float, ...], self._get(key, default, convert))
+        harmless = (max(0.0, minimum),) * length
+        return cast(Tuple[float, ...], self._get(key, default, convert, harmless))
 
 
-class _Unexpected(Exception):
-    """What a getter expected; `_get` adds where and what was found."""
+def read_enabled(
+    reader: YamlReader, key: str, read: Callable[[YamlReader], T], *, required: bool = False
+) -> List[T]:
+    """What `read` makes of the entries of a list that are not switched off by `enabled: false`.
+
+    Each entry needs a name of its own.
+    """
+    names: Set[str] = set()
+
+    def read_entry(section: YamlReader) -> Optional[T]:
+        if not section.get_bool("enabled", True):
+            return None
+        name = section.get_string("name")
+        if name and name in names:
+            section.problem(f'the name "{name}" is given twice', "name")
+        names.add(name)
+        return read(section)
+
+    entries = reader.get_sections(key, read_entry, required=required)
+    return [entry for entry in entries if entry is not None]
 
 
-def _is_null(node: yaml.Node) -> bool:
-    return node.tag == "tag:yaml.org,2002:null"
-
-
-def _to_string(node: yaml.Node) -> str:
-    if not isinstance(node, yaml.ScalarNode):
-        raise _Unexpected("a text")
-    return str(node.value)
-
-
-def _to_float(node: yaml.Node) -> float:
-    text = node.value if isinstance(node, yaml.ScalarNode) else ""
-    if text.lower() in _INFINITE:
-        return math.inf
-    if text.lower() in {"-inf", "-.inf"}:
-        return -math.inf
-    try:
-        value = float(text)
-    except ValueError:
-        raise _Unexpected("a number") from None
-    if math.isnan(value):
-        raise _Unexpected("a number")
-    return value
-
-
-def _to_floats(node: yaml.Node, length: int, shown: str) -> Tuple[float, ...]:
-    if not isinstance(node, yaml.SequenceNode) or len(node.value) != length:
-        raise _Unexpected(shown)
-    try:
-        values = tuple(_to_float(item) for item in node.value)
-    except _Unexpected:
-        raise _Unexpected(shown) from None
-    if not all(math.isfinite(value) for value in values):
-        raise _Unexpected(shown)
-    return values
-
-
-def _describe(node: Union[yaml.Node, Any]) -> str:
-    """A value as its author would recognise it, cut to a readable length."""
-    if isinstance(node, yaml.ScalarNode):
-        if _is_null(node):
-            return "nothing"
-        quoted = node.tag == "tag:yaml.org,2002:str"
-        text = f'"{node.value}"' if quoted else str(node.value)
-    elif isinstance(node, yaml.SequenceNode):
-        text = "[" + ", ".join(_describe(item) for item in node.value[:12]) + "]"
-    else:
-        return "a map"
-    return text if len(text) <= 60 else text[:57] + "..."
+def _error(node: yaml.Node, path: str, message: str) -> YamlError:
+    mark = node.start_mark
+    message = f"{path}: {message}" if path else message
+    return YamlError(Path(mark.name), message, mark.line + 1, mark.column + 1)

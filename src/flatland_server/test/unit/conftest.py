@@ -2,7 +2,7 @@
 
 import textwrap
 from pathlib import Path
-from typing import Any, Optional
+from typing import Any, Optional, Type
 
 import hypothesis
 import pytest
@@ -73,3 +73,9 @@ def loader() -> PluginLoader:
 @pytest.fixture
 def files(tmp_path: Path, loader: PluginLoader) -> WorldFiles:
     return WorldFiles(tmp_path, loader)
+
+
+@pytest.fixture
+def simulate() -> Type[Simulation]:
+    """Makes a `Simulation` of a world."""
+    return Simulation

@@ -1,17 +1,15 @@
 """The shapes of a body as rviz markers: filled triangles, and an outline that shows the heading."""
 
-import math
 from typing import List, Sequence, Tuple
 
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from flatland_server.footprint import Circle, Footprint
+from flatland_server.footprint import Circle
 from flatland_server.model_body import BodyConfig
 
 _OUTLINE_WIDTH = 0.01  # m
-_CIRCLE_SIDES = 36
 _FILL_Z = 0.01  # above the map image that a navigation stack shows at z = 0
 _OUTLINE_Z = 0.02
 
@@ -27,7 +25,7 @@ def body_markers(config: BodyConfig, namespace: str) -> List[Marker]:
     outline = _marker(namespace, 1, Marker.LINE_LIST, dark)
     outline.scale.x = _OUTLINE_WIDTH
     for footprint in config.footprints:
-        corners = _corners(footprint)
+        corners = footprint.shape.outline()
         for i in range(1, len(corners) - 1):
             fill.points += _points((corners[0], corners[i], corners[i + 1]), _FILL_Z)
         for i, corner in enumerate(corners):
@@ -42,15 +40,6 @@ def _marker(namespace: str, id: int, type: int, color: Sequence[float]) -> Marke
     marker = Marker(ns=namespace, id=id, type=type, action=Marker.ADD, color=ColorRGBA(*color))
     marker.pose.orientation.w = 1.0
     return marker
-
-
-def _corners(footprint: Footprint) -> Corners:
-    shape = footprint.shape
-    if not isinstance(shape, Circle):
-        return shape.vertices
-    x, y = shape.center
-    angles = [math.tau * i / _CIRCLE_SIDES for i in range(_CIRCLE_SIDES)]
-    return [(x + shape.radius * math.cos(a), y + shape.radius * math.sin(a)) for a in angles]
 
 
 def _points(corners: Corners, z: float) -> List[Point]:

@@ -13,6 +13,7 @@ from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import DebugVisualization
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.service_manager import ServiceManager
+from flatland_server.simplify_outlines import TOLERANCES
 from flatland_server.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world import World
@@ -27,6 +28,7 @@ class ServerConfig(NamedTuple):
     show_viz: bool
     viz_pub_rate: float
     seed: int
+    simplify_map: int
 
     @classmethod
     def read(cls) -> "ServerConfig":
@@ -41,6 +43,9 @@ class ServerConfig(NamedTuple):
         seed = rospy.get_param("~seed", 0)
         if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
             raise FlatlandError(f"~seed: expected a whole number of 0 or more, found {seed}")
+        simplify_map = rospy.get_param("~simplify_map", 0)
+        if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
+            raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
         show_viz = rospy.get_param("~show_viz", True)
         if not isinstance(show_viz, bool):
             raise FlatlandError(f"~show_viz: expected true or false, found {show_viz}")
@@ -51,6 +56,7 @@ class ServerConfig(NamedTuple):
             show_viz=show_viz,
             viz_pub_rate=_positive("~viz_pub_rate", 30.0),
             seed=seed,
+            simplify_map=simplify_map,
         )
 
 
@@ -82,7 +88,8 @@ def main() -> int:
     try:
         _run(ServerConfig.read())
     except FlatlandError as error:
-        rospy.logfatal("%s", error)
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
         return 1
     return 0
 
@@ -93,7 +100,9 @@ def _run(config: ServerConfig) -> None:
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
     transport = RosTransport()
-    world = World.from_file(config.world_path, transport, seed=config.seed)
+    world = World.from_file(
+        config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
+    )
     manager = SimulationManager(world, timekeeper, config.update_rate)
     manager.after_step.append(ClockPublisher(timekeeper).publish)
     if config.show_viz:

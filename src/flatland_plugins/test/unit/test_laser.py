@@ -1,0 +1,382 @@
+"""Laser: every range against the room's geometry, and who sees what."""
+
+import math
+from typing import Any, List, Tuple
+
+import numpy as np
+import pytest
+
+from flatland_plugins.laser import count_beams
+from flatland_server.geometry import Pose
+
+ANGLES = "angle: {min: -3, max: 3, increment: 0.05}"
+LASER = f"type: Laser, name: laser, body: base, range: 20, {ANGLES}"
+AHEAD = "type: Laser, name: laser, body: base, range: 20, angle: {min: 0, max: 0, increment: 1}"
+ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
+
+
+def distance_to_the_walls(x: float, y: float, angle: float) -> float:
+    """From a point in a room of 10 x 6 m about the origin, along an angle."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    across = (math.copysign(5.0, cos) - x) / cos if cos else math.inf
+    along = (math.copysign(3.0, sin) - y) / sin if sin else math.inf
+    return min(across, along)
+
+
+def room_ranges(pose: Tuple[float, float, float], angles: np.ndarray) -> np.ndarray:
+    """What a lidar sees in the room."""
+    x, y, yaw = pose
+    return np.array([distance_to_the_walls(x, y, yaw + angle) for angle in angles])
+
+
+def in_the_room(files, *plugins: str, **options: Any):
+    """A robot in the room of 10 x 6 m."""
+    layer = f"name: walls, map: {files.walls('room', *ROOM)}"
+    return files.robot(*plugins, layers=(layer,), **options)
+
+
+def beam_angles(scan: Any) -> np.ndarray:
+    return scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+
+
+def look_ahead(files, laser: str = "", target: str = "", layers: Tuple[str, ...] = ()) -> float:
+    """What one beam sees: of a wall at 3 m, or of a disc of 0.5 m at 2 m with these keys."""
+    wall = f"name: [walls, more_walls], map: {files.walls('wall', '3 -1 3 1')}"
+    others = {}
+    if target:
+        footprint = f"{{type: circle, radius: 0.5, density: 1, {target}}}"
+        model = files.model("target", footprint=footprint)
+        others = {"target": f"model: {model}, pose: [2, 0, 0]"}
+    robot = files.robot(AHEAD + laser, layers=(wall, *layers), others=others).run()
+    return float(robot.last("/scan").ranges[0])
+
+
+@pytest.mark.parametrize(
+    "pose", [(0.0, 0.0, 0.0), (2.0, -1.0, 0.7), (-4.0, 2.5, -2.0), (4.7, -2.7, 3.1)]
+)
+def test_the_turtlebot_measures_the_test_room(test_room, pose):
+    test_room.world.move_model("turtlebot", Pose(*pose))
+    test_room.run()
+
+    scan = test_room.last("/scan")
+
+    # 270 degrees in steps of a quarter of one, from 5 cm before the robot's middle
+    angles = np.radians(np.arange(1081) * 0.25 - 135.0)
+    x, y = Pose(*pose).apply(0.05, 0.0)
+    assert np.asarray(scan.ranges) == pytest.approx(room_ranges((x, y, pose[2]), angles), abs=1e-3)
+    assert beam_angles(scan) == pytest.approx(angles, abs=1e-9)
+    assert (scan.range_min, scan.range_max) == (0.0, 20.0)
+    assert scan.scan_time == pytest.approx(0.1)
+
+
+def test_the_lidar_sits_at_its_origin_on_the_body(files):
+    laser = LASER + ", origin: [0.5, -0.25, 1]"
+    robot = in_the_room(
+        files, laser, pose="[1, 2, 0.5]", footprint="{type: circle, radius: 0.01, density: 1}"
+    )
+
+    scan = robot.run().last("/scan")
+
+    x = 1 + 0.5 * math.cos(0.5) + 0.25 * math.sin(0.5)
+    y = 2 + 0.5 * math.sin(0.5) - 0.25 * math.cos(0.5)
+    expected = room_ranges((x, y, 1.5), beam_angles(scan))
+    assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
+
+
+def test_beyond_its_range_it_sees_infinity(files):
+    robot = in_the_room(files, LASER.replace("range: 20", "range: 4"))
+
+    scan = robot.run().last("/scan")
+
+    expected = room_ranges((0.0, 0.0, 0.0), beam_angles(scan))
+    assert 10 < (expected > 4).sum() < 100
+    expected[expected > 4] = math.inf
+    assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
+    assert scan.range_max == 4.0
+
+
+def test_angles_may_decrease(files):
+    clockwise = LASER.replace(ANGLES, "angle: {min: 2, max: -2, increment: -0.1}")
+    robot = in_the_room(files, clockwise, pose="[1, 2, 0.5]")
+
+    scan = robot.run().last("/scan")
+
+    angles = 2 - 0.1 * np.arange(41)
+    assert np.asarray(scan.ranges) == pytest.approx(room_ranges((1, 2, 0.5), angles), abs=1e-3)
+    assert (scan.angle_min, scan.angle_increment) == (2.0, -0.1)
+    assert scan.angle_max == pytest.approx(-2.0)
+
+
+def test_upside_down_the_scan_is_mirrored_and_the_frame_rolled(files):
+    laser = LASER + ", upside_down: true, origin: [0.1, 0, 0.2]"
+    robot = in_the_room(files, laser, pose="[1, 2, 0]")
+
+    scan = robot.run().last("/scan")
+
+    expected = room_ranges((1.1, 2.0, 0.2), -beam_angles(scan))
+    assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
+    assert (scan.angle_min, scan.angle_increment) == (-3.0, 0.05)
+    transform = robot.transport.transforms["laser"]
+    assert tuple(transform.pose) == (0.1, 0.0, 0.2)
+    assert transform.roll == pytest.approx(math.pi)
+
+
+def test_noise_has_the_configured_deviation(files):
+    quiet = in_the_room(files, LASER).run().last("/scan")
+    noisy = in_the_room(files, LASER + ", noise_std_dev: 0.05", seed=3)
+
+    scans = noisy.record("/scan", 0.1)
+
+    noise = (np.array([scan.ranges for scan in scans]) - quiet.ranges).ravel() / 0.05
+    assert len(noise) == 20 * 121
+    # Chi-squared: n squares of standard normals are n +- sqrt(2 n).
+    assert abs((noise**2).sum() - len(noise)) < 4 * math.sqrt(2 * len(noise))
+    assert abs(noise.sum()) < 4 * math.sqrt(len(noise))
+
+
+def test_noise_leaves_ranges_within_the_lidars_and_infinity_alone(files):
+    short = LASER.replace("range: 20", "range: 4.3")
+    quiet = np.asarray(in_the_room(files, short).run().last("/scan").ranges)
+    noisy = in_the_room(files, f"{short}, noise_std_dev: 3", seed=3)
+
+    ranges = np.array([scan.ranges for scan in noisy.record("/scan", 0.1)])
+
+    nothing = np.isinf(quiet)
+    assert nothing.any()
+    assert (ranges[:, nothing] == math.inf).all()
+    returns = ranges[:, ~nothing]
+    assert (returns.min(), returns.max()) == (0.0, np.float32(4.3))
+
+
+@pytest.mark.parametrize(
+    ("angle_min", "angle_max", "increment", "beams"),
+    [
+        pytest.param(-2.356194490192345, 2.356194490192345, 0.004363323129985824, 1081, id="270"),
+        pytest.param(-math.pi / 2, math.pi / 2, math.pi / 2, 3, id="three"),
+        pytest.param(2.0, -2.0, -0.1, 41, id="clockwise"),
+        pytest.param(0.0, 1.0, 0.3, 4, id="the last one stays short of the end"),
+        pytest.param(0.0, 1.0, 0.1, 11, id="0.1 is not a tenth in binary"),
+        pytest.param(1.0, 1.0, 0.1, 1, id="one"),
+        pytest.param(1.0, 1.0, 0.0, 1, id="one without increment"),
+        pytest.param(0.0, 1.0, 2.0, 1, id="increment beyond the end"),
+        pytest.param(0.0, 1.0, -0.1, 0, id="the wrong way"),
+        pytest.param(1.0, 0.0, 0.1, 0, id="the wrong way back"),
+        pytest.param(0.0, 1.0, 0.0, 0, id="no increment"),
+        # As `rostopic echo` or a datasheet writes them: pi / 180 and pi / 720 with six digits.
+        pytest.param(-3.14159, 3.14159, 0.0174533, 361, id="360 rounded"),
+        pytest.param(-1.5708, 1.5708, 0.0174533, 181, id="180 rounded"),
+        pytest.param(-2.35619, 2.35619, 0.00436332, 1081, id="270 rounded"),
+    ],
+)
+def test_beams_are_counted_from_min_to_max(angle_min, angle_max, increment, beams):
+    assert count_beams(angle_min, angle_max, increment) == beams
+
+
+@pytest.mark.parametrize(
+    ("laser", "seen"),
+    [
+        ("", 3.0),
+        (", layers: [walls]", 3.0),
+        (", layers: [more_walls]", 3.0),
+        (", layers: all", 3.0),
+        (", layers: [other]", math.inf),
+        (", layers: [other, walls]", 3.0),
+        (", layers: []", math.inf),
+    ],
+)
+def test_a_lidar_sees_the_walls_of_its_layers(files, laser, seen):
+    assert look_ahead(files, laser, layers=("name: other",)) == pytest.approx(seen)
+
+
+@pytest.mark.parametrize(
+    ("laser", "target", "seen"),
+    [
+        ("", "layers: [a]", True),
+        (", layers: [a]", "layers: [a]", True),
+        (", layers: [a]", "layers: [b, a]", True),
+        (", layers: [a]", "layers: [b]", False),
+        (", layers: [a, b]", "layers: [b]", True),
+        (", layers: [a]", "friction: 0", True),  # all layers
+        ("", "layers: []", False),
+        ("", "collision: false", True),
+        ("", "sensor: true", False),
+    ],
+)
+def test_a_lidar_sees_the_footprints_of_its_layers(files, laser, target, seen):
+    others = ("name: a", "name: b")
+    laser += ", range: 2.5" if "range" in laser else ""
+
+    distance = look_ahead(files, laser, target, others)
+
+    assert (distance == pytest.approx(1.5)) == seen
+
+
+def test_a_lidar_does_not_see_the_disc_that_it_sits_in_but_sees_its_own_mast(files):
+    mast = "{type: circle, center: [0.15, 0], radius: 0.02, density: 1}"
+    disc = "{type: circle, radius: 0.2, density: 1}"
+    robot = files.robot(AHEAD, footprint=f"{disc}, {mast}").run()
+
+    assert robot.last("/scan").ranges == pytest.approx([0.13])
+
+
+def test_what_is_on_the_layer_reflectance_shines(files):
+    walls = (
+        f"name: plain, map: {files.walls('plain', '2 -1 2 1')}",
+        f"name: [reflectance, foil], map: {files.walls('foil', '-1 2 1 2')}",
+    )
+    target = files.model(
+        "target", footprint="{type: circle, radius: 0.5, density: 1, layers: [foil, plain]}"
+    )
+    mirror = files.model(
+        "mirror", footprint="{type: circle, radius: 0.5, density: 1, layers: [reflectance]}"
+    )
+    right_angles = "angle: {min: -1.5707963, max: 3.1415926, increment: 1.5707963}"
+    robot = files.robot(
+        LASER.replace(ANGLES, right_angles),
+        layers=walls,
+        others={
+            "target": f"model: {target}, pose: [0, -2, 0]",
+            "mirror": f"model: {mirror}, pose: [-2, 0, 0]",
+        },
+        footprint="{type: circle, radius: 0.1, density: 1}",
+    ).run()
+
+    scan = robot.last("/scan")
+
+    assert list(scan.ranges) == pytest.approx([1.5, 2.0, 2.0, 1.5], abs=1e-5)
+    assert list(scan.intensities) == [0.0, 0.0, 255.0, 255.0]
+
+
+def test_a_scan_shows_where_bodies_are_now(files):
+    target = files.model("target", "type: DiffDrive, name: drive, body: base")
+    robot = files.robot(AHEAD, others={"target": f"model: {target}, pose: [2, 0, 0]"}).drive(1.0)
+
+    ranges = [scan.ranges[0] for scan in robot.record("/scan", 1.0)]
+
+    # The scan of time t is made before the step from t on.
+    assert ranges == pytest.approx([1.8 + 0.005 * i for i in range(200)], abs=1e-3)
+
+
+def test_scans_come_at_their_rate_stamped_with_simulated_time(files):
+    robot = in_the_room(files, LASER + ", update_rate: 40", namespace="robot1")
+
+    scans = robot.record("/robot1/scan", 1.0)
+
+    assert [s.header.stamp.to_nsec() for s in scans] == [25_000_000 * i for i in range(40)]
+    assert {s.header.frame_id for s in scans} == {"robot1_laser"}
+    assert scans[0].scan_time == pytest.approx(0.025)
+
+
+def test_topic_and_frame_can_be_named_and_the_transform_switched_off(files):
+    loud = in_the_room(files, LASER + ", topic: front/scan, frame: eye").run()
+    quiet = in_the_room(files, LASER + ", broadcast_tf: false").run()
+
+    assert loud.transport.topics == {"/front/scan"}
+    assert loud.last("/front/scan").header.frame_id == "eye"
+    assert {t.child: t.parent for t in loud.transport.transforms.values()} == {"eye": "base"}
+    assert quiet.transport.transforms == {}
+
+
+class CountingPhysics:
+    """Counts the scans of a physical world."""
+
+    def __init__(self, physics: Any) -> None:
+        self._physics = physics
+        self.scans = 0
+
+    def scan(self, *arguments: Any) -> Any:
+        self.scans += 1
+        return self._physics.scan(*arguments)
+
+
+@pytest.mark.parametrize(("flag", "scans"), [("", 0), (", always_publish: true", 10)])
+def test_it_scans_for_listeners_alone_unless_told_otherwise(files, deaf_transport, flag, scans):
+    robot = files.robot(f"{LASER}, update_rate: 10{flag}", transport=deaf_transport)
+    physics = robot.model().physics = CountingPhysics(robot.model().physics)
+
+    robot.run(1.0)
+
+    assert physics.scans == scans
+    assert deaf_transport.published == ["scan"] * scans
+    assert deaf_transport.transforms == {}
+
+
+@pytest.mark.parametrize(
+    ("laser", "message"),
+    [
+        pytest.param(
+            LASER.replace("body: base", "body: bass"),
+            'plugins[0].body: the model has no body "bass" (did you mean "base"?); it has: base',
+            id="unknown body",
+        ),
+        pytest.param(
+            LASER.replace("range: 20, ", ""),
+            'plugins[0] "laser": the required key "range" is missing',
+            id="range missing",
+        ),
+        pytest.param(
+            LASER.replace("range: 20", "raneg: 20"),
+            'plugins[0] "laser": the required key "range" is missing',
+            id="range misspelt",
+        ),
+        pytest.param(
+            LASER + ", update_rat: 5",
+            'plugins[0] "laser": unknown key "update_rat" (did you mean "update_rate"?)',
+            id="unknown key",
+        ),
+        pytest.param(
+            LASER.replace("range: 20", "range: inf"),
+            'plugins[0].range: expected a finite number, found "inf"',
+            id="infinite range",
+        ),
+        pytest.param(
+            LASER.replace("range: 20", "range: 0"),
+            "plugins[0].range: expected a number above 0, found 0",
+            id="range of zero",
+        ),
+        pytest.param(
+            LASER.replace(f", {ANGLES}", ""),
+            'plugins[0] "laser": the required key "angle" is missing',
+            id="angle missing",
+        ),
+        pytest.param(
+            LASER.replace("max: 3", "maxi: 3"),
+            'plugins[0].angle: the required key "max" is missing',
+            id="max missing",
+        ),
+        pytest.param(
+            LASER.replace("max: 3", "max: 3, step: 1"),
+            'plugins[0].angle: unknown key "step"',
+            id="unknown key of angle",
+        ),
+        pytest.param(
+            LASER.replace("increment: 0.05", "increment: -0.05"),
+            "plugins[0].angle: expected an increment that leads from min to max in 1 to 1000000 "
+            "beams, found -0.05 from -3 to 3",
+            id="the wrong way",
+        ),
+        pytest.param(
+            LASER.replace("increment: 0.05", "increment: 1e-7"),
+            "plugins[0].angle: expected an increment that leads from min to max in 1 to 1000000 "
+            "beams, found 1e-07 from -3 to 3",
+            id="too many beams",
+        ),
+        pytest.param(
+            LASER + ", noise_std_dev: -0.1",
+            "plugins[0].noise_std_dev: expected a number of 0 or more, found -0.1",
+            id="negative noise",
+        ),
+        pytest.param(
+            LASER + ", update_rate: 0",
+            "plugins[0].update_rate: expected a number above 0, found 0",
+            id="rate of zero",
+        ),
+        pytest.param(
+            LASER + ", layers: [walls]",
+            'plugins[0].layers: no layer is named "walls"; there are: none',
+            id="unknown layer",
+        ),
+    ],
+)
+def test_a_wrong_configuration_is_refused_at_its_line(files, laser, message):
+    assert files.refusal(laser) == f"robot.model.yaml:5: {message}"

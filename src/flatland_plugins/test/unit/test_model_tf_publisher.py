@@ -1,0 +1,171 @@
+"""ModelTfPublisher: the frames of a model's bodies."""
+
+import logging
+import math
+from typing import Any, Dict, List, Tuple
+
+import pytest
+
+TF = "type: ModelTfPublisher, name: tf"
+MODEL = """
+bodies:
+  - {name: base, pose: [1, 0, 0.5], footprints: [{type: circle, radius: 0.1, density: 1}]}
+  - {name: arm, pose: [0, 2, 0], footprints: [{type: circle, radius: 0.1, density: 1}]}
+  - {name: hand, pose: [3, 2, -1], footprints: [{type: circle, radius: 0.1, density: 1}]}
+plugins:
+"""
+BODIES = {"base": (1.0, 0.0, 0.5), "arm": (0.0, 2.0, 0.0), "hand": (3.0, 2.0, -1.0)}
+"""Their poses in the model; the model stands turned by `HEADING` at (10, 20)."""
+HEADING = 0.25
+
+
+def load(files, *plugins: str, namespace: str = "", **options: Any):
+    """A world with a robot of three bodies."""
+    files.write("robot.yaml", MODEL + "".join(f"  - {{{plugin}}}\n" for plugin in plugins))
+    entry = f"model: robot.yaml, namespace: '{namespace}', pose: [10, 20, {HEADING}]"
+    return files.load({"robot": entry}, **options)
+
+
+def frames(simulation) -> Dict[str, str]:
+    """The parent of each frame."""
+    return {child: t.parent for child, t in simulation.transport.transforms.items()}
+
+
+def seen_from(
+    reference: Tuple[float, float, float], pose: Tuple[float, float, float]
+) -> Tuple[float, float, float]:
+    """A pose in the frame of another one, written out."""
+    dx, dy, yaw = pose[0] - reference[0], pose[1] - reference[1], reference[2]
+    return (
+        math.cos(yaw) * dx + math.sin(yaw) * dy,
+        -math.sin(yaw) * dx + math.cos(yaw) * dy,
+        pose[2] - yaw,
+    )
+
+
+def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
+    """What was warned of so far."""
+    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
+
+
+@pytest.mark.parametrize("reference", ["base", "arm", "hand"])
+def test_bodies_are_placed_in_the_frame_of_the_reference(files, reference):
+    robot = load(files, f"{TF}, reference: {reference}").run()
+
+    children = {name for name in BODIES if name != reference}
+    assert frames(robot) == dict.fromkeys(children, reference)
+    for child in children:
+        expected = seen_from(BODIES[reference], BODIES[child])
+        pose = robot.transport.transforms[child].pose
+        assert tuple(pose) == pytest.approx(expected, abs=1e-5)
+
+
+def test_the_reference_is_by_default_the_first_body(files):
+    assert frames(load(files, TF).run()) == {"arm": "base", "hand": "base"}
+
+
+def test_the_world_is_the_parent_of_the_reference_if_asked_to(files):
+    robot = load(files, f"{TF}, reference: arm, publish_tf_world: true").run()
+
+    assert frames(robot) == {"arm": "map", "base": "arm", "hand": "arm"}
+    x, y = 10 - 2 * math.sin(HEADING), 20 + 2 * math.cos(HEADING)
+    assert tuple(robot.transport.transforms["arm"].pose) == pytest.approx((x, y, HEADING), abs=1e-5)
+
+
+def test_the_worlds_frame_can_be_named(files):
+    robot = load(files, f"{TF}, publish_tf_world: true, world_frame_id: earth").run()
+
+    assert frames(robot)["base"] == "earth"
+
+
+def test_excluded_bodies_have_no_frame(files):
+    assert frames(load(files, f"{TF}, exclude: [hand]").run()) == {"arm": "base"}
+    assert frames(load(files, f"{TF}, exclude: [arm, hand], publish_tf_world: true").run()) == {
+        "base": "map"
+    }
+    assert frames(load(files, f"{TF}, exclude: [base], publish_tf_world: true").run()) == {
+        "arm": "base",
+        "hand": "base",
+    }
+
+
+def test_a_namespace_is_put_before_the_models_frames_and_not_before_the_worlds(files):
+    robot = load(files, f"{TF}, publish_tf_world: true", namespace="robot1").run()
+
+    assert frames(robot) == {
+        "robot1_base": "map",
+        "robot1_arm": "robot1_base",
+        "robot1_hand": "robot1_base",
+    }
+
+
+def test_frames_follow_their_bodies(files):
+    robot = load(files, f"{TF}, publish_tf_world: true")
+    robot.model().get_body("hand").physics_body.velocity = (1.0, 0.0, 0.0)
+
+    robot.run(1.0)
+
+    transforms = robot.transport.transforms
+    hand = transforms["base"].pose.compose(transforms["hand"].pose)
+    # The transform of time t is made before the step from t on.
+    start = 3 * math.cos(HEADING) - 2 * math.sin(HEADING) + 10
+    assert transforms["hand"].nanoseconds == 995_000_000
+    assert hand.x == pytest.approx(start + 0.995, abs=1e-3)
+
+
+def test_frames_come_at_their_rate(files):
+    robot = load(files, f"{TF}, update_rate: 10")
+
+    times = set()
+    for _ in range(200):
+        times.add(robot.run().transport.transforms["hand"].nanoseconds)
+
+    assert sorted(times) == [100_000_000 * i for i in range(10)]
+
+
+def test_nothing_is_sent_that_nobody_listens_to(files, deaf_transport):
+    load(files, f"{TF}, publish_tf_world: true", transport=deaf_transport).run()
+
+    assert deaf_transport.transforms == {}
+
+
+def test_a_drive_and_the_world_as_two_parents_of_the_base_are_warned_of(files, caplog):
+    drive = "type: DiffDrive, name: drive, body: base"
+
+    load(files, drive, f"{TF}, publish_tf_world: true").run(0.1)
+
+    [message] = warnings(caplog)
+    for word in ('"base"', "robot/drive", '"odom"', "robot/tf", '"map"'):
+        assert word in message
+
+
+def test_a_drive_beside_it_is_no_trouble_without_the_world(files, caplog):
+    load(files, "type: DiffDrive, name: drive, body: base", TF).run(0.1)
+
+    assert warnings(caplog) == []
+
+
+@pytest.mark.parametrize(
+    ("plugin", "message"),
+    [
+        (
+            f"{TF}, reference: foot",
+            'plugins[0].reference: the model has no body "foot"; it has: base, arm, hand',
+        ),
+        (
+            f"{TF}, exclude: [arm, hnad]",
+            'plugins[0].exclude: the model has no body "hnad" (did you mean "hand"?); '
+            "it has: base, arm, hand",
+        ),
+        (f"{TF}, update_rate: 0", "plugins[0].update_rate: expected a number above 0, found 0"),
+        (
+            f"{TF}, publish_tf_wrld: true",
+            'plugins[0] "tf": unknown key "publish_tf_wrld" (did you mean "publish_tf_world"?)',
+        ),
+    ],
+)
+def test_a_wrong_configuration_is_refused_at_its_line(files, plugin, message):
+    with pytest.raises(Exception) as caught:  # noqa: PT011 (its text is compared)
+        load(files, plugin)
+
+    assert str(caught.value) == f"{files.folder}/robot.yaml:6: {message}"

@@ -1,0 +1,100 @@
+"""Equal seeds and commands give equal runs, whoever listens and whatever else there is."""
+
+from typing import Any, Dict, List, Tuple
+
+import pytest
+
+from flatland_server.geometry import Pose
+
+DRIVE = (
+    "type: DiffDrive, name: drive, body: base, "
+    "odom_pose_noise: [0.1, 0.1, 0.1], odom_twist_noise: [0.1, 0.1, 0.1]"
+)
+LASER = (
+    "type: Laser, name: laser, body: base, range: 20, noise_std_dev: 0.1, update_rate: 40, "
+    "angle: {min: -1, max: 1, increment: 0.1}, always_publish: true"
+)
+FAR_AWAY = "pose: [500, 500, 0]"
+
+
+def load(files, *, others: Dict[str, str] = {}, **options: Any):  # noqa: B006 (only read)
+    """A robot with noisy sensors before a wall."""
+    wall = f"name: walls, map: {files.walls('wall', '5 -20 5 20')}"
+    return files.robot(DRIVE, LASER, layers=(wall,), others=dict(others), **options)
+
+
+def numbers(simulation, seconds: float = 1.0) -> List[Tuple[Any, ...]]:
+    """What the robot's sensors say on its way."""
+    simulation.drive(0.5, 0.3)
+    said = []
+    for _ in range(round(seconds / 0.005)):
+        simulation.run()
+        odometry, scan = simulation.last("/odometry/filtered"), simulation.last("/scan")
+        position, twist = odometry.pose.pose.position, odometry.twist.twist
+        said.append((position.x, position.y, twist.linear.x, twist.angular.z, tuple(scan.ranges)))
+    return said
+
+
+def test_equal_seeds_give_equal_runs(files):
+    assert numbers(load(files, seed=5)) == numbers(load(files, seed=5))
+
+
+def test_different_seeds_give_different_noise(files):
+    first, second = numbers(load(files, seed=5)), numbers(load(files, seed=6))
+
+    assert not any(a[0] == b[0] or a[4] == b[4] for a, b in zip(first, second))
+
+
+def test_two_robots_have_different_noise(files):
+    other = f"model: robot.model.yaml, namespace: other, {FAR_AWAY}"
+    simulation = load(files, others={"other": other}).run(0.1)
+
+    mine, theirs = (simulation.last(f"{ns}/odometry/filtered").twist.twist for ns in ("", "/other"))
+
+    assert mine.linear.x != theirs.linear.x
+
+
+def test_noise_is_new_at_each_update(files):
+    simulation = load(files)
+
+    scans = simulation.record("/scan", 1.0)
+
+    assert len({tuple(scan.ranges) for scan in scans}) == 40
+
+
+def test_another_model_does_not_change_the_noise(files):
+    alone = numbers(load(files, seed=5))
+    other = f"model: robot.model.yaml, namespace: other, {FAR_AWAY}"
+
+    in_company = numbers(load(files, seed=5, others={"other": other}))
+
+    assert in_company == alone
+
+
+def test_a_model_that_comes_and_goes_does_not_change_the_noise(files):
+    alone = numbers(load(files, seed=5), 2.0)
+    simulation = load(files, seed=5)
+    path = files.folder / "robot.model.yaml"
+
+    said = numbers(simulation, 0.5)
+    simulation.world.spawn_model(path, "guest", "guest", Pose(500.0, 500.0, 0.0))
+    said += numbers(simulation, 0.5)
+    simulation.world.delete_model("guest")
+    said += numbers(simulation, 1.0)
+
+    assert said == alone
+
+
+@pytest.mark.parametrize("hears_after", [1, 57])
+def test_a_listener_does_not_change_the_noise(files, deaf_transport, hears_after):
+    always_heard = numbers(load(files, seed=5))
+    simulation = load(files, seed=5, transport=deaf_transport)
+    for publisher in deaf_transport.publishers:
+        publisher.is_watched = False
+
+    simulation.drive(0.5, 0.3).run(hears_after * 0.005)
+    for publisher in deaf_transport.publishers:
+        publisher.is_watched = True
+    said = numbers(simulation, 1.0 - hears_after * 0.005)
+
+    assert said[10:] == always_heard[hears_after + 10 :]

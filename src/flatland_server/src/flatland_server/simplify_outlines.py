@@ -1,0 +1,88 @@
+"""Fewer segments for the outlines of a map image, within a stated distance.
+
+The outlines of an image run along pixels: a wall that is not parallel to them is a staircase. Here
+the segments are chained into lines, and each line is replaced by one with fewer corners that stays
+within a tolerance of it (Ramer, 1972; Douglas and Peucker, 1973).
+"""
+
+from collections import defaultdict
+from typing import Dict, List, Tuple
+
+import numpy as np
+
+from flatland_server.arrays import BoolArray, FloatArray, Segments
+
+TOLERANCES = (0.0, 1.0, 2.0)
+"""How far outlines may move, in pixels: not at all, moderately, strongly."""
+
+Corner = Tuple[float, float]
+
+
+def simplify(segments: Segments, tolerance: float) -> Segments:
+    """The same outlines with fewer corners, none of which moves by more than the tolerance.
+
+    Args:
+        segments: shape (n, 4), x1, y1, x2, y2; those that touch share an end exactly.
+        tolerance: in the same unit.
+    """
+    pieces = []
+    for line in _chains(segments):
+        kept = line[_essential(line, tolerance)]
+        pieces.append(np.column_stack([kept[:-1], kept[1:]]))
+    if not pieces:
+        return segments
+    simplified = np.concatenate(pieces)
+    return np.asarray(simplified[(simplified[:, :2] != simplified[:, 2:]).any(axis=1)])
+
+
+def _chains(segments: Segments) -> List[FloatArray]:
+    """The corners of lines that pass through corners of two segments, and end at others."""
+    neighbours: Dict[Corner, List[Corner]] = defaultdict(list)
+    for x1, y1, x2, y2 in segments.tolist():
+        neighbours[x1, y1].append((x2, y2))
+        neighbours[x2, y2].append((x1, y1))
+
+    def walk(start: Corner) -> List[Corner]:
+        chain = [start]
+        here = start
+        while neighbours[here]:
+            there = neighbours[here].pop()
+            neighbours[there].remove(here)
+            chain.append(there)
+            here = there
+            if here in ends:
+                break
+        return chain
+
+    ends = {corner for corner, others in neighbours.items() if len(others) != 2}
+    chains = []
+    for starts in (sorted(ends), sorted(neighbours)):  # first the lines with ends, then the loops
+        for start in starts:
+            while neighbours[start]:
+                chains.append(np.array(walk(start)))
+    return chains
+
+
+def _essential(line: FloatArray, tolerance: float) -> BoolArray:
+    """Which corners of a line stay. Of a loop, also the one farthest from where it begins."""
+    keep = np.zeros(len(line), dtype=bool)
+    keep[[0, -1]] = True
+    spans = [(0, len(line) - 1)]
+    while spans:
+        first, last = spans.pop()
+        if last - first < 2:
+            continue
+        between = line[first + 1 : last] - line[first]
+        along = line[last] - line[first]
+        length = np.hypot(*along)
+        if length > 0:
+            share = np.clip(between @ along / length**2, 0.0, 1.0)
+            distance = np.hypot(*(between - share[:, None] * along).T)
+        else:
+            distance = np.hypot(*between.T)
+        farthest = int(distance.argmax())
+        if distance[farthest] > tolerance:
+            middle = first + 1 + farthest
+            keep[middle] = True
+            spans += [(first, middle), (middle, last)]
+    return keep

@@ -1,0 +1,69 @@
+"""What a YAML node says, as a text or as numbers, and how it looks to its author."""
+
+import math
+from typing import Tuple
+
+import yaml
+
+_INFINITE = {"inf", ".inf", "+inf", "+.inf"}
+
+
+class Unexpected(Exception):
+    """What was expected; whoever catches it adds where, and what was found."""
+
+
+def is_null(node: yaml.Node) -> bool:
+    """Whether nothing is given."""
+    return node.tag == "tag:yaml.org,2002:null"
+
+
+def to_string(node: yaml.Node) -> str:
+    """The text of a scalar, whatever YAML takes it for."""
+    if not isinstance(node, yaml.ScalarNode):
+        raise Unexpected("a text")
+    return str(node.value)
+
+
+def to_float(node: yaml.Node) -> float:
+    """A number or infinity, in YAML's spelling or Python's; not NaN."""
+    text = node.value if isinstance(node, yaml.ScalarNode) else ""
+    if text.lower() in _INFINITE:
+        return math.inf
+    if text.lower() in {"-inf", "-.inf"}:
+        return -math.inf
+    try:
+        value = float(text)
+    except ValueError:
+        raise Unexpected("a number") from None
+    if math.isnan(value):
+        raise Unexpected("a number")
+    return value
+
+
+def to_floats(node: yaml.Node, length: int, shown: str) -> Tuple[float, ...]:
+    """A list of finite numbers; `shown` is what an error calls it."""
+    if not isinstance(node, yaml.SequenceNode) or len(node.value) != length:
+        raise Unexpected(shown)
+    try:
+        values = tuple(to_float(item) for item in node.value)
+    except Unexpected:
+        raise Unexpected(shown) from None
+    if not all(math.isfinite(value) for value in values):
+        raise Unexpected(shown)
+    return values
+
+
+def describe(node: yaml.Node, depth: int = 2) -> str:
+    """A value as its author would recognise it, cut to a readable length."""
+    if isinstance(node, yaml.ScalarNode):
+        if is_null(node):
+            return "nothing"
+        quoted = node.tag == "tag:yaml.org,2002:str"
+        text = f'"{node.value}"' if quoted else str(node.value)
+    elif isinstance(node, yaml.SequenceNode):
+        if depth == 0:
+            return "a list"
+        text = "[" + ", ".join(describe(item, depth - 1) for item in node.value[:12]) + "]"
+    else:
+        return "a map"
+    return text if len(text) <= 60 else text[:57] + "..."

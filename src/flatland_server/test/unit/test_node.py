@@ -1,0 +1,145 @@
+"""A plugin's node: names, topics that go away with it, and one parent for each frame."""
+
+import logging
+from typing import Any, List
+
+import pytest
+
+from flatland_server.geometry import Pose, Transform
+from flatland_server.local_transport import LocalTransport
+from flatland_server.node import Node
+
+
+@pytest.fixture
+def transport() -> LocalTransport:
+    return LocalTransport(params={"/robot/gain": 2.0, "/gain": 1.0})
+
+
+@pytest.fixture
+def root(transport) -> Node:
+    return Node(transport)
+
+
+def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
+    """What was warned of so far."""
+    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
+
+
+@pytest.mark.parametrize(
+    ("namespace", "topic", "expected"),
+    [
+        ("", "scan", "/scan"),
+        ("robot", "scan", "/robot/scan"),
+        ("/robot/", "scan", "/robot/scan"),
+        ("robot", "/scan", "/scan"),
+        ("fleet/robot", "odometry/filtered", "/fleet/robot/odometry/filtered"),
+    ],
+)
+def test_topics_get_the_namespace_unless_they_begin_with_a_slash(
+    root, transport, namespace, topic, expected
+):
+    node = root.scoped(namespace, "plugin")
+    received: List[Any] = []
+
+    node.advertise(topic, str).publish("out")
+    node.subscribe(topic, str, received.append)
+    transport.send(expected, "in")
+    transport.process()
+
+    assert transport.topics == {expected}
+    assert transport.last(expected) == "out"
+    assert received == ["in"]
+
+
+def test_a_namespace_within_a_namespace_is_put_behind_it(root):
+    assert root.scoped("fleet", "a").scoped("robot", "b").resolve("scan") == "fleet/robot/scan"
+
+
+def test_parameters_are_looked_up_in_the_namespace(root):
+    node = root.scoped("robot", "plugin")
+
+    assert node.get_param("gain") == 2.0
+    assert node.get_param("/gain") == 1.0
+    assert node.get_param("mass", 3.0) == 3.0
+
+
+def test_a_closed_node_leaves_no_topic_behind(root, transport):
+    node, other = root.scoped("", "plugin"), root.scoped("", "other")
+    received: List[Any] = []
+    node.advertise("scan", str).publish("a scan")
+    node.advertise("shared", str)
+    other.advertise("shared", str).publish("still there")
+    node.subscribe("cmd_vel", str, received.append)
+
+    node.close()
+    transport.send("cmd_vel", "go")
+    transport.process()
+
+    assert transport.topics == {"/shared"}
+    assert transport.last("/shared") == "still there"
+    assert transport.last("/scan") is None
+    assert transport.subscribed == set()
+    assert received == []
+
+
+def test_messages_wait_until_they_are_processed_and_come_in_order(root, transport):
+    received: List[Any] = []
+    root.subscribe("cmd_vel", str, received.append)
+
+    transport.send("cmd_vel", "first")
+    transport.send("cmd_vel", "second")
+    assert received == []
+    transport.process()
+
+    assert received == ["first", "second"]
+
+
+def test_two_parents_of_a_frame_are_warned_of_once_with_both_names(root, caplog):
+    drive, publisher = root.scoped("", "robot/drive"), root.scoped("", "robot/tf")
+
+    for _ in range(3):
+        drive.send_transform(Transform(0, "odom", "base", Pose()))
+        publisher.send_transform(Transform(0, "map", "base", Pose()))
+
+    [message] = warnings(caplog)
+    for word in ('"base"', "robot/drive", '"odom"', "robot/tf", '"map"'):
+        assert word in message
+
+
+def test_three_parents_of_a_frame_are_two_warnings_however_often_they_publish(root, caplog):
+    nodes = [root.scoped("", f"robot{i}/drive") for i in range(3)]
+
+    for _ in range(5):
+        for node in nodes:
+            node.send_transform(Transform(0, "odom", "base", Pose()))
+
+    assert len(warnings(caplog)) == 2
+
+
+def test_one_owner_may_publish_many_frames_and_each_again_and_again(root, transport, caplog):
+    node = root.scoped("", "robot/tf")
+
+    for nanoseconds in (0, 1):
+        for child in ("left", "right"):
+            node.claim_frame("base", child)
+            node.send_transform(Transform(nanoseconds, "base", child, Pose()))
+
+    assert warnings(caplog) == []
+    assert {child: t.nanoseconds for child, t in transport.transforms.items()} == {
+        "left": 1,
+        "right": 1,
+    }
+
+
+def test_a_closed_node_gives_its_frames_up(root, caplog):
+    first, second, third = (root.scoped("", f"robot{i}/drive") for i in range(3))
+    first.claim_frame("odom", "base")
+
+    first.close()
+    second.claim_frame("odom", "base")
+    assert warnings(caplog) == []
+
+    third.claim_frame("map", "base")
+    [message] = warnings(caplog)
+    assert "robot1/drive" in message
+    assert "robot0/drive" not in message

@@ -1,0 +1,227 @@
+"""Plugins are found by their type in the packages on ROS_PACKAGE_PATH."""
+
+import logging
+import sys
+from pathlib import Path
+from typing import Iterator, List
+
+import pytest
+
+from flatland_server.exceptions import PluginError
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.plugin_loader import PluginLoader
+from flatland_server.world_plugin import WorldPlugin
+
+MODULE = """
+from flatland_server.model_plugin import ModelPlugin
+class {name}(ModelPlugin):
+    pass
+"""
+
+
+class Packages:
+    """ROS packages in a folder that is the whole ROS_PACKAGE_PATH, and importable."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def add(self, package: str, plugins_xml: str, *, package_xml: str = "", **modules: str) -> None:
+        """Writes a package, with modules whose names begin with loader_."""
+        prefix = self.folder / package
+        prefix.mkdir()
+        export = '<export><flatland_server plugin="${prefix}/plugins.xml"/></export>'
+        (prefix / "package.xml").write_text(
+            package_xml or f"<package format='3'><name>{package}</name>{export}</package>"
+        )
+        (prefix / "plugins.xml").write_text(plugins_xml)
+        for module, text in modules.items():
+            (self.folder / f"{module}.py").write_text(text)
+
+    def add_plugin(self, package: str, name: str, module: str) -> None:
+        """Writes a package of one plugin."""
+        xml = f'<library><class name="{name}" type="{module}.{name}"/></library>'
+        self.add(package, xml, **{module: MODULE.format(name=name)})
+
+
+@pytest.fixture
+def packages(tmp_path, monkeypatch) -> Iterator[Packages]:
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield Packages(tmp_path)
+    for name in [name for name in sys.modules if name.startswith("loader_")]:
+        del sys.modules[name]
+
+
+def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
+    """What was warned of so far."""
+    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
+
+
+def refusal(type: str, base: type = ModelPlugin) -> str:
+    """Why a plugin is not loaded."""
+    with pytest.raises(PluginError) as caught:
+        PluginLoader().load(type, base)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("type", ["DiffDrive", "flatland_plugins::DiffDrive"])
+def test_flatlands_own_plugins_are_found_by_either_form_of_their_type(type):
+    from flatland_plugins.diff_drive import DiffDrive
+
+    assert PluginLoader().load(type, ModelPlugin) is DiffDrive
+
+
+def test_a_plugin_of_another_package_is_found(packages):
+    packages.add_plugin("my_plugins", "ConstVelocity", "loader_other")
+
+    loaded = PluginLoader().load("ConstVelocity", ModelPlugin)
+
+    assert (loaded.__module__, loaded.__name__) == ("loader_other", "ConstVelocity")
+
+
+def test_a_class_without_a_name_is_called_what_python_calls_it(packages):
+    xml = '<library><class type="loader_nameless.Pusher"/></library>'
+    packages.add("my_plugins", xml, loader_nameless=MODULE.format(name="Pusher"))
+
+    assert PluginLoader().load("my_plugins::Pusher", ModelPlugin).__name__ == "Pusher"
+
+
+def test_a_name_may_be_written_with_its_package_as_pluginlib_does(packages):
+    xml = '<library><class name="my_plugins/Pusher" type="loader_slash.Pusher"/></library>'
+    packages.add("my_plugins", xml, loader_slash=MODULE.format(name="Pusher"))
+
+    assert PluginLoader().load("Pusher", ModelPlugin).__name__ == "Pusher"
+
+
+def test_nothing_is_imported_that_is_not_asked_for(packages):
+    packages.add_plugin("my_plugins", "Good", "loader_good")
+    packages.add(
+        "other_plugins",
+        '<library><class name="Bad" type="loader_lazy.Bad"/></library>',
+        loader_lazy="raise RuntimeError('imported')",
+    )
+
+    assert PluginLoader().load("Good", ModelPlugin).__name__ == "Good"
+
+
+def test_an_unknown_type_is_answered_by_the_nearest_and_by_all_there_are(packages):
+    packages.add_plugin("a_plugins", "Laser", "loader_laser")
+    packages.add_plugin("b_plugins", "DiffDrive", "loader_drive")
+
+    for type in ("DifDrive", "b_plugins::DifDrive"):
+        assert refusal(type) == (
+            f'unknown plugin type "{type}" (did you mean "DiffDrive"?); there are: DiffDrive, Laser'
+        )
+
+
+def test_a_known_name_in_an_unknown_package_is_unknown(packages):
+    packages.add_plugin("a_plugins", "Laser", "loader_package")
+
+    assert refusal("c_plugins::Laser").startswith('unknown plugin type "c_plugins::Laser"')
+
+
+def test_where_there_are_no_plugins_the_workspace_is_asked_for(packages):
+    assert refusal("Laser") == (
+        'unknown plugin type "Laser"; there are: none; is the workspace\'s setup.bash sourced?'
+    )
+
+
+def test_a_name_in_two_packages_is_ambiguous_until_the_package_is_given(packages):
+    packages.add_plugin("a_plugins", "Laser", "loader_first")
+    packages.add_plugin("b_plugins", "Laser", "loader_second")
+
+    assert refusal("Laser") == (
+        'the plugin type "Laser" is ambiguous: write a_plugins::Laser or b_plugins::Laser'
+    )
+    assert PluginLoader().load("b_plugins::Laser", ModelPlugin).__module__ == "loader_second"
+
+
+@pytest.mark.parametrize(
+    ("module", "text", "reason"),
+    [
+        ("loader_import", "import nothing_of_this_name", "No module named 'nothing_of_this_name'"),
+        ("loader_division", "1 / 0", "division by zero"),
+        ("loader_syntax", "class", "invalid syntax"),
+    ],
+)
+def test_a_plugin_that_cannot_be_imported_is_named_with_its_module(packages, module, text, reason):
+    xml = f'<library><class name="Broken" type="{module}.Broken"/></library>'
+    packages.add("my_plugins", xml, **{module: text})
+
+    assert refusal("Broken").startswith(
+        f'the plugin "Broken" of the package my_plugins cannot be imported: {module}: {reason}'
+    )
+
+
+def test_a_class_that_is_not_in_its_module_is_named(packages):
+    xml = '<library><class name="Ghost" type="loader_ghost.Ghost"/></library>'
+    packages.add("my_plugins", xml, loader_ghost="")
+
+    assert refusal("Ghost") == 'loader_ghost has no class "Ghost", though its XML names it'
+
+
+@pytest.mark.parametrize(
+    ("module", "text"),
+    [
+        ("loader_plain", "class Thing: pass"),
+        ("loader_function", "def Thing(): pass"),
+        ("loader_model", MODULE.format(name="Thing")),
+    ],
+)
+def test_what_is_not_a_plugin_of_that_kind_is_refused(packages, module, text):
+    xml = f'<library><class name="Thing" type="{module}.Thing"/></library>'
+    packages.add("my_plugins", xml, **{module: text})
+
+    assert refusal("Thing", WorldPlugin) == f'"Thing" is not a WorldPlugin: {module}.Thing'
+
+
+@pytest.mark.parametrize(
+    ("xml", "word"),
+    [
+        pytest.param("<library><class", "line 1", id="not XML"),
+        pytest.param("", "no element found", id="empty"),
+        pytest.param(
+            '<library path="lib/libother"><class type="their_plugins::Laser"/></library>',
+            "their_plugins::Laser is a C++ class",
+            id="a C++ class",
+        ),
+        pytest.param('<library><class type="Laser"/></library>', "module.Class", id="no module"),
+    ],
+)
+def test_a_faulty_declaration_of_another_package_warns_and_is_left_out(packages, caplog, xml, word):
+    packages.add("their_plugins", xml)
+    packages.add_plugin("your_plugins", "Good", "loader_beside")
+
+    loaded = PluginLoader().load("Good", ModelPlugin)
+
+    assert loaded.__name__ == "Good"
+    [message] = warnings(caplog)
+    assert "their_plugins" in message
+    assert word in message
+
+
+def test_a_declaration_that_is_not_there_warns(packages, caplog):
+    packages.add_plugin("their_plugins", "Gone", "loader_gone")
+    (packages.folder / "their_plugins" / "plugins.xml").unlink()
+    packages.add_plugin("your_plugins", "Good", "loader_stays")
+
+    PluginLoader().load("Good", ModelPlugin)
+
+    [message] = warnings(caplog)
+    assert "their_plugins" in message
+
+
+@pytest.mark.parametrize(
+    "package_xml",
+    [
+        pytest.param("<package><name>their_plugins</name><flatland_server", id="not XML"),
+        pytest.param("<package><!-- <flatland_server --></package>", id="no name"),
+    ],
+)
+def test_a_faulty_manifest_of_another_package_does_not_hide_the_plugins_of_ours(
+    packages, package_xml
+):
+    packages.add("their_plugins", "", package_xml=package_xml)
+    packages.add_plugin("your_plugins", "Good", "loader_manifest")
+
+    assert PluginLoader().load("Good", ModelPlugin).__name__ == "Good"

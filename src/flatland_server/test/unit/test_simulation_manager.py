@@ -1,0 +1,221 @@
+"""The pace of a simulation, pausing it, and commands between its steps; on a clock of our own."""
+
+import math
+from typing import Any, Callable, List
+
+import pytest
+
+from flatland_server import simulation_manager
+from flatland_server.local_transport import LocalTransport
+from flatland_server.simulation_manager import SimulationManager
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.world import World, WorldConfig
+
+
+class Clock:
+    """Stands in for the module `time`."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+class WaitingTransport(LocalTransport):
+    """Waits for its whole timeout, in the clock's time, and notes how long that was."""
+
+    def __init__(self, clock: Clock) -> None:
+        super().__init__()
+        self.waits: List[float] = []
+        self._clock = clock
+
+    def process(self, timeout: float = 0.0) -> None:
+        self.waits.append(timeout)
+        self._clock.now += timeout
+        super().process(timeout)
+
+
+@pytest.fixture
+def clock(monkeypatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(simulation_manager, "time", clock)
+    return clock
+
+
+@pytest.fixture
+def transport(clock) -> WaitingTransport:
+    return WaitingTransport(clock)
+
+
+@pytest.fixture
+def make_manager(files, transport) -> Callable[[float], SimulationManager]:
+    """Makes a manager of an empty world with steps of 5 ms."""
+
+    def make(update_rate: float = 200.0) -> SimulationManager:
+        path = files.write("world.yaml", "properties: {}\nlayers: []\n")
+        world = World(WorldConfig.from_file(path), transport)
+        return SimulationManager(world, Timekeeper(0.005), update_rate)
+
+    return make
+
+
+def turns(count: int) -> Callable[[], bool]:
+    """Lets a manager make so many turns; it asks twice in each."""
+    asked = iter(range(2 * count))
+    return lambda: next(asked, None) is not None
+
+
+def steps(manager: SimulationManager) -> int:
+    return round(manager.timekeeper.nanoseconds / 5_000_000)
+
+
+def test_steps_keep_the_update_rate(make_manager, clock, transport):
+    manager = make_manager(100.0)
+
+    manager.run(turns(101))
+
+    assert steps(manager) == 101
+    assert clock.now - 1000.0 == pytest.approx(1.0)
+    assert transport.waits[1:] == pytest.approx([0.01] * 100)
+
+
+def test_the_time_that_a_step_takes_is_not_waited_for(make_manager, clock, transport):
+    manager = make_manager(100.0)
+    manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.004))
+
+    manager.run(turns(101))
+
+    assert transport.waits[1:] == pytest.approx([0.006] * 100)
+
+
+def test_a_slow_step_is_caught_up(make_manager, clock, transport):
+    manager = make_manager(100.0)
+
+    def be_slow_once() -> None:
+        if steps(manager) == 10:
+            clock.now += 0.095
+
+    manager.after_step.append(be_slow_once)
+    manager.run(turns(101))
+
+    assert clock.now - 1000.0 == pytest.approx(1.0)
+    assert transport.waits[10:19] == [0.0] * 9
+    assert transport.waits[19] == pytest.approx(0.005)
+
+
+def test_what_is_lost_for_long_is_not_caught_up(make_manager, clock, transport):
+    manager = make_manager(100.0)
+
+    def sleep_for_an_hour() -> None:
+        if steps(manager) == 10:
+            clock.now += 3600.0
+
+    manager.after_step.append(sleep_for_an_hour)
+    manager.run(turns(201))
+
+    in_haste = [wait for wait in transport.waits[10:] if wait == 0.0]
+    assert 10 <= len(in_haste) <= 50
+    assert transport.waits[-100:] == pytest.approx([0.01] * 100)
+
+
+def test_an_infinite_rate_never_waits(make_manager, clock, transport):
+    manager = make_manager(math.inf)
+
+    manager.run(turns(100))
+
+    assert steps(manager) == 100
+    assert transport.waits == [0.0] * 100
+
+
+def test_a_pause_at_an_infinite_rate_does_not_keep_the_machine_busy(make_manager, transport):
+    manager = make_manager(math.inf)
+    manager.pause()
+
+    manager.run(turns(10))
+
+    assert steps(manager) == 0
+    assert all(0.001 <= wait <= 0.1 for wait in transport.waits)
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, math.nan])
+def test_a_rate_that_is_no_rate_is_refused(make_manager, rate):
+    with pytest.raises(ValueError, match="expected an update rate above 0 Hz, found "):
+        make_manager(rate)
+
+
+def test_time_stands_still_in_a_pause_and_goes_on_after_it(make_manager):
+    manager = make_manager()
+
+    manager.run(turns(3))
+    manager.pause()
+    manager.pause()
+    manager.run(turns(10))
+    assert steps(manager) == 3
+
+    manager.resume()
+    manager.run(turns(4))
+    assert steps(manager) == 7
+
+
+def test_toggling_pauses_and_resumes(make_manager):
+    manager = make_manager()
+
+    counts = []
+    for _ in range(4):
+        manager.toggle_pause()
+        manager.run(turns(2))
+        counts.append(steps(manager))
+
+    assert counts == [0, 2, 2, 4]
+
+
+def test_commands_are_heard_in_a_pause(make_manager, transport):
+    manager = make_manager()
+    received: List[Any] = []
+
+    def resume(message: Any) -> None:
+        received.append((message, steps(manager)))
+        manager.resume()
+
+    transport.subscribe("resume", str, resume)
+    manager.pause()
+    manager.run(turns(5))
+    transport.send("resume", "please")
+    manager.run(turns(5))
+
+    assert received == [("please", 0)]
+    assert steps(manager) == 5
+
+
+def test_what_is_due_at_each_turn_happens_in_a_pause_too(make_manager):
+    manager = make_manager()
+    happened: List[str] = []
+    manager.after_step.append(lambda: happened.append("step"))
+    manager.each_turn.append(lambda: happened.append("turn"))
+
+    manager.run(turns(2))
+    manager.pause()
+    manager.run(turns(3))
+
+    assert happened == ["step", "turn", "step", "turn", "turn", "turn", "turn"]
+
+
+def test_one_step_can_be_made_in_a_pause(make_manager):
+    manager = make_manager()
+    manager.pause()
+
+    manager.step()
+
+    assert steps(manager) == 1
+
+
+def test_no_step_follows_a_command_to_end(make_manager, transport):
+    manager = make_manager()
+    ended: List[Any] = []
+    transport.subscribe("end", str, ended.append)
+    transport.send("end", "now")
+
+    manager.run(lambda: not ended)
+
+    assert steps(manager) == 0

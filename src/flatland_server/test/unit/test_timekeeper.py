@@ -1,0 +1,114 @@
+"""Simulated time, exact to the nanosecond, and rates slower than the simulation's."""
+
+import math
+from typing import List
+
+import pytest
+
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+
+
+def update_times(rate: float, seconds: float, step_size: float = 0.005) -> List[int]:
+    """The times [ns] at which a timer was due, asked at each step."""
+    timekeeper, timer = Timekeeper(step_size), UpdateTimer(rate)
+    times = []
+    for _ in range(round(seconds / step_size)):
+        if timer.check_update(timekeeper):
+            times.append(timekeeper.nanoseconds)
+        timekeeper.step()
+    return times
+
+
+def gaps(times: List[int]) -> List[int]:
+    return [later - earlier for earlier, later in zip(times, times[1:])]
+
+
+def test_time_does_not_drift_in_a_million_steps():
+    timekeeper = Timekeeper(0.1)  # in binary, 0.1 is not a tenth
+
+    for _ in range(1_000_000):
+        timekeeper.step()
+
+    assert timekeeper.nanoseconds == 100_000 * 10**9
+    assert timekeeper.seconds == 100_000.0
+
+
+def test_a_step_is_rounded_to_a_nanosecond():
+    timekeeper = Timekeeper(1 / 3)
+
+    timekeeper.step()
+
+    assert timekeeper.nanoseconds == 333_333_333
+    assert timekeeper.step_size == pytest.approx(0.333333333, abs=1e-15)
+
+
+@pytest.mark.parametrize("step_size", [0.0, -0.005, 1e-10, math.nan, math.inf])
+def test_a_step_that_is_no_step_is_refused(step_size):
+    with pytest.raises(ValueError, match=r"expected a step of more than 0 s, found "):
+        Timekeeper(step_size)
+
+
+def test_10_hz_at_steps_of_5_ms_is_every_20th_step():
+    times = update_times(10.0, 100.0)
+
+    assert times == [100_000_000 * i for i in range(1000)]
+
+
+def test_30_hz_at_steps_of_5_ms_is_kept_on_average():
+    times = update_times(30.0, 100.0)
+
+    assert abs(len(times) - 3000) <= 1
+    assert set(gaps(times)) == {30_000_000, 35_000_000}
+    # Never early, and never late by a whole step.
+    assert all(0 <= time - i * 1e9 / 30 < 5_000_000 for i, time in enumerate(times))
+
+
+@pytest.mark.parametrize("rate", [200.0, 1000.0, math.inf])
+def test_a_rate_of_the_simulations_or_more_is_every_step(rate):
+    assert update_times(rate, 1.0) == [5_000_000 * i for i in range(200)]
+
+
+def test_a_rate_that_is_no_fraction_of_the_steps_does_not_drift():
+    times = update_times(7.0, 1000.0)
+
+    assert len(times) == 7000
+    assert times[-1] == pytest.approx(6999 / 7 * 1e9, abs=5e6)
+
+
+def test_a_timer_is_due_at_the_first_check_whenever_that_is():
+    timekeeper, timer = Timekeeper(0.005), UpdateTimer(10.0)
+    for _ in range(7):
+        timekeeper.step()
+
+    assert timer.check_update(timekeeper)
+    assert not timer.check_update(timekeeper)
+
+
+def test_updates_that_were_slept_through_are_not_caught_up():
+    timekeeper, timer = Timekeeper(0.005), UpdateTimer(10.0)
+    timer.check_update(timekeeper)
+    for _ in range(71):  # 355 ms
+        timekeeper.step()
+
+    assert timer.check_update(timekeeper)
+    assert not timer.check_update(timekeeper)
+    for _ in range(9):  # 400 ms
+        timekeeper.step()
+    assert timer.check_update(timekeeper)
+
+
+@pytest.mark.parametrize("rate", [1e-9, 1e-300])
+def test_a_very_low_rate_is_due_once(rate):
+    assert update_times(rate, 10.0) == [0]
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, math.nan, -math.inf])
+def test_a_rate_that_is_no_rate_is_refused(rate):
+    with pytest.raises(ValueError, match=r"expected a rate above 0 Hz, found "):
+        UpdateTimer(rate)
+
+
+@pytest.mark.parametrize(("rate", "period"), [(10.0, 0.1), (math.inf, 0.0)])
+def test_the_period_is_one_over_the_rate(rate, period):
+    assert UpdateTimer(rate).period == pytest.approx(period)
