@@ -55,11 +55,12 @@ class Server(unittest.TestCase):
 
         self.assertAlmostEqual(count / wall, 200.0, delta=6.0)
         self.assertAlmostEqual((last.clock - first.clock).to_sec() / wall, 1.0, delta=0.03)
-        steps = {
+        steps = [
             (b.clock - a.clock).to_nsec()
             for a, b in zip(self.clock.messages[begin:], self.clock.messages[begin + 1 :])
-        }
-        self.assertEqual(steps, {5_000_000})
+        ]
+        self.assertEqual({step % 5_000_000 for step in steps}, {0})
+        self.assertGreater(steps.count(5_000_000), 0.99 * len(steps))
 
     def test_robot_follows_the_arc_and_tf_agrees(self):
         self.command(0.5, 0.2)

@@ -29,7 +29,10 @@ def main() -> int:
         rospy.logwarn("no display: going on without a window (show_viz:=false avoids this line)")
         rospy.spin()
         return 0
-    config = _config()
+    try:
+        config = _config()
+    except rospy.ROSException:  # the launch ends before the server has told what there is
+        return 0
     rospy.signal_shutdown("rviz takes over")
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     rviz = ["rviz", "-d", config, *(arg for arg in sys.argv[1:] if ":=" in arg)]

@@ -87,6 +87,8 @@ def main() -> int:
         logging.getLogger(package).setLevel(logging.INFO)
     try:
         _run(ServerConfig.read())
+    except rospy.ROSInterruptException:
+        return 0
     except FlatlandError as error:
         for line in str(error).splitlines():
             rospy.logfatal("%s", line)
