@@ -5,7 +5,6 @@ layer without a map is a name that footprints can use, and nothing else.
 """
 
 import logging
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Optional, Tuple
@@ -14,6 +13,7 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from flatland_server import _core
+from flatland_server.announced import announced
 from flatland_server.arrays import Segments
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.exceptions import YamlError
@@ -25,8 +25,6 @@ from flatland_server.yaml_preprocessor import YamlPreprocessor
 from flatland_server.yaml_reader import Color, YamlReader
 
 logger = logging.getLogger(__name__)
-
-_SLOW = 2.0  # s; reading that takes longer is worth a line
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,6 @@ def read_map(
     Raises:
         YamlError: something in the file, or in the image or data that it names, is wrong.
     """
-    begin = time.monotonic()
     reader = YamlReader.from_file(path, preprocessor)
     origin = reader.get_pose("origin")
     is_lines = reader.get_choice("type", ["image", "line_segments"], "image") == "line_segments"
@@ -135,21 +132,17 @@ def read_map(
             reader.get_string(unused, "")
         source = reader.get_path("image")
     reader.finish()
-    if is_lines:
-        segments = _read_line_segments(source)
-    else:
-        segments = _read_image(source, occupied_thresh)
-        if simplify_map:
-            before, tolerance = len(segments), TOLERANCES[simplify_map]
+    with announced(f"{path}: reading walls takes a while ..."):
+        segments = _read_line_segments(source) if is_lines else _read_image(source, occupied_thresh)
+    if simplify_map and not is_lines:
+        before, tolerance = len(segments), TOLERANCES[simplify_map]
+        with announced(f"{path}: simplifying {before} segments takes a while ..."):
             segments = simplify(segments, tolerance)
-            logger.info(
-                "%s: outlines simplified from %d to %d segments, within %g m",
-                *(path, before, len(segments), tolerance * scale),
-            )
-    segments = _place(segments * scale, origin)
-    if time.monotonic() - begin > _SLOW:
-        logger.info("%s: %d segments read", path, len(segments))
-    return segments
+        logger.info(
+            "%s: outlines simplified from %d to %d segments, within %g m",
+            *(path, before, len(segments), tolerance * scale),
+        )
+    return _place(segments * scale, origin)
 
 
 def _read_image(path: Path, occupied_thresh: float) -> Segments:

@@ -28,6 +28,8 @@ def simplify(segments: Segments, tolerance: float) -> Segments:
     pieces = []
     for line in _chains(segments):
         kept = line[_essential(line, tolerance)]
+        if len(kept) == 3 and (kept[0] == kept[2]).all():  # a speck: there and back again
+            kept = kept[:2]
         pieces.append(np.column_stack([kept[:-1], kept[1:]]))
     if not pieces:
         return segments

@@ -9,19 +9,16 @@ from typing import Dict, List
 
 import rospy
 from flatland_msgs.msg import DebugTopicList
-from geometry_msgs.msg import Point
-from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.geometry import quaternion
 from flatland_server.layer import Layer
 from flatland_server.model import Model
 from flatland_server.ros.footprint_markers import body_markers
+from flatland_server.ros.wall_markers import wall_markers
 from flatland_server.world import World
 
 FRAME_ID = "map"
-
-_WALL_WIDTH = 0.05  # m
 
 
 class DebugVisualization:
@@ -76,17 +73,7 @@ class _LayerDisplay:
         self._publisher = rospy.Publisher(
             f"~debug/{self.topic}", MarkerArray, queue_size=1, latch=True
         )
-        marker = Marker(ns=layer.name, type=Marker.LINE_LIST, action=Marker.ADD)
-        marker.header.frame_id = FRAME_ID
-        marker.scale.x = _WALL_WIDTH
-        marker.color = ColorRGBA(*layer.config.color)
-        marker.pose.orientation.w = 1.0
-        marker.points = [
-            Point(x, y, z)
-            for x1, y1, x2, y2 in layer.segments.tolist()
-            for x, y, z in ((x1, y1, layer.config.min_z), (x2, y2, layer.config.min_z))
-        ]
-        self._publisher.publish([marker])
+        self._publisher.publish(wall_markers(layer, FRAME_ID))
 
 
 class _ModelDisplay:

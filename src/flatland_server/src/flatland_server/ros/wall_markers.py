@@ -1,0 +1,59 @@
+"""The walls of a layer as one marker, serialised from an array: a large map has a million points."""
+
+import struct
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from flatland_server.layer import Layer
+
+_WALL_WIDTH = 0.05  # m
+
+
+class SerializedMarkerArray(MarkerArray):
+    """A MarkerArray whose bytes are there already; rospy sends them as they are.
+
+    Args:
+        data: the serialised message.
+    """
+
+    __slots__ = ["_data"]
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__()
+        self._data = data
+
+    def serialize(self, buff: Any) -> None:
+        """Writes the bytes."""
+        buff.write(self._data)
+
+
+def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
+    """A line list of all walls of a layer."""
+    marker = Marker(ns=layer.name, type=Marker.LINE_LIST, action=Marker.ADD)
+    marker.header.frame_id = frame_id
+    marker.scale.x = _WALL_WIDTH
+    marker.color = ColorRGBA(*layer.config.color)
+    marker.pose.orientation.w = 1.0
+    corners = layer.segments.reshape(-1, 2)
+    points = np.empty((len(corners), 3), dtype="<f8")
+    points[:, :2] = corners
+    points[:, 2] = layer.config.min_z
+    # The list of points begins with its length: where a message without points first differs from
+    # one with a point.
+    empty = _serialize(marker)
+    marker.points = [Point()]
+    one_point = _serialize(marker)
+    begin = next(i for i, (a, b) in enumerate(zip(empty, one_point)) if a != b)
+    length = struct.pack("<I", len(points))
+    return SerializedMarkerArray(empty[:begin] + length + points.tobytes() + empty[begin + 4 :])
+
+
+def _serialize(marker: Marker) -> bytes:
+    buffer = BytesIO()
+    MarkerArray([marker]).serialize(buffer)
+    return buffer.getvalue()
