@@ -1,6 +1,5 @@
 """What the unit tests of the plugins share: a robot in a world, and simulated time."""
 
-import math
 import textwrap
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple, Type
@@ -10,7 +9,6 @@ import pytest
 from geometry_msgs.msg import Twist
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.geometry import Pose
 from flatland_server.local_transport import LocalTransport
 from flatland_server.model import Model
 from flatland_server.plugin_loader import PluginLoader
@@ -138,10 +136,12 @@ class DeafTransport(LocalTransport):
     def __init__(self) -> None:
         super().__init__()
         self.published: List[str] = []
+        self.publishers: List[_DeafPublisher] = []
 
     def advertise(self, topic: str, message_type: Any, **options: Any) -> Any:
         publisher = super().advertise(topic, message_type, **options)
-        return _DeafPublisher(self, topic, publisher)
+        self.publishers.append(_DeafPublisher(self, topic, publisher))
+        return self.publishers[-1]
 
     @property
     def transforms_are_watched(self) -> bool:
@@ -149,9 +149,8 @@ class DeafTransport(LocalTransport):
 
 
 class _DeafPublisher:
-    is_watched = False
-
     def __init__(self, transport: DeafTransport, topic: str, publisher: Any) -> None:
+        self.is_watched = False
         self._transport = transport
         self._topic = topic
         self._publisher = publisher
@@ -185,7 +184,7 @@ def simulate() -> Type[Simulation]:
 
 
 @pytest.fixture
-def test_room(loader: PluginLoader) -> Simulation:
+def empty_room(loader: PluginLoader) -> Simulation:
     """The turtlebot in the middle of an empty room of 10 x 6 m."""
     return Simulation(World.from_file(WORLDS / "test_room" / "world.yaml", loader=loader))
 

@@ -55,10 +55,10 @@ def test_the_turtlebot_in_the_office_drives_an_arc(office):
 @pytest.mark.parametrize(
     ("linear", "angular"), [(0.3, 0.0), (0.5, 0.4), (-0.3, 0.3), (0.4, -0.5), (0.0, 2.0)]
 )
-def test_the_last_command_holds_and_leads_along_its_arc(test_room, linear, angular):
-    test_room.drive(linear, angular)
+def test_the_last_command_holds_and_leads_along_its_arc(empty_room, linear, angular):
+    empty_room.drive(linear, angular)
 
-    truth = test_room.record(GROUND_TRUTH, 10.0)
+    truth = empty_room.record(GROUND_TRUTH, 10.0)
 
     for message in truth[1:]:
         time = message.header.stamp.to_sec()

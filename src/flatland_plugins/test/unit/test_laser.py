@@ -1,7 +1,7 @@
 """Laser: every range against the room's geometry, and who sees what."""
 
 import math
-from typing import Any, List, Tuple
+from typing import Any, Tuple
 
 import numpy as np
 import pytest
@@ -54,11 +54,11 @@ def look_ahead(files, laser: str = "", target: str = "", layers: Tuple[str, ...]
 @pytest.mark.parametrize(
     "pose", [(0.0, 0.0, 0.0), (2.0, -1.0, 0.7), (-4.0, 2.5, -2.0), (4.7, -2.7, 3.1)]
 )
-def test_the_turtlebot_measures_the_test_room(test_room, pose):
-    test_room.world.move_model("turtlebot", Pose(*pose))
-    test_room.run()
+def test_the_turtlebot_measures_the_test_room(empty_room, pose):
+    empty_room.world.move_model("turtlebot", Pose(*pose))
+    empty_room.run()
 
-    scan = test_room.last("/scan")
+    scan = empty_room.last("/scan")
 
     # 270 degrees in steps of a quarter of one, from 5 cm before the robot's middle
     angles = np.radians(np.arange(1081) * 0.25 - 135.0)
@@ -316,7 +316,8 @@ def test_it_scans_for_listeners_alone_unless_told_otherwise(files, deaf_transpor
         ),
         pytest.param(
             LASER.replace("range: 20", "raneg: 20"),
-            'plugins[0] "laser": the required key "range" is missing',
+            'plugins[0] "laser": the required key "range" is missing\n'
+            'robot.model.yaml:5: plugins[0] "laser": unknown key "raneg" (did you mean "range"?)',
             id="range misspelt",
         ),
         pytest.param(
@@ -341,7 +342,8 @@ def test_it_scans_for_listeners_alone_unless_told_otherwise(files, deaf_transpor
         ),
         pytest.param(
             LASER.replace("max: 3", "maxi: 3"),
-            'plugins[0].angle: the required key "max" is missing',
+            'plugins[0].angle: the required key "max" is missing\n'
+            'robot.model.yaml:5: plugins[0].angle: unknown key "maxi" (did you mean "max"?)',
             id="max missing",
         ),
         pytest.param(

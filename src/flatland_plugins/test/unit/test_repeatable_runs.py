@@ -89,8 +89,6 @@ def test_a_model_that_comes_and_goes_does_not_change_the_noise(files):
 def test_a_listener_does_not_change_the_noise(files, deaf_transport, hears_after):
     always_heard = numbers(load(files, seed=5))
     simulation = load(files, seed=5, transport=deaf_transport)
-    for publisher in deaf_transport.publishers:
-        publisher.is_watched = False
 
     simulation.drive(0.5, 0.3).run(hears_after * 0.005)
     for publisher in deaf_transport.publishers:

@@ -19,8 +19,9 @@ NONAGON = [
 
 
 def model(footprint: str) -> str:
-    """A model file of one footprint, which stands on line 4."""
-    return f"bodies:\n  - name: base\n    footprints:\n      - {footprint}\n"
+    """A model file with this footprint on line 4, and a body in which nothing is wrong."""
+    other = "{name: other, footprints: [{type: circle, radius: 1, density: 1}]}"
+    return f"bodies:\n  - name: base\n    footprints:\n      - {footprint}\n  - {other}\n"
 
 
 def world(*layers: str) -> str:

@@ -244,7 +244,7 @@ def test_a_wrong_layer_is_refused_at_its_line(maps, layers, message):
 def test_a_map_that_is_not_there_is_named_where_it_is_written(files):
     message = files.refusal(world("{name: a}", "{name: b, map: nowhere.yaml}"))
 
-    assert message == "world.yaml:4: layers[1].map: there is no file nowhere.yaml"
+    assert message == "world.yaml:4: layers[1].map: expected a file, but nowhere.yaml is not there"
 
 
 @pytest.mark.parametrize(
@@ -320,13 +320,13 @@ def test_a_wrong_line_segment_is_named_with_its_file_and_line(files, line, probl
 def test_line_segments_that_are_not_there_are_named(files):
     path = files.write("wall.yaml", segment_map())
 
-    assert refusal(files, path) == "wall.dat: cannot be read: No such file or directory"
+    assert refusal(files, path) == "wall.yaml:2: data: expected a file, but wall.dat is not there"
 
 
 def test_an_image_that_is_not_there_is_named(files):
     path = files.write("map.yaml", image_map())
 
-    assert refusal(files, path) == "map.png: cannot be read as an image: No such file or directory"
+    assert refusal(files, path) == "map.yaml:1: image: expected a file, but map.png is not there"
 
 
 def test_a_file_that_is_no_image_is_named(files):

@@ -224,12 +224,14 @@ def test_getting_a_body_that_is_not_there_names_those_that_are(files):
     ("text", "message"),
     [
         pytest.param(
-            "bodies: []", "1: bodies: expected at least one body, found none", id="no body"
+            "bodies: []",
+            "1: bodies: expected at least one body, found none that can be used",
+            id="no body",
         ),
         pytest.param("joints: []", '1: the required key "bodies" is missing', id="bodies missing"),
         pytest.param(
             model(BASE.replace("{", "{enabled: false, ", 1)),
-            "2: bodies: expected at least one body, found none",
+            "2: bodies: expected at least one body, found none that can be used",
             id="no body enabled",
         ),
         pytest.param(
@@ -248,23 +250,23 @@ def test_getting_a_body_that_is_not_there_names_those_that_are(files):
             id="two plugins of one name",
         ),
         pytest.param(
-            model(BASE.replace("name: base", "name: base, typ: static")),
+            model(BASE.replace("name: base", "name: base, typ: static"), WHEEL),
             '2: bodies[0] "base": unknown key "typ" (did you mean "type"?)',
             id="unknown key of a body",
         ),
         pytest.param(
-            model(BASE.replace("name: base", "name: base, type: dynamo")),
+            model(BASE.replace("name: base", "name: base, type: dynamo"), WHEEL),
             "2: bodies[0].type: expected static, kinematic or dynamic "
             '(did you mean "dynamic"?), found "dynamo"',
             id="unknown type of body",
         ),
         pytest.param(
-            model("{name: base}"),
+            model("{name: base}", WHEEL),
             '2: bodies[0] "base": the required key "footprints" is missing',
             id="footprints missing",
         ),
         pytest.param(
-            model(BASE.replace("name: base", "name: base, linear_damping: -1")),
+            model(BASE.replace("name: base", "name: base, linear_damping: -1"), WHEEL),
             "2: bodies[0].linear_damping: expected a number of 0 or more, found -1",
             id="negative damping",
         ),
@@ -327,6 +329,12 @@ def test_getting_a_body_that_is_not_there_names_those_that_are(files):
 )
 def test_a_wrong_model_is_refused_at_its_line(files, text, message):
     assert refusal(files, text) == f"robot.model.yaml:{message}"
+
+
+def test_one_thing_wrong_in_the_only_body_is_one_line(files):
+    message = refusal(files, model(BASE.replace("name: base", "name: base, typ: static")))
+
+    assert len(message.splitlines()) == 1
 
 
 @pytest.mark.parametrize("key", ["linear_damping", "angular_damping"])

@@ -336,7 +336,7 @@ def test_a_closed_world_has_no_topics(models, transport):
         ),
         pytest.param(
             f"{EMPTY}models:\n  - {{name: a, model: none.yaml}}",
-            "4: models[0].model: there is no file none.yaml",
+            "4: models[0].model: expected a file, but none.yaml is not there",
             id="no model file",
         ),
         pytest.param(
@@ -358,7 +358,8 @@ def test_a_closed_world_has_no_topics(models, transport):
         ),
         pytest.param(
             f"{EMPTY}models:\n  - {{name: a, modle: plain.yaml}}",
-            '4: models[0] "a": the required key "model" is missing',
+            '4: models[0] "a": the required key "model" is missing\n'
+            'world.yaml:4: models[0] "a": unknown key "modle" (did you mean "model"?)',
             id="a model without a file",
         ),
         pytest.param(
@@ -370,6 +371,38 @@ def test_a_closed_world_has_no_topics(models, transport):
 )
 def test_a_wrong_world_is_refused_at_its_line(models, text, message):
     assert models.refusal(text) == f"world.yaml:{message}"
+
+
+def test_all_that_is_wrong_in_all_files_is_said_at_once(models):
+    models.write("wall.yaml", "type: line_segments\ndata: wall.dat\nscale: 0\norigin: foo\n")
+    models.write("wall.dat", "")
+    models.write("flawed.yaml", "bodies: [{name: base, footprints: []}]\njoints: 3\n")
+    text = """\
+properties: {friction: 1}
+layers: [{name: a, map: wall.yaml}]
+models:
+  - {name: a, model: flawed.yaml}
+  - {name: a, model: plain.yaml}
+"""
+
+    assert models.refusal(text).splitlines() == [
+        'world.yaml:1: properties: unknown key "friction"',
+        'wall.yaml:4: origin: expected [x, y, yaw], found "foo"',
+        "wall.yaml:3: scale: expected a number above 0, found 0",
+        "flawed.yaml:2: joints: expected a list, found 3",
+        'world.yaml:5: models[1].name: the name "a" is given twice',
+    ]
+
+
+def test_all_plugins_that_do_not_start_are_named_at_once(models):
+    models.write("worse.yaml", f"{BODIES}plugins:\n  - {{type: Talkr, name: a}}\n")
+    entries = "models: [{name: a, model: bad.yaml}, {name: b, model: worse.yaml}]"
+
+    assert models.refusal(EMPTY + entries).splitlines() == [
+        'bad.yaml:11: plugins[2] "c": no luck',
+        'worse.yaml:9: plugins[0].type: unknown plugin type "Talkr" (did you mean "Talker"?); '
+        "there are: Failing, Herald, Talker",
+    ]
 
 
 def test_a_number_of_iterations_that_box2d_cannot_count_to_is_refused(models):

@@ -14,11 +14,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flatland_server.exceptions import YamlError
+from flatland_server.geometry import Pose
 from flatland_server.yaml_reader import YamlReader
 
 Read = Callable[[YamlReader], Any]
 SHAPES = ["circle", "polygon"]
 TYPES = ["static", "kinematic", "dynamic"]
+
+
+def nothing(section: YamlReader) -> None:
+    """Reads nothing of a section."""
+
 
 WRONG_VALUES: Dict[str, Any] = {
     # what is wrong: text, who reads it, message after "<file>:"
@@ -169,22 +175,22 @@ WRONG_VALUES: Dict[str, Any] = {
     ),
     "a list for a section": (
         "angle:\n  [1, 2]",
-        lambda r: r.get_section("angle"),
+        lambda r: r.get_section("angle").get_float("min"),
         "2: angle: expected a map, found [1, 2]",
     ),
     "a map for a list": (
         "models: {name: a}",
-        lambda r: r.get_sections("models"),
+        lambda r: r.get_sections("models", nothing),
         "1: models: expected a list, found a map",
     ),
     "a word for an entry": (
         "models:\n  - name: a\n  - robot",
-        lambda r: r.get_sections("models"),
+        lambda r: r.get_sections("models", nothing),
         '3: models[1]: expected a map, found "robot"',
     ),
     "nothing for an entry": (
         "models: [~]",
-        lambda r: r.get_sections("models"),
+        lambda r: r.get_sections("models", nothing),
         "1: models[0]: expected a map, found nothing",
     ),
     "a long value": (
@@ -203,18 +209,18 @@ WRONG_VALUES: Dict[str, Any] = {
         '1: the required key "mass" is missing',
     ),
     "a missing key of an entry": (
-        "models:\n  - name: a\n  - name: b",
-        lambda r: [model.get_string("model") for model in r.get_sections("models")],
+        "models:\n  - name: a\n  - {name: b, model: b}",
+        lambda r: r.get_sections("models", lambda m: (m.get_string("model"), m.raise_problems())),
         '2: models[0] "a": the required key "model" is missing',
     ),
     "a missing section": (
         "a: 1",
-        lambda r: r.get_section("angle", required=True),
+        lambda r: r.get_section("angle", required=True).get_float("min"),
         '1: the required key "angle" is missing',
     ),
     "a missing list": (
         "a: 1",
-        lambda r: r.get_sections("layers", required=True),
+        lambda r: r.get_sections("layers", nothing, required=True),
         '1: the required key "layers" is missing',
     ),
     "an unknown key": (
@@ -224,10 +230,15 @@ WRONG_VALUES: Dict[str, Any] = {
     ),
     "a key nearly known": (
         "plugins:\n  - type: Laser\n    name: laser\n    raneg: 5",
-        lambda r: [
-            (s.get_string("type"), s.get_string("name"), s.get_float("range", 1.0), s.finish())
-            for s in r.get_sections("plugins")
-        ],
+        lambda r: r.get_sections(
+            "plugins",
+            lambda p: (
+                p.get_string("type"),
+                p.get_string("name"),
+                p.get_rate("range", 1),
+                p.finish(),
+            ),
+        ),
         '4: plugins[0] "laser": unknown key "raneg" (did you mean "range"?)',
     ),
     "an unknown key of a section": (
@@ -240,7 +251,7 @@ WRONG_VALUES: Dict[str, Any] = {
     ),
     "a pose deep within": (
         "layers: []\nmodels:\n  - name: a\n    model: a.yaml\n    pose: foo",
-        lambda r: [model.get_pose("pose") for model in r.get_sections("models")],
+        lambda r: r.get_sections("models", lambda m: (m.get_pose("pose"), m.raise_problems())),
         '5: models[0].pose: expected [x, y, yaw], found "foo"',
     ),
 }
@@ -255,7 +266,6 @@ WRONG_STRUCTURES = {
 NOT_YAML = {
     "a tab": (b"models:\n\t- name: a", 2),
     "an open bracket": (b"a: 1\npose: [0, 0\nname: x", 3),
-    "a second document": (b"a: 1\n---\nb: 2", 2),
     "an unknown alias": (b"a: *robot", 1),
     "bad indentation": (b"a:\n    b: 1\n  c: 2", 3),
 }
@@ -284,7 +294,7 @@ READINGS: Dict[str, Any] = {
     "[1e1, 2, 0.5]": (lambda r: tuple(r.get_pose("v")), (10.0, 2.0, 0.5)),
     "[0, 0.5, 1, 1]": (lambda r: r.get_color("v"), (0.0, 0.5, 1.0, 1.0)),
     "~": (lambda r: r.get_float("v", 4.0), 4.0),
-    "null": (lambda r: [r.get_sections("v"), r.has("v")], [[], False]),
+    "null": (lambda r: [r.get_sections("v", nothing), r.has("v")], [[], False]),
     "{a: 1}": (lambda r: r.get_section("v").get_int("a"), 1),
 }
 
@@ -296,26 +306,111 @@ def read(folder: Path, text: str) -> YamlReader:
     return YamlReader.from_file(path)
 
 
+def refusal(folder: Path, text: str, getter: Read) -> str:
+    """What is wrong with a file's text, without the folder's name."""
+
+    def read_all() -> None:
+        reader = read(folder, text)
+        getter(reader)
+        reader.raise_problems()
+
+    with pytest.raises(YamlError) as caught:
+        read_all()
+    message = str(caught.value).replace(f"{folder}/", "")
+    assert caught.value.line == int(message.split(":")[1])
+    return message
+
+
 @pytest.mark.parametrize("case", WRONG_VALUES)
 def test_a_wrong_value_is_named_with_its_place(tmp_path, case):
     text, getter, message = WRONG_VALUES[case]
-    reader = read(tmp_path, text)
 
-    with pytest.raises(YamlError) as caught:
-        getter(reader)
-
-    assert str(caught.value) == f"{tmp_path}/file.yaml:{message}"
-    assert caught.value.line == int(message.partition(":")[0])
+    assert refusal(tmp_path, text, getter) == f"file.yaml:{message}"
 
 
 @pytest.mark.parametrize("case", WRONG_STRUCTURES)
 def test_a_wrong_structure_is_named_with_its_line(tmp_path, case):
     text, message = WRONG_STRUCTURES[case]
 
-    with pytest.raises(YamlError) as caught:
-        read(tmp_path, text)
+    assert refusal(tmp_path, text, nothing) == f"file.yaml:{message}"
 
-    assert str(caught.value) == f"{tmp_path}/file.yaml:{message}"
+
+def test_all_that_is_wrong_is_said_at_once_in_the_order_of_reading(tmp_path):
+    text = """\
+properties: {gravity: heavy}
+name: [a]
+models:
+  - {name: a, pose: foo, model: a.yaml}
+  - {name: b, model: b.yaml}
+  - {name: c}
+  - d
+weight: 1
+"""
+
+    def read_model(section: YamlReader) -> None:
+        section.get_string("name")
+        section.get_string("model")
+        section.get_pose("pose", Pose())
+        section.finish()
+
+    def read_all(reader: YamlReader) -> None:
+        properties = reader.get_section("properties")
+        properties.get_float("gravity")
+        properties.get_float("mass")
+        properties.finish()
+        reader.get_string("name")
+        reader.get_sections("models", read_model)
+        reader.finish()
+
+    assert refusal(tmp_path, text, read_all).splitlines() == [
+        'file.yaml:1: properties.gravity: expected a number, found "heavy"',
+        'file.yaml:1: properties: the required key "mass" is missing',
+        'file.yaml:2: name: expected a text, found ["a"]',
+        'file.yaml:4: models[0].pose: expected [x, y, yaw], found "foo"',
+        'file.yaml:6: models[2] "c": the required key "model" is missing',
+        'file.yaml:7: models[3]: expected a map, found "d"',
+        'file.yaml:8: unknown key "weight"',
+    ]
+
+
+@pytest.mark.parametrize(
+    ("getter", "kind"),
+    [
+        (lambda r: r.get_string("v"), str),
+        (lambda r: r.get_float("v"), float),
+        (lambda r: r.get_rate("v"), float),
+        (lambda r: r.get_int("v"), int),
+        (lambda r: r.get_bool("v"), bool),
+        (lambda r: r.get_pose("v"), Pose),
+        (lambda r: r.get_point("v"), tuple),
+        (lambda r: r.get_points("v", 3, 8), list),
+        (lambda r: r.get_color("v"), tuple),
+        (lambda r: r.get_section("v"), YamlReader),
+        (lambda r: r.get_sections("v", nothing), list),
+    ],
+)
+def test_a_wrong_value_is_replaced_by_a_harmless_one_until_all_is_read(tmp_path, getter, kind):
+    for text in ("v: {a: [b]}" if kind is not YamlReader else "v: [1]", "w: 1"):
+        reader = read(tmp_path, text)
+
+        value = getter(reader)
+
+        assert isinstance(value, kind)
+        if kind not in (YamlReader, list):  # a section or a list need not be there
+            assert not reader.is_sound
+            with pytest.raises(YamlError):
+                reader.finish()
+
+
+def test_a_wrong_choice_is_said_at_once_with_all_before_it(tmp_path):
+    def read_both(reader: YamlReader) -> None:
+        reader.get_string("name")
+        reader.get_choice("type", SHAPES)
+
+    assert refusal(tmp_path, "type: cube", read_both).splitlines() == [
+        'file.yaml:1: the required key "name" is missing',
+        'file.yaml:1: type: expected circle or polygon, found "cube"',
+    ]
 
 
 @pytest.mark.parametrize("case", NOT_YAML)
@@ -348,6 +443,12 @@ def test_an_unusable_file_is_named(tmp_path, content, message):
         YamlReader.from_file(path)
 
     assert str(caught.value) == f"{path}: {message}"
+
+
+def test_a_second_document_is_refused_at_its_line(tmp_path):
+    message = refusal(tmp_path, "a: 1\n---\nb: 2", nothing)
+
+    assert message == "file.yaml:3: expected one document, found another one"
 
 
 def test_a_directory_is_not_read(tmp_path):
@@ -387,34 +488,36 @@ def test_keys_that_were_asked_for_are_known_though_they_are_not_given(tmp_path):
     reader = read(tmp_path, "a: 1\nb:\n  - c: 2")
     reader.get_int("a")
     reader.get_string("other", "")
-    [section] = reader.get_sections("b")
-    section.get_int("c")
+
+    counts = reader.get_sections("b", lambda section: (section.get_int("c"), section.finish())[0])
 
     reader.finish()
-    section.finish()
+    assert counts == [2]
 
 
 def test_an_unknown_key_has_the_line_of_the_key_not_of_its_value(tmp_path):
-    reader = read(tmp_path, "layers: []\nmodles:\n  - name: robot\n")
-    reader.get_sections("layers")
-    reader.get_sections("models")
-
-    with pytest.raises(YamlError) as caught:
+    def read_models(reader: YamlReader) -> None:
+        reader.get_sections("models", nothing)
         reader.finish()
 
-    message = 'unknown key "modles" (did you mean "models"?)'
-    assert str(caught.value) == f"{tmp_path}/file.yaml:2: {message}"
+    message = refusal(tmp_path, "modles:\n  - name: robot\n", read_models)
+
+    assert message == 'file.yaml:1: unknown key "modles" (did you mean "models"?)'
 
 
-def test_whoever_knows_more_than_the_reader_makes_errors_at_its_places(tmp_path):
-    reader = read(tmp_path, "models:\n  - name: a\n    body: base")
-    [section] = reader.get_sections("models")
+def test_whoever_knows_more_than_the_reader_names_problems_at_its_places(tmp_path):
+    def read_model(section: YamlReader) -> None:
+        section.problem("there is no such body", "body")
+        section.problem("is too heavy")
+        section.raise_problems()
 
-    at_key = section.error("there is no such body", "body")
-    at_entry = section.error("is too heavy")
+    text = "models:\n  - name: a\n    body: base"
+    message = refusal(tmp_path, text, lambda reader: reader.get_sections("models", read_model))
 
-    assert str(at_key) == f"{tmp_path}/file.yaml:3: models[0].body: there is no such body"
-    assert str(at_entry) == f'{tmp_path}/file.yaml:2: models[0] "a": is too heavy'
+    assert message.splitlines() == [
+        "file.yaml:3: models[0].body: there is no such body",
+        'file.yaml:2: models[0] "a": is too heavy',
+    ]
 
 
 @pytest.mark.parametrize(
@@ -426,8 +529,15 @@ def test_whoever_knows_more_than_the_reader_makes_errors_at_its_places(tmp_path)
     ],
 )
 def test_an_endless_list_is_refused(tmp_path, text):
+    (tmp_path / "file.yaml").write_text(text)
+
+    def read_all() -> None:
+        reader = YamlReader.from_file(tmp_path / "file.yaml")
+        reader.get_pose("pose")
+        reader.finish()
+
     with pytest.raises(YamlError):
-        read(tmp_path, text).get_pose("pose")
+        read_all()
 
 
 def test_a_file_that_nests_too_deeply_does_not_end_the_process(tmp_path):
@@ -437,7 +547,7 @@ def test_a_file_that_nests_too_deeply_does_not_end_the_process(tmp_path):
         from flatland_server.exceptions import YamlError
         from flatland_server.yaml_reader import YamlReader
         try:
-            YamlReader.from_file(Path(sys.argv[1])).get_pose("pose")
+            YamlReader.from_file(Path(sys.argv[1])).finish()
         except YamlError:
             print("refused")
     """
@@ -463,7 +573,7 @@ GETTERS: Dict[str, Read] = {
     "get_color": lambda r: r.get_color("key"),
     "get_strings": lambda r: r.get_strings("key"),
     "get_section": lambda r: r.get_section("key").finish(),
-    "get_sections": lambda r: [section.finish() for section in r.get_sections("key")],
+    "get_sections": lambda r: r.get_sections("key", lambda section: section.finish()),
     "finish": lambda r: r.finish(),
 }
 VALUES = st.recursive(
@@ -483,6 +593,7 @@ def test_a_getter_gives_a_value_or_a_yaml_error(tmp_path_factory, value, getter)
 
     with contextlib.suppress(YamlError):
         GETTERS[getter](reader)
+        reader.finish()
 
 
 @given(content=st.text() | st.binary())

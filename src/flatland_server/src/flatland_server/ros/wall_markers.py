@@ -1,4 +1,4 @@
-"""The walls of a layer as one marker, serialised from an array: a large map has a million points."""
+"""The walls of a layer as one marker, serialised from an array: it may have a million points."""
 
 import struct
 from io import BytesIO
