@@ -81,7 +81,7 @@ def count_beams(angle_min: float, angle_max: float, increment: float) -> int:
     if angle_min == angle_max:
         return 1
     steps = (angle_max - angle_min) / increment if increment else -1.0
-    return math.floor(steps + 1e-3) + 1 if 0 <= steps < 1e9 else 0
+    return math.floor(steps + 1e-2) + 1 if 0 <= steps < 1e9 else 0
 
 
 class Laser(ModelPlugin):

@@ -26,6 +26,9 @@ from flatland_server.yaml_reader import Color, YamlReader
 
 logger = logging.getLogger(__name__)
 
+_FARTHEST = 1e5  # m; the core takes no more
+_SHORTEST = 1e-6  # m; a wall of less is nothing to a laser or a body
+
 
 @dataclass(frozen=True)
 class LayerConfig:
@@ -142,7 +145,13 @@ def read_map(
             "%s: outlines simplified from %d to %d segments, within %g m",
             *(path, before, len(segments), tolerance * scale),
         )
-    return _place(segments * scale, origin)
+    segments = _place(segments * scale, origin)
+    if len(segments) and np.abs(segments).max() > _FARTHEST:
+        raise YamlError(path, "expected walls within 100 km of the origin, found one beyond")
+    lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
+    if len(segments) and lengths.min() < _SHORTEST:
+        raise YamlError(path, "expected walls of a micrometre or more, found a shorter one")
+    return segments
 
 
 def _read_image(path: Path, occupied_thresh: float) -> Segments:

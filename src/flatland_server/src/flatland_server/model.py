@@ -47,13 +47,15 @@ class ModelConfig:
     @classmethod
     def read(cls, reader: YamlReader, registry: Optional[CollisionFilterRegistry]) -> "ModelConfig":
         """The same of a file that is being read already."""
-        bodies = read_enabled(
-            reader, "bodies", lambda section: BodyConfig.read(section, registry), required=True
-        )
-        if not bodies and reader.has("bodies"):
-            reader.problem("expected at least one body, found none that can be used", "bodies")
-        # A body that cannot be read is still a body that joints may name.
-        names = reader.names_in("bodies")
+        names: List[str] = []  # also of bodies that cannot be read: joints may name them
+
+        def read_body(section: YamlReader) -> BodyConfig:
+            names.append(section.get_string("name"))
+            return BodyConfig.read(section, registry)
+
+        bodies = read_enabled(reader, "bodies", read_body, required=True)
+        if not bodies and reader.is_sound:
+            reader.problem("expected at least one body, found none", "bodies")
         joints = read_enabled(reader, "joints", lambda section: JointConfig.read(section, names))
         plugins = read_enabled(reader, "plugins", PluginConfig.read)
         reader.finish()
@@ -123,11 +125,22 @@ class Model:
         return self.base.pose.compose(self.base.config.pose.inverse())
 
     def move(self, pose: Pose) -> None:
-        """Puts it somewhere else as it is, its bodies as they stand to each other, at rest."""
-        old = self.pose
-        for body in self.bodies.values():
-            body.physics_body.pose = pose.compose(old.inverse()).compose(body.pose)
-            body.physics_body.halt()
+        """Puts it somewhere else as it is, its bodies as they stand to each other, at rest.
+
+        Raises:
+            ModelError: it cannot be there; it stays where it was.
+        """
+        displacement = pose.compose(self.pose.inverse())
+        before = [(body.physics_body, body.pose) for body in self.bodies.values()]
+        try:
+            for body, old in before:
+                body.pose = displacement.compose(old)
+        except ValueError as error:
+            for body, old in before:
+                body.pose = old
+            raise ModelError(f'the model "{self.name}" cannot be there: {error}') from None
+        for body, _ in before:
+            body.halt()
 
     def remove(self) -> None:
         """Takes its bodies and joints out of the world."""

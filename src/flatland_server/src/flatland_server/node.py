@@ -9,7 +9,7 @@ a thousand worlds without a master. Callbacks run between steps, on the simulati
 
 import logging
 from abc import ABC, abstractmethod
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
 from flatland_server.geometry import Transform
 
@@ -84,15 +84,15 @@ class FrameRegistry:
     def __init__(self) -> None:
         self._owners: Dict[str, str] = {}
         self._parents: Dict[str, str] = {}
-        self._warned: Dict[str, str] = {}
+        self._warned: Set[Tuple[str, str]] = set()  # frames and their other publishers
 
     def claim(self, parent: str, child: str, owner: str) -> None:
         """Notes a frame's publisher; warns once if there is another one."""
         first = self._owners.setdefault(child, owner)
         if first == owner:
             self._parents[child] = parent
-        elif self._warned.get(child) != owner:
-            self._warned[child] = owner
+        elif (child, owner) not in self._warned:
+            self._warned.add((child, owner))
             logger.warning(
                 'two plugins publish the frame "%s": %s from "%s" and %s from "%s"; a frame can '
                 "have only one parent, so switch one of them off",
@@ -103,7 +103,7 @@ class FrameRegistry:
         """Forgets the frames of a publisher that is gone."""
         for child in [child for child, other in self._owners.items() if other == owner]:
             del self._owners[child]
-            self._warned.pop(child, None)
+        self._warned = {pair for pair in self._warned if pair[0] in self._owners}
 
 
 class Node:

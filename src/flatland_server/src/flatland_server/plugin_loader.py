@@ -18,10 +18,11 @@ A package declares its plugins in an XML file and exports it in its package.xml:
 import importlib
 import inspect
 import logging
+import os
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterable, List, Optional, Type, TypeVar
+from typing import Dict, Iterable, Iterator, List, Optional, Set, Tuple, Type, TypeVar
 
 from flatland_server.exceptions import PluginError, suggestion
 from flatland_server.plugin import Plugin
@@ -29,6 +30,8 @@ from flatland_server.plugin import Plugin
 logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
+
+_IGNORED = {"CATKIN_IGNORE", "AMENT_IGNORE", "rospack_nosubdirs"}
 
 
 @dataclass(frozen=True)
@@ -95,13 +98,14 @@ def _import(declaration: PluginDeclaration) -> object:
 
 def discover() -> List[PluginDeclaration]:
     """All plugins that packages on ROS_PACKAGE_PATH export; a faulty declaration only warns."""
-    import rospkg
-
-    rospack = rospkg.RosPack()
+    exports: Dict[str, List[Path]] = {}
+    for folder in _package_folders():
+        name, files = _exported_files(folder)
+        if files:
+            exports.setdefault(name, files)  # the first on the path hides those of the same name
     declarations: List[PluginDeclaration] = []
-    for package in sorted(rospack.list()):
-        prefix = Path(rospack.get_path(package))
-        for xml in _exported_files(prefix):
+    for package, files in sorted(exports.items()):
+        for xml in files:
             try:
                 declarations.extend(_read_declarations(package, xml))
             except (OSError, ElementTree.ParseError, ValueError) as error:
@@ -109,19 +113,34 @@ def discover() -> List[PluginDeclaration]:
     return declarations
 
 
-def _exported_files(prefix: Path) -> List[Path]:
-    """The plugin files that a package exports. Most packages do not mention us: not parsed."""
-    manifest = prefix / "package.xml"
+def _package_folders() -> Iterator[Path]:
+    """The folders with a package.xml; unlike rospkg's list, whatever is in the others."""
+    seen: Set[str] = set()
+    for path in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
+        for folder, subfolders, files in os.walk(path, followlinks=True):
+            real = os.path.realpath(folder)
+            if real in seen or _IGNORED.intersection(files):
+                subfolders.clear()
+            elif "package.xml" in files:
+                subfolders.clear()
+                yield Path(folder)
+            seen.add(real)
+
+
+def _exported_files(folder: Path) -> Tuple[str, List[Path]]:
+    """A package's name, and the plugin files that it exports. Most packages do not mention us."""
+    manifest = folder / "package.xml"
     try:
         text = manifest.read_text(encoding="utf-8")
         if "<flatland_server" not in text:
-            return []
-        exports = ElementTree.fromstring(text).iterfind("export/flatland_server")
+            return "", []
+        root = ElementTree.fromstring(text)
     except (OSError, UnicodeDecodeError, ElementTree.ParseError) as error:
         logger.warning("%s is left out: %s", manifest, error)
-        return []
-    files = [export.get("plugin") for export in exports]
-    return [Path(file.replace("${prefix}", str(prefix))) for file in files if file]
+        return "", []
+    files = [export.get("plugin", "") for export in root.iterfind("export/flatland_server")]
+    name = (root.findtext("name") or folder.name).strip()
+    return name, [Path(file.replace("${prefix}", str(folder))) for file in files if file]
 
 
 def _read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:

@@ -2,7 +2,7 @@
 
 import logging
 import zlib
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Type, TypeVar
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Type, TypeVar
 
 import numpy as np
 
@@ -43,6 +43,7 @@ class PluginManager:
         self._plugins: Dict[str, List[Plugin]] = {}
         self._entries: List[_Entry] = []
         self._due: List[_Entry] = []
+        self._switched_off: Set[int] = set()  # ids of living plugins that have failed
 
     def plugins_of(self, owner: str) -> List[Plugin]:
         """The living plugins of a model, or of the world, whose name is empty."""
@@ -111,6 +112,7 @@ class PluginManager:
             except Exception:
                 logger.exception('the plugin "%s" failed in on_shutdown', plugin.name)
             plugin.node.close()
+            self._switched_off.discard(id(plugin))
         self._list_hooks()
 
     def stop_all(self) -> None:
@@ -144,13 +146,15 @@ class PluginManager:
                 entry.plugin.name,
                 hook.__name__,
             )
-            self._entries = [e for e in self._entries if e.plugin is not entry.plugin]
-            self._due = [e for e in self._due if e.plugin is not entry.plugin]
+            self._switched_off.add(id(entry.plugin))
+            self._list_hooks()
 
     def _list_hooks(self) -> None:
         self._entries = []
         for plugins in self._plugins.values():
             for plugin in plugins:
+                if id(plugin) in self._switched_off:
+                    continue
                 before, after = (_overridden(plugin, hook) for hook in HOOKS)
                 if before is not None or after is not None:
                     self._entries.append(_Entry(plugin, before, after))

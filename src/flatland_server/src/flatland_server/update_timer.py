@@ -20,7 +20,7 @@ class UpdateTimer:
             raise ValueError(f"expected a rate above 0 Hz, found {rate}")
         self._period = 1e9 / rate  # ns
         self._start = 0
-        self._due = -1
+        self._due: float = -1
 
     @property
     def period(self) -> float:
@@ -34,7 +34,9 @@ class UpdateTimer:
             return False
         if self._due < 0:
             self._start = now
-        if self._period > 0:
+        if math.isinf(self._period):
+            self._due = math.inf
+        elif self._period > 0:
             passed = round(math.floor((now - self._start + 0.5) / self._period) + 1)
             self._due = self._start + round(passed * self._period)
         return True

@@ -27,6 +27,9 @@ from flatland_server.world_plugin import WorldPlugin
 from flatland_server.yaml_preprocessor import YamlPreprocessor
 from flatland_server.yaml_reader import YamlReader, read_enabled
 
+_MOST_ITERATIONS = 10_000
+"""Of the solver in a step; more would stall the simulation."""
+
 
 @dataclass(frozen=True)
 class ModelEntry:
@@ -80,8 +83,12 @@ class WorldConfig:
     ) -> "WorldConfig":
         """The same of a file that is being read already."""
         properties = reader.get_section("properties", required=True)
-        velocity_iterations = properties.get_int("velocity_iterations", 10, minimum=1)
-        position_iterations = properties.get_int("position_iterations", 10, minimum=1)
+        velocity_iterations = properties.get_int(
+            "velocity_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
+        )
+        position_iterations = properties.get_int(
+            "position_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
+        )
         properties.finish()
         registry = CollisionFilterRegistry()
         layers = reader.get_sections(

@@ -22,6 +22,9 @@ _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
 _EVAL = "$eval"
 
+_MAX_DEPTH = 100
+
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _TAG = "tag:yaml.org,2002:"
 
 
@@ -64,10 +67,9 @@ class YamlPreprocessor:
     def _compose(self, path: Path) -> List[yaml.Node]:
         """The documents of a file, as they are written."""
         try:
-            stream = io.StringIO(path.read_bytes().decode("utf-8-sig"))
-            stream.name = str(path)  # appears in the nodes' marks
-            loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-            documents = list(yaml.compose_all(stream, Loader=loader))
+            text = path.read_bytes().decode("utf-8-sig")
+            _check_depth(path, text)
+            documents = list(yaml.compose_all(_named(text, path), Loader=_LOADER))
         except OSError as error:
             raise YamlError(path, f"cannot be read: {error.strerror}") from None
         except UnicodeDecodeError as error:
@@ -167,6 +169,27 @@ class YamlPreprocessor:
             return arguments[1]
         logger.warning("%s: %s and has no default; a blank string is used", self._place, problem)
         return ""
+
+
+def _named(text: str, path: Path) -> io.StringIO:
+    """A stream whose name appears in the nodes' marks."""
+    stream = io.StringIO(text)
+    stream.name = str(path)
+    return stream
+
+
+def _check_depth(path: Path, text: str) -> None:
+    """Refuses what is nested so deeply that composing it would overflow the stack."""
+    depth = 0
+    for event in yaml.parse(_named(text, path), Loader=_LOADER):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+            if depth > _MAX_DEPTH:
+                mark = event.start_mark
+                message = f"expected at most {_MAX_DEPTH} levels, found more"
+                raise YamlError(path, message, mark.line + 1, mark.column + 1)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
 
 
 def _merged(node: yaml.MappingNode) -> List[Tuple[yaml.Node, yaml.Node]]:

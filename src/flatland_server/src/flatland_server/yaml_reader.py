@@ -54,6 +54,7 @@ class YamlReader:
         self.path = path
         self._root = root or self.file
         self._node = node
+        self._keys: Dict[str, yaml.Node] = {}
         self._values: Dict[str, yaml.Node] = {}
         self._read: Set[str] = set()
         self._problems: List[Problem] = []
@@ -65,7 +66,7 @@ class YamlReader:
                 raise _error(key, path, f"expected a key, found {describe(key)}")
             if key.value in self._values:
                 self._note(_error(key, path, f'the key "{key.value}" is given twice'))
-            self._values[key.value] = value
+            self._keys[key.value], self._values[key.value] = key, value
 
     @classmethod
     def from_file(cls, path: Path, preprocessor: Optional[YamlPreprocessor] = None) -> "YamlReader":
@@ -125,8 +126,15 @@ class YamlReader:
         """A rate [Hz] above zero; `inf` is as often as possible."""
         return self.get_float(key, default, above=0.0, allow_infinity=True)
 
-    def get_int(self, key: str, default: Any = REQUIRED, *, minimum: Optional[int] = None) -> int:
-        """A whole number."""
+    def get_int(
+        self,
+        key: str,
+        default: Any = REQUIRED,
+        *,
+        minimum: Optional[int] = None,
+        maximum: Optional[int] = None,
+    ) -> int:
+        """A whole number, at least `minimum` and at most `maximum`."""
 
         def convert(node: yaml.Node) -> int:
             try:
@@ -135,6 +143,8 @@ class YamlReader:
                 raise Unexpected("a whole number") from None
             if minimum is not None and value < minimum:
                 raise Unexpected(f"a whole number of {minimum} or more")
+            if maximum is not None and value > maximum:
+                raise Unexpected(f"a whole number of {maximum} or less")
             return value
 
         return cast(int, self._get(key, default, convert, minimum or 0))
@@ -273,18 +283,6 @@ class YamlReader:
                 self._note(error)
         return results
 
-    def names_in(self, key: str) -> List[str]:
-        """The `name` of each mapping of a list that has one, whatever else is wrong there."""
-        node = self._values.get(key)
-        items = node.value if isinstance(node, yaml.SequenceNode) else []
-        return [
-            value.value
-            for item in items
-            if isinstance(item, yaml.MappingNode)
-            for name, value in item.value
-            if name.value == "name" and isinstance(value, yaml.ScalarNode)
-        ]
-
     # Problems
 
     @property
@@ -302,10 +300,10 @@ class YamlReader:
         Raises:
             YamlError: there is something; for an unknown key the nearest known one is suggested.
         """
-        for key, value in self._values.items():
+        for key, node in self._keys.items():
             if key not in self._read:
-                hint = suggestion(key, self._read - self._values.keys())
-                self._note(_error(value, self._label(), f'unknown key "{key}"{hint}'))
+                hint = suggestion(key, self._read - self._keys.keys())
+                self._note(_error(node, self._label(), f'unknown key "{key}"{hint}'))
         self._read.update(self._values)
         if not self._is_within:
             self.raise_problems()

@@ -69,7 +69,7 @@ bodies:
         density: 1
         friction: 0.1
         restitution: 0
-        layers: [map, floor]
+        layers: [map, walls]
         collision: true
         sensor: false
   - name: wheel
