@@ -6,13 +6,14 @@ from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.enabled_entries import read_enabled
 from flatland_server.exceptions import ModelError, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.joint import Joint, JointConfig
 from flatland_server.model_body import BodyConfig, ModelBody
 from flatland_server.plugin_config import PluginConfig
 from flatland_server.yaml_preprocessor import YamlPreprocessor
-from flatland_server.yaml_reader import YamlReader, read_enabled
+from flatland_server.yaml_reader import YamlReader
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.enabled_entries import read_enabled
 from flatland_server.exceptions import FlatlandError, ModelError, Problem, YamlError, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.layer import Layer, LayerConfig
@@ -25,7 +26,7 @@ from flatland_server.plugin_manager import PluginManager
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world_plugin import WorldPlugin
 from flatland_server.yaml_preprocessor import YamlPreprocessor
-from flatland_server.yaml_reader import YamlReader, read_enabled
+from flatland_server.yaml_reader import YamlReader
 
 _MOST_ITERATIONS = 10_000
 """Of the solver in a step; more would stall the simulation."""
