@@ -4,10 +4,11 @@ import re
 from pathlib import Path
 
 import pytest
+from PIL import Image
+
 from flatland_server.check_world import AnyLayer
 from flatland_server.model import ModelConfig
 from flatland_server.world import World
-from PIL import Image
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "files.md"
 BLOCK = re.compile(r"```yaml\n# file: (\S+)\n(.*?)```", re.DOTALL)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-SHOTS = Path(__file__).resolve().parents[3] / "build" / "screenshots"
+ROOT = Path(__file__).resolve().parents[3]
+SHOTS = ROOT / "build" / "screenshots"
+BOX = ROOT / "src" / "flatland_server" / "worlds" / "office" / "box.model.yaml"
 
 pytestmark = [
     pytest.mark.slow,
@@ -22,6 +24,12 @@ def screenshot(launch, name):
     path = SHOTS / name
     subprocess.run(["import", "-window", "root", str(path)], env=launch.environment, check=True)
     return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+
+def call(launch, service, request):
+    subprocess.run(
+        ["rosservice", "call", f"/{service}", request], env=launch.environment, check=True
+    )
 
 
 def count_near(pixels, color, tolerance=40):
@@ -43,3 +51,17 @@ def test_rviz_shows_walls_robot_boxes_and_scan(run, display):
         return all(count_near(view, color) >= least for color, least in expected.items())
 
     launch.wait_until(all_visible, "walls, robot, boxes and scan")
+
+    # A model that comes while rviz is running is shown, and goes with it.
+    boxes = count_near(screenshot(launch, "rviz_office.png"), (194, 145, 87))
+    pose = "{x: 2.0, y: 3.0, theta: 0.0}"
+    call(launch, "spawn_model", f"{{yaml_path: {BOX}, name: crate, ns: '', pose: {pose}}}")
+    launch.wait_until(
+        lambda: count_near(screenshot(launch, "rviz_crate.png"), (194, 145, 87)) > boxes + 20,
+        "the crate to appear",
+    )
+    call(launch, "delete_model", "crate")
+    launch.wait_until(
+        lambda: count_near(screenshot(launch, "rviz_office.png"), (194, 145, 87)) <= boxes,
+        "the crate to vanish",
+    )

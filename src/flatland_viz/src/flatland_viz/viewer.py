@@ -57,11 +57,11 @@ def _config() -> str:
     """The path of an rviz configuration for the world, made now."""
     debug = rospy.resolve_name(f"{_SERVER}/debug")
     listed = rospy.wait_for_message(f"{debug}/topics", DebugTopicList)
-    markers = [f"{debug}/{topic}" for topic in listed.topics]
     scans = [
         topic for topic, kind in rospy.get_published_topics() if kind == "sensor_msgs/LaserScan"
     ]
-    layers = [topic for topic in markers if topic.startswith(f"{debug}/layer/")]
+    layers = [f"{debug}/{topic}" for topic in listed.topics if topic.startswith("layer/")]
+    markers = [*layers, f"{debug}/models"]  # all models, also those that are spawned later
     base = Path(rospkg.RosPack().get_path("flatland_viz")) / "rviz" / "flatland.rviz"
     config = for_world(yaml.safe_load(base.read_text()), markers, sorted(scans), _bounds(layers))
     with tempfile.NamedTemporaryFile("w", suffix=".rviz", delete=False) as file:

@@ -2,6 +2,7 @@
 
 `~debug/layer/<name>` is published once and latched. `~debug/model/<name>` is published at a rate of
 real time, while somebody listens. `~debug/topics` is latched and lists them without `~debug/`.
+`~debug/models` has the markers of all models, for a viewer that does not follow that list.
 """
 
 import time
@@ -36,6 +37,7 @@ class DebugVisualization:
         self._layers = [_LayerDisplay(layer) for layer in world.layers]
         self._models: Dict[str, _ModelDisplay] = {}
         self._topics = rospy.Publisher("~debug/topics", DebugTopicList, queue_size=1, latch=True)
+        self._all = rospy.Publisher("~debug/models", MarkerArray, queue_size=1)
         self._follow_models()
         self._publish_topics()
 
@@ -45,10 +47,18 @@ class DebugVisualization:
         if now < self._next:
             return
         self._next = max(self._next + self._period, now)
+        markers: List[Marker] = []
         if self._follow_models():
             self._publish_topics()
+            markers.append(Marker(action=Marker.DELETEALL))
+        all_are_watched = self._all.get_num_connections() > 0
         for display in self._models.values():
-            display.publish()
+            if all_are_watched or display.is_watched:
+                display.place_markers()
+                display.publish()
+                markers += display.markers
+        if all_are_watched:
+            self._all.publish(markers)
 
     def _follow_models(self) -> bool:
         """Makes displays for new models and ends those of models that are gone."""
@@ -81,23 +91,31 @@ class _ModelDisplay:
         self.model = model
         self.topic = f"model/{model.name}"
         self._publisher = rospy.Publisher(f"~debug/{self.topic}", MarkerArray, queue_size=1)
-        self._markers: List[Marker] = []
+        self.markers: List[Marker] = []
         self._bodies = []
         for body in model.bodies.values():
             for marker in body_markers(body.config, f"{model.name}/{body.name}"):
                 marker.header.frame_id = FRAME_ID
-                self._markers.append(marker)
+                self.markers.append(marker)
                 self._bodies.append(body)
 
-    def publish(self) -> None:
-        if self._publisher.get_num_connections() == 0:
-            return
-        for marker, body in zip(self._markers, self._bodies):
+    @property
+    def is_watched(self) -> bool:
+        """Whether anybody listens to this model's own topic."""
+        return self._publisher.get_num_connections() > 0
+
+    def place_markers(self) -> None:
+        """Puts the markers where the bodies are now."""
+        for marker, body in zip(self.markers, self._bodies):
             pose = body.pose
             marker.pose.position.x, marker.pose.position.y = pose.x, pose.y
             turn = marker.pose.orientation
             turn.x, turn.y, turn.z, turn.w = quaternion(pose.yaw)
-        self._publisher.publish(self._markers)
+
+    def publish(self) -> None:
+        """Publishes the markers, if anybody listens."""
+        if self.is_watched:
+            self._publisher.publish(self.markers)
 
     def close(self) -> None:
         """Makes rviz forget the model, and takes the topic away."""
