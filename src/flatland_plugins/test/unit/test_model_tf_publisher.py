@@ -129,10 +129,11 @@ def test_nothing_is_sent_that_nobody_listens_to(files, deaf_transport):
     assert deaf_transport.transforms == {}
 
 
-def test_a_drive_and_the_world_as_two_parents_of_the_base_are_warned_of(files, caplog):
+@pytest.mark.parametrize("seconds", [0.0, 0.1])
+def test_a_drive_and_the_world_as_two_parents_of_the_base_are_warned_of(files, caplog, seconds):
     drive = "type: DiffDrive, name: drive, body: base"
 
-    load(files, drive, f"{TF}, publish_tf_world: true").run(0.1)
+    load(files, drive, f"{TF}, publish_tf_world: true").run(seconds)
 
     [message] = warnings(caplog)
     for word in ('"base"', "robot/drive", '"odom"', "robot/tf", '"map"'):

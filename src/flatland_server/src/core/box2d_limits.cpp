@@ -62,7 +62,7 @@ bool HasInertia(const b2Body& body, const b2Shape& shape, float density) {
   }
   if (sum.mass <= 0.0f || sum.I <= 0.0f) return true;  // Box2D does not get as far as the assertion
   const b2Vec2 center = (1.0f / sum.mass) * moment;
-  return sum.I - sum.mass * b2Dot(center, center) > 1e-4f * sum.I;
+  return sum.I - sum.mass * b2Dot(center, center) > 1e-5f * sum.I;
 }
 
 }  // namespace flatland

@@ -67,10 +67,14 @@ def check(path: Path, picture: Optional[Path]) -> List[str]:
     finally:
         preprocessor.close()
     print(f"{path}: {summary(world)}")
+    problems = []
     if picture is not None:
-        render(world).save(picture)
+        try:
+            render(world).save(picture)
+        except (OSError, ValueError) as error:  # ValueError: Pillow does not know the ending
+            problems = [f"{picture}: cannot be written: {error}"]
     world.close()
-    return []
+    return problems
 
 
 def main(arguments: Optional[List[str]] = None) -> int:

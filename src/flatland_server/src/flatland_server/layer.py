@@ -21,7 +21,7 @@ from flatland_server.geometry import Pose
 from flatland_server.names import check_topic_name
 from flatland_server.simplify_outlines import TOLERANCES, simplify
 from flatland_server.wall_outlines import bright_pixels, outlines
-from flatland_server.yaml_preprocessor import YamlPreprocessor
+from flatland_server.yaml_preprocessor import YamlPreprocessor, is_file
 from flatland_server.yaml_reader import Color, YamlReader
 
 logger = logging.getLogger(__name__)
@@ -61,7 +61,7 @@ class LayerConfig:
             YamlError: something in the entry or its files is wrong.
         """
         names = reader.get_strings("name")
-        if not names and reader.has("name"):
+        if not names and reader.is_sound:
             reader.problem("expected a name or a list of names, found an empty list", "name")
         bits = 0
         for name in names:
@@ -80,7 +80,7 @@ class LayerConfig:
         segments: Segments = np.empty((0, 4))
         if reader.has("map"):
             path = reader.get_path("map")
-            if path.is_file():
+            if is_file(path):
                 try:
                     segments = read_map(path, preprocessor, simplify_map)
                 except YamlError as error:

@@ -43,6 +43,7 @@ class LuaEvaluator:
         while True:
             message = self._receive(deadline)
             if "error" in message:
+                self.close()  # whatever state it is in; memory that is used up, for one
                 raise LuaError(message["error"])
             if "value" in message:
                 return message["value"]
@@ -50,7 +51,14 @@ class LuaEvaluator:
                 answer = {"value": self._functions[message["call"]](message["arguments"])}
             except LuaError as error:
                 answer = {"error": str(error)}
-            self._send(answer)
+            try:
+                self._send(answer)
+            except (TypeError, ValueError):
+                self.close()
+                kind = type(answer["value"]).__name__
+                raise LuaError(
+                    f"{message['call']}: Lua has nothing for a value of the type {kind}"
+                ) from None
 
     def close(self) -> None:
         """Ends the process, if there is one."""

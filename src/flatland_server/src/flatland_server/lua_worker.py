@@ -20,6 +20,7 @@ import lupa
 
 MEMORY_LIMIT = 256 * 1024 * 1024  # bytes of address space, beyond what the interpreter itself takes
 _MAX_VALUES = 10_000  # in a table that is returned
+_MAX_DEPTH = 50  # of tables in tables
 
 # Everything that an expression can see; its globals are a new table each time. `env` and `param`
 # are Lua functions around Python ones, so that no Python object is within reach.
@@ -101,11 +102,13 @@ class Worker:
             return self._lua.table_from([self._to_lua(v) for v in value])
         return value
 
-    def _to_python(self, value: Any, left: List[int]) -> Any:
+    def _to_python(self, value: Any, left: List[int], depth: int = 0) -> Any:
         """A number, bool, string, None, list or dict; `left` counts down the values that may be."""
         left[0] -= 1
         if left[0] < 0:
-            raise ValueError("the table that is returned is too large, or contains itself")
+            raise ValueError("the table that is returned is too large")
+        if depth > _MAX_DEPTH:
+            raise ValueError("a table is nested too deeply, or contains itself")
         kind = lupa.lua_type(value)
         if kind is None and (value is None or isinstance(value, (bool, int, float, str))):
             return value
@@ -115,16 +118,17 @@ class Worker:
         if all(isinstance(key, (int, float)) for key in items):
             if sorted(items) != list(range(1, len(items) + 1)):
                 raise ValueError("expected a table with keys 1, 2, 3 ..., found gaps")
-            return [self._to_python(items[i], left) for i in range(1, len(items) + 1)]
+            return [self._to_python(items[i], left, depth + 1) for i in range(1, len(items) + 1)]
         if not all(isinstance(key, str) for key in items):
             raise ValueError("expected a table with names or with numbers as keys, found both")
-        return {key: self._to_python(item, left) for key, item in items.items()}
+        return {key: self._to_python(item, left, depth + 1) for key, item in items.items()}
 
 
 def _message(error: Exception) -> str:
     """What Lua or the sandbox says, without its traceback and place: YAML knows better."""
-    lines = str(error).splitlines() or ["failed"]
-    return re.sub(r'^(\$eval|\[string ".*?"\]):\d+: ', "", lines[0])
+    first_line = (str(error).splitlines() or [""])[0]
+    text = re.sub(r'^(\$eval|\[string ".*?"\]):\d+: ', "", first_line).strip()
+    return text or "it fails without a message"
 
 
 def _say(message: Dict[str, Any]) -> None:

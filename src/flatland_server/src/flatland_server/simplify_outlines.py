@@ -70,6 +70,10 @@ def _essential(line: FloatArray, tolerance: float) -> BoolArray:
     keep = np.zeros(len(line), dtype=bool)
     keep[[0, -1]] = True
     spans = [(0, len(line) - 1)]
+    if (line[0] == line[-1]).all():  # even a speck must not vanish
+        middle = int(np.hypot(*(line - line[0]).T).argmax())
+        keep[middle] = True
+        spans = [(0, middle), (middle, len(line) - 1)]
     while spans:
         first, last = spans.pop()
         if last - first < 2:

@@ -25,7 +25,7 @@ from flatland_server.plugin_loader import PluginLoader
 from flatland_server.plugin_manager import PluginManager
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world_plugin import WorldPlugin
-from flatland_server.yaml_preprocessor import YamlPreprocessor
+from flatland_server.yaml_preprocessor import YamlPreprocessor, is_file
 from flatland_server.yaml_reader import YamlReader
 
 _MOST_ITERATIONS = 10_000
@@ -126,7 +126,7 @@ def _read_model_entry(
     pose = reader.get_pose("pose", Pose())
     path = reader.get_path("model")
     try:
-        model = ModelConfig.from_file(path, registry, preprocessor) if path.is_file() else None
+        model = ModelConfig.from_file(path, registry, preprocessor) if is_file(path) else None
     except YamlError as error:
         reader.note(error)
         model = None
@@ -220,7 +220,7 @@ class World:
         if name in self.models:
             raise ModelError(f'a model named "{name}" is already there')
         _check_pose(pose)
-        if not path.is_file():
+        if not is_file(path):
             raise ModelError(f"there is no file {path}")
         preprocessor = YamlPreprocessor(self.transport.get_param)
         try:

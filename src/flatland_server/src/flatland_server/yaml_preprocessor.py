@@ -22,7 +22,8 @@ _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
 _EVAL = "$eval"
 
-_MAX_DEPTH = 100
+_MAX_DEPTH = 100  # of maps and lists in each other
+_MAX_ITEMS = 100_000  # of a list
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _TAG = "tag:yaml.org,2002:"
@@ -39,6 +40,7 @@ class YamlPreprocessor:
         self, get_param: Callable[[str, Any], Any] = lambda _path, default: default
     ) -> None:
         self._get_param = get_param
+        self._included: Dict[Path, List[yaml.Node]] = {}  # by this `read`, each file once
         self._place = ""  # of the expression that is being evaluated
         self._lua = LuaEvaluator({"env": self._env, "param": self._param})
 
@@ -49,6 +51,7 @@ class YamlPreprocessor:
             YamlError: it or a file that it includes is missing, unreadable, empty or not YAML; an
                 include leads back to itself; an expression fails.
         """
+        self._included.clear()
         documents = self._compose(path)
         if len(documents) > 1:
             mark = documents[1].start_mark
@@ -113,13 +116,37 @@ class YamlPreprocessor:
                     items.append(self._resolve(item, files, done))
                 else:
                     items.extend(self._include(item, path, files))
+                if len(items) > _MAX_ITEMS:
+                    raise _error(item, f"expected a list of at most {_MAX_ITEMS}, found more")
             result = yaml.SequenceNode(node.tag, items, node.start_mark, node.end_mark)
         else:
-            assert isinstance(node, yaml.MappingNode)
-            pairs = [(key, self._resolve(value, files, done)) for key, value in _merged(node)]
+            pairs = self._resolve_pairs(node, files, done)
             result = yaml.MappingNode(node.tag, pairs, node.start_mark, node.end_mark)
         done[id(node)] = result
         return result
+
+    def _resolve_pairs(
+        self, node: yaml.Node, files: Tuple[Path, ...], done: Dict[int, Optional[yaml.Node]]
+    ) -> List[Tuple[yaml.Node, yaml.Node]]:
+        """A mapping's pairs, with those of `<<: *defaults` that it does not give itself."""
+        own: List[Tuple[yaml.Node, yaml.Node]] = []
+        inherited: Dict[str, Tuple[yaml.Node, yaml.Node]] = {}
+        for key, value in node.value:
+            resolved = self._resolve(value, files, done)
+            if key.tag != f"{_TAG}merge":
+                own.append((key, resolved))
+                continue
+            sources = resolved.value if isinstance(resolved, yaml.SequenceNode) else [resolved]
+            for source in sources:
+                if not isinstance(source, yaml.MappingNode):
+                    raise _error(value, "expected a map or a list of maps after <<")
+                for pair in source.value:
+                    if not isinstance(pair[0], yaml.ScalarNode):
+                        raise _error(pair[0], "expected a text as a key")
+                    inherited.setdefault(pair[0].value, pair)
+        for key, _ in own:
+            inherited.pop(key.value if isinstance(key, yaml.ScalarNode) else "", None)
+        return [*inherited.values(), *own]
 
     def _resolve_scalar(self, node: yaml.ScalarNode, files: Tuple[Path, ...]) -> yaml.Node:
         path = _directive(node, _INCLUDE)
@@ -141,11 +168,16 @@ class YamlPreprocessor:
     def _include(self, node: yaml.Node, name: str, files: Tuple[Path, ...]) -> List[yaml.Node]:
         """The resolved documents of a file that a node includes."""
         path = files[-1].parent / name
-        if not path.is_file():
+        if not is_file(path):
             raise _error(node, f"there is no file {path}")
         if any(path.samefile(file) for file in files):
             raise _error(node, f"{path} includes itself")
-        return [self._resolve(document, (*files, path), {}) for document in self._compose(path)]
+        real = path.resolve()
+        if real not in self._included:
+            self._included[real] = [
+                self._resolve(document, (*files, path), {}) for document in self._compose(path)
+            ]
+        return self._included[real]
 
     def _env(self, arguments: List[Any]) -> Any:
         name = _name(arguments, "env")
@@ -171,6 +203,14 @@ class YamlPreprocessor:
         return ""
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; there is none of a name that no file can have."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def _named(text: str, path: Path) -> io.StringIO:
     """A stream whose name appears in the nodes' marks."""
     stream = io.StringIO(text)
@@ -190,21 +230,6 @@ def _check_depth(path: Path, text: str) -> None:
                 raise YamlError(path, message, mark.line + 1, mark.column + 1)
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
-
-
-def _merged(node: yaml.MappingNode) -> List[Tuple[yaml.Node, yaml.Node]]:
-    """A mapping's pairs with those of `<<: *defaults` that it does not give itself."""
-    own = [pair for pair in node.value if pair[0].tag != f"{_TAG}merge"]
-    if len(own) == len(node.value):
-        return own
-    flat = yaml.MappingNode(node.tag, list(node.value), node.start_mark, node.end_mark)
-    try:
-        yaml.SafeLoader("").flatten_mapping(flat)
-    except yaml.MarkedYAMLError as error:
-        raise _error(node, f"is not valid YAML: {error.problem}") from None
-    given = {key.value for key, _ in own if isinstance(key, yaml.ScalarNode)}
-    inherited = {key.value: (key, value) for key, value in flat.value if key.value not in given}
-    return [*inherited.values(), *own]
 
 
 def _directive(node: yaml.Node, keyword: str) -> Any:

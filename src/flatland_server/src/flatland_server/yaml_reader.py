@@ -9,6 +9,7 @@ harmless of the right type; `finish` raises for all of them. Use no value before
 """
 
 import math
+import os
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
@@ -16,8 +17,9 @@ import yaml
 
 from flatland_server.exceptions import Problem, YamlError, suggestion
 from flatland_server.geometry import Pose
-from flatland_server.yaml_preprocessor import YamlPreprocessor
+from flatland_server.yaml_preprocessor import YamlPreprocessor, is_file
 from flatland_server.yaml_values import (
+    LARGEST,
     Unexpected,
     describe,
     is_null,
@@ -111,8 +113,11 @@ class YamlReader:
 
         def convert(node: yaml.Node) -> float:
             value = to_float(node)
-            if math.isinf(value) and not allow_infinity:
-                raise Unexpected("a finite number")
+            if math.isinf(value):
+                if not allow_infinity:
+                    raise Unexpected("a finite number")
+            elif abs(value) > LARGEST:
+                raise Unexpected(f"a number within {LARGEST:g} of zero")
             if value < minimum:
                 raise Unexpected(f"a number of {minimum:g} or more")
             if value <= above:
@@ -158,7 +163,7 @@ class YamlReader:
                 raise Unexpected("true or false")
             return text in _TRUE
 
-        return cast(bool, self._get(key, default, convert, False))
+        return cast(bool, self._get(key, default, convert, True))
 
     def get_choice(self, key: str, choices: Sequence[str], default: Any = REQUIRED) -> str:
         """One of some words. What else there must be hangs on it: a wrong one raises at once."""
@@ -217,17 +222,20 @@ class YamlReader:
 
     def get_path(self, key: str) -> Path:
         """A file that is there: absolute, or relative to the document or to where the key is."""
+        noted = len(self._problems)
         name = self.get_string(key)
         candidates = [self._root.parent / name]
         if key in self._values:
             candidates.append(Path(self._values[key].start_mark.name).parent / name)
         for path in candidates:
-            if path.is_file():
+            if is_file(path):
                 return path
-        if name:
-            kind = "is a folder" if candidates[0].is_dir() else "is not there"
+        if len(self._problems) > noted:
+            pass  # it is not even a text
+        elif name:
+            kind = "is a folder" if os.path.isdir(candidates[0]) else "is not there"
             self.problem(f"expected a file, but {candidates[0]} {kind}", key)
-        elif key in self._values:
+        else:
             self.problem("expected a file, found an empty text", key)
         return candidates[0]
 

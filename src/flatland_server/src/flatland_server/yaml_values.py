@@ -5,6 +5,9 @@ from typing import Tuple
 
 import yaml
 
+LARGEST = 1e9
+"""What physics can reckon with in single precision."""
+
 _INFINITE = {"inf", ".inf", "+inf", "+.inf"}
 
 
@@ -48,7 +51,7 @@ def to_floats(node: yaml.Node, length: int, shown: str) -> Tuple[float, ...]:
         values = tuple(to_float(item) for item in node.value)
     except Unexpected:
         raise Unexpected(shown) from None
-    if not all(math.isfinite(value) for value in values):
+    if not all(abs(value) <= LARGEST for value in values):
         raise Unexpected(shown)
     return values
 

@@ -35,12 +35,12 @@ def test_time_does_not_drift_in_a_million_steps():
 
 
 def test_a_step_is_rounded_to_a_nanosecond():
-    timekeeper = Timekeeper(1 / 3)
+    timekeeper = Timekeeper(2 / 3)
 
     timekeeper.step()
 
-    assert timekeeper.nanoseconds == 333_333_333
-    assert timekeeper.step_size == pytest.approx(0.333333333, abs=1e-15)
+    assert timekeeper.nanoseconds == 666_666_667
+    assert timekeeper.step_size == pytest.approx(0.666666667, abs=1e-15)
 
 
 @pytest.mark.parametrize("step_size", [0.0, -0.005, 1e-10, math.nan, math.inf])

@@ -1,0 +1,241 @@
+"""The command check_world: no master, no rospy; what is wrong with its place, or what there is."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+WITHOUT_ROSPY = """
+import sys
+
+class Blockade:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in ("rospy", "rosgraph", "tf2_ros"):
+            raise ImportError(f"{name} is blocked")
+
+sys.meta_path.insert(0, Blockade())
+from flatland_server.check_world import main
+sys.exit(main(sys.argv[1:]))
+"""
+SUMMARY = "3 layers, {} segments, 1 model, 2 bodies, 2 plugins"
+
+
+def run(*command: object, cwd: Path) -> "subprocess.CompletedProcess[str]":
+    """Runs a command with a ROS master that is not there."""
+    return subprocess.run(
+        [str(word) for word in command],
+        cwd=cwd,
+        env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:9"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+
+@pytest.fixture
+def check(files):
+    """Checks files of the folder; rospy cannot be imported."""
+
+    def check(*arguments: str) -> "subprocess.CompletedProcess[str]":
+        return run(sys.executable, "-c", WITHOUT_ROSPY, *arguments, cwd=files.folder)
+
+    return check
+
+
+def assert_answer(answer, code: int, output: str = "", errors: str = "") -> None:
+    assert (answer.stdout, answer.stderr, answer.returncode) == (output, errors, code)
+
+
+def segment_count(files) -> int:
+    world = files.load()
+    world.close()
+    return sum(len(layer.segments) for layer in world.layers)
+
+
+def test_a_good_world_is_summed_up_in_a_line(good_files, check):
+    summary = SUMMARY.format(segment_count(good_files))
+
+    assert_answer(check("world.yaml"), 0, f"world.yaml: {summary}\n")
+
+
+def test_rosrun_finds_it(good_files):
+    answer = run("rosrun", "flatland_server", "check_world", "world.yaml", cwd=good_files.folder)
+
+    summary = SUMMARY.format(segment_count(good_files))
+    assert_answer(answer, 0, f"world.yaml: {summary}\n")
+
+
+def test_rosrun_hands_on_the_exit_code(files):
+    answer = run("rosrun", "flatland_server", "check_world", "world.yaml", cwd=files.folder)
+
+    assert_answer(answer, 1, "", "world.yaml: cannot be read: No such file or directory\n")
+
+
+def test_all_problems_are_printed_with_line_and_column(good_files, check):
+    good_files.edit("world.yaml", "[0.4, 0.4, 0.4, 1]", "grey")
+    good_files.edit("world.yaml", "pose: [1, 2, 0.5]", "pose: [1, 2]")
+    good_files.edit("map.yaml", "map.png", "office.png")
+    good_files.edit("lines.dat", "2 3 -1 2", "2 3 -1")
+    good_files.edit("robot.model.yaml", "radius: 0.5", "radius: -0.5")
+    good_files.edit("robot.model.yaml", "collide_connected: false", "collide_connectd: false")
+
+    answer = check("world.yaml")
+
+    assert answer.stdout == ""
+    assert answer.returncode == 1
+    assert answer.stderr.splitlines() == [
+        'world.yaml:5:12: layers[0].color: expected [r, g, b, alpha], found "grey"',
+        "map.yaml:1:8: image: expected a file, but office.png is not there",
+        'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 -1"',
+        "world.yaml:12:11: models[0].pose: expected [x, y, yaw], found [1, 2]",
+        "robot.model.yaml:11:17: bodies[0].footprints[0].radius: "
+        "expected a number above 0, found -0.5",
+        'robot.model.yaml:28:5: joints[0] "hinge": unknown key "collide_connectd" '
+        '(did you mean "collide_connected"?)',
+    ]
+
+
+def test_problems_of_plugins_are_found_too(good_files, check):
+    good_files.edit("robot.model.yaml", "range: 10", "raneg: 10")
+
+    assert check("world.yaml").stderr.splitlines() == [
+        'robot.model.yaml:46:5: plugins[1] "laser": the required key "range" is missing',
+        'robot.model.yaml:49:5: plugins[1] "laser": unknown key "raneg" (did you mean "range"?)',
+    ]
+
+
+def test_a_model_alone_may_name_any_layer(good_files, check):
+    assert_answer(
+        check("robot.model.yaml"),
+        0,
+        "robot.model.yaml: 0 layers, 0 segments, 1 model, 2 bodies, 2 plugins\n",
+    )
+
+
+def test_a_wrong_model_alone_is_refused(good_files, check):
+    good_files.edit("robot.model.yaml", "radius: 0.5", "radius: -0.5")
+
+    assert_answer(
+        check("robot.model.yaml"),
+        1,
+        "",
+        "robot.model.yaml:11:17: bodies[0].footprints[0].radius: "
+        "expected a number above 0, found -0.5\n",
+    )
+
+
+def test_one_wrong_file_of_several_is_enough(good_files, check):
+    good_files.write("broken.yaml", "properties: {}\n")
+
+    answer = check("robot.model.yaml", "broken.yaml", "missing.yaml")
+
+    assert answer.returncode == 1
+    assert answer.stdout == "robot.model.yaml: 0 layers, 0 segments, 1 model, 2 bodies, 2 plugins\n"
+    assert answer.stderr.splitlines() == [
+        'broken.yaml:1:1: the required key "layers" is missing',
+        "missing.yaml: cannot be read: No such file or directory",
+    ]
+
+
+@pytest.mark.parametrize("file", ["map.yaml", "lines.dat", "map.png", "."])
+def test_what_is_no_world_and_no_model_is_refused_without_a_traceback(good_files, check, file):
+    answer = check(file)
+
+    assert answer.returncode == 1
+    assert answer.stdout == ""
+    assert "Traceback" not in answer.stderr
+    assert answer.stderr
+
+
+def test_a_warning_of_an_expression_does_not_fail_the_check(good_files, check):
+    good_files.edit("world.yaml", "namespace: r1", "namespace: $eval env('NOT_SET_AT_ALL')")
+
+    answer = check("world.yaml")
+
+    assert answer.returncode == 0
+    assert answer.stderr == (
+        'world.yaml:11: the environment variable "NOT_SET_AT_ALL" is not set and has no default; '
+        "a blank string is used\n"
+    )
+
+
+def test_without_a_file_it_says_how_it_is_used(check):
+    answer = check()
+
+    assert answer.returncode == 2
+    assert answer.stderr.startswith("usage: check_world")
+
+
+# Pictures
+
+
+def test_a_picture_shows_walls_footprints_and_names(files, check):
+    files.write("lines.dat", "0 0 10 0\n10 0 10 10\n10 10 0 10\n0 10 0 0\n")
+    files.write("map.yaml", "{type: line_segments, data: lines.dat, scale: 1, origin: [0, 0, 0]}")
+    files.write(
+        "disc.yaml",
+        "bodies: [{name: base, color: [1, 0, 0, 1], "
+        "footprints: [{type: circle, radius: 1, density: 1}]}]",
+    )
+    files.write(
+        "world.yaml",
+        """
+        properties: {}
+        layers: [{name: map, map: map.yaml, color: [0, 0, 1, 1]}]
+        models: [{name: disc, model: disc.yaml, pose: [7.5, 2.5, 0]}]
+        """,
+    )
+
+    answer = check("world.yaml", "--render", "world.png")
+
+    assert answer.returncode == 0, answer.stderr
+    with Image.open(files.folder / "world.png") as image:
+        assert image.format == "PNG"
+        pixels = np.asarray(image.convert("RGB")).astype(int)
+    height, width = pixels.shape[:2]
+    assert width == height == 1600
+
+    def where(color):
+        return np.argwhere((abs(pixels - color) <= 3).all(axis=2))
+
+    walls, discs, names = where((0, 0, 255)), where((255, 0, 0)), where((32, 32, 32))
+    assert walls.min() < 60
+    assert walls.max() > 1540
+    # The disc is in the lower right: x to the right, y upwards.
+    middle = discs.mean(axis=0)
+    assert middle == pytest.approx((0.75 * 1520 + 40, 0.75 * 1520 + 40), abs=20)
+    assert len(discs) == pytest.approx(np.pi * 152**2, rel=0.05)
+    assert len(names) > 10
+    assert abs(names.mean(axis=0) - middle).max() < 200
+
+
+def test_an_empty_world_has_a_picture_too(files, check):
+    files.write("world.yaml", "{properties: {}, layers: []}")
+
+    assert check("world.yaml", "--render", "world.png").returncode == 0
+    assert (files.folder / "world.png").is_file()
+
+
+def test_a_wrong_world_has_no_picture(files, check):
+    files.write("world.yaml", "{properties: {}}")
+
+    assert check("world.yaml", "--render", "world.png").returncode == 1
+    assert not (files.folder / "world.png").exists()
+
+
+def test_a_picture_that_cannot_be_written_is_an_error_without_a_traceback(good_files, check):
+    answer = check("world.yaml", "--render", "no/such/folder/world.png")
+
+    assert answer.returncode != 0
+    assert "Traceback" not in answer.stderr
+
+
+def test_a_picture_is_of_one_file(good_files, check):
+    answer = check("world.yaml", "robot.model.yaml", "--render", "world.png")
+
+    assert answer.returncode == 2
+    assert "--render takes a single FILE" in answer.stderr

@@ -1,0 +1,313 @@
+"""World files are data: every way out of Lua that we know of fails, soon, with an error of ours."""
+
+import datetime
+import os
+import time
+import xmlrpc.client
+from typing import Any, Tuple
+
+import pytest
+
+from flatland_server.exceptions import YamlError
+from flatland_server.yaml_preprocessor import YamlPreprocessor
+
+
+class Unprintable:
+    """A parameter of a type that no file format knows."""
+
+
+ODD_PARAMS = {
+    "/binary": xmlrpc.client.Binary(b"\x00\xff"),
+    "/bytes": b"\x00\xff",
+    "/date": datetime.datetime(2020, 1, 1),
+    "/set": {1, 2},
+    "/object": Unprintable(),
+    "/function": len,
+    "/nested": {"a": [len]},
+    "/keys": {(1, 2): 3},
+    "/surrogate": "\ud800",
+}
+
+
+def get_param(path: str, default: Any) -> Any:
+    if path == "/failing":
+        raise OSError("the master is gone")
+    return ODD_PARAMS.get(path, default)
+
+
+@pytest.fixture(scope="module")
+def preprocessor():
+    preprocessor = YamlPreprocessor(get_param)
+    yield preprocessor
+    preprocessor.close()
+
+
+@pytest.fixture
+def evaluate(preprocessor, files):
+    """The text of an expression's value."""
+
+    def evaluate(code: str) -> Any:
+        indented = code.replace("\n", "\n  ")
+        path = files.write("attack.yaml", f"value: |-\n  $eval {indented}\n".encode())
+        return preprocessor.read(path).value[0][1].value
+
+    return evaluate
+
+
+def outcome(evaluate, code: str) -> Tuple[Any, str]:
+    """An expression's value, or why it has none."""
+    try:
+        return evaluate(code), ""
+    except YamlError as error:
+        return None, str(error)
+
+
+def assert_next_one_works(evaluate) -> None:
+    begin = time.monotonic()
+    assert evaluate("string.rep('ab', 2) .. math.max(1, 2) .. table.concat({3})") == "abab23"
+    assert time.monotonic() - begin < 2.0
+
+
+NOT_THERE = [
+    # Python
+    "python", "python.builtins", "python.eval('1')", "python.execute('import os')",
+    "python.as_attrgetter({})", "lupa", "builtins", "__import__('os')",
+    # Out into the system
+    "io.open('/etc/passwd')", "io.popen('id')", "io.lines('/etc/passwd')", "os.execute('id')",
+    "os.exit(0)", "os.getenv('HOME')", "os.remove('/tmp/x')", "os.tmpname()", "print('x')",
+    "package.loadlib('libc.so.6', 'system')", "package.loaded.os", "package.preload",
+    "require('os')", "require 'ffi'", "module('x')", "ffi.C.system('id')", "jit.off()",
+    "bit.bor(1)", "arg[0]",
+    # Code out of nothing
+    "load('return 1')", "loadstring('return 1')()", "loadfile('/etc/passwd')",
+    "dofile('/etc/passwd')", "load(string.rep)",
+    # Reflection
+    "debug.getregistry()", "debug.sethook()", "debug.getupvalue(env, 1)", "_G", "_G._G", "_ENV",
+    "_VERSION", "getfenv(0)", "getfenv(1)", "setfenv(1, {})", "getmetatable('')",
+    "getmetatable('').__index", "setmetatable({}, {})", "rawget({}, 1)", "rawset({}, 1, 2)",
+    "rawequal(1, 1)", "rawlen({})", "newproxy(true)", "collectgarbage('count')", "gcinfo()",
+    "coroutine.create(env)", "coroutine.wrap(env)()", "pcall(error)", "xpcall(error, error)",
+    "ask_python('env')", "all", "libraries",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("code", NOT_THERE)
+def test_what_could_lead_out_is_not_there(evaluate, files, code):
+    name = code.split("(")[0].split(".")[0].split(" ")[0].split("[")[0]
+
+    with pytest.raises(YamlError) as caught:
+        evaluate(code)
+
+    assert files.without_folder(str(caught.value)) == (
+        f'attack.yaml:1: $eval: "{name}" is not available in $eval, in: {code}'
+    )
+    assert_next_one_works(evaluate)
+
+
+FAILING = {
+    # what it does: the code, what the error says
+    "reads an attribute of env": ("env.__globals__", "attempt to index global 'env'"),
+    "reads an attribute of param": ("param.__self__", "attempt to index global 'param'"),
+    "sets an attribute of env": ("env.x = 1", "attempt to index global 'env'"),
+    "returns env": ("env", "expected a number, boolean, string or table, found a function"),
+    "returns math": ("math", "expected a number, boolean, string or table, found a function"),
+    "returns string.rep": ("string.rep", "found a function"),
+    "gives env to env": ("env(env)", "found a function"),
+    "gives env a table": ("env({})", "expected env(name) or env(name, default)"),
+    "gives env nothing": ("env()", "expected env(name) or env(name, default)"),
+    "gives env too much": ("env('a', 1, 2)", "expected env(name) or env(name, default)"),
+    "gives env a number": ("env(1)", "expected env(name) or env(name, default)"),
+    "gives env a function for a default": ("env('NOT_SET', print)", '"print" is not available'),
+    "gives param a table": ("param({})", "expected param(name) or param(name, default)"),
+    "gives param a function": ("param('/x', env)", "found a function"),
+    "gives param a table with itself": ("local t = {} t[1] = t return param(t)", "contains itself"),
+    "asks for a parameter while the master is gone": (
+        "param('/failing')",
+        'the parameter "/failing" cannot be read: the master is gone',
+    ),
+    "dumps a function": ("string.dump(env)", "attempt to call field 'dump' (a nil value)"),
+    "is bytecode": ("\x1bLJ\x02", None),
+    "is bytecode behind a comment": ("return '\\27LJ'()", None),
+    "throws a table": ("error({})", None),
+    "throws a function": ("error(env)", None),
+    "throws nothing": ("error()", None),
+    "throws an empty text": ("error('')", None),
+    "throws a text of several lines": ("error('first\\nsecond')", "first"),
+    "throws a table that pretends": ("error({value = 1})", None),
+    "fails an assertion": ("assert(false, 'no')", "no"),
+    "ends the chunk early": ("1 end return 2", None),
+    "closes a function that is not there": ("end)() os.exit() (function()", None),
+    "indexes nothing": ("nil.x", None),
+    "calls a number": ("(1)()", None),
+    "compares what cannot be": ("{} < {}", None),
+    "is a goto into nothing": ("goto out", None),
+    "returns a table that contains itself": ("local t = {} t.t = t return t", "contains itself"),
+    "returns a table in a table in a table ...": (
+        "local t = {} for _ = 1, 5000 do t = {t} end return t",
+        None,
+    ),
+    "returns a table with a function in it": ("{1, env}", "found a function"),
+    "returns a table with a table as a key": ("{[{}] = 1}", None),
+    "returns a table with names and numbers": ("{1, x = 2}", "names or with numbers as keys"),
+    "returns too large a table": (
+        "local t = {} for i = 1, 1e5 do t[i] = i end return t",
+        "is too large",
+    ),
+    "returns bytes that are no text": ("'\\255\\254'", None),
+    "unpacks without end": ("unpack({}, 1, 1e8)", None),
+    "recurses without end": ("local function f() return 1 + f() end return f()", "stack overflow"),
+    "formats what it does not get": ("string.format('%d')", None),
+    "formats endlessly wide": ("string.format('%999999999d', 1)", None),
+    "selects beyond": ("select(-1e9)", None),
+    "opens a thousand brackets": ("(" * 1000 + "1" + ")" * 1000, None),
+    "changes a global's metatable": ("('').x.y = 1", None),
+    "sets a key of all strings": ("('').upper = 1", None),
+    "sorts by what is no order": ("table.sort({3, 1, 2}, 1)", None),
+    # Time
+    "loops": ("while true do end", "does not end within 1 s"),
+    "loops in a repeat": ("repeat until false", "does not end within 1 s"),
+    "loops with goto": ("::a:: goto a", "does not end within 1 s"),
+    "loops in a for": ("for i = 1, 1e18 do end", "does not end within 1 s"),
+    "loops in a tail call": ("local function f() return f() end return f()", "does not end"),
+    "loops in an iterator": ("for _ in function() return 1 end do end", "does not end within 1 s"),
+    "backtracks in a pattern": (
+        "('a'):rep(500):find(('a*'):rep(50) .. 'b')",
+        "does not end within 1 s",
+    ),
+    "backtracks in gsub": ("('a'):rep(2000):gsub(('.-'):rep(20) .. 'b', '')", "does not end"),
+    "sorts with what is no order": (
+        "local t = {} for i = 1, 5e6 do t[i] = i end\n"
+        "table.sort(t, function(a, b) return true end) return 1",
+        None,
+    ),
+    "sorts slowly": (
+        "table.sort({2, 1}, function(a, b) while true do end end) return 1",
+        "does not end within 1 s",
+    ),
+    "asks for ever": ("while true do env('PATH') end", "does not end within 1 s"),
+    # Memory: what is slow enough may run out of time before, on a slow machine.
+    "repeats a text": ("('x'):rep(2^31 - 1)", "not enough memory"),
+    "doubles a text": ("local s = 'x' while true do s = s .. s end", None),
+    "fills a table": ("local t = {} while true do t[#t + 1] = {} end", None),
+    "fills a table with numbers": ("local t = {} for i = 1, 1e9 do t[i] = i end", None),
+    "fills a table with texts": (
+        "local t = {} for i = 1, 1e9 do t[i] = ('x'):rep(1e6) .. i end",
+        None,
+    ),
+    "concatenates endlessly": (
+        "local t = {} for i = 1, 1e4 do t[i] = ('x'):rep(1e5) end return #table.concat(t)",
+        None,
+    ),
+    "replaces endlessly": ("('x'):rep(1e5):gsub('x', ('y'):rep(1e5))", None),
+}
+
+
+@pytest.mark.parametrize(("code", "message"), FAILING.values(), ids=FAILING.keys())
+def test_an_attack_fails_soon_with_an_error_that_names_it(evaluate, files, code, message):
+    begin = time.monotonic()
+    with pytest.raises(YamlError) as caught:
+        evaluate(code)
+    took = time.monotonic() - begin
+
+    text = files.without_folder(str(caught.value))
+    assert text.startswith("attack.yaml")
+    assert took < 3.0
+    if message is not None:
+        assert text.startswith("attack.yaml:1: $eval: ")
+        assert message in text
+        assert ", in: " in text
+    assert "Traceback" not in text
+    assert ": , in:" not in text, "an error without a reason"
+    assert_next_one_works(evaluate)
+
+
+@pytest.mark.parametrize("name", ["/binary", "/bytes", "/date", "/set", "/object", "/function",
+                                  "/nested", "/keys", "/surrogate"])  # fmt: skip
+def test_a_parameter_of_an_odd_type_is_an_error_or_a_text_and_nothing_hangs(evaluate, name):
+    value, problem = outcome(evaluate, f"param('{name}')")
+
+    assert isinstance(value, (str, list)) or f"param('{name}')" in problem
+    assert_next_one_works(evaluate)
+
+
+@pytest.mark.parametrize(
+    "name", ["", " ", "A=B", "\\0", "PATH\\0X", "$(id)", "`id`", "../x", "\\n", "é", "\\255"]
+)
+def test_odd_names_of_environment_variables_are_only_names(evaluate, name):
+    value, problem = outcome(evaluate, f"env('{name}', 'not set')")
+
+    assert value == "not set" or "$eval: " in problem
+    assert_next_one_works(evaluate)
+
+
+@pytest.mark.parametrize("value", ["$(id)", "python.eval('1')", "]] .. os.exit() .. [[", "\x1bLua"])
+def test_the_text_of_an_environment_variable_is_not_evaluated(evaluate, monkeypatch, value):
+    monkeypatch.setenv("FLATLAND_ATTACK", value)
+
+    assert evaluate("env('FLATLAND_ATTACK')") == value
+
+
+def test_an_environment_variable_that_is_not_utf8_ends_nothing(evaluate, monkeypatch):
+    monkeypatch.setitem(os.environ, "FLATLAND_ATTACK", os.fsdecode(b"\xff\xfe"))
+
+    value, problem = outcome(evaluate, "env('FLATLAND_ATTACK')")
+
+    assert isinstance(value, str) or "env('FLATLAND_ATTACK')" in problem
+    assert_next_one_works(evaluate)
+
+
+@pytest.mark.parametrize("result", ["$eval os.exit()", "$include /etc/passwd", "$[include] x"])
+def test_what_an_expression_returns_is_not_resolved_again(evaluate, result):
+    assert evaluate(f"'{result}'") == result
+
+
+@pytest.mark.parametrize(
+    "poison",
+    [
+        "string.rep = nil",
+        "math.max = function() return 99 end",
+        "table.concat = env",
+        "string = nil",
+        "tostring = nil tonumber = nil type = nil pairs = nil next = nil",
+        "env = nil param = nil",
+        "for k in pairs(string) do string[k] = nil end",
+        "for k in pairs(math) do math[k] = nil end",
+        "error = env; select = env; unpack = env; assert = env",
+        "python = 1; io = 2; os = 3; _G = 4",
+    ],
+)
+def test_what_an_expression_spoils_is_whole_again_in_the_next_one(evaluate, poison):
+    assert evaluate(f"{poison} return 1") == "1"
+
+    assert_next_one_works(evaluate)
+    assert evaluate("type(env) .. tostring(1) .. select('#', next({1}))") == "function12"
+    with pytest.raises(YamlError):
+        evaluate("os")
+
+
+@pytest.mark.parametrize("harmless", ["('').dump", "('').rep", "string.gsub", "math.random"])
+def test_functions_of_strings_cannot_be_carried_out(evaluate, harmless):
+    with pytest.raises(YamlError):
+        evaluate(harmless)
+
+
+def test_the_sandbox_runs_in_a_process_that_ends_with_the_preprocessor():
+    preprocessor = YamlPreprocessor()
+    assert preprocessor._lua.evaluate("1 + 1") == 2
+    worker = preprocessor._lua._worker
+    assert worker is not None
+
+    preprocessor.close()
+
+    assert worker.poll() is not None
+
+
+def test_a_worker_that_is_killed_is_an_error_and_is_started_again(evaluate, preprocessor):
+    evaluate("1")
+    preprocessor._lua._worker.kill()
+    preprocessor._lua._worker.wait()
+
+    with pytest.raises(YamlError):
+        evaluate("1")
+
+    assert_next_one_works(evaluate)

@@ -1,0 +1,266 @@
+"""The preprocessor: includes, and expressions with exactly the documented results."""
+
+import logging
+from typing import Any
+
+import pytest
+import yaml
+
+from flatland_server.exceptions import YamlError
+from flatland_server.yaml_preprocessor import YamlPreprocessor
+
+
+@pytest.fixture
+def read(files):
+    """Reads a file's text as YAML would after preprocessing: `read(text, **params)`."""
+    preprocessors = []
+
+    def read(text: str, params: Any = None) -> Any:
+        params = params or {}
+        preprocessor = YamlPreprocessor(lambda path, default: params.get(path, default))
+        preprocessors.append(preprocessor)
+        return plain(preprocessor.read(files.write("parent.yaml", text)))
+
+    yield read
+    for preprocessor in preprocessors:
+        preprocessor.close()
+
+
+def plain(node: yaml.Node) -> Any:
+    """What a composed node means."""
+    return yaml.SafeLoader("").construct_object(node, deep=True)
+
+
+def evaluate(read, expression: str, params: Any = None) -> Any:
+    return read(f"foo: $eval {expression}\n", params)["foo"]
+
+
+# Includes
+
+
+def test_the_documented_include_relative_and_absolute(files, read):
+    child = files.write("child.yaml", "a: 1\nb: 2\n")
+
+    result = read(f"foo: 123\nbar: $include child.yaml\nbaz: $include {child}\n")
+
+    assert result == {"foo": 123, "bar": {"a": 1, "b": 2}, "baz": {"a": 1, "b": 2}}
+
+
+def test_the_documented_include_of_several_documents_into_a_sequence(files, read):
+    files.write("child.yaml", "one\n---\na: foo\nb: baz\n---\nthree\n")
+
+    result = read("foo:\n  - first\n  - $[include] child.yaml\n  - last\n")
+
+    assert result == {"foo": ["first", "one", {"a": "foo", "b": "baz"}, "three", "last"]}
+
+
+def test_an_include_is_relative_to_the_file_that_it_stands_in(files, read):
+    files.write("parts/wheel.yaml", "radius: $include sizes/radius.yaml\n")
+    files.write("parts/sizes/radius.yaml", "0.25\n")
+
+    assert read("wheel: $include parts/wheel.yaml\n") == {"wheel": {"radius": 0.25}}
+
+
+def test_a_whole_file_may_be_an_include(files, read):
+    files.write("child.yaml", "a: 1\n")
+
+    assert read("$include child.yaml\n") == {"a": 1}
+
+
+def test_an_item_of_a_list_may_be_an_include_of_one_document(files, read):
+    files.write("child.yaml", "[1, 2]\n")
+
+    assert read("foo: [$include child.yaml, 3]\n") == {"foo": [[1, 2], 3]}
+
+
+def test_a_file_may_be_included_twice_beside_each_other(files, read):
+    files.write("child.yaml", "1\n")
+
+    assert read("[$include child.yaml, $include child.yaml]\n") == [1, 1]
+
+
+def test_an_included_file_may_have_expressions_and_includes_of_several(files, read):
+    files.write("child.yaml", "- $[include] numbers.yaml\n")
+    files.write("numbers.yaml", "$eval 1 + 1\n---\n$eval 2 + 1\n")
+
+    assert read("foo: $include child.yaml\n") == {"foo": [2, 3]}
+
+
+def test_a_cycle_is_refused_though_a_file_has_two_names(files, read):
+    (files.folder / "other.yaml").symlink_to("parent.yaml")
+
+    with pytest.raises(YamlError) as caught:
+        read("foo: $include other.yaml\n")
+
+    assert files.without_folder(str(caught.value)) == "parent.yaml:1: other.yaml includes itself"
+
+
+def test_a_value_from_an_include_keeps_its_file_and_line(files):
+    files.write("child.yaml", "# pose\n\n[1, 2, 3]\n")
+    parent = files.write("parent.yaml", "foo: $include child.yaml\n")
+    preprocessor = YamlPreprocessor()
+
+    value = preprocessor.read(parent).value[0][1]
+
+    assert value.start_mark.name == str(files.folder / "child.yaml")
+    assert value.start_mark.line == 2
+
+
+@pytest.mark.parametrize("text", ["$included", "$ include a", "a $include b", "$evaluate", "$eval"])
+def test_what_only_looks_like_a_keyword_stays_a_text(read, text):
+    assert read(f"foo: '{text}'\n") == {"foo": text}
+
+
+# Expressions
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("1 + 1", 2),
+        ("3 / 2", 1.5),
+        ("10 / 2", 5),
+        ("2^40", 2**40),
+        ("1e-9", 1e-9),
+        ("-0.1", -0.1),
+        ("math.floor(2.7)", 2),
+        ("math.pi", 3.141592653589793),
+        ("true", True),
+        ("1 > 2", False),
+        ("nil", None),
+        ("'a' .. 'b'", "ab"),
+        ("('x'):rep(3)", "xxx"),
+        ("string.upper('lidar')", "LIDAR"),
+        ("'5'", "5"),
+        ("'true'", "true"),
+        ("'# no comment: [x]'", "# no comment: [x]"),
+        ("'ünïcode ☃'", "ünïcode ☃"),
+        ("{1, 2.5, -3}", [1, 2.5, -3]),
+        ("{x = 1, y = {true, 'a'}}", {"x": 1, "y": [True, "a"]}),
+        ("{}", []),
+        ("#{5, 6, 7}", 3),
+        ("table.concat({1, 2}, '-')", "1-2"),
+        ("select('#', 1, 2, 3)", 3),
+        ("tonumber('0x10')", 16),
+        ("type(env)", "function"),
+        ("return 4", 4),
+        ("local a = 2; return a * a", 4),
+    ],
+)
+def test_a_result_has_its_own_type(read, expression, value):
+    result = read(f"foo: |\n  $eval {expression}\n")["foo"]
+
+    assert result == value
+    assert type(result) is type(value)
+
+
+@pytest.mark.parametrize(("set_to", "value"), [(None, 1.2), ("true", 1.2), ("false", 2.4)])
+def test_the_documented_expression_of_several_lines(read, monkeypatch, set_to, value):
+    monkeypatch.delenv("FRONT_WHEEL", raising=False)
+    if set_to is not None:
+        monkeypatch.setenv("FRONT_WHEEL", set_to)
+
+    result = read(
+        """
+        bar: |  # Multiline string
+          $eval  -- $eval flag required to trigger LUA parsing
+          if env("FRONT_WHEEL",true) then
+            return 1.2
+          else
+            return 2.4
+          end
+        """
+    )
+
+    assert result == {"bar": value}
+
+
+def test_the_documented_environment_variable_that_is_not_set(read, monkeypatch, caplog):
+    monkeypatch.delenv("SOME_ENV", raising=False)
+
+    assert evaluate(read, 'env("SOME_ENV")') == ""
+    assert "parent.yaml:1: the environment variable" in caplog.text
+    assert '"SOME_ENV" is not set and has no default; a blank string is used' in caplog.text
+
+
+def test_the_documented_default_of_an_environment_variable(read, monkeypatch, caplog):
+    monkeypatch.delenv("SOME_ENV", raising=False)
+
+    assert evaluate(read, 'env("SOME_ENV", false)') is False
+    assert caplog.text == ""
+
+
+def test_the_documented_environment_variable_that_is_set(read, monkeypatch):
+    monkeypatch.setenv("SOME_ENV", "true")
+
+    assert evaluate(read, 'env("SOME_ENV")') is True
+
+
+def test_the_documented_default_of_a_parameter(read, caplog):
+    assert evaluate(read, 'param("/test/param", 0)/2.0') == 0
+    assert caplog.text == ""
+
+
+def test_the_documented_parameter_that_is_set(read):
+    # The documentation says 2.5, which is 5.0 / 2.0 without the 1 that it adds.
+    assert evaluate(read, 'param("/test/param", 0)/2.0 + 1', {"/test/param": 5.0}) == 3.5
+
+
+def test_the_documented_blank_of_a_parameter_that_is_not_set(read, caplog):
+    assert evaluate(read, 'param("/test/param")') == ""
+    assert 'the parameter "/test/param" is not set and has no default' in caplog.text
+    assert caplog.records[0].levelno == logging.WARNING
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("1.5", 1.5), ("7", 7), ("false", False), ("True", "True"), ("", ""), ("nan", "nan")],
+)
+def test_an_environment_variable_is_typed_as_lua_should_see_it(read, monkeypatch, text, value):
+    monkeypatch.setenv("SOME_ENV", text)
+
+    result = evaluate(read, 'env("SOME_ENV", 1)')
+
+    assert result == value
+    assert type(result) is type(value)
+
+
+@pytest.mark.parametrize(
+    "value", [True, 3, 2.5, "a text", ["a", 1, [2]], {"x": 1, "y": {"z": [1, 2]}}, [], ""]
+)
+def test_a_parameter_comes_back_as_it_was_set(read, value):
+    assert evaluate(read, 'param("/p")', {"/p": value}) == value
+
+
+def test_a_parameters_tables_can_be_used_in_lua(read):
+    params = {"/robot": {"wheels": [0.1, 0.2]}}
+
+    assert evaluate(read, 'param("/robot").wheels[2] * 2', params) == 0.4
+
+
+def test_the_enabled_flag_follows_an_expression(good_files, monkeypatch):
+    monkeypatch.setenv("WITH_LASER", "false")
+    good_files.edit(
+        "robot.model.yaml", "name: laser", 'name: laser\n    enabled: $eval env("WITH_LASER")'
+    )
+
+    world = good_files.load()
+
+    assert [plugin.name for plugin in world._plugins.plugins_of("robot")] == ["drive"]
+    world.close()
+
+
+def test_expressions_do_not_see_each_others_variables(read):
+    with pytest.raises(YamlError, match='"y" is not available in'):
+        read('a: "$eval y = 1; return y"\nb: $eval y\n')
+
+
+def test_an_expression_that_fails_is_named_with_its_place(files, read):
+    files.write("child.yaml", "a: 1\nb: $eval nothing.at.all\n")
+
+    with pytest.raises(YamlError) as caught:
+        read("foo: $include child.yaml\n")
+
+    assert files.without_folder(str(caught.value)) == (
+        'child.yaml:2: $eval: "nothing" is not available in $eval, in: nothing.at.all'
+    )
