@@ -61,7 +61,10 @@ class Launch:
     def nodes(self):
         """Who is registered with the master."""
         master = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
-        publishers, subscribers, services = master.getSystemState("/test_launch")[2]
+        try:
+            publishers, subscribers, services = master.getSystemState("/test_launch")[2]
+        except OSError:  # not there yet
+            return set()
         return {node for _, nodes in publishers + subscribers + services for node in nodes}
 
 

@@ -55,6 +55,27 @@ def test_ctrl_c_ends_everything_quietly(run):
     assert processes_of(launch) == []
 
 
+@pytest.mark.parametrize("delay", [0.0, 0.15, 0.3, 0.6])
+def test_ctrl_c_while_the_world_is_loading_ends_it_too(run, tmp_path, delay):
+    """Rospy's own signal handler could meet itself on a lock that a spawn held."""
+    robot = ROOT / "src" / "flatland_server" / "worlds" / "office" / "turtlebot.model.yaml"
+    models = "".join(
+        f"  - {{name: r{i}, namespace: r{i}, model: {robot}, pose: [{i}, 0, 0]}}\n"
+        for i in range(200)
+    )
+    world = tmp_path / "many.yaml"
+    world.write_text(f"properties: {{}}\nlayers: []\nmodels:\n{models}")
+    launch = run(str(world), "show_viz:=false")
+    launch.wait_until(lambda: "/flatland_server" in launch.nodes(), "the server to register")
+    time.sleep(delay)  # another moment of loading each time
+
+    launch.press_ctrl_c()
+
+    assert launch.process.wait(20) == 0, launch.output
+    assert "escalating" not in launch.output
+    assert processes_of(launch) == []
+
+
 def test_a_missing_world_ends_with_one_line_and_an_error_code(run, tmp_path):
     missing = tmp_path / "missing.yaml"
     launch = run(f"world_path:={missing}", "show_viz:=false")
@@ -72,7 +93,10 @@ def test_a_wrong_world_is_named_with_line_and_reason(run, tmp_path):
 
     assert launch.process.wait(60) == 1
     errors = ERROR.findall(launch.output)
-    assert errors == [f'{world}:5: models[0].pose: expected [x, y, yaw], found "foo"']
+    assert errors == [
+        f'{world}:5: models[0].pose: expected [x, y, yaw], found "foo"',
+        f'{world}:4: models[0] "a": the required key "model" is missing',
+    ]
     assert "Traceback" not in launch.output
 
 

@@ -80,7 +80,7 @@ class OdometryPublisher:
         self._config = config
         self._body = body
         self._node = plugin.node
-        self._rng = plugin.rng
+        self._noise_key = int(plugin.rng.integers(2**63))
         self._base_frame = plugin.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
@@ -94,14 +94,17 @@ class OdometryPublisher:
             self._node.claim_frame(config.odom_frame_id, self._base_frame)
 
     def publish(self, nanoseconds: int) -> None:
-        """Publishes what is listened to, for the present pose and velocity.
-
-        The noise is drawn whether anybody listens or not, so that a listener changes no numbers.
-        """
+        """Publishes what is listened to, for the present pose and velocity."""
         config = self._config
+        with_tf = config.enable_odom_tf_pub and self._node.transforms_are_watched
+        publishers = (self._odom, self._ground_truth, self._twist)
+        if not with_tf and not any(p is not None and p.is_watched for p in publishers):
+            return
         noise = [0.0] * 6
         if self._is_noisy:
-            noise = (self._rng.standard_normal(6) * self._deviation).tolist()
+            # It depends on the seed and the time alone, not on who has listened so far.
+            rng = np.random.default_rng([self._noise_key, nanoseconds])
+            noise = (rng.standard_normal(6) * self._deviation).tolist()
         pose = self._body.pose
         x, y, yaw = pose
         noisy_pose = Pose(x + noise[0], y + noise[1], wrap_angle(yaw + noise[2]))
@@ -120,7 +123,7 @@ class OdometryPublisher:
             self._ground_truth.publish(
                 self._message(nanoseconds, config.ground_truth_frame_id, pose, local)
             )
-        if config.enable_odom_tf_pub and self._node.transforms_are_watched:
+        if with_tf:
             self._node.send_transform(
                 Transform(nanoseconds, config.odom_frame_id, self._base_frame, noisy_pose)
             )

@@ -108,6 +108,7 @@ class World : private b2DestructionListener {
   Drive AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular);
   BodyDrive& GetDrive(Drive drive);
 
+  /// The yaw counts whole turns, as joints do.
   Pose GetPose(Body body) const;
   /// Puts the body there at once, awake; its velocity stays.
   void SetPose(Body body, const Pose& pose);

@@ -49,6 +49,7 @@ bool HasHull(const std::vector<b2Vec2>& vertices) {
 // b2Body::ResetMassData asserts that the moment of inertia about the centre of mass is positive,
 // and rounding makes it negative for a small shape far from its body's origin.
 bool HasInertia(const b2Body& body, const b2Shape& shape, float density) {
+  if (body.GetType() != b2_dynamicBody) return true;
   b2MassData sum;
   shape.ComputeMass(&sum, density);
   b2Vec2 moment = sum.mass * sum.center;
@@ -62,7 +63,7 @@ bool HasInertia(const b2Body& body, const b2Shape& shape, float density) {
   }
   if (sum.mass <= 0.0f || sum.I <= 0.0f) return true;  // Box2D does not get as far as the assertion
   const b2Vec2 center = (1.0f / sum.mass) * moment;
-  return sum.I - sum.mass * b2Dot(center, center) > 1e-5f * sum.I;
+  return sum.I - sum.mass * b2Dot(center, center) > 1e-6f * sum.I;
 }
 
 }  // namespace flatland

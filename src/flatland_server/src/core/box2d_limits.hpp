@@ -13,8 +13,9 @@ namespace flatland {
 
 /// The largest coordinate [m] that single precision still resolves to about a centimetre.
 constexpr double kFarthest = 1e5;
-constexpr double kLeastRadius = 1e-4;  // [m]; a smaller circle's mass is lost in single precision
-constexpr double kLeastStep = 1e-9;    // [s]
+constexpr double kLeastRadius = 1e-4;   // [m]; a smaller circle's mass is lost in single precision
+constexpr double kLeastDensity = 1e-6;  // [kg/m^2] above 0
+constexpr double kLeastStep = 1e-9;     // [s]
 
 /// Each throws std::invalid_argument, with the message, if it does not hold.
 void Require(bool condition, const char* message);

@@ -14,8 +14,6 @@ namespace {
 b2Vec2 ToBox2D(Vec2 v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
 Vec2 FromBox2D(b2Vec2 v) { return {v.x, v.y}; }
 
-float WrapAngle(double yaw) { return static_cast<float>(std::remainder(yaw, 2.0 * M_PI)); }
-
 /// Box2D counts a body's turns in single precision: after an hour of spinning, a step's turn would
 /// be lost in rounding. This takes whole turns off a body, and off all whose angle a joint compares
 /// with its own: not across a hinge without limits, where they may differ by any number of turns.
@@ -101,7 +99,7 @@ World::Body World::AddBody(const BodySettings& settings) {
   b2BodyDef definition;
   definition.type = settings.type;
   definition.position = ToBox2D({settings.pose.x, settings.pose.y});
-  definition.angle = WrapAngle(settings.pose.yaw);
+  definition.angle = static_cast<float>(settings.pose.yaw);
   definition.linearDamping = static_cast<float>(settings.linear_damping);
   definition.angularDamping = static_cast<float>(settings.angular_damping);
   return bodies_.Add(world_.CreateBody(&definition));
@@ -126,7 +124,9 @@ void World::SayGoodbye(b2Joint* joint) {
 }
 
 void World::AddFixture(b2Body& body, const b2Shape& shape, const FixtureSettings& settings) {
-  RequireNotNegative(settings.density, "density must be finite and not negative");
+  Require(
+      settings.density == 0.0 || (IsUsable(settings.density) && settings.density >= kLeastDensity),
+      "density must be 0, or finite and 1e-6 kg/m^2 at least");
   RequireNotNegative(settings.friction, "friction must be finite and not negative");
   RequireNotNegative(settings.restitution, "restitution must be finite and not negative");
   Require(HasInertia(body, shape, static_cast<float>(settings.density)),
@@ -236,15 +236,18 @@ BodyDrive& World::GetDrive(Drive drive) {
 Pose World::GetPose(Body body) const {
   const b2Body& found = Find(body);
   const Vec2 position = FromBox2D(found.GetPosition());
-  return {position.x, position.y, std::remainder(found.GetAngle(), 2.0 * M_PI)};
+  return {position.x, position.y, found.GetAngle()};
 }
 
 void World::SetPose(Body body, const Pose& pose) {
   RequirePlace({pose.x, pose.y});
   Require(IsUsable(pose.yaw), "a heading must be finite");
   b2Body& found = Find(body);
-  // The angle nearest to the present one: a joint's limits count whole turns.
-  const double turn = std::remainder(pose.yaw - found.GetAngle(), 2.0 * M_PI);
+  // Of the angles that are the same heading, the one near the present angle: a joint would feel a
+  // whole turn that only one of its bodies makes. Half a turn either way is taken as it is given.
+  constexpr double kSlack = 1e-3;
+  double turn = pose.yaw - found.GetAngle();
+  if (std::abs(turn) > M_PI + kSlack) turn = std::remainder(turn, 2.0 * M_PI);
   const Twist velocity = GetVelocity(body);
   found.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(found.GetAngle() + turn));
   SetVelocity(body, velocity);  // Box2D keeps that of the centre of mass, not of the origin

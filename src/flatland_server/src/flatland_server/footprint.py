@@ -136,5 +136,6 @@ def _is_convex(vertices: Tuple[Point, ...]) -> bool:
     ):
         ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
         turns.append(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
-    one_way = all(turn >= 0 for turn in turns) or all(turn <= 0 for turn in turns)
+    # Corners on a straight side turn by nothing but rounding.
+    one_way = all(turn > -1e-6 for turn in turns) or all(turn < 1e-6 for turn in turns)
     return one_way and abs(sum(turns)) < 3 * math.pi

@@ -17,14 +17,21 @@ class Pose(NamedTuple):
         return self.x + cos * x - sin * y, self.y + sin * x + cos * y
 
     def compose(self, inner: "Pose") -> "Pose":
-        """The pose of `inner`, given in this frame, in the frame that this pose is given in."""
+        """The pose of `inner`, given in this frame, in the frame that this pose is given in.
+
+        The yaws are added as they are: a joint compares its bodies' angles, whole turns included.
+        """
         x, y = self.apply(inner.x, inner.y)
-        return Pose(x, y, wrap_angle(self.yaw + inner.yaw))
+        return Pose(x, y, self.yaw + inner.yaw)
 
     def inverse(self) -> "Pose":
         """The pose of the outer frame in this one."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return Pose(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
+
+    def wrapped(self) -> "Pose":
+        """The same pose, its yaw within [-pi, pi]."""
+        return Pose(self.x, self.y, wrap_angle(self.yaw))
 
     def is_finite(self) -> bool:
         """Whether no component is infinite or not a number."""

@@ -1,8 +1,9 @@
 """Topics within this process: for unit tests, batch runs and Python programs without a master.
 
 transport = LocalTransport()
-world = World.from_file(path, transport)
+manager = SimulationManager(World.from_file(path, transport), Timekeeper(0.005))
 transport.send("/cmd_vel", twist)         # hand a command in
+manager.step()
 transport.last("/odometry/ground_truth")  # the newest message of a topic, or None
 """
 

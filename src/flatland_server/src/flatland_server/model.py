@@ -96,7 +96,7 @@ class Model:
         self.joints: List[Joint] = []
         try:
             for body in config.bodies:
-                self.bodies[body.name] = ModelBody(body, pose, physics)
+                self.bodies[body.name] = ModelBody(body, pose.wrapped(), physics)
             for joint in config.joints:
                 self.joints.append(Joint(joint, self.bodies))
         except ValueError as error:
@@ -123,7 +123,7 @@ class Model:
     @property
     def pose(self) -> Pose:
         """Where its origin is now, going by its first body."""
-        return self.base.pose.compose(self.base.config.pose.inverse())
+        return self.base.pose.compose(self.base.config.pose.inverse()).wrapped()
 
     def move(self, pose: Pose) -> None:
         """Puts it somewhere else as it is, its bodies as they stand to each other, at rest.
@@ -131,8 +131,11 @@ class Model:
         Raises:
             ModelError: it cannot be there; it stays where it was.
         """
-        displacement = pose.compose(self.pose.inverse())
-        before = [(body.physics_body, body.pose) for body in self.bodies.values()]
+        displacement = pose.compose(self.pose.inverse()).wrapped()
+        # The bodies' own poses, with all their turns: joints would feel a turn that only one makes.
+        before = [
+            (body.physics_body, Pose(*body.physics_body.pose)) for body in self.bodies.values()
+        ]
         try:
             for body, old in before:
                 body.pose = displacement.compose(old)

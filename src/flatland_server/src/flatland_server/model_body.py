@@ -6,7 +6,7 @@ from typing import Optional, Tuple
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.footprint import Footprint
-from flatland_server.geometry import Pose
+from flatland_server.geometry import Pose, wrap_angle
 from flatland_server.yaml_reader import Color, YamlReader
 
 BODY_TYPES = ("static", "kinematic", "dynamic")
@@ -31,11 +31,12 @@ class BodyConfig:
         Raises:
             YamlError: something in it is wrong.
         """
-        scratch = _core.World().add_body("dynamic", (0.0, 0.0, 0.0))
+        body_type = reader.get_choice("type", BODY_TYPES, "dynamic")
+        scratch = _core.World().add_body(body_type, (0.0, 0.0, 0.0))
         body = cls(
             name=reader.get_string("name"),
             pose=reader.get_pose("pose", Pose()),
-            type=reader.get_choice("type", BODY_TYPES, "dynamic"),
+            type=body_type,
             color=reader.get_color("color", (1.0, 1.0, 1.0, 0.5)),
             linear_damping=reader.get_float("linear_damping", 0.0, minimum=0.0),
             angular_damping=reader.get_float("angular_damping", 0.0, minimum=0.0),
@@ -72,5 +73,6 @@ class ModelBody:
 
     @property
     def pose(self) -> Pose:
-        """Pose of its origin in the world."""
-        return Pose(*self.physics_body.pose)
+        """Pose of its origin in the world, the yaw within [-pi, pi]."""
+        x, y, yaw = self.physics_body.pose
+        return Pose(x, y, wrap_angle(yaw))

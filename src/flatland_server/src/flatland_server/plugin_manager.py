@@ -90,8 +90,8 @@ class PluginManager:
         label = f"{owner}/{config.name}" if owner else config.name
         rng = np.random.default_rng([self._seed, zlib.crc32(label.encode())])
         node = self._node.scoped(namespace, label)
-        plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
         try:
+            plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
             plugin.on_initialize(reader)
             reader.finish()
         except BaseException as error:

@@ -51,7 +51,11 @@ class SimulationManager:
         self.is_paused = not self.is_paused
 
     def step(self) -> None:
-        """One step, whether paused or not."""
+        """Runs the callbacks that wait, and makes one step, whether paused or not."""
+        self.world.transport.process()
+        self._step()
+
+    def _step(self) -> None:
         self.world.step(self.timekeeper)
         for listener in self.after_step:
             listener()
@@ -69,6 +73,6 @@ class SimulationManager:
             if not goes_on():
                 return
             if not self.is_paused:
-                self.step()
+                self._step()
             for listener in self.each_turn:
                 listener()

@@ -7,7 +7,7 @@ world.step(timekeeper)
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
@@ -97,8 +97,15 @@ class WorldConfig:
             lambda section: LayerConfig.read(section, registry, preprocessor, simplify_map),
             required=True,
         )
+        files: Dict[Path, ModelConfig] = {}  # each is read once, however many models there are
+
+        def read_model(path: Path) -> ModelConfig:
+            if path not in files:
+                files[path] = ModelConfig.from_file(path, registry, preprocessor)
+            return files[path]
+
         models = read_enabled(
-            reader, "models", lambda section: _read_model_entry(section, registry, preprocessor)
+            reader, "models", lambda section: _read_model_entry(section, read_model)
         )
         plugins = read_enabled(reader, "plugins", PluginConfig.read)
         reader.finish()
@@ -112,11 +119,7 @@ class WorldConfig:
         )
 
 
-def _read_model_entry(
-    reader: YamlReader,
-    registry: CollisionFilterRegistry,
-    preprocessor: Optional[YamlPreprocessor],
-) -> ModelEntry:
+def _read_model_entry(reader: YamlReader, read_model: Callable[[Path], ModelConfig]) -> ModelEntry:
     name = reader.get_string("name")
     check_topic_name(reader, "name", name)
     namespace = reader.get_string("namespace", "")
@@ -126,7 +129,7 @@ def _read_model_entry(
     pose = reader.get_pose("pose", Pose())
     path = reader.get_path("model")
     try:
-        model = ModelConfig.from_file(path, registry, preprocessor) if is_file(path) else None
+        model = read_model(path) if is_file(path) else None
     except YamlError as error:
         reader.note(error)
         model = None
@@ -263,7 +266,11 @@ class World:
         return self.models[name]
 
     def step(self, timekeeper: Timekeeper) -> None:
-        """Moves the world and the timekeeper on by one step."""
+        """Moves the world and the timekeeper on by one step.
+
+        Callbacks that wait are run by `transport.process()`, not here; `SimulationManager.step`
+        does both.
+        """
         self._is_stepping = True
         try:
             self._plugins.before_physics_step(timekeeper)

@@ -6,8 +6,8 @@ right place whatever it was included from.
 
 import io
 import logging
-import math
 import os
+import re
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
@@ -22,6 +22,7 @@ _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
 _EVAL = "$eval"
 
+_NUMBER = re.compile(r"-?(0|[1-9][0-9]{0,14})(\.[0-9]+)?")
 _MAX_DEPTH = 100  # of maps and lists in each other
 _MAX_ITEMS = 100_000  # of a list
 
@@ -253,11 +254,7 @@ def _typed(text: str) -> Any:
     """A text of the environment as Lua should see it, so that `if env("FLAG") then` works."""
     if text in ("true", "false"):
         return text == "true"
-    try:
-        number = float(text)
-    except ValueError:
-        return text
-    return number if math.isfinite(number) else text
+    return float(text) if _NUMBER.fullmatch(text) else text  # 007 is no number but a name
 
 
 def _to_node(value: Any, origin: yaml.ScalarNode) -> yaml.Node:

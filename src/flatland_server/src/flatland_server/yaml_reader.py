@@ -143,7 +143,7 @@ class YamlReader:
 
         def convert(node: yaml.Node) -> int:
             try:
-                value = int(to_string(node))
+                value = int(to_string(node).replace("_", "?"))
             except ValueError:
                 raise Unexpected("a whole number") from None
             if minimum is not None and value < minimum:
@@ -221,10 +221,13 @@ class YamlReader:
         return cast(Tuple[str, ...], self._get(key, default, convert, ()))
 
     def get_path(self, key: str) -> Path:
-        """A file that is there: absolute, or relative to the document or to where the key is."""
+        """A file that is there: absolute, or relative to the document or to where the key is.
+
+        A document that is a link is looked at where the link is, and where the file is.
+        """
         noted = len(self._problems)
         name = self.get_string(key)
-        candidates = [self._root.parent / name]
+        candidates = [self._root.parent / name, self._root.resolve().parent / name]
         if key in self._values:
             candidates.append(Path(self._values[key].start_mark.name).parent / name)
         for path in candidates:

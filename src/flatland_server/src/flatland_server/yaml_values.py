@@ -35,7 +35,7 @@ def to_float(node: yaml.Node) -> float:
     if text.lower() in {"-inf", "-.inf"}:
         return -math.inf
     try:
-        value = float(text)
+        value = float(text.replace("_", "?"))  # in Python, 1_0 is a number
     except ValueError:
         raise Unexpected("a number") from None
     if math.isnan(value):

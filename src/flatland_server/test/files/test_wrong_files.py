@@ -467,10 +467,9 @@ WRONG: Dict[str, Case] = {
     "a map that contains itself": (WORLD, None, "&world\nproperties: *world\nlayers: []\n",
      "world.yaml:1: contains itself"),
     "a map merged with itself": (WORLD, None, "&world\nproperties: {}\n<<: *world\n",
-     'world.yaml:1: the required key "layers" is missing'),
+     "world.yaml:1: contains itself"),
     "a merged text": (WORLD, None, "properties: {}\n<<: layers\n",
-     "world.yaml:1: is not valid YAML: expected a mapping or list of mappings for "
-     "merging, but found scalar"),
+     "world.yaml:2: expected a map or a list of maps after <<"),
     "a model that is not YAML": (MODEL, None, "bodies: [\n",
      "robot.model.yaml:2: is not valid YAML: while parsing a flow node did not find "
      "expected node content"),

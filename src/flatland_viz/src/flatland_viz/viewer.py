@@ -4,7 +4,6 @@ import ctypes
 import os
 import signal
 import sys
-import tempfile
 from pathlib import Path
 from typing import List
 
@@ -64,9 +63,10 @@ def _config() -> str:
     markers = [*layers, f"{debug}/models"]  # all models, also those that are spawned later
     base = Path(rospkg.RosPack().get_path("flatland_viz")) / "rviz" / "flatland.rviz"
     config = for_world(yaml.safe_load(base.read_text()), markers, sorted(scans), _bounds(layers))
-    with tempfile.NamedTemporaryFile("w", suffix=".rviz", delete=False) as file:
-        yaml.safe_dump(config, file, sort_keys=False)
-    return file.name
+    path = Path(rospkg.get_ros_home()) / "flatland_viz.rviz"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(yaml.safe_dump(config, sort_keys=False))
+    return str(path)
 
 
 def _bounds(layer_topics: List[str]) -> Bounds:

@@ -28,6 +28,9 @@ class RosTransport(Transport):
     def __init__(self) -> None:
         self._waiting: Deque[Callable[[], None]] = deque()
         self._arrival = threading.Event()
+        self.has_started = False
+        """Whether the simulation runs, and so comes by to look at `is_ending`."""
+        self.is_ending = False
         self._transforms: List[Transform] = []
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
 
@@ -52,8 +55,9 @@ class RosTransport(Transport):
         return rospy.get_param(name, default)
 
     def process(self, timeout: float = 0.0) -> None:
+        self.has_started = True
         deadline = time.monotonic() + timeout
-        while True:
+        while not self.is_ending:
             while self._waiting:
                 try:
                     self._waiting.popleft()()
@@ -64,6 +68,11 @@ class RosTransport(Transport):
                 return
             self._arrival.wait(remaining)
             self._arrival.clear()
+
+    def end(self) -> None:
+        """Lets `process` return at once; may be called from a signal handler or another thread."""
+        self.is_ending = True
+        self._arrival.set()
 
     def _enqueue(self, callback: Callable[[], None]) -> None:
         self._waiting.append(callback)
@@ -76,6 +85,9 @@ class RosTransport(Transport):
         """
         errand = _Errand(function)
         self._enqueue(errand.run)
+        while not errand.is_done(0.1):
+            if self.is_ending:
+                raise rospy.ServiceException("the simulation is shutting down")
         return errand.result()
 
     def flush(self) -> None:
@@ -99,10 +111,10 @@ class _Errand(Generic[T]):
             self._outcome = [None, error]
         self._done.set()
 
+    def is_done(self, timeout: float) -> bool:
+        return self._done.wait(timeout)
+
     def result(self) -> T:
-        while not self._done.wait(0.1):
-            if rospy.is_shutdown():
-                raise rospy.ServiceException("the simulation is shutting down")
         value, error = self._outcome
         if error is not None:
             raise error

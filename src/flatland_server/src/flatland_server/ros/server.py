@@ -2,6 +2,8 @@
 
 import logging
 import math
+import os
+import signal
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -72,19 +74,19 @@ def _positive(name: str, default: float, *, allow_infinity: bool = False) -> flo
 
 
 class _RosLogHandler(logging.Handler):
-    """Hands what the ROS-free modules log on to rosout."""
+    """Hands what ROS-free modules and plugins log on to rosout; not what ROS logs itself."""
 
     def emit(self, record: logging.LogRecord) -> None:
+        if record.name.startswith(("ros", "tf2_ros", "PIL")) or record.levelno < logging.INFO:
+            return
         log = {"WARNING": rospy.logwarn, "ERROR": rospy.logerr, "CRITICAL": rospy.logfatal}
         log.get(record.levelname, rospy.loginfo)("%s", self.format(record))
 
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
-    rospy.init_node("flatland_server")
-    for package in ("flatland_server", "flatland_plugins"):
-        logging.getLogger(package).addHandler(_RosLogHandler())
-        logging.getLogger(package).setLevel(logging.INFO)
+    rospy.init_node("flatland_server", disable_signals=True)
+    logging.getLogger().addHandler(_RosLogHandler())
     try:
         _run(ServerConfig.read())
     except rospy.ROSInterruptException:
@@ -102,6 +104,7 @@ def _run(config: ServerConfig) -> None:
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
     transport = RosTransport()
+    _end_on_signals(transport)
     world = World.from_file(
         config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
     )
@@ -115,9 +118,28 @@ def _run(config: ServerConfig) -> None:
         *(config.world_path, len(world.layers), len(world.models)),
     )
     try:
-        manager.run(lambda: not rospy.is_shutdown())
+        manager.run(lambda: not transport.is_ending)
     finally:
         world.close()
+        rospy.signal_shutdown("the simulation has ended")
+
+
+def _end_on_signals(transport: RosTransport) -> None:
+    """Lets Ctrl-C end the simulation after the step that is under way.
+
+    rospy's own handler shuts down on the spot, on this thread: if it interrupts a spawn that holds
+    one of rospy's locks, it waits for itself for ever. While the world is loading there is no step
+    to wait for, and nothing to be lost.
+    """
+
+    def end(_signal: int, _frame: Any) -> None:
+        if not transport.has_started:
+            os._exit(0)
+        transport.end()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
+    rospy.on_shutdown(transport.end)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from flatland_server.arrays import FloatArray
 from flatland_server.layer import Layer
 
 _WALL_WIDTH = 0.05  # m
@@ -39,10 +40,7 @@ def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
     marker.scale.x = _WALL_WIDTH
     marker.color = ColorRGBA(*layer.config.color)
     marker.pose.orientation.w = 1.0
-    corners = layer.segments.reshape(-1, 2)
-    points = np.empty((len(corners), 3), dtype="<f8")
-    points[:, :2] = corners
-    points[:, 2] = layer.config.min_z
+    points = _lines(layer).astype("<f8")
     # The list of points begins with its length: where a message without points first differs from
     # one with a point.
     empty = _serialize(marker)
@@ -51,6 +49,19 @@ def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
     begin = next(i for i, (a, b) in enumerate(zip(empty, one_point)) if a != b)
     length = struct.pack("<I", len(points))
     return SerializedMarkerArray(empty[:begin] + length + points.tobytes() + empty[begin + 4 :])
+
+
+def _lines(layer: Layer) -> FloatArray:
+    """Pairs of points: the walls at the least height; with a height, also on top and upright."""
+    corners = layer.segments.reshape(-1, 2)
+    low, high = (
+        np.column_stack([corners, np.full(len(corners), z)])
+        for z in (layer.config.min_z, layer.config.max_z)
+    )
+    if layer.config.max_z <= layer.config.min_z:
+        return low
+    upright = np.stack([low, high], axis=1).reshape(-1, 3)
+    return np.concatenate([low, high, upright])
 
 
 def _serialize(marker: Marker) -> bytes:
