@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import ALL, ALL_LAYERS, CollisionFilterRegistry
@@ -105,27 +105,18 @@ class Footprint:
         Raises:
             ValueError: Box2D cannot take the shape.
         """
+        material: Dict[str, Any] = {
+            "density": self.density,
+            "friction": self.friction,
+            "restitution": self.restitution,
+            "sensor": self.sensor,
+            "collides": self.collision,
+            "layers": self.layer_bits,
+        }
         if isinstance(self.shape, Circle):
-            body.add_circle(
-                self.shape.center,
-                self.shape.radius,
-                density=self.density,
-                friction=self.friction,
-                restitution=self.restitution,
-                sensor=self.sensor,
-                collides=self.collision,
-                layers=self.layer_bits,
-            )
+            body.add_circle(self.shape.center, self.shape.radius, **material)
         else:
-            body.add_polygon(
-                self.shape.vertices,
-                density=self.density,
-                friction=self.friction,
-                restitution=self.restitution,
-                sensor=self.sensor,
-                collides=self.collision,
-                layers=self.layer_bits,
-            )
+            body.add_polygon(self.shape.vertices, **material)
 
 
 def _is_convex(vertices: Tuple[Point, ...]) -> bool:
