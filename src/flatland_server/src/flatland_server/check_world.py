@@ -89,7 +89,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     options = parser.parse_args(arguments)
     if options.render is not None and len(options.files) > 1:
         parser.error("--render takes a single FILE")
-    logging.basicConfig(format="%(message)s", level=logging.WARNING)
+    logging.basicConfig(format="%(message)s", level=logging.INFO)
     problems: List[str] = []
     for path in options.files:
         problems += check(path, options.render)
