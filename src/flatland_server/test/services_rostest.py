@@ -200,5 +200,6 @@ class Services(unittest.TestCase):
 if __name__ == "__main__":
     import rostest
 
-    rospy.init_node("services_rostest")
+    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
+    rospy.init_node("services_rostest", disable_rostime=True)
     rostest.rosrun("flatland_server", "services", Services, sys.argv)
