@@ -2,7 +2,7 @@
 
 import logging
 import zlib
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Type, TypeVar
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Type, TypeVar
 
 import numpy as np
 
@@ -43,14 +43,18 @@ class PluginManager:
         self._plugins: Dict[str, List[Plugin]] = {}
         self._entries: List[_Entry] = []
         self._due: List[_Entry] = []
-        self._switched_off: Set[int] = set()  # ids of living plugins that have failed
 
     def plugins_of(self, owner: str) -> List[Plugin]:
         """The living plugins of a model, or of the world, whose name is empty."""
         return list(self._plugins.get(owner, []))
 
     def start(
-        self, configs: List[PluginConfig], base: Type[P], owner: str, namespace: str, subject: Any
+        self,
+        configs: Sequence[PluginConfig],
+        base: Type[P],
+        owner: str,
+        namespace: str,
+        subject: Any,
     ) -> None:
         """Starts the plugins of a model or the world: all of them, or none.
 
@@ -77,7 +81,10 @@ class PluginManager:
         except BaseException:
             self.stop(owner)
             raise
-        self._list_hooks()
+        for plugin in self._plugins[owner]:
+            before, after = (_overridden(plugin, hook) for hook in HOOKS)
+            if before is not None or after is not None:
+                self._entries.append(_Entry(plugin, before, after))
 
     def _start_one(
         self, config: PluginConfig, base: Type[P], owner: str, namespace: str, subject: Any
@@ -106,14 +113,14 @@ class PluginManager:
 
     def stop(self, owner: str) -> None:
         """Ends the plugins of a model or the world, the last one first."""
-        for plugin in reversed(self._plugins.pop(owner, [])):
+        plugins = self._plugins.pop(owner, [])
+        for plugin in reversed(plugins):
             try:
                 plugin.on_shutdown()
             except Exception:
                 logger.exception('the plugin "%s" failed in on_shutdown', plugin.name)
             plugin.node.close()
-            self._switched_off.discard(id(plugin))
-        self._list_hooks()
+        self._switch_off(plugins)
 
     def stop_all(self) -> None:
         """Ends all plugins."""
@@ -146,20 +153,13 @@ class PluginManager:
                 entry.plugin.name,
                 hook.__name__,
             )
-            self._switched_off.add(id(entry.plugin))
-            self._list_hooks()
+            self._switch_off([entry.plugin])
 
-    def _list_hooks(self) -> None:
-        self._entries = []
-        for plugins in self._plugins.values():
-            for plugin in plugins:
-                if id(plugin) in self._switched_off:
-                    continue
-                before, after = (_overridden(plugin, hook) for hook in HOOKS)
-                if before is not None or after is not None:
-                    self._entries.append(_Entry(plugin, before, after))
-        living = {id(entry.plugin) for entry in self._entries}
-        self._due = [entry for entry in self._due if id(entry.plugin) in living]
+    def _switch_off(self, plugins: Sequence[Plugin]) -> None:
+        """Calls no more hooks of these plugins."""
+        gone = {id(plugin) for plugin in plugins}
+        self._entries = [entry for entry in self._entries if id(entry.plugin) not in gone]
+        self._due = [entry for entry in self._due if id(entry.plugin) not in gone]
 
 
 def _overridden(plugin: Plugin, hook: str) -> Optional[Hook]:

@@ -5,6 +5,7 @@ timekeeper = Timekeeper(step_size=0.005)
 world.step(timekeeper)
 """
 
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Tuple
@@ -175,7 +176,7 @@ class World:
                     problems.extend(error.problems)
             if problems:
                 raise YamlError.of(problems)
-            self._plugins.start(list(config.plugins), WorldPlugin, "", "", self)
+            self._plugins.start(config.plugins, WorldPlugin, "", "", self)
         except BaseException:
             self.close()
             raise
@@ -192,11 +193,8 @@ class World:
     ) -> "World":
         """A world from its file; the class and `WorldConfig.from_file` say what can go wrong."""
         transport = transport if transport is not None else LocalTransport()
-        preprocessor = YamlPreprocessor(transport.get_param)
-        try:
+        with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
             config = WorldConfig.from_file(path, preprocessor, simplify_map=simplify_map)
-        finally:
-            preprocessor.close()
         return cls(config, transport, seed=seed, loader=loader)
 
     @property
@@ -225,11 +223,8 @@ class World:
         _check_pose(pose)
         if not is_file(path):
             raise ModelError(f"there is no file {path}")
-        preprocessor = YamlPreprocessor(self.transport.get_param)
-        try:
+        with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
             config = ModelConfig.from_file(path, self.registry, preprocessor)
-        finally:
-            preprocessor.close()
         return self._add_model(ModelEntry(name, namespace, pose, config))
 
     def delete_model(self, name: str) -> None:
@@ -291,7 +286,7 @@ class World:
             entry.name, entry.namespace, entry.model, entry.pose, self.physics, self.registry
         )
         self.models[entry.name] = model
-        plugins: List[PluginConfig] = list(entry.model.plugins)
+        plugins = entry.model.plugins
         try:
             self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
         except BaseException:

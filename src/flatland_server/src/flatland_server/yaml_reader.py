@@ -10,6 +10,7 @@ harmless of the right type; `finish` raises for all of them. Use no value before
 
 import math
 import os
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
@@ -83,11 +84,8 @@ class YamlReader:
         """
         if preprocessor is not None:
             return cls(preprocessor.read(path))
-        own = YamlPreprocessor()
-        try:
+        with closing(YamlPreprocessor()) as own:
             return cls(own.read(path))
-        finally:
-            own.close()
 
     # Values
 
