@@ -56,6 +56,9 @@ class SlotMap {
     free_.push_back(handle.index);
   }
 
+  /// The handle of what is at an index now; `index` must be that of a used slot.
+  Handle<T> HandleAt(uint32_t index) const { return {index, slots_[index].generation}; }
+
   bool Contains(Handle<T> handle) const {
     return handle.index < slots_.size() && slots_[handle.index].used &&
            slots_[handle.index].generation == handle.generation;

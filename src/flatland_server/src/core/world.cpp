@@ -7,12 +7,16 @@
 
 #include "box2d_limits.hpp"
 #include "mover_scan.hpp"
+#include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
 
-b2Vec2 ToBox2D(Vec2 v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
-Vec2 FromBox2D(b2Vec2 v) { return {v.x, v.y}; }
+constexpr char kBusy[] = "the world is in use by another thread";
+constexpr char kLocked[] =
+    "nothing is added, removed or put elsewhere while contacts are told of; wait for the end of "
+    "the "
+    "step";
 
 /// Box2D counts a body's turns in single precision: after an hour of spinning, a step's turn would
 /// be lost in rounding. This takes whole turns off a body, and off all whose angle a joint compares
@@ -37,8 +41,8 @@ void Unwind(b2Body& body) {
 /// Marks the world as in use for as long as it lives.
 class BusyGuard {
  public:
-  explicit BusyGuard(std::atomic<bool>& busy) : busy_(busy) {
-    if (busy_.exchange(true)) throw std::logic_error("the world is in use by another thread");
+  BusyGuard(std::atomic<bool>& busy, bool is_listening) : busy_(busy) {
+    if (busy_.exchange(true)) throw std::logic_error(is_listening ? kLocked : kBusy);
   }
   ~BusyGuard() { busy_ = false; }
   BusyGuard(const BusyGuard&) = delete;
@@ -59,25 +63,34 @@ World::World(int velocity_iterations, int position_iterations)
   world_.SetDestructionListener(this);
 }
 
+bool World::IsListening() const { return listening_thread_ == std::this_thread::get_id(); }
+
+void World::RequireAccess() const {
+  if (busy_ && !IsListening()) throw std::logic_error(kBusy);
+}
+
 void World::RequireIdle() const {
-  if (busy_) throw std::logic_error("the world is in use by another thread");
+  if (busy_) throw std::logic_error(IsListening() ? kLocked : kBusy);
 }
 
 b2Body& World::Find(Body body) const {
-  RequireIdle();
-  return *bodies_.Get(body);
+  RequireAccess();
+  return *bodies_.Get(body).body;
 }
 
-void World::AddLayer(const std::vector<Segment>& segments, LayerBits layers) {
+World::Body World::AddLayer(const std::vector<Segment>& segments, LayerBits layers) {
   for (const Segment& segment : segments) {
     RequirePlace(segment.a);
     RequirePlace(segment.b);
     Require(segment.a.x != segment.b.x || segment.a.y != segment.b.y,
             "a wall's ends must not be one point");
   }
-  const BusyGuard guard(busy_);
+  const BusyGuard guard(busy_, IsListening());
   const b2BodyDef definition;
-  b2Body* body = world_.CreateBody(&definition);
+  BodyRecord record;
+  record.body = world_.CreateBody(&definition);
+  record.is_layer = true;
+  record.fixtures.reserve(segments.size());
   b2FixtureDef fixture;
   fixture.filter.categoryBits = layers;
   fixture.filter.maskBits = layers;
@@ -85,9 +98,14 @@ void World::AddLayer(const std::vector<Segment>& segments, LayerBits layers) {
     b2EdgeShape edge;
     edge.SetTwoSided(ToBox2D(segment.a), ToBox2D(segment.b));
     fixture.shape = &edge;
-    body->CreateFixture(&fixture);
+    fixture.userData.pointer = record.fixtures.size();
+    record.fixtures.push_back({record.body->CreateFixture(&fixture), true});
   }
   layers_.push_back({std::make_shared<const SegmentGrid>(segments), layers});
+  b2Body* body = record.body;
+  const Body handle = bodies_.Add(std::move(record));
+  body->GetUserData().pointer = handle.index;
+  return handle;
 }
 
 World::Body World::AddBody(const BodySettings& settings) {
@@ -95,35 +113,46 @@ World::Body World::AddBody(const BodySettings& settings) {
   Require(IsUsable(settings.pose.yaw), "a heading must be finite");
   RequireNotNegative(settings.linear_damping, "linear_damping must be finite and not negative");
   RequireNotNegative(settings.angular_damping, "angular_damping must be finite and not negative");
-  const BusyGuard guard(busy_);
+  const BusyGuard guard(busy_, IsListening());
   b2BodyDef definition;
   definition.type = settings.type;
   definition.position = ToBox2D({settings.pose.x, settings.pose.y});
   definition.angle = static_cast<float>(settings.pose.yaw);
   definition.linearDamping = static_cast<float>(settings.linear_damping);
   definition.angularDamping = static_cast<float>(settings.angular_damping);
-  return bodies_.Add(world_.CreateBody(&definition));
+  BodyRecord record;
+  record.body = world_.CreateBody(&definition);
+  b2Body* body = record.body;
+  const Body handle = bodies_.Add(std::move(record));
+  body->GetUserData().pointer = handle.index;
+  return handle;
 }
 
 void World::RemoveBody(Body body) {
-  b2Body& gone = Find(body);
-  const BusyGuard guard(busy_);
-  std::vector<Drive> its_drives;
-  drives_.ForEach([&](Drive drive, const DrivenBody& driven) {
-    if (driven.body.index == body.index) its_drives.push_back(drive);
-  });
-  for (Drive drive : its_drives) drives_.Remove(drive);
+  RequireIdle();
+  BodyRecord& record = bodies_.Get(body);
+  Require(!record.is_layer, "a layer is there for good");
+  const BusyGuard guard(busy_, false);
+  const auto remove_from = [body](auto& map) {
+    ForEachOf(map, body, [&](auto handle, auto&) { map.Remove(handle); });
+  };
+  remove_from(drives_);
+  remove_from(tricycles_);
+  remove_from(tweens_);
+  world_.DestroyBody(record.body);  // its contacts end, which the listener hears of
   bodies_.Remove(body);
-  world_.DestroyBody(&gone);
 }
 
 void World::SayGoodbye(b2Joint* joint) {
+  tricycles_.ForEach([&](Tricycle, Moved<TricycleDrive>& moved) { moved.mechanism.Forget(joint); });
   joints_.ForEach([&](Joint handle, b2Joint* candidate) {
     if (candidate == joint) joints_.Remove(handle);
   });
 }
 
-void World::AddFixture(b2Body& body, const b2Shape& shape, const FixtureSettings& settings) {
+Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettings& settings) {
+  b2Body& body = Find(handle);
+  Require(!bodies_.Get(handle).is_layer, "a layer consists of walls alone");
   Require(
       settings.density == 0.0 || (IsUsable(settings.density) && settings.density >= kLeastDensity),
       "density must be 0, or finite and 1e-6 kg/m^2 at least");
@@ -131,8 +160,10 @@ void World::AddFixture(b2Body& body, const b2Shape& shape, const FixtureSettings
   RequireNotNegative(settings.restitution, "restitution must be finite and not negative");
   Require(HasInertia(body, shape, static_cast<float>(settings.density)),
           "a footprint is too small for its distance from the body's origin");
-  const BusyGuard guard(busy_);
+  const BusyGuard guard(busy_, IsListening());
+  auto& fixtures = bodies_.Get(handle).fixtures;
   b2FixtureDef definition;
+  definition.userData.pointer = fixtures.size();
   definition.shape = &shape;
   definition.density = static_cast<float>(settings.density);
   definition.friction = static_cast<float>(settings.friction);
@@ -140,20 +171,21 @@ void World::AddFixture(b2Body& body, const b2Shape& shape, const FixtureSettings
   definition.isSensor = settings.sensor;
   definition.filter.categoryBits = settings.layers;
   definition.filter.maskBits = settings.collides ? settings.layers : 0;
-  body.CreateFixture(&definition);
+  fixtures.push_back({body.CreateFixture(&definition), settings.visible});
+  return {handle, static_cast<uint32_t>(fixtures.size() - 1)};
 }
 
-void World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
+Fixture World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
   RequirePlace(center);
   Require(radius >= kLeastRadius && radius <= kFarthest, "a radius must be 0.1 mm to 100 km");
   b2CircleShape shape;
   shape.m_p = ToBox2D(center);
   shape.m_radius = static_cast<float>(radius);
-  AddFixture(Find(body), shape, settings);
+  return AddFixture(body, shape, settings);
 }
 
-void World::AddPolygon(Body body, const std::vector<Vec2>& vertices,
-                       const FixtureSettings& settings) {
+Fixture World::AddPolygon(Body body, const std::vector<Vec2>& vertices,
+                          const FixtureSettings& settings) {
   Require(vertices.size() >= 3 && vertices.size() <= b2_maxPolygonVertices,
           "a polygon needs 3 to 8 vertices");
   for (const Vec2& vertex : vertices) RequirePlace(vertex);
@@ -162,12 +194,12 @@ void World::AddPolygon(Body body, const std::vector<Vec2>& vertices,
   Require(HasHull(points), "a polygon is too small or too thin: its corners fall together");
   b2PolygonShape shape;
   shape.Set(points.data(), static_cast<int32>(points.size()));
-  AddFixture(Find(body), shape, settings);
+  return AddFixture(body, shape, settings);
 }
 
 World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
-  const BusyGuard guard(busy_);
+  const BusyGuard guard(busy_, IsListening());
   return joints_.Add(world_.CreateJoint(&definition));
 }
 
@@ -212,98 +244,71 @@ World::Joint World::AddWeld(Body a, Body b, const WeldSettings& settings) {
   return AddJoint(definition);
 }
 
-double World::JointAngle(Joint joint) const {
-  RequireIdle();
-  b2Joint* found = joints_.Get(joint);
-  double angle = found->GetBodyB()->GetAngle() - found->GetBodyA()->GetAngle();
-  if (found->GetType() == e_weldJoint) {
-    angle -= static_cast<b2WeldJoint*>(found)->GetReferenceAngle();
-  }
-  return std::remainder(angle, 2.0 * M_PI);
-}
-
 World::Drive World::AddDrive(Body body, const DynamicsLimits& linear,
                              const DynamicsLimits& angular) {
   Find(body);
+  RequireIdle();
   return drives_.Add({body, BodyDrive(linear, angular)});
 }
 
-BodyDrive& World::GetDrive(Drive drive) {
+World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings) {
+  const b2Body& base = Find(body);
   RequireIdle();
-  return drives_.Get(drive).drive;
+  b2Joint* joint = joints_.Get(front_wheel);
+  Require(joint->GetType() == e_revoluteJoint &&
+              (joint->GetBodyA() == &base || joint->GetBodyB() == &base),
+          "the front wheel's joint must be a revolute joint of the driven body");
+  return tricycles_.Add({body, TricycleDrive(settings, static_cast<b2RevoluteJoint*>(joint))});
 }
 
-Pose World::GetPose(Body body) const {
-  const b2Body& found = Find(body);
-  const Vec2 position = FromBox2D(found.GetPosition());
-  return {position.x, position.y, found.GetAngle()};
+World::Tween World::AddTween(Body body, const TweenSettings& settings) {
+  const Pose start = GetPose(body);
+  RequireIdle();
+  return tweens_.Add({body, BodyTween(settings, start)});
 }
 
-void World::SetPose(Body body, const Pose& pose) {
-  RequirePlace({pose.x, pose.y});
-  Require(IsUsable(pose.yaw), "a heading must be finite");
-  b2Body& found = Find(body);
+void World::Place(b2Body& body, const Pose& pose) {
   // Of the angles that are the same heading, the one near the present angle: a joint would feel a
   // whole turn that only one of its bodies makes. Half a turn either way is taken as it is given.
   constexpr double kSlack = 1e-3;
-  double turn = pose.yaw - found.GetAngle();
+  double turn = pose.yaw - body.GetAngle();
   if (std::abs(turn) > M_PI + kSlack) turn = std::remainder(turn, 2.0 * M_PI);
-  const Twist velocity = GetVelocity(body);
-  found.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(found.GetAngle() + turn));
-  SetVelocity(body, velocity);  // Box2D keeps that of the centre of mass, not of the origin
-  found.SetAwake(true);
-}
-
-Twist World::GetVelocity(Body body) const {
-  const b2Body& found = Find(body);
-  const Vec2 velocity = FromBox2D(found.GetLinearVelocityFromLocalPoint(b2Vec2_zero));
-  return {velocity.x, velocity.y, found.GetAngularVelocity()};
-}
-
-void World::SetVelocity(Body body, const Twist& velocity) {
-  Require(IsUsable(velocity), "a velocity must be finite");
-  b2Body& found = Find(body);
-  const Vec2 arm = Rotation(found.GetAngle()).Apply(FromBox2D(found.GetLocalCenter()));
-  found.SetLinearVelocity(
-      ToBox2D({velocity.vx - velocity.omega * arm.y, velocity.vy + velocity.omega * arm.x}));
-  found.SetAngularVelocity(static_cast<float>(velocity.omega));
-}
-
-Twist World::GetLocalVelocity(Body body) const {
-  const b2Body& found = Find(body);
-  const double omega = found.GetAngularVelocity();
-  const Rotation halfway(found.GetAngle() - 0.5 * omega * last_dt_);
-  const Vec2 of_center = halfway.ApplyInverse(FromBox2D(found.GetLinearVelocity()));
-  const Vec2 arm = FromBox2D(found.GetLocalCenter());
-  return {of_center.x + omega * arm.y, of_center.y - omega * arm.x, omega};
-}
-
-void World::Halt(Body body) {
-  b2Body& found = Find(body);
-  found.SetLinearVelocity(b2Vec2_zero);
-  found.SetAngularVelocity(0.0f);
-  drives_.ForEach([&](Drive, DrivenBody& driven) {
-    if (driven.body.index == body.index) driven.drive.Reset();
-  });
-}
-
-double World::GetMass(Body body) const { return Find(body).GetMass(); }
-
-void World::ApplyForce(Body body, Vec2 force, double torque) {
-  Require(IsUsable(force) && IsUsable(torque), "a force must be finite");
-  b2Body& found = Find(body);
-  found.ApplyForceToCenter(ToBox2D(force), true);
-  found.ApplyTorque(static_cast<float>(torque), true);
+  body.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(body.GetAngle() + turn));
 }
 
 void World::Step(double dt) {
   Require(IsUsable(dt) && dt >= kLeastStep, "a step must be finite and longer than zero");
-  const BusyGuard guard(busy_);
-  drives_.ForEach(
-      [&](Drive, DrivenBody& driven) { driven.drive.Apply(*bodies_.Get(driven.body), dt); });
+  const BusyGuard guard(busy_, IsListening());
+  const auto for_each = [this](auto& map, auto visit) {
+    map.ForEach([&](auto, auto& moved) { visit(moved.mechanism, *bodies_.Get(moved.body).body); });
+  };
+  const auto begin = [dt](auto& drive, b2Body& body) { drive.BeginStep(body, dt); };
+  const auto end = [](auto& drive, b2Body& body) { drive.EndStep(body); };
+  for_each(drives_, begin);
+  for_each(tricycles_, begin);
+  for_each(tweens_, [&](BodyTween& tween, b2Body& body) {
+    const Pose from = tween.target();
+    const Pose to = tween.Advance(dt);
+    const bool jumps = tween.teleports();
+    // The solver sees the body move; the pose of the end is exact all the same.
+    const Twist velocity =
+        jumps ? Twist{}
+              : Twist{(to.x - body.GetPosition().x) / dt, (to.y - body.GetPosition().y) / dt,
+                      (to.yaw - from.yaw) / dt};
+    SetOriginVelocity(body, velocity);
+  });
   world_.Step(static_cast<float>(dt), velocity_iterations_, position_iterations_);
-  bodies_.ForEach([](Body, b2Body* body) { Unwind(*body); });
-  last_dt_ = dt;
+  for_each(drives_, end);
+  for_each(tricycles_, end);
+  for_each(tweens_, [&](BodyTween& tween, b2Body& body) {
+    const double omega = body.GetAngularVelocity();
+    const Vec2 of_center = FromBox2D(body.GetLinearVelocity());
+    const Vec2 arm = Rotation(body.GetAngle() - omega * dt).Apply(FromBox2D(body.GetLocalCenter()));
+    Place(body, tween.target());
+    SetOriginVelocity(body, {of_center.x + omega * arm.y, of_center.y - omega * arm.x, omega});
+    WakeThoseNear(body);
+  });
+  bodies_.ForEach([](Body, BodyRecord& record) { Unwind(*record.body); });
 }
 
 void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
@@ -311,7 +316,7 @@ void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& setti
   Require(IsUsable(pose), "a lidar's pose must be finite");
   Require(IsUsable(settings.range) && settings.range > 0.0,
           "a lidar's range must be finite and above zero");
-  const BusyGuard guard(busy_);
+  const BusyGuard guard(busy_, IsListening());
   const Vec2 origin{pose.x, pose.y};
   const Rotation rotation(pose.yaw);
   std::fill_n(ranges, fan.size(), std::numeric_limits<float>::infinity());
@@ -332,10 +337,11 @@ void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& setti
     }
   }
 
-  bodies_.ForEach([&](Body, const b2Body* body) {
-    for (const b2Fixture* f = body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
+  bodies_.ForEach([&](Body, const BodyRecord& record) {
+    if (record.is_layer) return;
+    for (const auto& [f, is_visible] : record.fixtures) {
       const LayerBits layers = f->GetFilterData().categoryBits;
-      if (f->IsSensor() || (layers & settings.layers) == 0) continue;
+      if (!is_visible || f->IsSensor() || (layers & settings.layers) == 0) continue;
       const Mover mover(*f, pose);
       if (mover.distance() > settings.range) continue;
       fan.ForEachBeamNear(mover.bearing(), mover.half_width(), [&](int beam) {

@@ -559,7 +559,7 @@ TEST_F(LidarTest, LetsNobodyElseInMeanwhile) {
   const std::pair<const char*, std::function<void()>> touches[] = {
       {"pose", [&] { world_.GetPose(body); }},
       {"joint", [&] { world_.JointAngle(joint); }},
-      {"drive", [&] { world_.GetDrive(drive); }},
+      {"drive", [&] { world_.Get(drive); }},
   };
 
   for (const auto& [name, touch] : touches) {

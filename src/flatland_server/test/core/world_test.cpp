@@ -170,7 +170,7 @@ TEST_F(WorldTest, FastBoxDoesNotPassThroughAWall) {
 TEST_F(WorldTest, DrivenBoxDoesNotPassThroughAWall) {
   world_.AddLayer({{{3.03, -5}, {3.03, 5}}}, 0xFFFF);
   const World::Body box = AddBox(world_, {0, 0, 0}, 0.4);
-  world_.GetDrive(world_.AddDrive(box, {}, {})).Command({20, 0, 0});
+  world_.Get(world_.AddDrive(box, {}, {})).Command({20, 0, 0});
 
   StepTimes(world_, 400);
 
@@ -186,7 +186,7 @@ TEST_F(WorldTest, RevoluteLimitsHoldUnderTorque) {
 
   for (const double torque : {3.0, -3.0}) {
     for (int step = 0; step < 600; ++step) {
-      world_.ApplyForce(arm, {0, 0}, torque);
+      world_.ApplyTorque(arm, torque);
       world_.Step(kStep);
       ASSERT_GT(world_.JointAngle(hinge), -0.52);
       ASSERT_LT(world_.JointAngle(hinge), 0.82);
@@ -225,7 +225,8 @@ TEST_F(WorldTest, RigidWeldHolds) {
   const World::Joint weld = world_.AddWeld(a, b, settings);
 
   for (int step = 0; step < 400; ++step) {
-    world_.ApplyForce(b, {0.2, 0.5}, 0.2);
+    world_.ApplyForce(b, {0.2, 0.5});
+    world_.ApplyTorque(b, 0.2);
     world_.Step(kStep);
     const Pose pa = world_.GetPose(a), pb = world_.GetPose(b);
     ASSERT_NEAR(world_.JointAngle(weld), 0.0, 0.01);
@@ -245,7 +246,7 @@ TEST_F(WorldTest, SoftWeldYields) {
   const World::Joint weld = world_.AddWeld(post, arm, settings);
 
   for (int step = 0; step < 1000; ++step) {
-    world_.ApplyForce(arm, {0, 0}, 1.0);
+    world_.ApplyTorque(arm, 1.0);
     world_.Step(kStep);
   }
   // A spring of stiffness I (2 pi f)^2, with I = 1/6 kg m^2 for a square of 1 m and 1 kg.
@@ -307,10 +308,10 @@ TEST_F(WorldTest, RemovedBodyTakesItsJointsAndDrivesWithIt) {
   EXPECT_FALSE(world_.Contains(hinge));
   EXPECT_THROW(world_.JointAngle(hinge), GoneError);
   EXPECT_THROW(world_.JointAngle(weld), GoneError);
-  EXPECT_THROW(world_.GetDrive(drive_b), GoneError);
-  EXPECT_THROW(world_.GetDrive(second_drive_b), GoneError);
+  EXPECT_THROW(world_.Get(drive_b), GoneError);
+  EXPECT_THROW(world_.Get(second_drive_b), GoneError);
   EXPECT_NO_THROW(world_.JointAngle(other));
-  EXPECT_NO_THROW(world_.GetDrive(drive_a));
+  EXPECT_NO_THROW(world_.Get(drive_a));
   StepTimes(world_, 10);
 }
 
@@ -333,13 +334,13 @@ TEST_F(WorldTest, NothingCanBeDoneWithARemovedBody) {
   EXPECT_THROW(world_.GetLocalVelocity(gone), GoneError);
   EXPECT_THROW(world_.Halt(gone), GoneError);
   EXPECT_THROW(world_.GetMass(gone), GoneError);
-  EXPECT_THROW(world_.ApplyForce(gone, {1, 0}, 0), GoneError);
+  EXPECT_THROW(world_.ApplyForce(gone, {1, 0}), GoneError);
 }
 
 TEST_F(WorldTest, BodyInARemovedOnesPlaceHasNotItsDrive) {
   const World::Body a = AddBox(world_, {0, 0, 0});
   const World::Body b = AddBox(world_, {2, 0, 0});
-  world_.GetDrive(world_.AddDrive(b, {}, {})).Command({1, 0, 0});
+  world_.Get(world_.AddDrive(b, {}, {})).Command({1, 0, 0});
   world_.RemoveBody(b);
   const World::Body c = AddBox(world_, {4, 0, 0});
 
@@ -364,7 +365,7 @@ TEST_F(WorldTest, HaltStopsABody) {
 TEST_F(WorldTest, HaltStopsABodysDrives) {
   const World::Body box = AddBox(world_, {0, 0, 0});
   const World::Body other = AddBox(world_, {0, 5, 0});
-  BodyDrive& drive = world_.GetDrive(world_.AddDrive(box, {1, 1, 0}, {}));
+  BodyDrive& drive = world_.Get(world_.AddDrive(box, {1, 1, 0}, {}));
   drive.Command({1, 0, 1});
   StepTimes(world_, 100);
 
@@ -442,7 +443,7 @@ TEST_F(WorldTest, ForceSpeedsUpAMass) {
   const World::Body box = AddBox(world_, {0, 0, 0}, 2.0);
   EXPECT_NEAR(world_.GetMass(box), 4.0, 1e-5);
 
-  world_.ApplyForce(box, {8, -4}, 0);
+  world_.ApplyForce(box, {8, -4});
   world_.Step(0.01);
 
   ExpectTwist(world_.GetVelocity(box), {0.02, -0.01, 0}, 1e-6);
@@ -470,7 +471,7 @@ TEST_F(WorldTest, FrictionSlowsABoxThatSlidesAlongAWall) {
     world.SetVelocity(box, {2, 0, 0});
 
     for (int step = 0; step < 200; ++step) {
-      world.ApplyForce(box, {0, -1}, 0);
+      world.ApplyForce(box, {0, -1});
       world.Step(kStep);
     }
 
@@ -530,11 +531,14 @@ Refusal Moving(const char* name, const Twist& twist) {
   return {name, [twist](World& w, World::Body box, World::Body) { w.SetVelocity(box, twist); }};
 }
 Refusal Pushed(const char* name, Vec2 force, double torque) {
-  return {name, [=](World& w, World::Body box, World::Body) { w.ApplyForce(box, force, torque); }};
+  return {name, [=](World& w, World::Body box, World::Body) {
+            w.ApplyForce(box, force);
+            w.ApplyTorque(box, torque);
+          }};
 }
 Refusal Driven(const char* name, const Twist& twist) {
   return {name, [twist](World& w, World::Body, World::Body other) {
-            w.GetDrive(w.AddDrive(other, {}, {})).Command(twist);
+            w.Get(w.AddDrive(other, {}, {})).Command(twist);
           }};
 }
 Refusal Damped(const char* name, double linear, double angular) {
@@ -743,7 +747,7 @@ TEST_F(WorldTest, SpinsOnWithAWeldedCompanionForAVeryLongTime) {
   settings.anchor_a = {0.5, 0};
   settings.angle = 0.3;
   const World::Joint weld = world_.AddWeld(body, companion, settings);
-  world_.GetDrive(world_.AddDrive(body, {}, {})).Command({0, 0, kSpin});
+  world_.Get(world_.AddDrive(body, {}, {})).Command({0, 0, kSpin});
   StepTimes(world_, 1000);
 
   for (int step = 0; step < kLongSpin; ++step) {
@@ -798,7 +802,7 @@ std::vector<Pose> PlayOut() {
   hinge.anchor_a = {1, 0};
   hinge.anchor_b = {-1, 0};
   world.AddRevolute(bodies[0], bodies[1], hinge);
-  world.GetDrive(world.AddDrive(bodies[5], {1, 1, 1}, {})).Command({1, 0, 0.5});
+  world.Get(world.AddDrive(bodies[5], {1, 1, 1}, {})).Command({1, 0, 0.5});
   StepTimes(world, 1000);
   std::vector<Pose> poses;
   for (World::Body body : bodies) poses.push_back(world.GetPose(body));

@@ -77,7 +77,7 @@ def turned_in_all(world, seconds: float, torque: float) -> float:
         now = turning(robot)
         total[0] += math.remainder(now - before, math.tau)
         before = now
-        arm.apply_force((0, 0), torque)
+        arm.apply_torque(torque)
 
     step(world, seconds, push)
     return total[0]
@@ -139,7 +139,7 @@ def test_a_hinge_stops_at_its_limits_under_torque(files, torque):
     arm = robot.get_body("arm").physics_body
     angles = []
 
-    step(world, 3.0, lambda: (arm.apply_force((0, 0), torque), angles.append(turning(robot))))
+    step(world, 3.0, lambda: (arm.apply_torque(torque), angles.append(turning(robot))))
 
     # Box2D lets a limit give by 2 degrees (b2_angularSlop) and pushes back what is beyond.
     assert -0.5 - math.radians(2) <= min(angles)
@@ -161,7 +161,7 @@ def test_a_hinge_with_equal_limits_holds_its_angle(files):
     robot = world.get_model("robot")
     arm = robot.get_body("arm").physics_body
 
-    step(world, 2.0, lambda: arm.apply_force((0, 0), 0.5))
+    step(world, 2.0, lambda: arm.apply_torque(0.5))
 
     assert turning(robot) == pytest.approx(0.0, abs=math.radians(2))
 
@@ -243,7 +243,7 @@ def test_a_soft_weld_comes_back(files):
     )
     robot = world.get_model("robot")
     arm = robot.get_body("arm").physics_body
-    step(world, 0.5, lambda: arm.apply_force((0, 0), 1.0))
+    step(world, 0.5, lambda: arm.apply_torque(1.0))
     bent = abs(turning(robot))
 
     step(world, 3.0)

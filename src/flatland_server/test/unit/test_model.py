@@ -179,7 +179,7 @@ def test_a_revolute_joint_turns_freely_within_its_limits(files):
 
     for push, stop in ((1.0, 1.0), (-1.0, -0.5)):
         for _ in range(400):
-            wheel_body.apply_force((0.0, 0.0), 0.001 * push)
+            wheel_body.apply_torque(0.001 * push)
             world.physics.step(0.005)
         assert robot.joints[0].physics_joint.angle == pytest.approx(stop, abs=0.05)
 

@@ -1,0 +1,22 @@
+#pragma once
+
+/// Vectors from the core's double precision to Box2D's single, and back.
+
+#include <box2d/box2d.h>
+
+#include "flatland_server/geometry.hpp"
+
+namespace flatland {
+
+inline b2Vec2 ToBox2D(Vec2 v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
+inline Vec2 FromBox2D(b2Vec2 v) { return {v.x, v.y}; }
+
+/// Gives a body the velocity that its origin shall have; Box2D keeps that of the centre of mass.
+inline void SetOriginVelocity(b2Body& body, const Twist& velocity) {
+  const Vec2 arm = Rotation(body.GetAngle()).Apply(FromBox2D(body.GetLocalCenter()));
+  body.SetLinearVelocity(
+      ToBox2D({velocity.vx - velocity.omega * arm.y, velocity.vy + velocity.omega * arm.x}));
+  body.SetAngularVelocity(static_cast<float>(velocity.omega));
+}
+
+}  // namespace flatland

@@ -1,0 +1,254 @@
+#include "flatland_server/steering.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "reference_motion.hpp"
+
+namespace flatland {
+namespace {
+
+struct Turn {
+  const char* name;
+  DynamicsLimits limits;
+  SteeringState from;
+  double to;
+  Course rate;  // exact, by hand; its integral is the way
+};
+
+void PrintTo(const Turn& turn, std::ostream* out) { *out << turn.name; }
+
+class Steering : public testing::TestWithParam<Turn> {};
+
+// At steps of 1, 5 and 7 ms, at steps that straddle several pieces, and all at once.
+TEST_P(Steering, FollowsItsClosedFormAtStepsOfAnyLength) {
+  const Turn& turn = GetParam();
+  for (const double dt : {0.001, 0.005, 0.007, 0.6, 9.0}) {
+    SteeringState state = turn.from;
+    for (int step = 1; (step - 1) * dt < turn.rate.end(); ++step) {
+      state = Steer(state, turn.to, turn.limits, dt);
+
+      const double time = step * dt;
+      const double angle = turn.from.angle + turn.rate.Integral(time);
+      ASSERT_NEAR(state.angle, angle, 1e-9) << dt << " s, step " << step;
+      if (turn.rate.IsSteadyAt(time)) {
+        ASSERT_NEAR(state.rate, turn.rate.At(time), 1e-9) << dt << " s, step " << step;
+      }
+    }
+    EXPECT_EQ(state.angle, turn.to) << dt;
+    EXPECT_EQ(state.rate, 0.0) << dt;
+  }
+}
+
+// Seen in a mirror it is the same.
+TEST_P(Steering, IsTheSameToTheOtherSide) {
+  const Turn& turn = GetParam();
+  for (double time = 0.0; time < turn.rate.end() + 0.1; time += 0.01) {
+    const SteeringState state = Steer(turn.from, turn.to, turn.limits, time);
+    const SteeringState other =
+        Steer({-turn.from.angle, -turn.from.rate}, -turn.to, turn.limits, time);
+
+    ASSERT_EQ(other.angle, -state.angle) << time;
+    ASSERT_EQ(other.rate, -state.rate) << time;
+  }
+}
+
+// Of the way `d` with limits a up and b down: the peak p of a triangle is p^2 = 2 d / (1/a + 1/b).
+INSTANTIATE_TEST_SUITE_P(
+    FromRest, Steering,
+    testing::Values(
+        // 0.0625 rad up, 0.90625 along, 0.03125 down.
+        Turn{"trapezoid",
+             {2.0, 4.0, 0.5},
+             {0.0, 0.0},
+             1.0,
+             {{{0, 0}, {0.25, 0.5}, {2.0625, 0.5}, {2.1875, 0}}}},
+        Turn{"triangle",
+             {2.0, 4.0, 0.5},
+             {0.0, 0.0},
+             0.03,
+             {{{0, 0}, {std::sqrt(0.02), 2 * std::sqrt(0.02)}, {1.5 * std::sqrt(0.02), 0}}}},
+        Turn{"triangle_that_just_has_a_tip",
+             {2.0, 4.0, 0.5},
+             {-0.5, 0.0},
+             -0.40625,
+             {{{0, 0}, {0.25, 0.5}, {0.375, 0}}}},
+        Turn{"trapezoid_without_velocity_limit",
+             {2.0, 4.0, 0.0},
+             {0.0, 0.0},
+             1.5,
+             {{{0, 0}, {1.0, 2.0}, {1.5, 0}}}},
+        Turn{"velocity_limit_alone",
+             {0.0, 0.0, 0.5},
+             {0.2, 0.0},
+             -0.8,
+             {{{0, -0.5}, {2, -0.5}, {2, 0}}}},
+        Turn{"acceleration_limit_alone",
+             {2.0, 0.0, 0.0},
+             {0.0, 0.0},
+             1.0,
+             {{{0, 0}, {1, 2}, {1, 0}}}},
+        Turn{"deceleration_limit_alone", {0.0, 2.0, 0.0}, {0.0, 0.0}, 1.0, {{{0, 2}, {1, 0}}}},
+        Turn{"no_deceleration_limit",
+             {2.0, 0.0, 0.5},
+             {0.0, 0.0},
+             1.0625,
+             {{{0, 0}, {0.25, 0.5}, {2.25, 0.5}, {2.25, 0}}}},
+        Turn{"no_acceleration_limit",
+             {0.0, 2.0, 0.5},
+             {0.0, 0.0},
+             1.0625,
+             {{{0, 0.5}, {2, 0.5}, {2.25, 0}}}},
+        Turn{"nowhere", {2.0, 4.0, 0.5}, {0.3, 0.0}, 0.3, {{{0, 0}, {0.1, 0}}}}),
+    [](const testing::TestParamInfo<Turn>& info) { return info.param.name; });
+
+// The target is another than the one that the rate is of.
+INSTANTIATE_TEST_SUITE_P(
+    InMotion, Steering,
+    testing::Values(
+        // Half a second along and 0.125 s down: 0.25 + 0.03125 rad.
+        Turn{"goes_on", {2.0, 4.0, 0.5}, {0.1, 0.5}, 0.38125, {{{0, 0.5}, {0.5, 0.5}, {0.625, 0}}}},
+        Turn{"speeds_up_further",
+             {2.0, 4.0, 0.5},
+             {0.0, 0.2},
+             0.08375,
+             {{{0, 0.2}, {0.15, 0.5}, {0.275, 0}}}},
+        Turn{"slows_down_at_once", {2.0, 4.0, 0.5}, {0.0, 0.4}, 0.02, {{{0, 0.4}, {0.1, 0}}}},
+        // 0.03125 rad on until it rests, 1 rad back.
+        Turn{"turns_round",
+             {2.0, 4.0, 0.5},
+             {0.2, 0.5},
+             0.23125 - 1.0,
+             {{{0, 0.5}, {0.125, 0}, {0.375, -0.5}, {2.1875, -0.5}, {2.3125, 0}}}},
+        // To rest 0.03125 rad further on, 0.03 rad past the target, and back in a triangle.
+        Turn{"is_too_fast_to_stop",
+             {2.0, 4.0, 0.5},
+             {0.0, 0.5},
+             0.00125,
+             {{{0, 0.5},
+               {0.125, 0},
+               {0.125 + std::sqrt(0.02), -2 * std::sqrt(0.02)},
+               {0.125 + 1.5 * std::sqrt(0.02), 0}}}},
+        Turn{"is_told_to_stay_where_it_is",
+             {2.0, 4.0, 0.5},
+             {0.0, -0.4},
+             0.0,
+             {{{0, -0.4},
+               {0.1, 0},
+               {0.1 + std::sqrt(0.04 / 3.0), 2.0 * std::sqrt(0.04 / 3.0)},
+               {0.1 + 1.5 * std::sqrt(0.04 / 3.0), 0}}}},
+        Turn{"stays_at_once_without_deceleration_limit",
+             {2.0, 0.0, 0.5},
+             {0.1, -0.4},
+             0.1,
+             {{{0, 0}, {0.1, 0}}}},
+        Turn{"turns_round_at_once_without_deceleration_limit",
+             {2.0, 0.0, 0.0},
+             {1.0, 0.7},
+             0.0,
+             {{{0, 0}, {1, -2}, {1, 0}}}},
+        Turn{"turns_round_without_acceleration_limit",
+             {0.0, 2.0, 0.5},
+             {0.0, 0.5},
+             -1.0,
+             {{{0, 0.5}, {0.25, 0}, {0.25, -0.5}, {2.25, -0.5}, {2.5, 0}}}}),
+    [](const testing::TestParamInfo<Turn>& info) { return info.param.name; });
+
+TEST(Steer, IsAtOnceWithoutLimits) {
+  for (const double time : {0.0, 0.005, 3.0}) {
+    const SteeringState state = Steer({0.3, 0.2}, -0.7, {}, time);
+
+    EXPECT_EQ(state.angle, -0.7);
+    EXPECT_EQ(state.rate, 0.0);
+  }
+}
+
+TEST(Steer, TakesNoTimeForNoTime) {
+  const SteeringState state = Steer({0.3, 0.2}, -0.7, {2.0, 4.0, 0.5}, 0.0);
+
+  EXPECT_EQ(state.angle, 0.3);
+  EXPECT_EQ(state.rate, 0.2);
+}
+
+class AnySteering : public testing::Test {
+ protected:
+  double Between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+
+  std::mt19937 random_{11};
+};
+
+// Targets that change at any moment, to anywhere.
+TEST_F(AnySteering, NeverExceedsItsLimitsAndArrives) {
+  const double dt = 0.005;
+  for (int i = 0; i < 500; ++i) {
+    const DynamicsLimits limits{Between(0.1, 5), Between(0.1, 5), Between(0.1, 2)};
+    SteeringState state{Between(-1, 1), 0.0};
+    double target = 0.0;
+    for (int change = 0; change < 6; ++change) {
+      target = Between(-1.5, 1.5);
+      const int steps = static_cast<int>(Between(1, 300));
+      for (int step = 0; step < steps; ++step) {
+        const SteeringState next = Steer(state, target, limits, dt);
+        const double faster = std::abs(next.rate) - std::abs(state.rate);
+        ASSERT_LE(std::abs(next.rate), limits.velocity + 1e-12);
+        ASSERT_LE(faster, limits.acceleration * dt + 1e-12);
+        ASSERT_GE(faster, -limits.deceleration * dt - 1e-9);
+        ASSERT_LE(std::abs(next.rate - state.rate),
+                  std::max(limits.acceleration, limits.deceleration) * dt + 1e-9);
+        // The angle is the rate's integral: between the least and the most that it was.
+        const double furthest = std::max(std::abs(state.rate), std::abs(next.rate)) * dt;
+        ASSERT_LE(std::abs(next.angle - state.angle),
+                  furthest + limits.acceleration * dt * dt + 1e-9);
+        state = next;
+      }
+    }
+    // No way is longer than these, over there and back again.
+    const double stop = limits.velocity / limits.deceleration;
+    const double longest = 2.0 * stop + 3.0 / limits.velocity + 0.5 * limits.velocity * stop +
+                           limits.velocity / limits.acceleration + 10.0;
+    for (int step = 0; step * dt < longest; ++step) state = Steer(state, target, limits, dt);
+    EXPECT_EQ(state.angle, target);
+    EXPECT_EQ(state.rate, 0.0);
+  }
+}
+
+TEST_F(AnySteering, IsTheSameInTwoStepsAsInOne) {
+  const auto any_limit = [&] { return std::max(0.0, Between(-1, 3)); };
+  for (int i = 0; i < 20000; ++i) {
+    const DynamicsLimits limits{any_limit(), any_limit(), any_limit()};
+    const double most = limits.velocity > 0.0 ? limits.velocity : 2.0;
+    const SteeringState from{Between(-1, 1), Between(-most, most)};
+    const double target = Between(-1, 1);
+    const double first = Between(0.0, 1.5), second = Between(0.0, 1.5);
+
+    const SteeringState whole = Steer(from, target, limits, first + second);
+    const SteeringState ended = Steer(Steer(from, target, limits, first), target, limits, second);
+
+    ASSERT_NEAR(ended.angle, whole.angle, 1e-8) << i;
+    ASSERT_NEAR(ended.rate, whole.rate, 1e-4) << i;
+  }
+}
+
+// Once it is on its way to a target that it can stop at, it gets there without passing it.
+TEST_F(AnySteering, DoesNotPassATargetThatItCanStopAt) {
+  for (int i = 0; i < 500; ++i) {
+    const DynamicsLimits limits{Between(0.1, 5), Between(0.1, 5), Between(0.1, 2)};
+    const double rate = Between(0, limits.velocity);
+    const double way = rate * rate / (2.0 * limits.deceleration) + Between(0.001, 1.0);
+    SteeringState state{0.0, rate};
+    for (int step = 0; step < 400; ++step) {
+      const SteeringState next = Steer(state, way, limits, 0.005);
+      ASSERT_GE(next.angle, state.angle - 1e-12);
+      ASSERT_LE(next.angle, way + 1e-12);
+      state = next;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace flatland
