@@ -4,24 +4,17 @@ import argparse
 import logging
 import sys
 from pathlib import Path
-from typing import Iterable, List, Optional
+from typing import List, Optional
 
-from flatland_server.collision_filter_registry import ALL_LAYERS, CollisionFilterRegistry
+from flatland_server.collision_filter_registry import AnyLayer
 from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.model import ModelConfig
 from flatland_server.render import render
-from flatland_server.world import ModelEntry, World, WorldConfig
+from flatland_server.world import World
+from flatland_server.world_config import ModelEntry, WorldConfig
 from flatland_server.yaml_preprocessor import YamlPreprocessor
 from flatland_server.yaml_reader import YamlReader
-
-
-class AnyLayer(CollisionFilterRegistry):
-    """For a model alone: whatever layer it names may exist in the world that it is made for."""
-
-    def bits(self, names: Iterable[str]) -> int:
-        """A bit for each name."""
-        return ALL_LAYERS if list(names) else 0
 
 
 def load(path: Path, preprocessor: YamlPreprocessor) -> World:

@@ -51,3 +51,11 @@ class CollisionFilterRegistry:
                 raise ValueError(f'no layer is named "{name}"{hint}; there are: {known}')
             mask |= self._bits[name]
         return mask
+
+
+class AnyLayer(CollisionFilterRegistry):
+    """For a model alone: whatever layer it names may exist in the world that it is made for."""
+
+    def bits(self, names: Iterable[str]) -> int:
+        """A bit for each name."""
+        return ALL_LAYERS if list(names) else 0

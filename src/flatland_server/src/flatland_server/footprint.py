@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Sequence, Tuple, Union
 
 from flatland_server import _core
-from flatland_server.collision_filter_registry import ALL, ALL_LAYERS, CollisionFilterRegistry
+from flatland_server.collision_filter_registry import ALL, CollisionFilterRegistry
 from flatland_server.yaml_reader import YamlReader
 
 Point = Tuple[float, float]
@@ -40,7 +40,10 @@ class Polygon:
 
 @dataclass(frozen=True)
 class Footprint:
-    """An entry of a body's `footprints`. Densities in kg/m^2, the rest are Box2D's coefficients."""
+    """An entry of a body's `footprints`. Densities in kg/m^2, the rest are Box2D's coefficients.
+
+    `visible` is for plugins that make bodies of their own: lasers do not see what is not.
+    """
 
     shape: Union[Circle, Polygon]
     density: float
@@ -50,16 +53,17 @@ class Footprint:
     collision: bool
     layers: Tuple[str, ...]
     layer_bits: int
+    visible: bool = True
 
     @classmethod
     def read(
-        cls, reader: YamlReader, registry: Optional[CollisionFilterRegistry], scratch: _core.Body
+        cls, reader: YamlReader, registry: CollisionFilterRegistry, scratch: _core.Body
     ) -> "Footprint":
         """Reads an entry.
 
         Args:
             reader: the entry.
-            registry: the layers that there are; None accepts every layer name.
+            registry: the layers that there are.
             scratch: a body to try it on, with the body's footprints before this one.
 
         Raises:
@@ -76,12 +80,11 @@ class Footprint:
                 reader.problem("expected a convex polygon, found one with a dent", "points")
             shape = Polygon(vertices)
         layers = reader.get_strings("layers", (ALL,))
-        layer_bits = ALL_LAYERS if ALL in layers else 0
-        if registry is not None:
-            try:
-                layer_bits = registry.bits(layers)
-            except ValueError as error:
-                reader.problem(str(error), "layers")
+        layer_bits = 0
+        try:
+            layer_bits = registry.bits(layers)
+        except ValueError as error:
+            reader.problem(str(error), "layers")
         footprint = cls(
             shape,
             density=reader.get_float("density", minimum=0.0),
@@ -111,6 +114,7 @@ class Footprint:
             "restitution": self.restitution,
             "sensor": self.sensor,
             "collides": self.collision,
+            "visible": self.visible,
             "layers": self.layer_bits,
         }
         if isinstance(self.shape, Circle):

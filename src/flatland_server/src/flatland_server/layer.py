@@ -7,7 +7,7 @@ layer without a map is a name that footprints can use, and nothing else.
 import logging
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Optional, Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 from PIL import Image, UnidentifiedImageError
@@ -16,6 +16,7 @@ from flatland_server import _core
 from flatland_server.announced import announced
 from flatland_server.arrays import Segments
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.entity import Entities, Entity
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
 from flatland_server.names import check_topic_name
@@ -90,13 +91,22 @@ class LayerConfig:
         return cls(names, bits, color, min_z, max_z, segments)
 
 
-class Layer:
-    """A layer of a world."""
+class Layer(Entity):
+    """A layer of a world.
 
-    def __init__(self, config: LayerConfig, physics: _core.World) -> None:
+    Args:
+        config: what its file says.
+        physics: the world it is put in.
+        entities: who has a part in that world's contacts.
+    """
+
+    def __init__(self, config: LayerConfig, physics: _core.World, entities: Entities) -> None:
         self.config = config
-        if len(config.segments):
-            physics.add_layer(config.segments, config.bits)
+        self._physics = physics
+        self._entities = entities
+        self._bodies: List[_core.Body] = []
+        self._segments: Segments = np.empty((0, 4))
+        self.add_walls(config.segments)
 
     @property
     def name(self) -> str:
@@ -106,7 +116,27 @@ class Layer:
     @property
     def segments(self) -> Segments:
         """Its walls in the world [m]: shape (n, 4), x1, y1, x2, y2."""
-        return self.config.segments
+        return self._segments
+
+    @property
+    def physics_bodies(self) -> List[_core.Body]:
+        return list(self._bodies)
+
+    def body_name(self, fixture: _core.Fixture) -> str:
+        return self.name
+
+    def add_walls(self, segments: Segments) -> None:
+        """Puts up walls [m], of the same shape as `segments`; `World.add_walls` is for plugins.
+
+        Raises:
+            ValueError: one is not finite, or of no length.
+        """
+        if len(segments) == 0:
+            return
+        body = self._physics.add_layer(segments, self.config.bits)
+        self._bodies.append(body)
+        self._entities.add(self, [body])
+        self._segments = np.concatenate([self._segments, segments])
 
 
 def read_map(

@@ -7,6 +7,7 @@ from typing import Dict, List, Optional, Tuple
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.enabled_entries import read_enabled
+from flatland_server.entity import Entities, Entity
 from flatland_server.exceptions import ModelError, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.joint import Joint, JointConfig
@@ -29,14 +30,14 @@ class ModelConfig:
     def from_file(
         cls,
         path: Path,
-        registry: Optional[CollisionFilterRegistry],
+        registry: CollisionFilterRegistry,
         preprocessor: Optional[YamlPreprocessor] = None,
     ) -> "ModelConfig":
         """Reads a model file.
 
         Args:
             path: of the file.
-            registry: the layers that footprints may name; None accepts every name.
+            registry: the layers that footprints may name.
             preprocessor: has the parameters for the file's expressions.
 
         Raises:
@@ -46,7 +47,7 @@ class ModelConfig:
         return cls.read(YamlReader.from_file(path, preprocessor), registry)
 
     @classmethod
-    def read(cls, reader: YamlReader, registry: Optional[CollisionFilterRegistry]) -> "ModelConfig":
+    def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":
         """The same of a file that is being read already."""
         names: List[str] = []  # also of bodies that cannot be read: joints may name them
 
@@ -63,7 +64,7 @@ class ModelConfig:
         return cls(reader.file, tuple(bodies), tuple(joints), tuple(plugins))
 
 
-class Model:
+class Model(Entity):
     """A model in the world.
 
     Args:
@@ -73,6 +74,7 @@ class Model:
         pose: where its origin is put.
         physics: the world it is put in.
         registry: the collision layers of that world.
+        entities: who has a part in that world's contacts.
 
     Raises:
         ModelError: Box2D cannot take it.
@@ -86,12 +88,14 @@ class Model:
         pose: Pose,
         physics: _core.World,
         registry: CollisionFilterRegistry,
+        entities: Entities,
     ) -> None:
-        self.name = name
+        self._name = name
         self.namespace = namespace.strip("/")
         self.config = config
         self.physics = physics
         self.registry = registry
+        self.entities = entities
         self.bodies: Dict[str, ModelBody] = {}
         self.joints: List[Joint] = []
         try:
@@ -102,22 +106,63 @@ class Model:
         except ValueError as error:
             self.remove()
             raise ModelError(f'the model "{name}" does not fit into the world: {error}') from None
+        entities.add(self, self.physics_bodies)
+
+    @property
+    def name(self) -> str:
+        """Its name, unique in the world."""
+        return self._name
+
+    @property
+    def physics_bodies(self) -> List[_core.Body]:
+        return [body.physics_body for body in self.bodies.values()]
+
+    def body_name(self, fixture: _core.Fixture) -> str:
+        for body in self.bodies.values():
+            if body.physics_body == fixture.body:
+                return body.name
+        self._require_there()
+        raise ModelError(f'the fixture is none of the model "{self.name}"')
+
+    def _require_there(self) -> None:
+        if not self.bodies:
+            raise ModelError(f'the model "{self.name}" has been deleted')
 
     def get_body(self, name: str) -> ModelBody:
         """The body of that name.
 
         Raises:
-            ModelError: there is none.
+            ModelError: there is none, or the model has been deleted.
         """
         if name not in self.bodies:
+            self._require_there()
             hint = suggestion(name, self.bodies)
             known = ", ".join(self.bodies)
             raise ModelError(f'the model has no body "{name}"{hint}; it has: {known}')
         return self.bodies[name]
 
+    def get_joint(self, name: str) -> Joint:
+        """The joint of that name.
+
+        Raises:
+            ModelError: there is none, or the model has been deleted.
+        """
+        joints = {joint.name: joint for joint in self.joints}
+        if name not in joints:
+            self._require_there()
+            hint = suggestion(name, joints)
+            known = ", ".join(joints) or "none"
+            raise ModelError(f'the model has no joint "{name}"{hint}; it has: {known}')
+        return joints[name]
+
     @property
     def base(self) -> ModelBody:
-        """Its first body."""
+        """Its first body.
+
+        Raises:
+            ModelError: the model has been deleted.
+        """
+        self._require_there()
         return next(iter(self.bodies.values()))
 
     @property
@@ -148,8 +193,10 @@ class Model:
 
     def remove(self) -> None:
         """Takes its bodies and joints out of the world."""
-        for body in self.bodies.values():
-            body.physics_body.remove()
+        bodies = self.physics_bodies
+        for body in bodies:
+            body.remove()
+        self.entities.remove(bodies)
         self.bodies.clear()
         self.joints.clear()
 

@@ -1,7 +1,7 @@
 """Bodies: the rigid pieces of a model."""
 
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Tuple
 
 from flatland_server import _core
 from flatland_server.collision_filter_registry import CollisionFilterRegistry
@@ -25,7 +25,7 @@ class BodyConfig:
     footprints: Tuple[Footprint, ...]
 
     @classmethod
-    def read(cls, reader: YamlReader, registry: Optional[CollisionFilterRegistry]) -> "BodyConfig":
+    def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "BodyConfig":
         """Reads an entry, its `enabled` aside.
 
         Raises:

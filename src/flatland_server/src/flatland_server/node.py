@@ -129,6 +129,8 @@ class Node:
         self._frames = frames if frames is not None else FrameRegistry()
         self._publishers: List[Publisher] = []
         self._subscriptions: List[Subscription] = []
+        self.on_failure: Optional[Callable[[str], None]] = None
+        """Called with a description of the callback that has just raised an exception."""
 
     def scoped(self, namespace: str, owner: str) -> "Node":
         """A node for somebody else, in a namespace within this one's."""
@@ -160,7 +162,17 @@ class Node:
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
         """Calls `callback(message)` between steps for each message of a topic."""
-        subscription = self._transport.subscribe(self.resolve(topic), message_type, callback)
+        name = self.resolve(topic)
+
+        def guarded(message: Any) -> None:
+            try:
+                callback(message)
+            except Exception:
+                if self.on_failure is None:
+                    raise
+                self.on_failure(f"its callback of {name}")
+
+        subscription = self._transport.subscribe(name, message_type, guarded)
         self._subscriptions.append(subscription)
         return subscription
 

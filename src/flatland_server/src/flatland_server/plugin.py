@@ -1,22 +1,45 @@
 """What model plugins and world plugins have in common.
 
 The life of a plugin: it is made; `on_initialize` reads its configuration and opens its topics;
-then, at every step, `before_physics_step` at time t and `after_physics_step` at time t + dt, or,
-with an `update_timer`, only when that is due; at last `on_shutdown`, when its model is deleted or
-the world ends. Its topics, subscriptions and transforms go away with its node. All of it happens on
-one thread, between steps; a hook that a plugin does not override is never called and costs nothing.
+then, at every step:
+
+    before_physics_step     the time is t
+        begin_contact       two fixtures start to touch        the time is still t
+        pre_solve           before their contact is solved
+        end_contact         they touch no longer
+        post_solve          what the solver did to keep them apart
+    after_physics_step      the time is t + dt
+
+and at last `on_shutdown`, when its model is deleted, when it has failed, or when the world ends.
+Its topics, subscriptions and transforms go away with its node. With an `update_timer`, the first
+and the last of a step's hooks come only when that is due; those of contacts come always, at the
+contacts of the plugin's own model, or of the whole world. All of it happens on one thread. A hook
+that a plugin does not override is never called and costs nothing; one that raises is its last.
+
+In a hook, models are spawned, moved and deleted as ever, which then happens at the end of the step.
+In the hooks of contacts, velocities can be set and forces applied, but no body be put elsewhere.
 """
 
 from typing import Optional
 
 import numpy as np
 
+from flatland_server import _core
 from flatland_server.node import Node
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
 from flatland_server.yaml_reader import YamlReader
 
-HOOKS = ("before_physics_step", "after_physics_step")
+CONTACT_HOOKS = {
+    "begin_contact": _core.BEGIN_CONTACT,
+    "pre_solve": _core.PRE_SOLVE,
+    "end_contact": _core.END_CONTACT,
+    "post_solve": _core.POST_SOLVE,
+}
+"""The hooks of contacts, and the moments of the core at which they are called."""
+
+HOOKS = ("before_physics_step", *CONTACT_HOOKS, "after_physics_step")
+"""All hooks of a step."""
 
 
 class Plugin:
@@ -49,6 +72,21 @@ class Plugin:
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Called after each step; the time is t + dt."""
+
+    def begin_contact(self, contact: _core.Contact) -> None:
+        """Called when two fixtures start to touch."""
+
+    def end_contact(self, contact: _core.Contact) -> None:
+        """Called when two fixtures touch no longer; also when one of them is deleted."""
+
+    def pre_solve(self, contact: _core.Contact, old_manifold: _core.Manifold) -> None:
+        """Called before a contact is solved, perhaps several times in a step; not with sensors.
+
+        `contact.set_enabled(False)` lets the two pass through each other in this step.
+        """
+
+    def post_solve(self, contact: _core.Contact, impulse: _core.ContactImpulse) -> None:
+        """Called after a contact is solved, perhaps several times in a step; not with sensors."""
 
     def on_shutdown(self) -> None:
         """Called once, before the plugin's topics go away."""

@@ -1,11 +1,15 @@
-"""The living plugins: starts them, calls their hooks, ends them."""
+"""The living plugins: starts them, calls their hooks, ends them; and those that failed."""
 
 import logging
+import sys
 import zlib
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Type, TypeVar
 
 import numpy as np
 
+from flatland_server import _core
+from flatland_server.contact_dispatcher import ContactDispatcher
+from flatland_server.entity import Entities, Entity
 from flatland_server.exceptions import FlatlandError, PluginError, Problem, YamlError
 from flatland_server.node import Node
 from flatland_server.plugin import HOOKS, Plugin
@@ -16,7 +20,7 @@ from flatland_server.timekeeper import Timekeeper
 logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
-Hook = Callable[[Timekeeper], None]
+Hook = Callable[..., None]
 
 
 class _Entry(NamedTuple):
@@ -27,6 +31,22 @@ class _Entry(NamedTuple):
     after: Optional[Hook]
 
 
+class PluginFailure(NamedTuple):
+    """Why a plugin was switched off."""
+
+    owner: str
+    """Its model's name; empty if it belongs to the world."""
+    name: str
+    type: str
+    reason: str
+    """The hook, and what it raised."""
+
+    @property
+    def label(self) -> str:
+        """`model/plugin`, or the name alone of a plugin of the world."""
+        return f"{self.owner}/{self.name}" if self.owner else self.name
+
+
 class PluginManager:
     """Starts, calls and ends plugins.
 
@@ -34,12 +54,23 @@ class PluginManager:
         node: the world's node; each plugin gets one of its own within.
         loader: finds plugin classes.
         seed: the world's seed.
+        physics: the world, whose contacts plugins hear of.
+        entities: who has a part in them.
     """
 
-    def __init__(self, node: Node, loader: PluginLoader, seed: int) -> None:
+    def __init__(
+        self,
+        node: Node,
+        loader: PluginLoader,
+        seed: int,
+        physics: _core.World,
+        entities: Entities,
+    ) -> None:
         self._node = node
         self._loader = loader
         self._seed = seed
+        self._contacts = ContactDispatcher(physics, entities, self._call)
+        self._failures: Dict[Plugin, PluginFailure] = {}
         self._plugins: Dict[str, List[Plugin]] = {}
         self._entries: List[_Entry] = []
         self._due: List[_Entry] = []
@@ -47,6 +78,15 @@ class PluginManager:
     def plugins_of(self, owner: str) -> List[Plugin]:
         """The living plugins of a model, or of the world, whose name is empty."""
         return list(self._plugins.get(owner, []))
+
+    @property
+    def failures(self) -> List[PluginFailure]:
+        """The plugins that were switched off, of the models that still exist."""
+        return list(self._failures.values())
+
+    def refresh(self, entity: Entity) -> None:
+        """An entity has got new bodies."""
+        self._contacts.refresh(entity)
 
     def start(
         self,
@@ -81,10 +121,15 @@ class PluginManager:
         except BaseException:
             self.stop(owner)
             raise
+        entity = subject if isinstance(subject, Entity) else None
         for plugin in self._plugins[owner]:
-            before, after = (_overridden(plugin, hook) for hook in HOOKS)
+            hooks = _overridden(plugin)
+            before, after = hooks.get("before_physics_step"), hooks.get("after_physics_step")
             if before is not None or after is not None:
                 self._entries.append(_Entry(plugin, before, after))
+            self._contacts.add(plugin, entity, hooks)
+        if entity is not None:
+            self._contacts.refresh(entity)
 
     def _start_one(
         self, config: PluginConfig, base: Type[P], owner: str, namespace: str, subject: Any
@@ -99,6 +144,7 @@ class PluginManager:
         node = self._node.scoped(namespace, label)
         try:
             plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
+            node.on_failure = lambda where: self._fail(plugin, where)
             plugin.on_initialize(reader)
             reader.finish()
         except BaseException as error:
@@ -115,12 +161,16 @@ class PluginManager:
         """Ends the plugins of a model or the world, the last one first."""
         plugins = self._plugins.pop(owner, [])
         for plugin in reversed(plugins):
-            try:
-                plugin.on_shutdown()
-            except Exception:
-                logger.exception('the plugin "%s" failed in on_shutdown', plugin.name)
-            plugin.node.close()
-        self._switch_off(plugins)
+            if self._failures.pop(plugin, None) is None:
+                self._end(plugin)
+        self._call_no_more(plugins)
+
+    def _end(self, plugin: Plugin) -> None:
+        try:
+            plugin.on_shutdown()
+        except Exception:
+            logger.exception('the plugin "%s" failed in on_shutdown', plugin.name)
+        plugin.node.close()
 
     def stop_all(self) -> None:
         """Ends all plugins."""
@@ -136,35 +186,45 @@ class PluginManager:
         ]
         for entry in self._due:
             if entry.before is not None:
-                self._call(entry, entry.before, timekeeper)
+                self._call(entry.plugin, entry.before, timekeeper)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls the hook of every plugin that was due before the step."""
         for entry in self._due:
             if entry.after is not None:
-                self._call(entry, entry.after, timekeeper)
+                self._call(entry.plugin, entry.after, timekeeper)
 
-    def _call(self, entry: _Entry, hook: Hook, timekeeper: Timekeeper) -> None:
+    def _call(self, plugin: Plugin, hook: Hook, *arguments: Any) -> None:
         try:
-            hook(timekeeper)
+            hook(*arguments)
         except Exception:
-            logger.exception(
-                'the plugin "%s" failed in %s and is switched off',
-                entry.plugin.name,
-                hook.__name__,
-            )
-            self._switch_off([entry.plugin])
+            self._fail(plugin, hook.__name__)
 
-    def _switch_off(self, plugins: Sequence[Plugin]) -> None:
+    def _fail(self, plugin: Plugin, where: str) -> None:
+        """Switches a plugin off, in the face of the exception that it raised somewhere."""
+        if plugin in self._failures:
+            return
+        owner = next((name for name, each in self._plugins.items() if plugin in each), "")
+        error = sys.exc_info()[1]
+        reason = f"{where}: {type(error).__name__}: {error}"
+        failure = PluginFailure(owner, plugin.name, plugin.type, reason)
+        logger.exception('the plugin "%s" failed in %s and is switched off', failure.label, where)
+        self._failures[plugin] = failure
+        self._call_no_more([plugin])
+        self._end(plugin)
+
+    def _call_no_more(self, plugins: Sequence[Plugin]) -> None:
         """Calls no more hooks of these plugins."""
         gone = {id(plugin) for plugin in plugins}
         self._entries = [entry for entry in self._entries if id(entry.plugin) not in gone]
         self._due = [entry for entry in self._due if id(entry.plugin) not in gone]
+        self._contacts.remove(plugins)
 
 
-def _overridden(plugin: Plugin, hook: str) -> Optional[Hook]:
-    """A plugin's hook, or None if it is the base class's empty one."""
-    if getattr(type(plugin), hook) is getattr(Plugin, hook):
-        return None
-    method: Hook = getattr(plugin, hook)
-    return method
+def _overridden(plugin: Plugin) -> Dict[str, Hook]:
+    """Those of a plugin's hooks that are not the base class's empty ones, by name."""
+    return {
+        name: getattr(plugin, name)
+        for name in HOOKS
+        if getattr(type(plugin), name) is not getattr(Plugin, name)
+    }

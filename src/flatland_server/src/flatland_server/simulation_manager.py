@@ -1,6 +1,5 @@
 """Progresses the world through time, as fast as asked for."""
 
-import math
 import time
 from typing import Callable, List
 
@@ -10,8 +9,11 @@ from flatland_server.world import World
 _LONGEST_BACKLOG = 0.25
 """How much lost time [s] is caught up; what is more is lost for good."""
 
-_WAIT_WHILE_PAUSED = 0.01
-"""How long a paused simulation of unbounded rate waits for something to do [s]."""
+_LONGEST_TURN = 0.02
+"""How long it waits at most for the next step before it lets listeners have a turn [s]."""
+
+_METERING_TIME = 1.0
+"""Real time over which the rate is measured [s]."""
 
 
 class SimulationManager:
@@ -31,12 +33,29 @@ class SimulationManager:
             raise ValueError(f"expected an update rate above 0 Hz, found {update_rate}")
         self.world = world
         self.timekeeper = timekeeper
-        self.update_rate = update_rate
+        self.change_rate(update_rate * timekeeper.step_size)
         self.is_paused = False
+        self.real_time_factor = 0.0
+        """Simulated seconds per second of real time, in the last second or so of `run`."""
         self.after_step: List[Callable[[], None]] = []
         """Called after each step."""
         self.each_turn: List[Callable[[], None]] = []
-        """Called at the update rate, also while the simulation is paused."""
+        """Called often, also while the simulation is paused or waits."""
+
+    @property
+    def rate(self) -> float:
+        """Simulated seconds per second of real time that are asked for; may be infinite."""
+        return self.update_rate * self.timekeeper.step_size
+
+    def change_rate(self, rate: float) -> None:
+        """Asks for another `rate`: 1 is real time, infinity as fast as the machine can.
+
+        Raises:
+            ValueError: the rate is not above zero.
+        """
+        if not rate > 0:
+            raise ValueError(f"expected a rate above 0, found {rate}")
+        self.update_rate = rate / self.timekeeper.step_size
 
     def pause(self) -> None:
         """Stops time."""
@@ -62,17 +81,23 @@ class SimulationManager:
 
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Runs until `goes_on()` is false; asks before each step."""
-        next_turn = time.monotonic()
+        due = now = time.monotonic()
+        metered = (now, self.timekeeper.seconds)
         while goes_on():
-            if math.isinf(self.update_rate):
-                self.world.transport.process(_WAIT_WHILE_PAUSED if self.is_paused else 0.0)
-            else:
-                now = time.monotonic()
-                self.world.transport.process(max(0.0, next_turn - now))
-                next_turn = max(next_turn, now - _LONGEST_BACKLOG) + 1.0 / self.update_rate
+            self.world.transport.process(min(max(0.0, due - now), _LONGEST_TURN))
             if not goes_on():
                 return
-            if not self.is_paused:
-                self._step()
+            now = time.monotonic()
+            if now >= due:
+                last = max(due, now - _LONGEST_BACKLOG)
+                if not self.is_paused:
+                    self._step()
             for listener in self.each_turn:
                 listener()
+            period = 1.0 / self.update_rate  # it may have been changed
+            due = last + (max(period, _LONGEST_TURN) if self.is_paused else period)
+            now = time.monotonic()
+            if now - metered[0] >= _METERING_TIME:
+                seconds = self.timekeeper.seconds
+                self.real_time_factor = (seconds - metered[1]) / (now - metered[0])
+                metered = (now, seconds)

@@ -5,138 +5,33 @@ timekeeper = Timekeeper(step_size=0.005)
 world.step(timekeeper)
 """
 
+import logging
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Set
 
 from flatland_server import _core
-from flatland_server.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.enabled_entries import read_enabled
+from flatland_server.arrays import Segments
+from flatland_server.entity import Entities
 from flatland_server.exceptions import FlatlandError, ModelError, Problem, YamlError, suggestion
 from flatland_server.geometry import Pose
-from flatland_server.layer import Layer, LayerConfig
+from flatland_server.layer import Layer
 from flatland_server.local_transport import LocalTransport
 from flatland_server.model import Model, ModelConfig
 from flatland_server.model_plugin import ModelPlugin
-from flatland_server.names import check_topic_name, namespace_problem, topic_name_problem
+from flatland_server.names import namespace_problem, topic_name_problem
 from flatland_server.node import Node, Transport
-from flatland_server.plugin_config import PluginConfig
 from flatland_server.plugin_loader import PluginLoader
-from flatland_server.plugin_manager import PluginManager
+from flatland_server.plugin_manager import PluginFailure, PluginManager
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.world_config import ModelEntry, WorldConfig
 from flatland_server.world_plugin import WorldPlugin
 from flatland_server.yaml_preprocessor import YamlPreprocessor, is_file
-from flatland_server.yaml_reader import YamlReader
 
-_MOST_ITERATIONS = 10_000
-"""Of the solver in a step; more would stall the simulation."""
+logger = logging.getLogger(__name__)
 
-
-@dataclass(frozen=True)
-class ModelEntry:
-    """An entry of a world's `models`, with the model's file."""
-
-    name: str
-    namespace: str
-    pose: Pose
-    model: ModelConfig
-
-
-@dataclass(frozen=True)
-class WorldConfig:
-    """A world file with all the files that it names."""
-
-    velocity_iterations: int
-    position_iterations: int
-    registry: CollisionFilterRegistry
-    layers: Tuple[LayerConfig, ...]
-    models: Tuple[ModelEntry, ...]
-    plugins: Tuple[PluginConfig, ...]
-
-    @classmethod
-    def from_file(
-        cls,
-        path: Path,
-        preprocessor: Optional[YamlPreprocessor] = None,
-        *,
-        simplify_map: int = 0,
-    ) -> "WorldConfig":
-        """Reads a world file and what it refers to; touches nothing else.
-
-        Args:
-            path: of the file.
-            preprocessor: has the parameters for expressions in the files.
-            simplify_map: how much the outlines of map images are simplified; see `read_map`.
-
-        Raises:
-            YamlError: something in the files is wrong; all that was found.
-        """
-        reader = YamlReader.from_file(path, preprocessor)
-        return cls.read(reader, preprocessor, simplify_map=simplify_map)
-
-    @classmethod
-    def read(
-        cls,
-        reader: YamlReader,
-        preprocessor: Optional[YamlPreprocessor] = None,
-        *,
-        simplify_map: int = 0,
-    ) -> "WorldConfig":
-        """The same of a file that is being read already."""
-        properties = reader.get_section("properties", required=True)
-        velocity_iterations = properties.get_int(
-            "velocity_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
-        )
-        position_iterations = properties.get_int(
-            "position_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
-        )
-        properties.finish()
-        registry = CollisionFilterRegistry()
-        layers = reader.get_sections(
-            "layers",
-            lambda section: LayerConfig.read(section, registry, preprocessor, simplify_map),
-            required=True,
-        )
-        files: Dict[Path, ModelConfig] = {}  # each is read once, however many models there are
-
-        def read_model(path: Path) -> ModelConfig:
-            if path not in files:
-                files[path] = ModelConfig.from_file(path, registry, preprocessor)
-            return files[path]
-
-        models = read_enabled(
-            reader, "models", lambda section: _read_model_entry(section, read_model)
-        )
-        plugins = read_enabled(reader, "plugins", PluginConfig.read)
-        reader.finish()
-        return cls(
-            velocity_iterations,
-            position_iterations,
-            registry,
-            tuple(layers),
-            tuple(models),
-            tuple(plugins),
-        )
-
-
-def _read_model_entry(reader: YamlReader, read_model: Callable[[Path], ModelConfig]) -> ModelEntry:
-    name = reader.get_string("name")
-    check_topic_name(reader, "name", name)
-    namespace = reader.get_string("namespace", "")
-    problem = namespace_problem(namespace)
-    if problem:
-        reader.problem(problem, "namespace")
-    pose = reader.get_pose("pose", Pose())
-    path = reader.get_path("model")
-    try:
-        model = read_model(path) if is_file(path) else None
-    except YamlError as error:
-        reader.note(error)
-        model = None
-    reader.finish()
-    assert model is not None  # or there was a problem
-    return ModelEntry(name, namespace, pose, model)
+_MOST_DEFERRED = 1000
+"""How many things that plugins ask for within hooks are done in a row."""
 
 
 class World:
@@ -164,14 +59,19 @@ class World:
         self.registry = config.registry
         self.models: Dict[str, Model] = {}
         self.physics = _core.World(config.velocity_iterations, config.position_iterations)
-        self._plugins = PluginManager(Node(self.transport), loader or PluginLoader(), seed)
-        self._is_stepping = False
+        self.entities = Entities()
+        self._plugins = PluginManager(
+            Node(self.transport), loader or PluginLoader(), seed, self.physics, self.entities
+        )
+        self._is_locked = False  # while it steps, or takes bodies away: contacts are told of then
+        self._unsettled: Set[str] = set()  # models that are being started or stopped
+        self._deferred: List[Callable[[], None]] = []
         try:
-            self.layers = [Layer(layer, self.physics) for layer in config.layers]
+            self.layers = [Layer(layer, self.physics, self.entities) for layer in config.layers]
             problems: List[Problem] = []
             for entry in config.models:
                 try:
-                    self._add_model(entry)
+                    self.add_model(entry)
                 except YamlError as error:
                     problems.extend(error.problems)
             if problems:
@@ -202,8 +102,16 @@ class World:
         """How many plugins live in it and its models."""
         return sum(len(self._plugins.plugins_of(owner)) for owner in ["", *self.models])
 
-    def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Model:
+    @property
+    def plugin_failures(self) -> List[PluginFailure]:
+        """The plugins that have failed and are switched off."""
+        return self._plugins.failures
+
+    def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Optional[Model]:
         """Puts a new model into the world: wholly, or not at all.
+
+        Within a step, that is in a plugin's hook, the model comes at the end of the step, and None
+        is returned; should it not start, that is logged.
 
         Args:
             path: of the model file.
@@ -218,37 +126,122 @@ class World:
         problem = topic_name_problem(name) or namespace_problem(namespace)
         if problem:
             raise ModelError(problem)
-        if name in self.models:
-            raise ModelError(f'a model named "{name}" is already there')
+        self._require_new(name)
         _check_pose(pose)
+        entry = ModelEntry(name, namespace, pose, self.read_model(path))
+        if not self._is_locked:
+            return self.add_model(entry)
+        self._deferred.append(lambda: self._add_later(entry))
+        return None
+
+    def read_model(self, path: Path) -> ModelConfig:
+        """What a model file says, for this world; may be called by any thread.
+
+        Raises:
+            FlatlandError: there is no such file, or something in it is wrong.
+        """
         if not is_file(path):
             raise ModelError(f"there is no file {path}")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
-            config = ModelConfig.from_file(path, self.registry, preprocessor)
-        return self._add_model(ModelEntry(name, namespace, pose, config))
+            return ModelConfig.from_file(path, self.registry, preprocessor)
+
+    def add_model(self, entry: ModelEntry) -> Model:
+        """Puts a model into the world that has been read, or made without a file.
+
+        Raises:
+            FlatlandError: its name is taken, it does not fit in, or one of its plugins does not
+                start; the world is then as it was. Or the world is in the midst of a step.
+        """
+        if self._is_locked:
+            raise FlatlandError(
+                "add_model is for between steps; spawn_model may be called in a hook"
+            )
+        self._require_new(entry.name)
+        there_before = set(self.models)
+        model = Model(
+            entry.name,
+            entry.namespace,
+            entry.model,
+            entry.pose,
+            self.physics,
+            self.registry,
+            self.entities,
+        )
+        self.models[entry.name] = model
+        self._unsettled.add(entry.name)
+        plugins = entry.model.plugins
+        try:
+            self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
+        except BaseException:
+            del self.models[entry.name]
+            self._take_away(model)
+            for name in [name for name in self.models if name not in there_before]:
+                self._remove(self.models[name])  # its plugins had spawned it
+            raise
+        finally:
+            self._unsettled.discard(entry.name)
+        self._run_deferred()
+        return model
 
     def delete_model(self, name: str) -> None:
         """Takes a model out of the world, with its topics and frames.
+
+        In a plugin's hook, this happens at the end of the step.
 
         Raises:
             ModelError: there is no such model.
         """
         model = self.get_model(name)
-        self._require_between_steps()
-        del self.models[name]
-        self._plugins.stop(name)
-        model.remove()
+        if self._is_locked or name in self._unsettled:
+            self._deferred.append(lambda: self._remove(model))
+        else:
+            self._remove(model)
+            self._run_deferred()
 
     def move_model(self, name: str, pose: Pose) -> None:
         """Puts a model somewhere else, at rest.
+
+        In a plugin's hook, this happens at the end of the step.
 
         Raises:
             ModelError: there is no such model, or the pose is not usable.
         """
         model = self.get_model(name)
-        self._require_between_steps()
         _check_pose(pose)
-        model.move(pose)
+        if self._is_locked:
+            self._deferred.append(lambda: self._move_later(model, pose))
+        else:
+            model.move(pose)
+
+    def add_walls(self, layer: str, segments: Segments) -> None:
+        """Puts up walls in a layer.
+
+        Args:
+            layer: one of its names.
+            segments: in the world [m]: shape (n, 4), x1, y1, x2, y2.
+
+        Raises:
+            FlatlandError: there is no such layer, or the world is in the midst of a step.
+            ValueError: a segment is not finite, or of no length.
+        """
+        if self._is_locked:
+            raise FlatlandError("walls are put up between steps, not during one")
+        found = self.get_layer(layer)
+        found.add_walls(segments)
+        self._plugins.refresh(found)
+
+    def get_layer(self, name: str) -> Layer:
+        """The layer that has this name among its names.
+
+        Raises:
+            FlatlandError: there is none.
+        """
+        for layer in self.layers:
+            if name in layer.config.names:
+                return layer
+        known = ", ".join(self.registry.names) or "none"
+        hint = suggestion(name, self.registry.names)
+        raise FlatlandError(f'no layer is named "{name}"{hint}; there are: {known}')
 
     def get_model(self, name: str) -> Model:
         """The model of that name.
@@ -266,38 +259,66 @@ class World:
         Callbacks that wait are run by `transport.process()`, not here; `SimulationManager.step`
         does both.
         """
-        self._is_stepping = True
+        self._is_locked = True
         try:
             self._plugins.before_physics_step(timekeeper)
             self.physics.step(timekeeper.step_size)
             timekeeper.step()
             self._plugins.after_physics_step(timekeeper)
         finally:
-            self._is_stepping = False
+            self._is_locked = False
+        if self._deferred:
+            self._run_deferred()
         self.transport.flush()
 
     def close(self) -> None:
         """Ends all plugins."""
         self._plugins.stop_all()
 
-    def _add_model(self, entry: ModelEntry) -> Model:
-        self._require_between_steps()
-        model = Model(
-            entry.name, entry.namespace, entry.model, entry.pose, self.physics, self.registry
-        )
-        self.models[entry.name] = model
-        plugins = entry.model.plugins
-        try:
-            self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
-        except BaseException:
-            del self.models[entry.name]
-            model.remove()
-            raise
-        return model
+    def _require_new(self, name: str) -> None:
+        if name in self.models:
+            raise ModelError(f'a model named "{name}" is already there')
 
-    def _require_between_steps(self) -> None:
-        if self._is_stepping:
-            raise FlatlandError("models come, go and are moved between steps, not during one")
+    def _remove(self, model: Model) -> None:
+        if self.models.get(model.name) is not model:
+            return  # somebody else was quicker
+        self._unsettled.add(model.name)
+        self._plugins.stop(model.name)
+        self._unsettled.discard(model.name)
+        del self.models[model.name]
+        self._take_away(model)
+
+    def _take_away(self, model: Model) -> None:
+        """Removes its bodies; plugins hear of the contacts that this ends."""
+        self._is_locked = True
+        try:
+            model.remove()
+        finally:
+            self._is_locked = False
+
+    def _add_later(self, entry: ModelEntry) -> None:
+        try:
+            self.add_model(entry)
+        except FlatlandError as error:
+            logger.error('the model "%s" is not spawned: %s', entry.name, error)
+
+    def _move_later(self, model: Model, pose: Pose) -> None:
+        if self.models.get(model.name) is not model:
+            return
+        try:
+            model.move(pose)
+        except FlatlandError as error:
+            logger.error("%s", error)
+
+    def _run_deferred(self) -> None:
+        """Does what plugins have asked for, and what they ask for meanwhile.
+
+        Should that never end, the rest has to wait for the next step.
+        """
+        for _ in range(_MOST_DEFERRED):
+            if not self._deferred or self._is_locked:
+                return
+            self._deferred.pop(0)()
 
 
 def _check_pose(pose: Pose) -> None:

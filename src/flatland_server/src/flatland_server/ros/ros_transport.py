@@ -42,7 +42,7 @@ class RosTransport(Transport):
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        return _RosSubscription(topic, message_type, callback, self._enqueue)
+        return _RosSubscription(topic, message_type, callback, self.post)
 
     @property
     def transforms_are_watched(self) -> bool:
@@ -74,7 +74,8 @@ class RosTransport(Transport):
         self.is_ending = True
         self._arrival.set()
 
-    def _enqueue(self, callback: Callable[[], None]) -> None:
+    def post(self, callback: Callable[[], None]) -> None:
+        """Has a callback run on the simulation's thread, between steps. For ROS's threads."""
         self._waiting.append(callback)
         self._arrival.set()
 
@@ -84,7 +85,7 @@ class RosTransport(Transport):
         For ROS's threads; blocks until it is done. An exception is raised here.
         """
         errand = _Errand(function)
-        self._enqueue(errand.run)
+        self.post(errand.run)
         while not errand.is_done(0.1):
             if self.is_ending:
                 raise rospy.ServiceException("the simulation is shutting down")

@@ -1,0 +1,61 @@
+"""/diagnostics: how the simulation goes, and the plugins that have failed."""
+
+import time
+from typing import Any, Dict
+
+import diagnostic_updater
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from flatland_server.plugin_manager import PluginFailure
+from flatland_server.simulation_manager import SimulationManager
+
+_PERIOD = 1.0
+"""Seconds of real time between two messages: a paused simulation has something to tell too."""
+
+
+class Diagnostics:
+    """Publishes a status of the simulation, and an error for each plugin that is switched off."""
+
+    def __init__(self, manager: SimulationManager) -> None:
+        self._manager = manager
+        self._updater = diagnostic_updater.Updater()
+        self._updater.setHardwareID("none")
+        self._updater.add("simulation", self._report_simulation)
+        self._failures: Dict[str, PluginFailure] = {}
+        self._due = time.monotonic()
+
+    def update(self) -> None:
+        """Publishes if it is time to; to be called often."""
+        now = time.monotonic()
+        if now < self._due:
+            return
+        self._due = now + _PERIOD
+        self._follow_failures()
+        self._updater.force_update()
+
+    def _follow_failures(self) -> None:
+        failures = {f"plugin {each.label}": each for each in self._manager.world.plugin_failures}
+        for name in self._failures.keys() - failures.keys():
+            self._updater.removeByName(name)
+        for name in failures.keys() - self._failures.keys():
+            self._updater.add(name, self._reporter_of(failures[name]))
+        self._failures = failures
+
+    def _reporter_of(self, failure: PluginFailure) -> Any:
+        def report(status: Any) -> Any:
+            status.summary(DiagnosticStatus.ERROR, f"switched off: {failure.reason}")
+            status.add("type", failure.type)
+            status.add("model", failure.owner or "(the world)")
+            return status
+
+        return report
+
+    def _report_simulation(self, status: Any) -> Any:
+        manager, world = self._manager, self._manager.world
+        status.summary(DiagnosticStatus.OK, "paused" if manager.is_paused else "running")
+        status.add("simulated time [s]", f"{manager.timekeeper.seconds:.3f}")
+        status.add("times real time", f"{manager.real_time_factor:.2f}")
+        status.add("models", len(world.models))
+        status.add("plugins", world.plugin_count)
+        status.add("plugins that failed", len(world.plugin_failures))
+        return status
