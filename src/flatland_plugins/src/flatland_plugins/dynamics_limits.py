@@ -6,7 +6,11 @@ from flatland_server.yaml_reader import YamlReader
 
 
 class DynamicsLimits(NamedTuple):
-    """Limits of one component of a velocity; 0 is no limit. In m/s^2 and m/s, or rad."""
+    """How fast a velocity may change and how large it may be; 0 is no limit.
+
+    Of a body's velocity in the plane, as a vector, in m/s^2 and m/s; or of an angular velocity, in
+    rad/s^2 and rad/s.
+    """
 
     acceleration_limit: float
     deceleration_limit: float

@@ -2,7 +2,6 @@
 
 import math
 
-from flatland_server.exceptions import ModelError
 from flatland_server.geometry import Transform
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper
@@ -19,12 +18,7 @@ class ModelTfPublisher(ModelPlugin):
         self._publish_tf_world = config.get_bool("publish_tf_world", False)
         self._world_frame_id = config.get_string("world_frame_id", "map")
         rate = config.get_rate("update_rate", math.inf)
-        excluded = set()
-        for name in config.get_strings("exclude", ()):
-            try:
-                excluded.add(self.model.get_body(name).name)
-            except ModelError as error:
-                config.problem(str(error), "exclude")
+        excluded = self.get_body_names(config, "exclude")
         config.finish()
 
         self.update_timer = UpdateTimer(rate)

@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Tuple
+from typing import List, Optional, Tuple
 
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 
 from flatland_plugins.messages import fill_pose, fill_twist, header
+from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_server.geometry import Pose, Transform, wrap_angle
 from flatland_server.model_body import ModelBody
 from flatland_server.model_plugin import ModelPlugin
@@ -19,7 +20,11 @@ Vector3 = Tuple[float, ...]
 
 @dataclass(frozen=True)
 class OdometryConfig:
-    """The keys of a drive that concern odometry; noises are variances."""
+    """The keys of a drive that concern odometry.
+
+    Noises are variances, of x, y and yaw or of their velocities, and new at each message. The drift
+    adds up: variances per second [m^2/s, m^2/s, rad^2/s] in the body's frame; see `OdometryDrift`.
+    """
 
     odom_frame_id: str
     ground_truth_frame_id: str
@@ -32,12 +37,18 @@ class OdometryConfig:
     twist_in_local_frame: bool
     pose_noise: Vector3
     twist_noise: Vector3
+    drift: Vector3
     pose_covariance: Vector3
     twist_covariance: Vector3
 
     @classmethod
-    def read(cls, config: YamlReader) -> "OdometryConfig":
-        """Reads the keys, as documented, from a drive's configuration."""
+    def read(cls, config: YamlReader, enable_twist_pub: bool = True) -> "OdometryConfig":
+        """Reads the keys, as documented, from a drive's configuration.
+
+        Args:
+            config: of the drive.
+            enable_twist_pub: whether the drive publishes its twist if the key is not given.
+        """
         pose_noise = config.get_floats("odom_pose_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
         twist_noise = config.get_floats("odom_twist_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
         return cls(
@@ -47,11 +58,12 @@ class OdometryConfig:
             ground_truth_pub=config.get_string("ground_truth_pub", "odometry/ground_truth"),
             twist_pub=config.get_string("twist_pub", "twist"),
             enable_odom_pub=config.get_bool("enable_odom_pub", True),
-            enable_twist_pub=config.get_bool("enable_twist_pub", True),
+            enable_twist_pub=config.get_bool("enable_twist_pub", enable_twist_pub),
             enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", True),
             twist_in_local_frame=config.get_bool("twist_in_local_frame", True),
             pose_noise=pose_noise,
             twist_noise=twist_noise,
+            drift=config.get_floats("odom_drift", 3, (0.0, 0.0, 0.0), minimum=0.0),
             pose_covariance=config.get_floats(
                 "odom_pose_covariance", 36, planar_covariance(pose_noise)
             ),
@@ -68,12 +80,15 @@ def planar_covariance(variances: Vector3) -> Vector3:
 
 
 class OdometryPublisher:
-    """Publishes a body's odometry with noise, without, as a twist, and as a transform.
+    """Publishes a body's odometry with drift and noise, without, as a twist, and as a transform.
+
+    The drift and the noise of the pose are in the odometry and the transform, the noise of the
+    velocity is in the odometry and the twist. A model that is moved takes its odometry along.
 
     Args:
         plugin: the drive that it belongs to.
         body: whose odometry it is, about the body's origin.
-        config: topics, frames and noise.
+        config: topics, frames, noise and drift.
     """
 
     def __init__(self, plugin: ModelPlugin, body: ModelBody, config: OdometryConfig) -> None:
@@ -81,6 +96,9 @@ class OdometryPublisher:
         self._body = body
         self._node = plugin.node
         self._noise_key = int(plugin.rng.integers(2**63))
+        self._drift: Optional[OdometryDrift] = None
+        if any(config.drift):
+            self._drift = OdometryDrift(config.drift, int(plugin.rng.integers(2**63)))
         self._base_frame = plugin.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
@@ -94,19 +112,20 @@ class OdometryPublisher:
             self._node.claim_frame(config.odom_frame_id, self._base_frame)
 
     def publish(self, nanoseconds: int) -> None:
-        """Publishes what is listened to, for the present pose and velocity."""
+        """Publishes what is listened to, for the present pose and velocity.
+
+        To be called whenever odometry is due, heard or not: drift gathers from call to call.
+        """
         config = self._config
+        if self._drift is not None:
+            self._drift.advance(nanoseconds, self._body.pose)
         with_tf = config.enable_odom_tf_pub and self._node.transforms_are_watched
         publishers = (self._odom, self._ground_truth, self._twist)
         if not with_tf and not any(p is not None and p.is_watched for p in publishers):
             return
-        noise = [0.0] * 6
-        if self._is_noisy:
-            # It depends on the seed and the time alone, not on who has listened so far.
-            rng = np.random.default_rng([self._noise_key, nanoseconds])
-            noise = (rng.standard_normal(6) * self._deviation).tolist()
+        noise = self._noise(nanoseconds)
         pose = self._body.pose
-        x, y, yaw = pose
+        x, y, yaw = pose if self._drift is None else self._drift.pose
         noisy_pose = Pose(x + noise[0], y + noise[1], wrap_angle(yaw + noise[2]))
         local = self._body.physics_body.local_velocity
         noisy_local = (local[0] + noise[3], local[1] + noise[4], local[2] + noise[5])
@@ -127,6 +146,14 @@ class OdometryPublisher:
             self._node.send_transform(
                 Transform(nanoseconds, config.odom_frame_id, self._base_frame, noisy_pose)
             )
+
+    def _noise(self, nanoseconds: int) -> List[float]:
+        """Of the pose and the velocity; depends on the seed and the time, not on who listened."""
+        if not self._is_noisy:
+            return [0.0] * 6
+        rng = np.random.default_rng([self._noise_key, nanoseconds])
+        noise: List[float] = (rng.standard_normal(6) * self._deviation).tolist()
+        return noise
 
     def _message(
         self, nanoseconds: int, frame_id: str, pose: Pose, local: Tuple[float, float, float]

@@ -56,8 +56,18 @@ def wrap_angle(angle: float) -> float:
     return math.remainder(angle, math.tau)
 
 
-def quaternion(yaw: float, roll: float = 0.0) -> Tuple[float, float, float, float]:
-    """(x, y, z, w) of a turn by `roll` about x, then by `yaw` about z."""
-    cos_yaw, sin_yaw = math.cos(yaw / 2), math.sin(yaw / 2)
-    cos_roll, sin_roll = math.cos(roll / 2), math.sin(roll / 2)
-    return sin_roll * cos_yaw, sin_roll * sin_yaw, cos_roll * sin_yaw, cos_roll * cos_yaw
+def quaternion(
+    yaw: float, roll: float = 0.0, pitch: float = 0.0
+) -> Tuple[float, float, float, float]:
+    """(x, y, z, w) of turns about the fixed axes: by roll about x, pitch about y, yaw about z."""
+    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
+    if roll == pitch == 0.0:
+        return 0.0, 0.0, sy, cy
+    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+    return (
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    )

@@ -1,0 +1,123 @@
+"""Crowd: people that walk between goals and give way to walls, robots and each other."""
+
+from typing import Iterator, List, Tuple
+
+import numpy as np
+from geometry_msgs.msg import Pose as PoseMessage
+from geometry_msgs.msg import PoseArray
+
+from flatland_plugins.crowd_config import CrowdConfig
+from flatland_plugins.messages import fill_pose, header
+from flatland_plugins.obstacles import Bodies, Walls, seen_from
+from flatland_plugins.pedestrian import Pedestrian, model_of
+from flatland_plugins.social_force import Others, discs_apart, limit
+from flatland_server.arrays import FloatArray
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+from flatland_server.world_config import ModelEntry
+from flatland_server.world_plugin import WorldPlugin
+from flatland_server.yaml_reader import YamlReader
+
+_MOST_SPEED = 1.3
+"""What people reach at most, by what they want (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
+
+_RANGES_FELT = 8.0
+"""How far walls are felt, in ranges of the repulsion: e^-8 is left of it there."""
+
+
+class Crowd(WorldPlugin):
+    """Puts people into the world, each of them a model, and moves them.
+
+    Between two updates Box2D moves them on at their velocities, and pushes them about: they are
+    bodies like others, without a drive. The next update begins with what came of it.
+    """
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads the keys and puts the people into the world: all of them, or none."""
+        crowd = self._config = CrowdConfig.read(
+            config, self.name, self.world.registry, self.world.models
+        )
+        layers = [layer for layer in self.world.layers if layer.config.bits & crowd.layer_bits]
+        radius = max((p.build.radius for p in crowd.pedestrians), default=0.0)
+        self._walls = Walls(layers, radius + _RANGES_FELT * crowd.force.range)
+        self._bodies = Bodies(self.world.models, crowd.layer_bits)
+        for index, problem in self._tight_places():
+            config.note(crowd.pedestrians[index].reader.error(problem, "pose"))
+        config.raise_problems()
+
+        self.update_timer = UpdateTimer(crowd.update_rate)
+        self._period = self.update_timer.period
+        self._publisher = self.node.advertise(crowd.poses_pub, PoseArray)
+        self._people: List[Pedestrian] = []
+        try:
+            for person in crowd.pedestrians:
+                model = model_of(person, config.file, crowd.layers, crowd.layer_bits)
+                entry = ModelEntry(person.name, "", person.pose, model)
+                self._people.append(Pedestrian(person, self.world.add_model(entry)))
+        except BaseException:
+            self.on_shutdown()
+            raise
+
+    def _tight_places(self) -> Iterator[Tuple[int, str]]:
+        """Who would start too near to something, by its index, and to what."""
+        people = self._config.pedestrians
+        points = np.array([p.pose[:2] for p in people]).reshape(-1, 2)
+        radii = np.array([p.build.radius for p in people])
+        apart = discs_apart(points, radii)
+        around = {
+            "a wall": self._walls.seen_from(points),
+            "a model": seen_from(points, self._bodies.find(but=())),
+            "another pedestrian": Others(apart.distances + radii[:, np.newaxis], apart.away),
+        }
+        for what, others in around.items():
+            for index, room in enumerate(others.distances.min(axis=1, initial=np.inf)):
+                if room < radii[index] - 1e-6:
+                    problem = f"expected room for a radius of {radii[index]:g} m, found {what}"
+                    yield index, f"{problem} after {max(room, 0.0):.2g} m"
+
+    def before_physics_step(self, timekeeper: Timekeeper) -> None:
+        """Publishes where people are, and moves them until the next update."""
+        models = self.world.models
+        self._people = [p for p in self._people if models.get(p.config.name) is p.model]
+        if self._publisher.is_watched:
+            self._publisher.publish(self._poses(timekeeper.nanoseconds))
+        if self._people:
+            dt = max(self._period, timekeeper.step_size)
+            for person, (vx, vy) in zip(self._people, self._next_velocities(dt).tolist()):
+                person.walk(vx, vy, dt)
+
+    def _next_velocities(self, dt: float) -> FloatArray:
+        force, people, goal_radius = self._config.force, self._people, self._config.goal_radius
+        points = np.array([p.position for p in people])
+        velocities = np.array([p.velocity for p in people])
+        radii = np.array([p.config.build.radius for p in people])
+        speeds = np.array([[p.config.build.speed] for p in people])
+        way = np.array([p.way(goal_radius, 2.0 * force.relaxation_time) for p in people])
+        will = np.hypot(way[:, :1], way[:, 1:])  # who stands does not evade, nor does he sway
+
+        bodies = self._bodies.find(but={p.model for p in people})
+        their_velocities = np.array([b.velocity for b in bodies]).reshape(-1, 2)
+        to_walls = self._walls.seen_from(points).nearer_by(radii)
+        to_bodies = seen_from(points, bodies).nearer_by(radii)
+        apart = discs_apart(points, radii)
+        own = velocities[:, np.newaxis]
+        repulsion = force.repel(apart) + force.repel(to_bodies) + force.repel(to_walls)
+        evasion = force.evade(apart, own - velocities)
+        evasion += force.evade(to_bodies, own - their_velocities)
+
+        velocities = force.relax(velocities, speeds * way, repulsion + will * evasion, dt)
+        velocities += will * force.scatter(velocities.shape, dt, self.rng)
+        return limit(velocities, _MOST_SPEED * speeds[:, 0])
+
+    def _poses(self, nanoseconds: int) -> PoseArray:
+        poses = PoseArray(header=header(nanoseconds, self._config.world_frame_id))
+        for person in self._people:
+            poses.poses.append(PoseMessage())
+            fill_pose(poses.poses[-1], person.model.pose)
+        return poses
+
+    def on_shutdown(self) -> None:
+        """Takes the people away."""
+        for person in self._people:
+            if self.world.models.get(person.config.name) is person.model:
+                self.world.delete_model(person.config.name)

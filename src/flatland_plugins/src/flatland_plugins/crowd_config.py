@@ -1,0 +1,142 @@
+"""What a world file says about a crowd."""
+
+from dataclasses import dataclass
+from typing import Collection, Dict, Tuple
+
+from flatland_plugins.social_force import SocialForce
+from flatland_server.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.footprint import Point
+from flatland_server.geometry import Pose
+from flatland_server.names import check_topic_name
+from flatland_server.yaml_reader import Color, YamlReader
+
+
+@dataclass(frozen=True)
+class Build:
+    """What pedestrians have in common, unless their own entries say otherwise."""
+
+    speed: float = 1.34
+    radius: float = 0.25
+    legs: bool = False
+    color: Color = (0.9, 0.6, 0.3, 1.0)
+
+    @classmethod
+    def read(cls, reader: YamlReader, default: "Build") -> "Build":
+        """Reads the desired speed [m/s], the radius [m], and how they look."""
+        return cls(
+            speed=reader.get_float("speed", default.speed, above=0.0),
+            radius=reader.get_float("radius", default.radius, minimum=0.01),
+            legs=reader.get_bool("legs", default.legs),
+            color=reader.get_color("color", default.color),
+        )
+
+
+@dataclass(frozen=True)
+class PedestrianConfig:
+    """An entry of `pedestrians`. Who has no goals wants to stay where he is."""
+
+    name: str
+    pose: Pose
+    goals: Tuple[Point, ...]
+    build: Build
+    reader: YamlReader
+
+    @classmethod
+    def read(cls, reader: YamlReader, name: str, build: Build) -> "PedestrianConfig":
+        """Reads an entry; `name` and `build` are for what it does not say.
+
+        Raises:
+            YamlError: something in it is wrong.
+        """
+        name = reader.get_string("name", name)
+        check_topic_name(reader, "name", name)
+        pose = reader.get_pose("pose")
+        if reader.has("goals"):
+            goals = reader.get_points("goals", 1, 10_000)
+        else:
+            goals = [pose[:2]]
+            reader.get_string("goals", "")  # a key to suggest to who misspells it
+        pedestrian = cls(name, pose, tuple(goals), Build.read(reader, build), reader)
+        reader.finish()
+        return pedestrian
+
+
+@dataclass(frozen=True)
+class CrowdConfig:
+    """All keys of a crowd."""
+
+    update_rate: float
+    layers: Tuple[str, ...]
+    layer_bits: int
+    goal_radius: float
+    poses_pub: str
+    world_frame_id: str
+    force: SocialForce
+    pedestrians: Tuple[PedestrianConfig, ...]
+
+    @classmethod
+    def read(
+        cls,
+        config: YamlReader,
+        name: str,
+        registry: CollisionFilterRegistry,
+        taken: Collection[str],
+    ) -> "CrowdConfig":
+        """Reads the keys.
+
+        Args:
+            config: the plugin's configuration.
+            name: of the crowd; its pedestrians are called that and a number.
+            registry: the layers of the world.
+            taken: the names of the models of the world.
+
+        Raises:
+            YamlError: something is wrong.
+        """
+        check_topic_name(config, "name", name)
+        layers = config.get_strings("layers", ("all",))
+        layer_bits = 0
+        try:
+            layer_bits = registry.bits(layers)
+        except ValueError as error:
+            config.problem(str(error), "layers")
+        build = Build.read(config, Build())
+        names: Dict[str, int] = {}
+
+        def read_pedestrian(section: YamlReader) -> PedestrianConfig:
+            pedestrian = PedestrianConfig.read(section, f"{name}_{len(names)}", build)
+            names[pedestrian.name] = names.get(pedestrian.name, 0) + 1
+            if names[pedestrian.name] > 1:
+                raise section.error(f'the name "{pedestrian.name}" is given twice', "name")
+            if pedestrian.name in taken:
+                raise section.error(f'a model named "{pedestrian.name}" is already there', "name")
+            return pedestrian
+
+        crowd = cls(
+            update_rate=config.get_rate("update_rate", 20.0),
+            layers=layers,
+            layer_bits=layer_bits,
+            goal_radius=config.get_float("goal_radius", 0.3, above=0.0),
+            poses_pub=config.get_string("poses_pub", f"{name}/poses"),
+            world_frame_id=config.get_string("world_frame_id", "map"),
+            force=_read_force(config.get_section("force")),
+            pedestrians=tuple(config.get_sections("pedestrians", read_pedestrian, required=True)),
+        )
+        config.finish()
+        return crowd
+
+
+def _read_force(section: YamlReader) -> SocialForce:
+    default = SocialForce()
+    preference = default.side_preference
+    is_right = section.get_choice("side", ["right", "left"], "right") == "right"
+    force = SocialForce(
+        relaxation_time=section.get_float("relaxation_time", default.relaxation_time, above=0.0),
+        repulsion=section.get_float("repulsion", default.repulsion, minimum=0.0),
+        range=section.get_float("range", default.range, minimum=0.001),
+        evasion=section.get_float("evasion", default.evasion, minimum=0.0),
+        side_preference=preference if is_right else -preference,
+        noise=section.get_float("noise", default.noise, minimum=0.0),
+    )
+    section.finish()
+    return force

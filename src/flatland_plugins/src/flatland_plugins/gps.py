@@ -1,0 +1,69 @@
+"""Gps: a perfectly accurate receiver of satellite navigation."""
+
+from sensor_msgs.msg import NavSatFix, NavSatStatus
+
+from flatland_plugins.geodesy import TangentPlane
+from flatland_plugins.messages import header
+from flatland_server.geometry import Pose, Transform
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+from flatland_server.yaml_reader import YamlReader
+
+
+class Gps(ModelPlugin):
+    """Publishes sensor_msgs/NavSatFix: where the antenna is if the world's x is east, y north.
+
+    The fix has no error, and says so: a covariance of zeros, of the type "known". A receiver whose
+    covariance is unknown is refused, or given an error of their own, by much that uses fixes;
+    robot_localization's filters take the zeros and put a variance of 1e-9 in their place.
+    """
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads the documented keys and opens the topic."""
+        self._body = self.get_body(config)
+        topic = config.get_string("topic", "gps/fix")
+        update_rate = config.get_rate("update_rate", 10.0)
+        self._broadcast_tf = config.get_bool("broadcast_tf", True)
+        frame = config.get_string("frame", self.name)
+        latitude = _read_degrees(config, "ref_lat", 90.0)
+        longitude = _read_degrees(config, "ref_lon", 180.0)
+        self._origin = config.get_pose("origin", Pose())
+        config.finish()
+
+        self._plane = TangentPlane(latitude, longitude)
+        self._frame = self.name_space_tf(frame)
+        self._body_frame = self.name_space_tf(self._body.name)
+        self.update_timer = UpdateTimer(update_rate)
+        self._publisher = self.node.advertise(topic, NavSatFix)
+        if self._broadcast_tf:
+            self.node.claim_frame(self._body_frame, self._frame)
+
+    def before_physics_step(self, timekeeper: Timekeeper) -> None:
+        """Publishes the transform and the fix."""
+        now = timekeeper.nanoseconds
+        if self._broadcast_tf and self.node.transforms_are_watched:
+            self.node.send_transform(Transform(now, self._body_frame, self._frame, self._origin))
+        if self._publisher.is_watched:
+            self._publisher.publish(self._fix(now))
+
+    def _fix(self, nanoseconds: int) -> NavSatFix:
+        antenna = self._body.pose.compose(self._origin)
+        place = self._plane.to_geodetic(antenna.x, antenna.y)
+        return NavSatFix(
+            header=header(nanoseconds, self._frame),
+            status=NavSatStatus(NavSatStatus.STATUS_FIX, NavSatStatus.SERVICE_GPS),
+            latitude=place.latitude,
+            longitude=place.longitude,
+            altitude=place.altitude,
+            position_covariance=(0.0,) * 9,
+            position_covariance_type=NavSatFix.COVARIANCE_TYPE_KNOWN,
+        )
+
+
+def _read_degrees(config: YamlReader, key: str, limit: float) -> float:
+    """An angle of the reference [deg], 0 by default, at most `limit` either way."""
+    angle = config.get_float(key, 0.0)
+    if abs(angle) > limit:
+        config.problem(f"expected a number of {-limit:g} to {limit:g}, found {angle:.12g}", key)
+    return angle

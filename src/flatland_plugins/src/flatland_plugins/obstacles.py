@@ -1,0 +1,114 @@
+"""What a crowd has around it: the walls of layers, and the models that are not of it."""
+
+from typing import Collection, Dict, List, Sequence
+
+import numpy as np
+
+from flatland_plugins.social_force import Others
+from flatland_plugins.wall_grid import WallGrid, nearest
+from flatland_server.arrays import FloatArray
+from flatland_server.footprint import Circle, Footprint, Point
+from flatland_server.layer import Layer
+from flatland_server.model import Model
+from flatland_server.model_body import ModelBody
+
+
+class Walls:
+    """The walls of some layers, also those that are put up later.
+
+    Args:
+        layers: whose walls they are.
+        reach: how far from a point walls are looked for [m].
+    """
+
+    def __init__(self, layers: Sequence[Layer], reach: float) -> None:
+        self._layers = layers
+        self._reach = reach
+        self._count = -1
+
+    def seen_from(self, points: FloatArray) -> Others:
+        """How points (n, 2) lie to the walls around them; see `WallGrid.walls`."""
+        count = sum(len(layer.segments) for layer in self._layers)
+        if count != self._count:
+            segments = [np.empty((0, 4)), *(layer.segments for layer in self._layers)]
+            self._grid = WallGrid(np.concatenate(segments), self._reach)
+            self._count = count
+        return self._grid.walls(points)
+
+
+class Outline:
+    """The footprints of a body that one can run into, as lines; a disc is a point with a radius."""
+
+    def __init__(self, body: ModelBody, footprints: Sequence[Footprint]) -> None:
+        self._body = body.physics_body
+        lines, radii = [], []
+        for footprint in footprints:
+            shape = footprint.shape
+            corners = [shape.center] if isinstance(shape, Circle) else list(shape.vertices)
+            lines.append(np.hstack([corners, np.roll(corners, -1, axis=0)]))
+            radii += [shape.radius if isinstance(shape, Circle) else 0.0] * len(corners)
+        self._lines = np.concatenate(lines)
+        self._radii = np.array(radii)
+
+    @property
+    def velocity(self) -> Point:
+        """Of the body's origin [m/s]."""
+        return self._body.velocity[:2]
+
+    def seen_from(self, points: FloatArray) -> Others:
+        """How points (n, 2) lie to the nearest point of it: distances (n,), away (n, 2)."""
+        x, y, yaw = self._body.pose
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        turn = np.array([[cos, sin], [-sin, cos]])
+        lines = (self._lines.reshape(-1, 2) @ turn + (x, y)).reshape(-1, 4)
+        distances, away = nearest(points, lines)
+        distances -= self._radii
+        index = distances.argmin(axis=1)
+        each = np.arange(len(points))
+        return Others(distances[each, index], away[each, index])
+
+
+class Bodies:
+    """The bodies of a world's models, each an obstacle.
+
+    Args:
+        models: those of the world, by name; it may change.
+        layers: bits of the collision layers of who might run into them.
+    """
+
+    def __init__(self, models: Dict[str, Model], layers: int) -> None:
+        self._models = models
+        self._layers = layers
+        self._outlines: Dict[Model, List[Outline]] = {}
+
+    def find(self, but: Collection[Model]) -> List[Outline]:
+        """Those that are there now, of all models but some."""
+        models = [model for model in self._models.values() if model not in but]
+        self._outlines = {
+            model: self._outlines.get(model) or self._outlines_of(model) for model in models
+        }
+        return [outline for outlines in self._outlines.values() for outline in outlines]
+
+    def _outlines_of(self, model: Model) -> List[Outline]:
+        outlines = []
+        for body in model.bodies.values():
+            footprints = [f for f in body.config.footprints if self._can_be_touched(f)]
+            if footprints:
+                outlines.append(Outline(body, footprints))
+        return outlines
+
+    def _can_be_touched(self, footprint: Footprint) -> bool:
+        return (
+            footprint.collision
+            and not footprint.sensor
+            and bool(footprint.layer_bits & self._layers)
+        )
+
+
+def seen_from(points: FloatArray, outlines: Sequence[Outline]) -> Others:
+    """How points (n, 2) lie to m outlines: distances (n, m), away (n, m, 2)."""
+    seen = [outline.seen_from(points) for outline in outlines]
+    return Others(
+        np.array([one.distances for one in seen]).reshape(len(seen), len(points)).T,
+        np.array([one.away for one in seen]).reshape(len(seen), len(points), 2).swapaxes(0, 1),
+    )

@@ -1,0 +1,78 @@
+"""RandomWall: walls that are not on the map."""
+
+import math
+
+import numpy as np
+
+from flatland_plugins.wall_grid import nearest
+from flatland_server.arrays import FloatArray, Segments
+from flatland_server.exceptions import FlatlandError
+from flatland_server.footprint import Circle
+from flatland_server.model import Model
+from flatland_server.world_plugin import WorldPlugin
+from flatland_server.yaml_reader import YamlReader
+
+
+class RandomWall(WorldPlugin):
+    """Puts up copies of walls of a layer, each beside its original, when the world is loaded.
+
+    Which walls it copies is a matter of chance, and of the world's seed. A copy is parallel to its
+    wall, `wall_wall_dist` from it, on the side of the robot; a double wall has one on the other
+    side too. None is put up where the robot stands.
+    """
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads the keys and puts up the walls."""
+        layer_name = config.get_string("layer")
+        count = config.get_int("num_of_walls", 0, minimum=0)
+        distance = config.get_float("wall_wall_dist", 1.0, above=0.0)
+        is_double = config.get_bool("double_wall", False)
+        robot_name = config.get_string("robot_name")
+        config.finish()
+        try:
+            layer = self.world.get_layer(layer_name)
+        except FlatlandError as error:
+            raise config.error(str(error), "layer") from None
+        try:
+            robot = self.world.get_model(robot_name)
+        except FlatlandError as error:
+            raise config.error(str(error), "robot_name") from None
+
+        place = np.array(robot.pose[:2])
+        copies = copies_beside(layer.segments, place, distance, is_double)
+        nearby = nearest(place[np.newaxis], copies.reshape(-1, 4)).distances
+        is_free = nearby.reshape(copies.shape[:2]).min(axis=1) > radius_of(robot)
+        candidates = np.flatnonzero(is_free)
+        if len(candidates) < count:
+            raise config.error(
+                f'expected {count} walls of the layer "{layer_name}" that can be copied without '
+                f"standing on the robot, found {len(candidates)}",
+                "num_of_walls",
+            )
+        chosen = self.rng.choice(candidates, count, replace=False)
+        self.world.add_walls(layer_name, copies[chosen].reshape(-1, 4))
+
+
+def copies_beside(walls: Segments, place: FloatArray, distance: float, is_double: bool) -> Segments:
+    """Parallels of walls (n, 4) on the side of a place (2,): (n, 1, 4), or (n, 2, 4) on both."""
+    start, end = walls[:, :2], walls[:, 2:]
+    along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
+    left = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    side = np.where(((place - start) * left).sum(axis=1, keepdims=True) >= 0.0, 1.0, -1.0)
+    shift = np.tile(distance * side * left, 2)
+    copies = [walls + shift, walls - shift] if is_double else [walls + shift]
+    return np.stack(copies, axis=1)
+
+
+def radius_of(model: Model) -> float:
+    """How far a model's footprints reach from its origin [m]."""
+    origin = model.pose[:2]
+    reach = 0.0
+    for body in model.bodies.values():
+        for footprint in body.config.footprints:
+            shape = footprint.shape
+            radius = shape.radius if isinstance(shape, Circle) else 0.0
+            for point in [shape.center] if isinstance(shape, Circle) else shape.vertices:
+                place = body.physics_body.world_point(point)
+                reach = max(reach, math.dist(origin, place) + radius)
+    return reach

@@ -1,0 +1,115 @@
+"""TricycleDrive: a body on a steered front wheel and an unsteered rear axle."""
+
+import logging
+import math
+from typing import Callable, Optional, Tuple
+
+from flatland_plugins.dynamics_limits import DynamicsLimits
+from flatland_plugins.twist_drive import TwistDrive, read_dynamics
+from flatland_server.joint import Joint
+from flatland_server.model_body import ModelBody
+from flatland_server.yaml_reader import YamlReader
+
+logger = logging.getLogger(__name__)
+
+Point = Tuple[float, float]
+
+_TOLERANCE = 1e-3
+"""How far [m] an anchor may be from where it must be; and the axle, as a part of its length."""
+
+_DEPRECATED = (
+    ("max_angular_velocity", "velocity_limit"),
+    ("max_steer_acceleration", "acceleration_limit"),
+)
+
+
+class TricycleDrive(TwistDrive):
+    """A Twist's linear.x is the front wheel's speed [m/s], its angular.z the wheel's angle [rad].
+
+    The body's origin is at the front wheel. Its geometry is that of the model's joints: the front
+    wheel hangs on a revolute joint at the origin, the two rear wheels on welds whose middle is the
+    middle of the rear axle, at right angles to the way there. The front wheel's body is turned for
+    show. `angular_dynamics` limits how the steering angle changes, `linear_dynamics` the speed.
+    """
+
+    obeys = ("linear.x", "angular.z")
+    publishes_twist = False
+
+    def add_drive(self, config: YamlReader, body: ModelBody) -> Callable[..., None]:
+        front = self._get_wheel(config, "front_wheel_joint", body, "revolute")
+        left = self._get_wheel(config, "rear_left_wheel_joint", body, "weld")
+        right = self._get_wheel(config, "rear_right_wheel_joint", body, "weld")
+        if front is not None and math.hypot(*front[1]) > _TOLERANCE:
+            x, y = front[1]
+            config.problem(
+                f"expected the front wheel at the body's origin, found it at [{x:g}, {y:g}]",
+                "front_wheel_joint",
+            )
+        axle = (0.0, 0.0)
+        if left is not None and right is not None:
+            axle = self._rear_axle(config, left[1], right[1])
+        max_steer_angle = config.get_float("max_steer_angle", 0.0, minimum=0.0)
+        linear, angular = read_dynamics(config)
+        angular = _with_deprecated(config, angular)
+        config.finish()
+        assert front is not None  # or there was a problem
+        tricycle = body.physics_body.add_tricycle(
+            front[0].physics_joint, axle, max_steer_angle, linear, angular
+        )
+        return tricycle.command
+
+    def _get_wheel(
+        self, config: YamlReader, key: str, body: ModelBody, kind: str
+    ) -> Optional[Tuple[Joint, Point]]:
+        """A wheel's joint and where it is on the body."""
+        joint = self.get_joint(config, key)
+        if joint is None:
+            return None
+        if joint.config.type != kind:
+            config.problem(f"expected a {kind} joint, found a {joint.config.type} joint", key)
+        if body.name not in joint.config.bodies:
+            names = " and ".join(joint.config.bodies)
+            config.problem(f'expected a joint of "{body.name}", found one of {names}', key)
+            return None
+        on_body = joint.config.bodies.index(body.name)
+        x, y = joint.config.anchors[1 - on_body]
+        if math.hypot(x, y) > _TOLERANCE:
+            config.problem(
+                f"expected the anchor on the wheel at its origin, found it at [{x:g}, {y:g}]", key
+            )
+        return joint, joint.config.anchors[on_body]
+
+    def _rear_axle(self, config: YamlReader, left: Point, right: Point) -> Point:
+        """The middle of the rear axle, in the body's frame."""
+        middle = (left[0] + right[0]) / 2, (left[1] + right[1]) / 2
+        wheelbase = math.hypot(*middle)
+        width = math.dist(left, right)
+        aslant = middle[0] * (left[0] - right[0]) + middle[1] * (left[1] - right[1])
+        if wheelbase < _TOLERANCE:
+            config.problem("expected the rear axle apart from the front wheel, found it there")
+        elif width < _TOLERANCE:
+            config.problem(
+                "expected the rear wheels apart from each other, "
+                f"found both at [{left[0]:g}, {left[1]:g}]"
+            )
+        elif abs(aslant) > _TOLERANCE * wheelbase * width:
+            config.problem(
+                "expected the rear axle at right angles to the way from its middle to the front "
+                f"wheel, found the rear wheels at [{left[0]:g}, {left[1]:g}] and "
+                f"[{right[0]:g}, {right[1]:g}]"
+            )
+        return middle
+
+
+def _with_deprecated(config: YamlReader, angular: DynamicsLimits) -> DynamicsLimits:
+    """The steering's limits, with those that older files give under other names."""
+    for old, new in _DEPRECATED:
+        value = config.get_float(old, 0.0, minimum=0.0)
+        if not config.has(old):
+            continue
+        logger.warning("%s", config.error(f"is deprecated; write angular_dynamics.{new}", old))
+        if getattr(angular, new) == 0.0:
+            angular = angular._replace(**{new: value})
+            if new == "acceleration_limit" and angular.deceleration_limit == 0.0:
+                angular = angular._replace(deceleration_limit=value)
+    return angular

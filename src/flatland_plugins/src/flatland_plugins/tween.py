@@ -1,0 +1,31 @@
+"""Tween: a body that moves between two poses by the clock."""
+
+from std_msgs.msg import Bool
+
+from flatland_server._core import EASINGS, TWEEN_MODES
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.yaml_reader import YamlReader
+
+
+class Tween(ModelPlugin):
+    """Moves a body from its pose at the start by a delta in the world's frame; the core moves it.
+
+    In mode trigger, std_msgs/Bool says whether towards the end (true) or the start.
+    """
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads the documented keys; opens the topic if the mode needs it."""
+        trigger_topic = config.get_string("trigger_topic", "tween_trigger")
+        duration = config.get_float("duration", 1.0, above=0.0)
+        delta = config.get_pose("delta")
+        body = self.get_body(config)
+        mode = config.get_choice("mode", TWEEN_MODES, "yoyo")
+        easing = config.get_choice("easing", EASINGS, "linear")
+        config.finish()
+
+        self._tween = body.physics_body.add_tween(delta, duration, mode, easing)
+        if mode == "trigger":
+            self.node.subscribe(trigger_topic, Bool, self._on_trigger)
+
+    def _on_trigger(self, message: Bool) -> None:
+        self._tween.trigger(message.data)

@@ -1,0 +1,105 @@
+"""Walls sorted into a grid: the nearest of many walls around many points, a few at a time."""
+
+import math
+
+import numpy as np
+
+from flatland_plugins.social_force import Others, directions
+from flatland_server.arrays import FloatArray, IntArray, Segments
+
+_FAR_AWAY = 1e9
+"""Where walls stand that are not there [m]: far enough to be without any effect."""
+
+_MOST_SIDES = 4
+_ANOTHER_SIDE = math.cos(math.radians(80.0))
+"""Two points of a wall are felt apart if they are seen more than 80 degrees from each other.
+
+Of a straight wall, nothing that far from its nearest point is within 5 times its distance, into how
+many segments it may be cut; the walls of a right-angled corner are both felt.
+"""
+
+
+class WallGrid:
+    """Finds what is near among many segments.
+
+    The segments are cut into pieces no longer than `reach`, which are sorted by the square cell
+    that their middle lies in. A cell is 1.5 `reach` wide: what is within `reach` of a point has its
+    middle in the point's cell or in one of the eight around it.
+
+    Args:
+        segments: the walls [m], shape (n, 4).
+        reach: how far from a point walls are looked for [m]; farther ones may be missed.
+    """
+
+    def __init__(self, segments: Segments, reach: float) -> None:
+        self._cell = 1.5 * reach
+        pieces = cut(segments, reach)
+        cells = np.floor((pieces[:, :2] + pieces[:, 2:]) / 2.0 / self._cell).astype(np.int64)
+        self._low = cells.min(axis=0, initial=0) - 1
+        # An empty row and column around them: what is asked for outside lies there.
+        self._high = cells.max(axis=0, initial=0) + 1
+        keys = self._keys_of(cells)
+        order = np.argsort(keys, kind="stable")
+        self._keys, self._pieces = keys[order], pieces[order]
+
+    def _keys_of(self, cells: IntArray) -> IntArray:
+        columns = self._high[1] - self._low[1] + 2
+        return np.asarray((cells[..., 0] - self._low[0]) * columns + cells[..., 1] - self._low[1])
+
+    def near(self, points: FloatArray) -> FloatArray:
+        """The pieces around points (n, 2): shape (n, m, 4), filled up with far ones."""
+        cells = np.floor(points / self._cell).astype(np.int64).clip(self._low, self._high)
+        rows = self._keys_of(cells[:, np.newaxis] + [[-1, 0], [0, 0], [1, 0]])
+        first = np.searchsorted(self._keys, rows - 1, "left")
+        counts = np.searchsorted(self._keys, rows + 1, "right") - first
+        column = np.arange(counts.max(initial=0))
+        is_there = column < counts[..., np.newaxis]
+        found = np.full((*is_there.shape, 4), _FAR_AWAY)
+        found[is_there] = self._pieces[(first[..., np.newaxis] + column)[is_there]]
+        return found.reshape(len(points), 3 * len(column), 4)
+
+    def walls(self, points: FloatArray) -> Others:
+        """The walls around each point: the nearest point of them on up to four sides."""
+        others = nearest(points, self.near(points))
+        return sides(others) if others.distances.shape[1] else others
+
+
+def cut(segments: Segments, longest: float) -> Segments:
+    """The segments in equal pieces no longer than `longest`."""
+    steps = segments[:, 2:] - segments[:, :2]
+    counts = np.ceil(np.hypot(steps[:, 0], steps[:, 1]) / longest).astype(np.int64).clip(1)
+    index = np.repeat(np.arange(len(segments)), counts)
+    number = np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)
+    starts, steps = segments[index, :2], steps[index]
+    begin, end = number / counts[index], (number + 1) / counts[index]
+    return np.hstack([starts + begin[:, np.newaxis] * steps, starts + end[:, np.newaxis] * steps])
+
+
+def nearest(points: FloatArray, segments: FloatArray) -> Others:
+    """How points (n, 2) lie to the nearest point of segments, (n, m, 4) or (m, 4) for all."""
+    starts = segments[..., :2]
+    steps = segments[..., 2:] - starts
+    to_point = points[:, np.newaxis] - starts
+    squares = np.einsum("...i,...i->...", steps, steps)
+    along = np.einsum("...i,...i->...", to_point, steps) / np.where(squares > 0.0, squares, 1.0)
+    away, distances = directions(to_point - along.clip(0.0, 1.0)[..., np.newaxis] * steps)
+    return Others(distances, away)
+
+
+def sides(others: Others) -> Others:
+    """The nearest of others; the nearest of those on quite another side; and so on.
+
+    However many pieces a wall is made of, one point of it repels; and of a corridor's two walls,
+    of the corners left and right of a door, both do.
+    """
+    distances, away = others.distances.copy(), others.away
+    persons = np.arange(len(distances))
+    felt, felt_away = [], []
+    for _ in range(_MOST_SIDES):
+        index = distances.argmin(axis=1)
+        felt.append(distances[persons, index])
+        felt_away.append(away[persons, index])
+        is_same_side = np.einsum("nmi,ni->nm", away, felt_away[-1]) > _ANOTHER_SIDE
+        distances[is_same_side] = np.inf
+        distances[persons, index] = np.inf  # also if it has no direction: a point on the wall
+    return Others(np.stack(felt, axis=1), np.stack(felt_away, axis=1))

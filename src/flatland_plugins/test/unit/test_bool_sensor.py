@@ -1,0 +1,374 @@
+"""BoolSensor: what counts as a touch, how long it is remembered, and when it is published."""
+
+from typing import Any, Dict, List, Tuple
+
+import pytest
+from std_msgs.msg import Bool
+
+from flatland_server.geometry import Pose
+
+SENSOR = "type: BoolSensor, name: sensor"
+STEP_NS = 5_000_000
+DISC = "{type: circle, radius: 0.2, density: 10}"
+AREA = "{type: circle, radius: 0.2, density: 10, sensor: true}"
+
+
+def with_ball(files, plugin: str = SENSOR, footprint: str = AREA, ball: str = DISC, **options: Any):
+    """A robot at the origin, and a ball 1 m before it."""
+    entry = f"model: {files.model('ball', footprint=ball)}, pose: [1, 0, 0]"
+    return files.robot(plugin, footprint=footprint, others={"ball": entry}, **options)
+
+
+def move(world, x: float, y: float = 0.0, name: str = "ball"):
+    """Puts a model somewhere, at rest."""
+    world.world.move_model(name, Pose(x, y, 0.0))
+    return world
+
+
+def said(world, topic: str = "/bool_sensor") -> bool:
+    """What the sensor has said last."""
+    message = world.last(topic)
+    assert isinstance(message, Bool)
+    return bool(message.data)
+
+
+def history(world, seconds: float, topic: str = "/bool_sensor") -> List[Tuple[int, bool]]:
+    """When the sensor speaks [ns], and what it says."""
+    spoken: List[Tuple[int, bool]] = []
+    before = world.last(topic)
+    for _ in range(round(seconds * 1e9 / STEP_NS)):
+        message = world.run().last(topic)
+        if message is not before:
+            spoken.append((world.timekeeper.nanoseconds, message.data))
+            before = message
+    return spoken
+
+
+# What counts
+
+
+@pytest.mark.parametrize("footprint", [AREA, DISC])
+@pytest.mark.parametrize("kind", ["dynamic", "static"])
+def test_solid_bodies_and_sensors_notice_what_touches_them(files, footprint, kind):
+    ball = files.model("ball", footprint=DISC)
+    plate = files.model("plate", SENSOR, footprint=footprint, body=f"type: {kind},")
+    world = files.load({"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"})
+
+    assert not said(world.run())
+    assert said(move(world, 0.3).run())
+    assert not said(move(world, 1.0).run())
+
+
+@pytest.mark.parametrize("footprint", [AREA, DISC])
+def test_walls_are_noticed_too(files, footprint):
+    layer = f"name: walls, map: {files.walls('wall', '1 -3 1 3')}"
+    robot = files.robot(SENSOR, footprint=footprint, layers=(layer,))
+
+    assert not said(robot.run())
+    assert said(move(robot, 0.9, name="robot").run())
+
+
+def test_a_sensor_is_nothing_that_touches(files):
+    world = with_ball(files, footprint=DISC, ball=AREA)
+
+    assert not said(move(world, 0.1).run())
+
+
+@pytest.mark.parametrize(
+    ("mine", "others", "is_noticed"),
+    [
+        ("friction: 0", "friction: 0", True),
+        ("layers: [robot]", "layers: [robot]", True),
+        ("layers: [robot]", "friction: 0", True),
+        ("layers: [robot]", "layers: [person, robot]", True),
+        ("layers: [robot]", "layers: [person]", False),
+        ("friction: 0", "layers: []", False),
+        ("friction: 0", "collision: false", False),
+    ],
+)
+def test_only_what_is_on_its_layers_is_noticed(files, mine, others, is_noticed):
+    area = f"{{type: circle, radius: 0.2, density: 10, sensor: true, {mine}}}"
+    ball = f"{{type: circle, radius: 0.2, density: 10, {others}}}"
+    world = with_ball(files, footprint=area, ball=ball, layers=("name: robot", "name: person"))
+
+    assert said(move(world, 0.1).run()) == is_noticed
+
+
+def test_a_wall_of_another_layer_is_not_noticed(files):
+    walls = f"name: walls, map: {files.walls('wall', '0.1 -3 0.1 3')}"
+    area = "{type: circle, radius: 0.2, density: 10, sensor: true, layers: [robot]}"
+    robot = files.robot(SENSOR, footprint=area, layers=(walls, "name: robot"))
+
+    assert not said(robot.run(0.1))
+
+
+def gripper(files, *plugins: str):
+    """A robot with an area between its arms, and a ball that no part of it touches."""
+    lines = "".join(f"\n          - {{{plugin}}}" for plugin in plugins)
+    text = f"""
+        bodies:
+          - {{name: base, footprints: [{DISC}]}}
+          - {{name: area, pose: [0.3, 0, 0], footprints: [{AREA}]}}
+          - {{name: arm, pose: [0.4, 0, 0], footprints: [{DISC}]}}
+        joints:
+          - {{type: weld, name: a, bodies: [{{name: base, anchor: [0.3, 0]}},
+              {{name: area, anchor: [0, 0]}}], collide_connected: true}}
+          - {{type: weld, name: b, bodies: [{{name: base, anchor: [0.4, 0]}},
+              {{name: arm, anchor: [0, 0]}}], collide_connected: true}}
+        plugins:{lines}
+        """
+    files.write("gripper.model.yaml", text)
+    ball = files.model("ball", footprint="{type: circle, radius: 0.05, density: 1}")
+    return files.load(
+        {"gripper": "model: gripper.model.yaml", "ball": f"model: {ball}, pose: [5, 0, 0]"}
+    )
+
+
+def test_the_bodies_of_its_own_model_do_not_count(files):
+    world = gripper(files, f"{SENSOR}, body: area", f"{SENSOR}2, topic: base, body: base")
+
+    world.run(0.1)
+
+    assert not said(world)
+    assert not said(world, "/base")
+
+
+@pytest.mark.parametrize(
+    ("place", "noticed"),
+    [
+        (Pose(-0.2, 0.0, 0.0), {"/base"}),
+        (Pose(0.3, 0.22, 0.0), {"/area", "/arm"}),
+        (Pose(0.6, 0.0, 0.0), {"/arm"}),
+    ],
+)
+def test_it_is_about_one_body_alone(files, place, noticed):
+    plugins = [
+        f"type: BoolSensor, name: {body}, topic: {body}, body: {body}"
+        for body in ("base", "area", "arm")
+    ]
+    world = gripper(files, *plugins).run()
+
+    world.world.move_model("ball", place)
+    world.run()
+
+    assert {topic for topic in ("/base", "/area", "/arm") if said(world, topic)} == noticed
+
+
+def test_the_body_is_by_default_the_first(files):
+    world = gripper(files, SENSOR).run()
+
+    assert said(move(world, -0.2).run())
+    assert not said(move(world, 0.6).run())
+
+
+def test_each_footprint_of_the_body_notices(files):
+    two = f"{AREA}, {{type: circle, center: [0, 1], radius: 0.2, density: 10, sensor: true}}"
+    world = with_ball(files, footprint=two)
+
+    assert said(move(world, 0.0, 1.0).run())
+    assert said(move(world, 0.0, 0.0).run())
+    assert not said(move(world, 0.0, 3.0).run())
+
+
+# How long
+
+
+def test_of_several_that_touch_the_last_one_to_leave_ends_it(files):
+    ball = files.model("ball")
+    others = {name: f"model: {ball}, pose: [{x}, 0, 0]" for name, x in (("a", -0.3), ("b", 0.3))}
+    world = files.robot(SENSOR, footprint=AREA, others=others)
+
+    assert said(world.run())
+    assert said(move(world, 3.0, name="a").run())
+    assert not said(move(world, 4.0, name="b").run())
+
+
+@pytest.mark.parametrize("seconds", [0.01, 3.0])  # by then it is asleep
+def test_one_that_is_deleted_touches_no_longer(files, seconds):
+    world = move(with_ball(files), 0.1)
+    assert said(world.run(seconds))
+
+    world.world.delete_model("ball")
+
+    assert not said(world.run())
+
+
+def test_the_sensors_model_can_be_deleted_while_it_is_touched(files, caplog):
+    world = move(with_ball(files), 0.1).run(0.1)
+
+    world.world.delete_model("robot")
+    world.run(0.1)
+
+    assert world.transport.topics == set()
+    assert caplog.records == []
+
+
+def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
+    world = move(with_ball(files), 0.1).run(0.1)
+
+    world.world.delete_model("ball")
+    world.world.spawn_model(files.folder / "ball.model.yaml", "ball2", "", Pose(0.1, 0.0, 0.0))
+
+    assert said(world.run())
+
+
+@pytest.mark.parametrize("kind", ["dynamic", "static"])
+def test_a_sleeping_body_that_is_moved_onto_it_is_noticed(files, kind):
+    ball = files.model("ball")
+    plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
+    world = files.load({"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"})
+    world.run(3.0)
+    assert not world.model("ball").base.physics_body.awake
+
+    assert said(move(world, 0.1).run())
+
+
+@pytest.mark.parametrize("kind", ["dynamic", "static"])
+def test_a_sensor_that_is_moved_onto_a_sleeping_body_notices_it(files, kind):
+    ball = files.model("ball")
+    plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
+    world = files.load({"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"})
+    world.run(3.0)
+
+    assert said(move(world, 0.9, name="plate").run())
+    world.run(3.0)
+    assert not said(move(world, 3.0, name="plate").run())
+
+
+def test_what_stays_and_falls_asleep_is_still_touching(files):
+    world = move(with_ball(files), 0.1).run(3.0)
+
+    assert not world.model("ball").base.physics_body.awake
+    assert all(touched for _, touched in history(world, 1.0))
+
+
+@pytest.mark.parametrize("speed", [0.5, 2.0, 8.0])
+def test_what_passes_is_noticed_for_as_long_as_it_is_over_the_area(files, speed):
+    world = with_ball(files)
+
+    world.model("ball").base.physics_body.velocity = (-speed, 0.0, 0.0)
+    spoken = history(world, 1.6 / speed)
+
+    # It comes in at 0.4 m, and leaves after 0.8 m.
+    touched = sum(is_touched for _, is_touched in spoken) * STEP_NS * 1e-9
+    assert touched == pytest.approx(0.8 / speed, abs=0.006)
+    assert [spoken[0][1], spoken[-1][1]] == [False, False]
+
+
+# Latching
+
+
+def test_without_a_rate_it_says_so_at_every_step(files):
+    spoken = history(with_ball(files), 1.0)
+
+    assert spoken == [(STEP_NS * step, False) for step in range(1, 201)]
+
+
+@pytest.mark.parametrize("rate", [10, 30, 60])
+def test_it_speaks_at_its_rate_in_simulated_time(files, rate):
+    spoken = history(with_ball(files, f"{SENSOR}, update_rate: {rate}"), 2.0)
+
+    # At the end of the step in which it is due, for the first time at once.
+    due = [-(-round(1e9 * i / rate) // STEP_NS) * STEP_NS + STEP_NS for i in range(2 * rate)]
+    assert spoken == [(time, False) for time in due]
+
+
+@pytest.mark.parametrize("begin", [0.02, 0.085, 0.09, 0.1, 0.105])  # it speaks at 0.105
+@pytest.mark.parametrize("seconds", [0.005, 0.02, 0.095])
+def test_a_touch_shorter_than_its_period_is_told_of_exactly_once(files, begin, seconds):
+    world = with_ball(files, f"{SENSOR}, update_rate: 10")
+
+    spoken = history(world, begin)
+    spoken += history(move(world, 0.1), seconds)
+    spoken += history(move(world, 1.0), 0.5)
+
+    first_after = next(time for time, _ in spoken if time > begin * 1e9)
+    assert [time for time, touched in spoken if touched] == [first_after]
+
+
+def test_several_short_touches_within_a_period_are_one(files):
+    world = with_ball(files, f"{SENSOR}, update_rate: 10").run(0.02)
+
+    for _ in range(3):
+        move(world, 0.1).run(0.01)
+        move(world, 1.0).run(0.01)
+
+    assert [touched for _, touched in history(world, 0.4)] == [True, False, False, False]
+
+
+def test_a_touch_that_lasts_is_told_of_until_it_ends_and_not_again(files):
+    world = with_ball(files, f"{SENSOR}, update_rate: 10").run(0.02)
+
+    lasting = history(move(world, 0.1), 0.5)
+    after = history(move(world, 1.0), 0.5)
+
+    assert [touched for _, touched in lasting] == [True] * 5
+    assert [touched for _, touched in after] == [False] * 5
+
+
+def test_a_touch_is_told_of_in_the_step_in_which_it_happens_and_no_longer(files):
+    world = with_ball(files).run(0.1)
+
+    spoken = history(move(world, 0.1), 0.005) + history(move(world, 1.0), 0.01)
+
+    assert [touched for _, touched in spoken] == [True, False, False]
+
+
+def test_a_sensor_that_touches_from_the_beginning_says_so_at_once(files):
+    ball = files.model("ball")
+    world = files.robot(SENSOR, footprint=AREA, others={"ball": f"model: {ball}"})
+
+    assert history(world, 0.01) == [(STEP_NS, True), (2 * STEP_NS, True)]
+
+
+# Topics
+
+
+@pytest.mark.parametrize(
+    ("keys", "namespace", "topic"),
+    [
+        ("", "", "/bool_sensor"),
+        ("", "foo", "/foo/bool_sensor"),
+        (", topic: detector_out", "", "/detector_out"),
+        (", topic: detector_out", "foo", "/foo/detector_out"),
+        (", topic: /detector_out", "foo", "/detector_out"),
+    ],
+)
+def test_the_namespace_is_put_before_the_topic_once(files, keys, namespace, topic):
+    robot = files.robot(SENSOR + keys, namespace=namespace).run()
+
+    assert robot.transport.topics == {topic}
+    assert not said(robot, topic)
+
+
+def test_nothing_is_published_that_nobody_listens_to(files, deaf_transport):
+    world = with_ball(files, transport=deaf_transport)
+
+    move(world, 0.1).run(0.1)
+
+    assert deaf_transport.published == []
+
+
+def test_who_begins_to_listen_during_a_touch_hears_of_it(files, deaf_transport):
+    world = move(with_ball(files, transport=deaf_transport), 0.1).run(0.1)
+
+    deaf_transport.publishers[0].is_watched = True
+
+    assert said(world.run())
+
+
+WRONG: Dict[str, str] = {
+    "updat_rate: 10": 'plugins[0] "sensor": unknown key "updat_rate" (did you mean "update_rate"?)',
+    "topics: out": 'plugins[0] "sensor": unknown key "topics" (did you mean "topic"?)',
+    "body: bas": (
+        'plugins[0].body: the model has no body "bas" (did you mean "base"?); it has: base'
+    ),
+    "update_rate: -1": "plugins[0].update_rate: expected a number above 0, found -1",
+    "update_rate: nan": 'plugins[0].update_rate: expected a number, found "nan"',
+    "topic: [1, 2]": "plugins[0].topic: expected a text, found [1, 2]",
+}
+
+
+@pytest.mark.parametrize("keys", WRONG)
+def test_a_wrong_configuration_is_refused_at_its_line(files, keys):
+    assert files.refusal(f"{SENSOR}, {keys}") == f"robot.model.yaml:5: {WRONG[keys]}"

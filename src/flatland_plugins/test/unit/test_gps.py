@@ -1,0 +1,273 @@
+"""Gps: every fix against PROJ's conversion, or against the ellipsoid's own numbers."""
+
+import math
+from typing import Any, Tuple
+
+import pyproj
+import pytest
+from sensor_msgs.msg import NavSatFix, NavSatStatus
+
+from flatland_plugins.geodesy import Geodetic, TangentPlane
+
+GPS = "type: Gps, name: gps, body: base"
+FIX = "/gps/fix"
+
+GEOD = pyproj.Geod(ellps="WGS84")
+A, F = 6378137.0, 1 / 298.257223563  # WGS 84: equatorial radius [m], flattening
+E2 = F * (2 - F)
+
+LATITUDES = (-80.0, -45.0, -12.3456789, 0.0, 1e-9, 30.0, 51.5, 80.0)
+LONGITUDES = (0.0, -0.1278, 100.0, 179.999999, 180.0, -180.0, -179.995)
+OFFSETS = [(east, north) for east in (-1e3, -1.5, 0.0, 500.0, 1e3) for north in (-1e3, 0.0, 1e3)]
+
+
+def proj(latitude: float, longitude: float) -> pyproj.Transformer:
+    """PROJ's conversion of east, north and up of a place to longitude, latitude and altitude."""
+    return pyproj.Transformer.from_pipeline(
+        "+proj=pipeline +ellps=WGS84 "
+        f"+step +inv +proj=topocentric +lat_0={latitude!r} +lon_0={longitude!r} +h_0=0 "
+        "+step +inv +proj=cart +step +proj=unitconvert +xy_in=rad +xy_out=deg"
+    )
+
+
+def by_proj(reference: Tuple[float, float], east: float, north: float) -> Geodetic:
+    longitude, latitude, altitude = proj(*reference).transform(east, north, 0.0)
+    return Geodetic(latitude, longitude, altitude)
+
+
+def metres_between(a: Any, b: Any) -> float:
+    """How far apart two places are, along the ellipsoid or in altitude."""
+    _, _, distance = GEOD.inv(a.longitude, a.latitude, b.longitude, b.latitude)
+    return max(distance, abs(a.altitude - b.altitude))
+
+
+@pytest.mark.parametrize("longitude", LONGITUDES)
+@pytest.mark.parametrize("latitude", LATITUDES)
+def test_it_agrees_with_proj_within_a_millimetre_over_a_kilometre(latitude, longitude):
+    plane = TangentPlane(latitude, longitude)
+
+    for offset in OFFSETS:
+        place = plane.to_geodetic(*offset)
+        assert metres_between(place, by_proj((latitude, longitude), *offset)) < 1e-6
+        assert -180.0 <= place.longitude < 180.0
+
+
+@pytest.mark.parametrize("distance", [0.0, 1e-3, 1.0, 1e3, 1e5, 1e7])
+@pytest.mark.parametrize("reference", [(90.0, 0.0), (-90.0, 33.0), (89.9999, -180.0), (45.0, 7.0)])
+def test_at_the_poles_and_far_away_the_way_back_leads_to_the_same_point(reference, distance):
+    plane, transformer = TangentPlane(*reference), proj(*reference)
+
+    for eighth in range(8):
+        heading = eighth * math.pi / 4
+        offset = (distance * math.sin(heading), distance * math.cos(heading), 0.0)
+        latitude, longitude, altitude = plane.to_geodetic(*offset)
+        back = transformer.transform(longitude, latitude, altitude, direction="INVERSE")
+        assert back == pytest.approx(offset, abs=1e-6)
+        assert -90.0 <= latitude <= 90.0
+        assert -180.0 <= longitude < 180.0
+
+
+@pytest.mark.parametrize(("latitude", "longitude"), [(90.0, 20.0), (-90.0, -180.0), (47.0, 8.5)])
+def test_the_reference_is_where_the_world_begins(latitude, longitude):
+    place = TangentPlane(latitude, longitude).to_geodetic(0.0, 0.0)
+
+    assert place == pytest.approx((latitude, longitude, 0.0), abs=1e-8)
+
+
+def test_the_arcs_along_a_meridian_and_a_parallel_have_the_ellipsoids_radii():
+    latitude = math.radians(60.0)
+    squeezed = 1 - E2 * math.sin(latitude) ** 2
+    along_meridian = A * (1 - E2) / squeezed**1.5
+    along_parallel = A / math.sqrt(squeezed) * math.cos(latitude)
+    plane = TangentPlane(60.0, 10.0)
+
+    north, east = plane.to_geodetic(0.0, 10.0), plane.to_geodetic(10.0, 0.0)
+
+    assert math.radians(north.latitude - 60) * along_meridian == pytest.approx(10, abs=1e-4)
+    assert north.longitude == 10.0
+    assert math.radians(east.longitude - 10) * along_parallel == pytest.approx(10, abs=1e-4)
+    assert east.latitude == pytest.approx(60.0, abs=1e-8)
+
+
+def test_the_floor_leaves_the_ellipsoid_by_the_square_of_the_distance():
+    east_to_west = A  # the radius of curvature at the equator
+    along_meridian = A * (1 - E2)
+    plane = TangentPlane(0.0, 0.0)
+
+    for distance in (10.0, 100.0, 1000.0):
+        altitudes = [plane.to_geodetic(*to).altitude for to in [(distance, 0), (0, distance)]]
+        expected = [distance**2 / (2 * radius) for radius in (east_to_west, along_meridian)]
+        assert altitudes == pytest.approx(expected, rel=1e-4)
+
+
+def test_up_is_altitude():
+    place = TangentPlane(51.0, -1.0).to_geodetic(0.0, 0.0, 123.0)
+
+    assert place == pytest.approx((51.0, -1.0, 123.0), abs=1e-8)
+
+
+def test_east_of_the_date_line_is_west():
+    west, east = (TangentPlane(10.0, 180.0).to_geodetic(x, 0.0).longitude for x in (-100, 100))
+
+    assert 179.99 < west < 180.0
+    assert -180.0 < east < -179.99
+    assert TangentPlane(10.0, 180.0).to_geodetic(0.0, 0.0).longitude == -180.0
+
+
+@pytest.mark.parametrize("reference", [(0.0, 0.0), (49.9, 8.9), (-33.86, 180.0)])
+def test_the_fix_is_where_the_antenna_is(files, reference):
+    latitude, longitude = reference
+    gps = f"{GPS}, ref_lat: {latitude}, ref_lon: {longitude}, origin: [2, -1, 0.3]"
+    robot = files.robot(gps, pose="[300, -400, 0.5]").run()
+
+    fix = robot.last(FIX)
+
+    x = 300 + 2 * math.cos(0.5) + 1 * math.sin(0.5)
+    y = -400 + 2 * math.sin(0.5) - 1 * math.cos(0.5)
+    assert metres_between(fix, by_proj(reference, x, y)) < 1e-3
+
+
+def test_without_a_reference_the_world_begins_in_the_gulf_of_guinea(files):
+    fix = files.robot(GPS).run().last(FIX)
+
+    assert (fix.latitude, fix.longitude, fix.altitude) == pytest.approx((0, 0, 0), abs=1e-8)
+
+
+def test_the_fix_follows_the_robot(files):
+    drive = "type: DiffDrive, name: drive, body: base"
+    robot = files.robot(f"{GPS}, ref_lat: 60, ref_lon: 25", drive).drive(2.0)
+
+    fixes = robot.record(FIX, 5.0)
+
+    # The fix of time t is made before the step from t on.
+    for fix in fixes:
+        expected = by_proj((60.0, 25.0), 2.0 * fix.header.stamp.to_sec(), 0.0)
+        assert metres_between(fix, expected) < 1e-3
+    assert len(fixes) == 50
+
+
+def test_the_fix_says_that_it_is_perfectly_accurate(files):
+    fix = files.robot(GPS).run().last(FIX)
+
+    assert fix.status.status == NavSatStatus.STATUS_FIX
+    assert fix.status.service == NavSatStatus.SERVICE_GPS
+    assert list(fix.position_covariance) == [0.0] * 9
+    assert fix.position_covariance_type == NavSatFix.COVARIANCE_TYPE_KNOWN
+
+
+@pytest.mark.parametrize(
+    ("rate", "period"),
+    [
+        ("", 100_000_000),
+        (", update_rate: 40", 25_000_000),
+        (", update_rate: inf", 5_000_000),
+    ],
+)
+def test_fixes_come_at_their_rate_stamped_with_simulated_time(files, rate, period):
+    fixes = files.robot(GPS + rate).record(FIX, 1.0)
+
+    stamps = [fix.header.stamp.to_nsec() for fix in fixes]
+    assert stamps == list(range(0, 1_000_000_000, period))
+
+
+def test_the_antennas_frame_has_the_plugins_name_and_sits_at_its_origin(files):
+    robot = files.robot(f"{GPS}, origin: [0.5, -0.25, 1]").run()
+
+    [transform] = robot.transport.transforms.values()
+    assert (transform.parent, transform.child) == ("base", "gps")
+    assert tuple(transform.pose) == (0.5, -0.25, 1.0)
+    assert robot.transport.topics == {FIX}
+    assert robot.last(FIX).header.frame_id == "gps"
+
+
+def test_topic_and_frame_can_be_named_and_the_transform_switched_off(files):
+    loud = files.robot(f"{GPS}, topic: front/fix, frame: antenna").run()
+    quiet = files.robot(f"{GPS}, broadcast_tf: false").run()
+
+    assert loud.transport.topics == {"/front/fix"}
+    assert loud.last("/front/fix").header.frame_id == "antenna"
+    assert {t.child: t.parent for t in loud.transport.transforms.values()} == {"antenna": "base"}
+    assert quiet.transport.transforms == {}
+    assert quiet.last(FIX).header.frame_id == "gps"
+
+
+def test_a_namespace_is_put_before_topic_and_frames(files):
+    robot = files.robot(GPS, namespace="robot1").run()
+
+    assert robot.transport.topics == {"/robot1/gps/fix"}
+    assert robot.last("/robot1/gps/fix").header.frame_id == "robot1_gps"
+    [transform] = robot.transport.transforms.values()
+    assert (transform.parent, transform.child) == ("robot1_base", "robot1_gps")
+    assert transform.nanoseconds == robot.last("/robot1/gps/fix").header.stamp.to_nsec()
+
+
+def test_an_absolute_topic_is_outside_of_the_namespace(files):
+    robot = files.robot(f"{GPS}, topic: /fix", namespace="robot1").run()
+
+    assert robot.transport.topics == {"/fix"}
+
+
+def test_nothing_is_published_that_nobody_listens_to(files, deaf_transport):
+    files.robot(GPS, transport=deaf_transport).run(1.0)
+
+    assert deaf_transport.published == []
+    assert deaf_transport.transforms == {}
+
+
+@pytest.mark.parametrize(
+    ("gps", "message"),
+    [
+        pytest.param(
+            "type: Gps, name: gps",
+            'plugins[0] "gps": the required key "body" is missing',
+            id="body missing",
+        ),
+        pytest.param(
+            GPS.replace("base", "bass"),
+            'plugins[0].body: the model has no body "bass" (did you mean "base"?); it has: base',
+            id="unknown body",
+        ),
+        pytest.param(
+            f"{GPS}, ref_lt: 5",
+            'plugins[0] "gps": unknown key "ref_lt" (did you mean "ref_lat"?)',
+            id="unknown key",
+        ),
+        pytest.param(
+            f"{GPS}, ref_lat: 90.0001",
+            "plugins[0].ref_lat: expected a number of -90 to 90, found 90.0001",
+            id="north of the pole",
+        ),
+        pytest.param(
+            f"{GPS}, ref_lat: -91",
+            "plugins[0].ref_lat: expected a number of -90 to 90, found -91",
+            id="south of the pole",
+        ),
+        pytest.param(
+            f"{GPS}, ref_lon: 181",
+            "plugins[0].ref_lon: expected a number of -180 to 180, found 181",
+            id="too far east",
+        ),
+        pytest.param(
+            f"{GPS}, ref_lon: inf",
+            'plugins[0].ref_lon: expected a finite number, found "inf"',
+            id="infinitely far east",
+        ),
+        pytest.param(
+            f"{GPS}, update_rate: 0",
+            "plugins[0].update_rate: expected a number above 0, found 0",
+            id="rate of zero",
+        ),
+        pytest.param(
+            f"{GPS}, origin: [0, 0]",
+            "plugins[0].origin: expected [x, y, yaw], found [0, 0]",
+            id="no pose",
+        ),
+        pytest.param(
+            f"{GPS}, broadcast_tf: perhaps",
+            'plugins[0].broadcast_tf: expected true or false, found "perhaps"',
+            id="no flag",
+        ),
+    ],
+)
+def test_a_wrong_configuration_is_refused_at_its_line(files, gps, message):
+    assert files.refusal(gps) == f"robot.model.yaml:5: {message}"

@@ -1,0 +1,437 @@
+"""Imu: what it reads against kinematics, its noise against the asked variances."""
+
+import math
+from typing import Any, List, Tuple
+
+import numpy as np
+import pytest
+
+from flatland_server.geometry import Pose
+
+IMU = "type: Imu, name: imu_sensor, body: base"
+DRIVE = "type: DiffDrive, name: drive, body: base"
+FILTERED, GROUND_TRUTH = "/imu/filtered", "/imu/ground_truth"
+GRAVITY = 9.80665
+
+STEP = 5_000_000  # ns
+
+
+def acceleration_of(message: Any) -> Tuple[float, float, float]:
+    a = message.linear_acceleration
+    return a.x, a.y, a.z
+
+
+def angular_velocity_of(message: Any) -> Tuple[float, float, float]:
+    w = message.angular_velocity
+    return w.x, w.y, w.z
+
+
+def angles_of(message: Any) -> Tuple[float, float, float]:
+    """Roll, pitch and yaw of the orientation, from its rotation matrix."""
+    x, y, z, w = (getattr(message.orientation, axis) for axis in "xyzw")
+    assert x * x + y * y + z * z + w * w == pytest.approx(1.0, abs=1e-12)
+    matrix_x = (1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w))
+    roll = math.atan2(2 * (y * z + x * w), 1 - 2 * (x * x + y * y))
+    return roll, math.asin(-matrix_x[2]), math.atan2(matrix_x[1], matrix_x[0])
+
+
+def stamps_of(messages: List[Any]) -> List[int]:
+    return [message.header.stamp.to_nsec() for message in messages]
+
+
+def closely(forwards: float, left: float, up: float = GRAVITY) -> Any:
+    """An acceleration within a thousandth of its size in the plane."""
+    return pytest.approx((forwards, left, up), abs=1e-3 * math.hypot(forwards, left))
+
+
+def test_at_rest_it_reads_gravity_alone(files):
+    robot = files.robot(IMU, pose="[3, -2, 1]")
+
+    for message in robot.record(GROUND_TRUTH, 0.1):
+        assert acceleration_of(message) == (0.0, 0.0, GRAVITY)
+        assert angular_velocity_of(message) == (0.0, 0.0, 0.0)
+        assert angles_of(message) == pytest.approx((0.0, 0.0, 1.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(("key", "up"), [("gravity: 0", 0.0), ("gravity: 1.62", 1.62)])
+def test_gravity_can_be_that_of_another_place(files, key, up):
+    robot = files.robot(f"{IMU}, {key}").run()
+
+    assert acceleration_of(robot.last(GROUND_TRUTH)) == (0.0, 0.0, up)
+    assert acceleration_of(robot.last(FILTERED)) == (0.0, 0.0, up)
+
+
+@pytest.mark.parametrize("rate", ["inf", "30"])
+@pytest.mark.parametrize(
+    ("speed", "omega"), [(0.5, 0.25), (1.0, -0.5), (2.0, 2.0), (-0.5, 0.4), (-1.0, -1.0)]
+)
+def test_on_a_circle_it_reads_v_squared_over_r_inwards(files, speed, omega, rate):
+    robot = files.robot(f"{IMU}, pub_rate: {rate}", DRIVE, pose="[3, -2, 1]").drive(speed, omega)
+    robot.run(0.1)
+
+    messages = robot.record(GROUND_TRUTH, 2.0)
+
+    # The centre is to the left if the speed and the turn have one sign.
+    inwards = math.copysign(speed**2 / abs(speed / omega), speed * omega)
+    for message in messages:
+        assert acceleration_of(message) == closely(0.0, inwards)
+        assert angular_velocity_of(message) == pytest.approx((0.0, 0.0, omega), rel=1e-6)
+
+
+@pytest.mark.parametrize("step_size", [0.001, 0.02])
+def test_the_length_of_a_step_does_not_matter(files, simulate, step_size):
+    world = files.robot(IMU, DRIVE).world
+    robot = simulate(world, step_size).drive(2.0, 2.0)
+    robot.run(0.1)
+
+    for message in robot.record(GROUND_TRUTH, 1.0):
+        assert acceleration_of(message) == closely(0.0, 4.0)
+
+
+def test_along_a_straight_line_it_reads_the_drives_acceleration(files):
+    limits = "linear_dynamics: {acceleration_limit: 1.5, deceleration_limit: 4}"
+    robot = files.robot(IMU, f"{DRIVE}, {limits}", pose="[3, -2, 1]").drive(2.0)
+
+    speeding_up = robot.record(GROUND_TRUTH, 1.0)
+    robot.run(1.0)
+    steady = robot.record(GROUND_TRUTH, 0.5)
+    robot.drive(0.0)
+    braking = robot.record(GROUND_TRUTH, 0.4)
+
+    assert len(speeding_up) == 200
+    assert all(acceleration_of(message) == closely(1.5, 0.0) for message in speeding_up)
+    for message in steady:
+        assert acceleration_of(message) == pytest.approx((0.0, 0.0, GRAVITY), abs=1e-4)
+    assert all(acceleration_of(message) == closely(-4.0, 0.0) for message in braking)
+
+
+def test_speeding_up_in_a_curve_it_reads_both(files):
+    limits = "linear_dynamics: {acceleration_limit: 0.5}"
+    robot = files.robot(IMU, f"{DRIVE}, {limits}").drive(2.0, 0.8)
+
+    for message in robot.run(0.1).record(GROUND_TRUTH, 3.0):
+        # The mean over the step that leads to the message.
+        speed = 0.5 * (message.header.stamp.to_sec() - 0.0025)
+        assert acceleration_of(message) == closely(0.5, speed * 0.8)
+
+
+def test_a_body_that_spins_about_another_point_reads_its_origins_circle(files):
+    robot = files.robot(IMU, footprint="{type: circle, center: [0.5, 0], radius: 0.2, density: 10}")
+    # About its middle, half a metre before the origin, which therefore goes backwards around it.
+    robot.model().base.physics_body.velocity = (0.0, -0.5 * 3.0, 3.0)
+
+    for message in robot.record(GROUND_TRUTH, 2.0):
+        assert acceleration_of(message) == closely(0.5 * 3.0**2, 0.0)
+        assert angular_velocity_of(message) == pytest.approx((0.0, 0.0, 3.0))
+
+
+def test_a_body_that_turns_about_its_origin_reads_no_acceleration(files):
+    footprint = "{type: circle, center: [0.7, 0.3], radius: 0.2, density: 10}"
+    robot = files.robot(IMU, DRIVE, footprint=footprint).drive(0.0, 1.0)
+
+    for message in robot.run(0.1).record(GROUND_TRUTH, 1.0):
+        assert acceleration_of(message) == pytest.approx((0.0, 0.0, GRAVITY), abs=1e-3)
+
+
+def test_a_velocity_reached_at_once_is_a_finite_jolt_in_the_first_message(files):
+    robot = files.robot(IMU, DRIVE).drive(1.0)
+
+    first, second = robot.record(GROUND_TRUTH, 0.01)
+
+    assert acceleration_of(first) == closely(1.0 / 0.005, 0.0)
+    assert acceleration_of(second) == pytest.approx((0.0, 0.0, GRAVITY), abs=1e-4)
+
+
+def test_moving_the_model_makes_no_spike(files):
+    robot = files.robot(IMU, f"{DRIVE}, linear_dynamics: {{acceleration_limit: 1}}").drive(2.0)
+    robot.run(1.0)
+
+    robot.world.move_model("robot", Pose(5.0, 5.0, 2.0))
+    robot.run()
+    moved = robot.last(GROUND_TRUTH)
+
+    assert acceleration_of(moved) == pytest.approx((0.0, 0.0, GRAVITY), abs=1e-6)
+    assert angles_of(moved) == pytest.approx((0.0, 0.0, 2.0), abs=1e-6)
+
+
+def test_orientation_and_turn_are_those_of_the_stamp(files):
+    robot = files.robot(IMU, DRIVE).drive(0.0, 1.0)
+
+    messages = robot.record(GROUND_TRUTH, 2.0)
+
+    assert stamps_of(messages) == [STEP * (i + 1) for i in range(400)]
+    for message in messages:
+        time = message.header.stamp.to_sec()
+        assert angles_of(message) == pytest.approx((0.0, 0.0, time), abs=1e-4)
+
+
+def test_the_turn_grows_by_the_drives_acceleration(files):
+    limits = "angular_dynamics: {acceleration_limit: 0.5}"
+    robot = files.robot(IMU, f"{DRIVE}, {limits}").drive(0.0, 5.0)
+
+    for message in robot.record(GROUND_TRUTH, 2.0):
+        expected = (0.0, 0.0, 0.5 * message.header.stamp.to_sec())
+        assert angular_velocity_of(message) == pytest.approx(expected, abs=1e-5)
+
+
+NOISY = (
+    f"{IMU}, orientation_noise: [0.01, 0.0025, 0.04], angular_velocity_noise: [0.09, 0.0004, 4], "
+    "linear_acceleration_noise: [0.16, 25, 0.000001]"
+)
+VARIANCES = [0.01, 0.0025, 0.04, 0.09, 0.0004, 4, 0.16, 25, 0.000001]
+
+
+def measured(message: Any) -> List[float]:
+    return [*angles_of(message), *angular_velocity_of(message), *acceleration_of(message)]
+
+
+def test_noise_has_the_configured_variances_about_the_truth(files):
+    robot = files.robot(NOISY, pose="[3, -2, 1]", seed=7)
+
+    messages = robot.record(FILTERED, 10.0)
+
+    noise = np.array([measured(m) for m in messages]) - [0, 0, 1, 0, 0, 0, 0, 0, GRAVITY]
+    scaled = noise / np.sqrt(VARIANCES)
+    count = len(scaled)
+    assert count == 2000
+    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared).
+    assert np.abs((scaled**2).sum(axis=0) - count).max() < 4 * math.sqrt(2 * count)
+    assert np.abs(scaled.sum(axis=0)).max() < 4 * math.sqrt(count)
+    # The components do not know of each other, nor does one message of the one before.
+    correlation = scaled.T @ scaled / count - np.diag((scaled**2).mean(axis=0))
+    assert np.abs(correlation).max() < 4 / math.sqrt(count)
+    assert np.abs((scaled[1:] * scaled[:-1]).mean(axis=0)).max() < 4 / math.sqrt(count)
+
+
+def test_ground_truth_has_no_noise(files):
+    robot = files.robot(NOISY, pose="[3, -2, 1]")
+
+    for message in robot.record(GROUND_TRUTH, 0.1):
+        assert measured(message) == pytest.approx([0, 0, 1, 0, 0, 0, 0, 0, GRAVITY], abs=1e-6)
+
+
+def test_noise_depends_on_the_seed_and_the_time_alone(files):
+    often = files.robot(NOISY, seed=3).record(FILTERED, 0.5)
+    seldom = files.robot(f"{NOISY}, pub_rate: 10", seed=3).record(FILTERED, 0.5)
+    other = files.robot(NOISY, seed=4).record(FILTERED, 0.5)
+
+    readings = dict(zip(stamps_of(often), map(measured, often)))
+    assert [measured(m) for m in seldom] == [readings[stamp] for stamp in stamps_of(seldom)]
+    assert len(seldom) == 5
+    assert not any(measured(m) == readings[m.header.stamp.to_nsec()] for m in other)
+
+
+def test_covariances_are_by_default_the_variances_on_the_diagonal(files):
+    robot = files.robot(NOISY).run()
+
+    for topic in (FILTERED, GROUND_TRUTH):
+        message = robot.last(topic)
+        for first, covariance in [
+            (0, message.orientation_covariance),
+            (3, message.angular_velocity_covariance),
+            (6, message.linear_acceleration_covariance),
+        ]:
+            assert list(covariance) == np.diag(VARIANCES[first : first + 3]).ravel().tolist()
+
+
+def test_given_covariances_are_sent_as_they_are(files):
+    given = [[i / factor for i in range(-1, 8)] for factor in (2, 4, 8)]
+    robot = files.robot(
+        f"{NOISY}, orientation_covariance: {given[0]}, angular_velocity_covariance: {given[1]}, "
+        f"linear_acceleration_covariance: {given[2]}"
+    ).run()
+
+    for topic in (FILTERED, GROUND_TRUTH):
+        message = robot.last(topic)
+        assert list(message.orientation_covariance) == given[0]
+        assert list(message.angular_velocity_covariance) == given[1]
+        assert list(message.linear_acceleration_covariance) == given[2]
+
+
+@pytest.mark.parametrize(
+    ("rate", "period"),
+    [
+        ("", STEP),
+        (", pub_rate: inf", STEP),
+        (", pub_rate: 50", 20_000_000),
+        (", update_rate: 50", 20_000_000),
+    ],
+)
+@pytest.mark.parametrize("topic", [FILTERED, GROUND_TRUTH])
+def test_messages_come_at_their_rate_stamped_with_the_end_of_the_step(files, rate, period, topic):
+    messages = files.robot(IMU + rate).record(topic, 1.0)
+
+    assert stamps_of(messages) == [STEP + i * period for i in range(1_000_000_000 // period)]
+
+
+def test_topics_and_frames_are_the_documented_ones(files):
+    robot = files.robot(IMU).run()
+
+    assert robot.transport.topics == {FILTERED, GROUND_TRUTH}
+    assert {robot.last(t).header.frame_id for t in (FILTERED, GROUND_TRUTH)} == {"imu"}
+    [transform] = robot.transport.transforms.values()
+    assert (transform.parent, transform.child) == ("base", "imu")
+    assert (tuple(transform.pose), transform.roll) == ((0.0, 0.0, 0.0), 0.0)
+    assert transform.nanoseconds == robot.last(FILTERED).header.stamp.to_nsec()
+
+
+def test_topics_and_frames_can_be_named_and_the_transform_switched_off(files):
+    loud = files.robot(f"{IMU}, imu_pub: a, ground_truth_pub: b, imu_frame_id: chip").run()
+    quiet = files.robot(f"{IMU}, broadcast_tf: false").run()
+
+    assert loud.transport.topics == {"/a", "/b"}
+    assert {loud.last(t).header.frame_id for t in ("/a", "/b")} == {"chip"}
+    assert {t.child: t.parent for t in loud.transport.transforms.values()} == {"chip": "base"}
+    assert quiet.transport.transforms == {}
+    assert quiet.last(FILTERED).header.frame_id == "imu"
+
+
+def test_a_namespace_is_put_before_topics_and_frames(files):
+    robot = files.robot(IMU, namespace="robot1").run()
+
+    assert robot.transport.topics == {"/robot1/imu/filtered", "/robot1/imu/ground_truth"}
+    assert robot.last("/robot1/imu/filtered").header.frame_id == "robot1_imu"
+    [transform] = robot.transport.transforms.values()
+    assert (transform.parent, transform.child) == ("robot1_base", "robot1_imu")
+
+
+def test_an_absolute_topic_is_outside_of_the_namespace(files):
+    robot = files.robot(f"{IMU}, imu_pub: /imu", namespace="robot1").run()
+
+    assert robot.transport.topics == {"/imu", "/robot1/imu/ground_truth"}
+
+
+def test_the_bodys_own_frame_is_not_made_its_own_parent(files):
+    robot = files.robot(f"{IMU}, imu_frame_id: base", namespace="robot1").run()
+
+    assert robot.transport.transforms == {}
+    assert robot.last("/robot1/imu/filtered").header.frame_id == "robot1_base"
+
+
+def test_both_topics_can_be_switched_off(files):
+    robot = files.robot(f"{IMU}, enable_imu_pub: false").run()
+
+    assert robot.transport.topics == set()
+    assert set(robot.transport.transforms) == {"imu"}
+
+
+def test_nothing_is_published_that_nobody_listens_to(files, deaf_transport):
+    files.robot(NOISY, DRIVE, transport=deaf_transport).drive(1.0).run(0.1)
+
+    assert deaf_transport.published == []
+    assert deaf_transport.transforms == {}
+
+
+def test_one_topic_is_published_without_the_other(files, deaf_transport):
+    robot = files.robot(NOISY, transport=deaf_transport)
+    _, ground_truth = deaf_transport.publishers
+
+    ground_truth.is_watched = True
+    robot.run(0.01)
+
+    assert deaf_transport.published == ["imu/ground_truth"] * 2
+
+
+def test_the_first_message_to_a_new_listener_is_right(files, deaf_transport):
+    robot = files.robot(IMU, DRIVE, transport=deaf_transport).drive(2.0, 2.0).run(1.0)
+
+    for publisher in deaf_transport.publishers:
+        publisher.is_watched = True
+    robot.run()
+
+    assert acceleration_of(robot.last(GROUND_TRUTH)) == closely(0.0, 4.0)
+
+
+class ListeningPhysics:
+    """A physical world; somebody starts to listen in the middle of its step."""
+
+    def __init__(self, physics: Any, publisher: Any) -> None:
+        self._physics = physics
+        self._publisher = publisher
+
+    def step(self, dt: float) -> None:
+        self._physics.step(dt)
+        self._publisher.is_watched = True
+
+
+def test_who_starts_to_listen_again_during_a_step_hears_of_the_next(files, deaf_transport):
+    robot = files.robot(IMU, DRIVE, transport=deaf_transport).drive(2.0, 2.0).run(1.0)
+    [_, ground_truth, *_] = deaf_transport.publishers
+    ground_truth.is_watched = True
+    earlier = robot.run().last(GROUND_TRUTH)
+    ground_truth.is_watched = False
+    robot.run(0.5)
+    robot.world.physics = ListeningPhysics(robot.world.physics, ground_truth)
+
+    in_the_middle = robot.run().last(GROUND_TRUTH)
+    afterwards = robot.run().last(GROUND_TRUTH)
+
+    assert in_the_middle is earlier
+    assert acceleration_of(afterwards) == closely(0.0, 4.0)
+
+
+@pytest.mark.parametrize(
+    ("imu", "message"),
+    [
+        pytest.param(
+            "type: Imu, name: imu",
+            'plugins[0] "imu": the required key "body" is missing',
+            id="body missing",
+        ),
+        pytest.param(
+            IMU.replace("base", "bass"),
+            'plugins[0].body: the model has no body "bass" (did you mean "base"?); it has: base',
+            id="unknown body",
+        ),
+        pytest.param(
+            f"{IMU}, orientation_nois: [1, 2, 3]",
+            'plugins[0] "imu_sensor": unknown key "orientation_nois" '
+            '(did you mean "orientation_noise"?)',
+            id="unknown key",
+        ),
+        pytest.param(
+            f"{IMU}, pub_rate: 50, update_rate: 50",
+            'plugins[0].update_rate: "pub_rate" and "update_rate" are one key: give one',
+            id="two rates",
+        ),
+        pytest.param(
+            f"{IMU}, pub_rate: 0",
+            "plugins[0].pub_rate: expected a number above 0, found 0",
+            id="rate of zero",
+        ),
+        pytest.param(
+            f"{IMU}, update_rate: -1",
+            "plugins[0].update_rate: expected a number above 0, found -1",
+            id="negative rate",
+        ),
+        pytest.param(
+            f"{IMU}, orientation_noise: [0, 0, -1]",
+            "plugins[0].orientation_noise: expected a list of 3 numbers of 0 or more, "
+            "found [0, 0, -1]",
+            id="negative variance",
+        ),
+        pytest.param(
+            f"{IMU}, linear_acceleration_noise: 0.1",
+            "plugins[0].linear_acceleration_noise: expected a list of 3 numbers of 0 or more, "
+            "found 0.1",
+            id="one variance",
+        ),
+        pytest.param(
+            f"{IMU}, angular_velocity_covariance: [1, 2, 3]",
+            "plugins[0].angular_velocity_covariance: expected a list of 9 numbers, found [1, 2, 3]",
+            id="short covariance",
+        ),
+        pytest.param(
+            f"{IMU}, gravity: -9.8",
+            "plugins[0].gravity: expected a number of 0 or more, found -9.8",
+            id="negative gravity",
+        ),
+        pytest.param(
+            f"{IMU}, enable_imu_pub: perhaps",
+            'plugins[0].enable_imu_pub: expected true or false, found "perhaps"',
+            id="no flag",
+        ),
+    ],
+)
+def test_a_wrong_configuration_is_refused_at_its_line(files, imu, message):
+    assert files.refusal(imu) == f"robot.model.yaml:5: {message}"

@@ -1,0 +1,278 @@
+"""Odometry that drifts: how far, how it propagates, and what it leaves alone."""
+
+import math
+from typing import Any, List, Tuple
+
+import numpy as np
+import pytest
+
+from flatland_server.geometry import Pose
+from flatland_server.timekeeper import Timekeeper
+
+DRIVE = "type: DiffDrive, name: drive, body: base"
+NOISE = "odom_pose_noise: [0.1, 0.2, 0.3], odom_twist_noise: [0.4, 0.5, 0.6]"
+DRIFT = "odom_drift: [0.04, 0.01, 0.0025]"
+GHOST = "{type: circle, radius: 0.2, density: 10, layers: []}"
+FILTERED, GROUND_TRUTH, TWIST = "/odometry/filtered", "/odometry/ground_truth", "/twist"
+
+
+def pose_of(odometry: Any) -> Pose:
+    position, q = odometry.pose.pose.position, odometry.pose.pose.orientation
+    return Pose(position.x, position.y, 2.0 * math.atan2(q.z, q.w)).wrapped()
+
+
+def swarm(files, count: int, keys: str, pose: str = "[0, 0, 0]"):
+    """Robots that pass through each other and obey one topic, each with noise of its own."""
+    model = files.model("robot", f"{DRIVE}, twist_sub: /cmd_vel, {keys}", footprint=GHOST)
+    names = [f"r{i}" for i in range(count)]
+    return files.load({n: f"model: {model}, namespace: {n}, pose: {pose}" for n in names}, seed=3)
+
+
+def believed(robots) -> List[Pose]:
+    """What each robot's odometry says now."""
+    return [pose_of(robots.last(f"/{name}{FILTERED}")) for name in robots.world.models]
+
+
+def errors(robots) -> np.ndarray:
+    """Each robot's odometry less the truth, in the world's frame: a row of x, y and yaw."""
+    rows = []
+    for name, (x, y, yaw) in zip(robots.world.models, believed(robots)):
+        truth = pose_of(robots.last(f"/{name}{GROUND_TRUTH}"))
+        rows.append((x - truth.x, y - truth.y, math.remainder(yaw - truth.yaw, math.tau)))
+    return np.array(rows)
+
+
+def assert_covariance(samples: np.ndarray, covariance: Any) -> None:
+    """Asserts that these rows are drawn from the normal distribution of mean 0 and a covariance."""
+    count = len(samples)
+    white = np.linalg.solve(np.linalg.cholesky(covariance), samples.T).T
+    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared), and
+    # one of n products of two of them the mean 0 and the variance n.
+    products = white.T @ white
+    squares = np.diag(products)
+    assert np.abs(squares - count).max() < 4 * math.sqrt(2 * count)
+    assert np.abs(products - np.diag(squares)).max() < 4 * math.sqrt(count)
+    assert np.abs(white.sum(axis=0)).max() < 4 * math.sqrt(count)
+
+
+@pytest.mark.parametrize(
+    ("rate", "step", "seconds"),
+    [("inf", 0.005, 0.1), ("inf", 0.02, 1.0), ("40", 0.005, 0.5), ("7", 0.01, 2.0), ("1", 0.05, 4)],
+)
+def test_a_robot_at_rest_drifts_by_its_variances_per_second(files, rate, step, seconds):
+    variances = np.array([0.04, 0.01, 0.0025])
+    robots = swarm(files, 150, f"{DRIFT}, pub_rate: {rate}", pose="[3, -2, 1]")
+    robots.timekeeper = Timekeeper(step)
+
+    robots.run(step)
+    poses, stamps = [believed(robots)], [0.0]
+    for _ in range(5):
+        robots.run(seconds)
+        poses.append(believed(robots))
+        stamps.append(robots.last(f"/r0{FILTERED}").header.stamp.to_sec())
+
+    # What a robot believes to have moved in each of the times, in its own frame.
+    moved = np.array(
+        [
+            [before.inverse().compose(after).wrapped() for before, after in zip(*pair)]
+            for pair in zip(poses, poses[1:])
+        ]
+    )
+    scaled = moved / np.sqrt(np.outer(np.diff(stamps), variances))[:, None, :]
+    assert stamps[-1] == pytest.approx(5 * seconds)
+    assert_covariance(scaled.reshape(-1, 3), np.eye(3))
+    # One time does not know of the one before.
+    pairs = (scaled[1:] * scaled[:-1]).reshape(-1, 3)
+    assert np.abs(pairs.sum(axis=0)).max() < 4 * math.sqrt(len(pairs))
+    # All in all it is the variance per second times the time, about where the robots are.
+    x, y, yaw = (np.array(poses[-1]) - [3, -2, 1]).T
+    ahead, left = math.cos(1) * x + math.sin(1) * y, math.cos(1) * y - math.sin(1) * x
+    assert_covariance(np.array([ahead, left, yaw]).T, np.diag(variances * stamps[-1]))
+
+
+@pytest.mark.parametrize("rate", [20, 1])
+def test_a_heading_that_drifts_bends_a_straight_path(files, rate):
+    time, speed, q = 4.0, 0.5, 1e-3
+    robots = swarm(files, 400, f"odom_drift: [0, 0, {q}], pub_rate: {rate}").drive(speed)
+
+    robots.run(time + 0.005)
+
+    # To first order, the heading is q's random walk and the path's lateral error its integral:
+    # variances q t and v^2 q t^3 / 3, covariance v q t^2 / 2.
+    lateral_and_yaw = errors(robots)[:, 1:]
+    path = speed * time
+    covariance = q * time * np.array([[path**2 / 3, path / 2], [path / 2, 1.0]])
+    assert_covariance(lateral_and_yaw, covariance)
+
+
+def test_a_heading_that_drifts_does_not_close_a_circle(files):
+    time, radius, q = 4.0, 0.8, 6e-4
+    omega = math.tau / time
+    robots = swarm(files, 400, f"odom_drift: [0, 0, {q}], pub_rate: 20")
+
+    robots.drive(radius * omega, omega).run(time + 0.005)
+
+    # To first order, an error of the heading at a time t turns what follows of the path, p(T) -
+    # p(t), by a quarter turn: the circle's integrals of its products over t, with the heading's.
+    r = radius
+    covariance = q * time * np.array([[1.5 * r * r, 0, r], [0, 0.5 * r * r, 0], [r, 0, 1]])
+    assert_covariance(errors(robots), covariance)
+
+
+def test_a_drift_is_in_the_bodys_frame(files):
+    ahead, left = 0.01, 0.0025
+    robots = swarm(files, 400, f"odom_drift: [{ahead}, {left}, 0], pub_rate: 20", "[1, 1, 0.5236]")
+
+    error = errors(robots.run(1.005))
+
+    axes = np.array([[math.cos(0.5236), -math.sin(0.5236)], [math.sin(0.5236), math.cos(0.5236)]])
+    assert_covariance(error[:, :2], axes @ np.diag([ahead, left]) @ axes.T)
+    assert np.abs(error[:, 2]).max() < 1e-9
+
+
+def test_a_robots_error_grows_as_it_drives(files):
+    robots = swarm(files, 100, "odom_drift: [1e-4, 1e-4, 1e-4], pub_rate: 20").drive(0.5, 0.2)
+
+    sizes = [np.sqrt((errors(robots.run(2.0)) ** 2).mean(axis=0)) for _ in range(4)]
+
+    assert np.diff(sizes, axis=0).min() > 0.0
+    assert sizes[-1].min() > 0.02
+
+
+def test_the_drift_begins_at_the_truth(files):
+    robot = files.robot(f"{DRIVE}, odom_drift: [1, 1, 1]", pose="[3, -2, 1]").run()
+
+    assert robot.last(FILTERED).pose == robot.last(GROUND_TRUTH).pose
+
+
+@pytest.mark.parametrize("noise", ["pub_rate: 50", NOISE])
+def test_there_is_no_drift_by_default(files, noise):
+    runs = []
+    for keys in (noise, f"{noise}, odom_drift: [0, 0, 0]"):
+        robot = files.robot(f"{DRIVE}, {keys}", seed=5).drive(0.5, 0.3)
+        runs.append(robot.record(FILTERED, 1.0))
+
+    assert runs[0] == runs[1]
+    if noise != NOISE:
+        assert pose_of(robot.last(FILTERED)) == pose_of(robot.last(GROUND_TRUTH))
+
+
+def test_a_drift_leaves_the_truth_the_twist_and_the_noise_as_they_are(files):
+    def run(keys: str) -> List[Tuple[Any, ...]]:
+        robot = files.robot(f"{DRIVE}, {keys}", seed=5).drive(0.5, 0.3)
+        topics = (FILTERED, GROUND_TRUTH, TWIST)
+        return [tuple(map(robot.run().last, topics)) for _ in range(200)]
+
+    for (both, truth, twist), (drifted, _, _), (noisy, same_truth, same_twist) in zip(
+        run(f"{NOISE}, {DRIFT}"), run(DRIFT), run(NOISE)
+    ):
+        assert (truth, twist, both.twist) == (same_truth, same_twist, noisy.twist)
+        # The white noise is the same, about the pose that has drifted.
+        for a, b, c, d in zip(*map(pose_of, (both, drifted, noisy, truth))):
+            assert math.remainder(a - b - (c - d), math.tau) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_transform_drifts_as_the_message_does(files):
+    robot = files.robot(f"{DRIVE}, odom_drift: [1, 1, 1]", pose="[3, -2, 1]").drive(1.0, 1.0)
+
+    robot.run(0.5)
+
+    transform = robot.transport.transforms["base"]
+    assert tuple(transform.pose) == pytest.approx(tuple(pose_of(robot.last(FILTERED))), abs=1e-9)
+    assert transform.pose.x != pytest.approx(robot.model().pose.x, abs=1e-3)
+
+
+def test_a_model_that_is_moved_takes_its_odometry_along(files):
+    robot = files.robot(f"{DRIVE}, odom_drift: [0.01, 0.01, 0.01]", seed=1).run(10.0)
+    before = pose_of(robot.last(FILTERED))
+    jump = Pose(2.0, -1.0, 2.0)
+
+    robot.world.move_model("robot", jump)
+    robot.run()
+
+    after = pose_of(robot.last(FILTERED))
+    assert tuple(before.inverse().compose(after).wrapped()) == pytest.approx(tuple(jump), abs=0.05)
+    assert max(map(abs, before)) > 0.1
+
+
+def test_a_twist_in_the_odometrys_frame_goes_by_the_drifted_heading(files):
+    robot = files.robot(f"{DRIVE}, odom_drift: [0, 0, 1], twist_in_local_frame: false")
+
+    robot.drive(1.0).run(1.0)
+
+    message = robot.last(FILTERED)
+    velocity, yaw = message.twist.twist.linear, pose_of(message).yaw
+    assert (velocity.x, velocity.y) == pytest.approx((math.cos(yaw), math.sin(yaw)), abs=1e-3)
+    assert abs(yaw) > 0.1
+
+
+def drifted(simulation, seconds: float) -> List[Pose]:
+    """What the robot believes at each step."""
+    return [pose_of(simulation.run().last(FILTERED)) for _ in range(round(seconds / 0.005))]
+
+
+def test_equal_seeds_drift_equally_and_others_do_not(files):
+    runs = [
+        drifted(files.robot(f"{DRIVE}, {DRIFT}", seed=seed).drive(0.5, 0.3), 1.0)
+        for seed in (5, 5, 6)
+    ]
+
+    assert runs[0] == runs[1]
+    assert not any(a.x == b.x for a, b in zip(runs[0][1:], runs[2][1:]))
+
+
+def test_two_robots_drift_apart(files):
+    robots = swarm(files, 2, DRIFT).run(0.1)
+
+    first, second = believed(robots)
+
+    assert first.x != second.x
+
+
+@pytest.mark.parametrize("hears_after", [1, 57])
+def test_a_listener_does_not_change_the_drift(files, deaf_transport, hears_after):
+    keys = f"{DRIVE}, {DRIFT}, {NOISE}"
+    always_heard = drifted(files.robot(keys, seed=5).drive(0.5, 0.3), 1.0)
+    robot = files.robot(keys, seed=5, transport=deaf_transport)
+
+    robot.drive(0.5, 0.3).run(hears_after * 0.005)
+    assert deaf_transport.published == []
+    for publisher in deaf_transport.publishers:
+        publisher.is_watched = True
+    heard_late = drifted(robot, 1.0 - hears_after * 0.005)
+
+    assert heard_late == always_heard[hears_after:]
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        pytest.param(
+            "odom_drfit: [0, 0, 0]",
+            'plugins[0] "drive": unknown key "odom_drfit" (did you mean "odom_drift"?)',
+            id="unknown key",
+        ),
+        pytest.param(
+            "odom_drift: [0, -0.1, 0]",
+            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found [0, -0.1, 0]",
+            id="negative",
+        ),
+        pytest.param(
+            "odom_drift: [0, 0]",
+            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found [0, 0]",
+            id="too short",
+        ),
+        pytest.param(
+            "odom_drift: [0, 0, .inf]",
+            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found [0, 0, .inf]",
+            id="infinite",
+        ),
+        pytest.param(
+            "odom_drift: 0.1",
+            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found 0.1",
+            id="no list",
+        ),
+    ],
+)
+def test_a_drift_that_cannot_be_is_refused_at_its_line(files, keys, message):
+    assert files.refusal(f"{DRIVE}, {keys}") == f"robot.model.yaml:5: {message}"

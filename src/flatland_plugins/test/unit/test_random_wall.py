@@ -1,0 +1,425 @@
+"""RandomWall: where walls are put up, which ones, and who notices them."""
+
+import math
+from typing import Any, List, Set, Tuple
+
+import numpy as np
+import pytest
+
+from flatland_plugins.random_wall import copies_beside
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+from flatland_server.world import World
+
+ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
+COPIES = {  # of the room's walls, 0.5 m inwards
+    (-5.0, -2.5, 5.0, -2.5),
+    (4.5, -3.0, 4.5, 3.0),
+    (5.0, 2.5, -5.0, 2.5),
+    (-4.5, 3.0, -4.5, -3.0),
+}
+OUTER_COPIES = {
+    (-5.0, -3.5, 5.0, -3.5),
+    (5.5, -3.0, 5.5, 3.0),
+    (5.0, 3.5, -5.0, 3.5),
+    (-5.5, 3.0, -5.5, -3.0),
+}
+WALLS = "type: RandomWall, name: chance, layer: walls, robot_name: robot, wall_wall_dist: 0.5"
+LASER = "type: Laser, name: laser, body: base, range: 20, angle: {min: -3, max: 3, increment: 0.5}"
+PLUGINS_LINE = 9
+
+
+def room(
+    files,
+    simulate,
+    plugin: str,
+    *,
+    segments: Tuple[str, ...] = ROOM,
+    robot: str = "",
+    pose: str = "[0, 0, 0]",
+    seed: int = 0,
+    **options: Any,
+):
+    """A world with walls, a robot and this plugin of the world."""
+    robot = robot or files.model("robot", LASER)
+    path = files.write(
+        "world.yaml",
+        f"""
+        properties: {{}}
+        layers:
+          - {{name: [walls, bricks], map: {files.walls("room", *segments)}}}
+          - {{name: empty}}
+        models:
+          - {{name: robot, model: {robot}, pose: {pose}}}
+        plugins:
+        # a line to count to
+          - {{{plugin}}}
+        """,
+    )
+    world = World.from_file(path, loader=files._loader, seed=seed, **options)
+    return simulate(world)
+
+
+def added(world, before: int = len(ROOM)) -> List[Tuple[float, ...]]:
+    """The walls of the layer that are not on its map."""
+    rows = world.world.get_layer("walls").segments[before:]
+    return [tuple(row) for row in rows.round(6).tolist()]
+
+
+def office_like(count: int = 60) -> Tuple[str, ...]:
+    """Walls of all lengths and directions around a place of 3 m that is free."""
+    rng = np.random.default_rng(5)
+    angle, distance = rng.uniform(0, math.tau, count), rng.uniform(3.0, 12.0, count)
+    heading, length = rng.uniform(0, math.tau, count), rng.uniform(0.1, 1.5, count)
+    x, y = distance * np.cos(angle), distance * np.sin(angle)
+    ends = np.stack([x, y, x + length * np.cos(heading), y + length * np.sin(heading)], axis=1)
+    return tuple(" ".join(f"{value:.6f}" for value in row) for row in ends)
+
+
+def parallel_offset(original: np.ndarray, copy: np.ndarray) -> float:
+    """How far to the left of a wall its copy is [m]; NaN if it is no parallel of its length."""
+    along = original[2:] - original[:2]
+    along /= np.linalg.norm(along)
+    shifts = copy.reshape(2, 2) - original.reshape(2, 2)
+    if not np.allclose(shifts[0], shifts[1], atol=1e-6) or abs(shifts[0] @ along) > 1e-6:
+        return math.nan
+    return float(along[0] * shifts[0, 1] - along[1] * shifts[0, 0])
+
+
+# Where
+
+
+@pytest.mark.parametrize(("count", "expected"), [(4, COPIES), (0, set())])
+def test_walls_come_up_beside_those_of_the_map_on_the_robots_side(files, simulate, count, expected):
+    world = room(files, simulate, f"{WALLS}, num_of_walls: {count}")
+
+    assert set(added(world)) == expected
+    assert len(added(world)) == count
+
+
+def test_a_double_wall_is_on_both_sides(files, simulate):
+    world = room(files, simulate, f"{WALLS}, num_of_walls: 4, double_wall: true")
+
+    assert set(added(world)) == COPIES | OUTER_COPIES
+    assert len(added(world)) == 8
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("is_double", [False, True])
+def test_there_are_as_many_as_asked_for_no_two_beside_one_wall(files, simulate, count, is_double):
+    plugin = f"{WALLS}, num_of_walls: {count}, double_wall: {str(is_double).lower()}"
+    copies = added(room(files, simulate, plugin))
+
+    inner, outer = [c for c in copies if c in COPIES], [c for c in copies if c in OUTER_COPIES]
+    assert len(set(inner)) == len(inner) == count
+    assert len(set(outer)) == len(outer) == (count if is_double else 0)
+    assert len(copies) == len(inner) + len(outer)
+
+
+@pytest.mark.parametrize(
+    ("pose", "copy"),
+    [
+        ("[0, 0, 0]", (2.0, -1.0, 2.0, 1.0)),
+        ("[9, 0, 0]", (4.0, -1.0, 4.0, 1.0)),
+        # Beside its end the wall is thought of as going on for ever.
+        ("[2.9, 5, 0]", (2.0, -1.0, 2.0, 1.0)),
+        ("[3.1, 5, 0]", (4.0, -1.0, 4.0, 1.0)),
+    ],
+)
+@pytest.mark.parametrize("wall", ["3 -1 3 1", "3 1 3 -1"])
+def test_the_robots_side_is_where_it_stands_when_the_world_is_loaded(
+    files, simulate, pose, copy, wall
+):
+    plugin = WALLS.replace("0.5", "1") + ", num_of_walls: 1"
+
+    [found] = added(room(files, simulate, plugin, segments=(wall,), pose=pose), before=1)
+
+    assert found in (copy, (*copy[2:], *copy[:2]))
+
+
+def test_copies_of_walls_in_any_direction_are_parallels_at_the_distance(files, simulate):
+    plugin = f"{WALLS}, num_of_walls: 60, double_wall: true"
+    world = room(files, simulate, plugin, segments=office_like())
+
+    segments = world.world.get_layer("walls").segments
+    originals, copies = segments[:60], segments[60:]
+    assert len(copies) == 120
+    offsets = np.array([[parallel_offset(each, copy) for copy in copies] for each in originals])
+    is_copy = np.isclose(np.abs(offsets), 0.5, atol=1e-6)
+    assert (is_copy.sum(axis=1) == 2).all()
+    # One on each side of every original.
+    assert np.where(is_copy, offsets, 0.0).sum(axis=1) == pytest.approx(np.zeros(60), abs=1e-6)
+
+
+def test_copies_are_on_the_side_of_the_place():
+    rng = np.random.default_rng(8)
+    walls, place = rng.uniform(-5, 5, (500, 4)), np.array([1.0, -2.0])
+
+    copies = copies_beside(walls, place, 0.3, is_double=True)
+
+    near, far = (
+        np.array([parallel_offset(each, copy) for each, copy in zip(walls, copies[:, side])])
+        for side in (0, 1)
+    )
+    along = walls[:, 2:] - walls[:, :2]
+    to_place = place - walls[:, :2]
+    left = np.sign(along[:, 0] * to_place[:, 1] - along[:, 1] * to_place[:, 0])
+    assert near == pytest.approx(0.3 * left, abs=1e-9)
+    assert far == pytest.approx(-0.3 * left, abs=1e-9)
+
+
+def test_the_distance_is_a_metre_if_it_is_not_given(files, simulate):
+    plugin = WALLS.replace(", wall_wall_dist: 0.5", "") + ", num_of_walls: 1"
+
+    [copy] = added(room(files, simulate, plugin, segments=("3 -1 3 1",)), before=1)
+
+    assert copy == (2.0, -1.0, 2.0, 1.0)
+
+
+def test_walls_are_taken_from_all_over_the_layer(files, simulate):
+    chosen: Set[Tuple[float, ...]] = set()
+    for seed in range(30):
+        chosen |= set(added(room(files, simulate, f"{WALLS}, num_of_walls: 1", seed=seed)))
+
+    # That one of four is left out thirty times has a probability of 4 * 0.75^30 < 0.1 %.
+    assert chosen == COPIES
+
+
+# Never on the robot
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("double", ["true", "false"])
+def test_no_wall_comes_up_on_the_robot(files, simulate, seed, double):
+    # At 0.55 m from the east wall and 0.65 m from the south wall, with a radius of 0.2 m.
+    plugin = f"{WALLS}, num_of_walls: 2, double_wall: {double}"
+    world = room(files, simulate, plugin, pose="[4.45, -2.35, 0]", seed=seed)
+
+    north_and_west = {(5.0, 2.5, -5.0, 2.5), (-4.5, 3.0, -4.5, -3.0)}
+    assert set(added(world)) & COPIES == north_and_west
+
+
+@pytest.mark.parametrize(
+    ("footprint", "pose", "is_free"),
+    [
+        # The copy is at x = 2.5; the robot's reach counts in all directions.
+        ("{type: circle, radius: 0.2, density: 1}", "[2.29, 0, 0]", True),
+        ("{type: circle, radius: 0.2, density: 1}", "[2.31, 0, 0]", False),
+        ("{type: circle, center: [0.3, 0], radius: 0.2, density: 1}", "[1.99, 0, 0]", True),
+        ("{type: circle, center: [0.3, 0], radius: 0.2, density: 1}", "[2.01, 0, 0]", False),
+        ("{type: circle, center: [0.3, 0.3], radius: 3, density: 1}", "[-0.924, 0, 0]", False),
+        ("{type: circle, center: [0.3, 0.3], radius: 3, density: 1}", "[-0.925, 0, 0]", True),
+        (
+            "{type: polygon, points: [[-1, -0.1], [0.1, -0.1], [0.1, 0.1]], density: 1}",
+            "[1.49, 0, 0]",
+            True,
+        ),
+        (
+            "{type: polygon, points: [[-1, -0.1], [0.1, -0.1], [0.1, 0.1]], density: 1}",
+            "[1.51, 0, 0]",
+            False,
+        ),
+    ],
+)
+def test_the_robot_is_as_large_as_its_footprints(files, simulate, footprint, pose, is_free):
+    robot = files.model("robot", footprint=footprint)
+    plugin = f"{WALLS}, num_of_walls: 1"
+
+    if is_free:
+        world = room(files, simulate, plugin, segments=("3 -2 3 2",), robot=robot, pose=pose)
+        assert added(world, before=1) == [(2.5, -2.0, 2.5, 2.0)]
+    else:
+        with pytest.raises(FlatlandError, match="without standing on the robot, found 0"):
+            room(files, simulate, plugin, segments=("3 -2 3 2",), robot=robot, pose=pose)
+
+
+def test_a_robot_of_several_bodies_reaches_as_far_as_the_farthest(files, simulate):
+    files.write(
+        "long.model.yaml",
+        """
+        bodies:
+          - {name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}
+          - {name: tail, pose: [-1, 0, 0], footprints: [{type: circle, radius: 0.1, density: 1}]}
+        """,
+    )
+    plugin = f"{WALLS}, num_of_walls: 1"
+
+    with pytest.raises(FlatlandError, match="found 0"):
+        room(
+            files, simulate, plugin,
+            segments=("3 -2 3 2",), robot="long.model.yaml", pose="[1.45, 0, 2]",
+        )  # fmt: skip
+
+
+def test_a_robot_without_any_footprint_is_a_point(files, simulate):
+    ghost = files.write("ghost.model.yaml", "bodies: [{name: base, footprints: []}]").name
+
+    world = room(files, simulate, f"{WALLS}, num_of_walls: 4", robot=ghost)
+
+    assert set(added(world)) == COPIES
+
+
+# Chance
+
+
+def test_equal_seeds_put_up_equal_walls(files, simulate):
+    plugin = f"{WALLS}, num_of_walls: 5"
+
+    first = added(room(files, simulate, plugin, segments=office_like(), seed=3), before=60)
+    second = added(room(files, simulate, plugin, segments=office_like(), seed=3), before=60)
+
+    assert first == second
+    assert len(first) == 5
+
+
+def test_other_seeds_put_up_other_walls(files, simulate):
+    plugin = f"{WALLS}, num_of_walls: 5"
+
+    chosen = {
+        tuple(added(room(files, simulate, plugin, segments=office_like(), seed=seed), before=60))
+        for seed in range(6)
+    }
+
+    assert len(chosen) == 6
+
+
+# Who notices them
+
+
+def test_a_lidar_sees_them(files, simulate):
+    world = room(files, simulate, f"{WALLS}, num_of_walls: 4").run()
+
+    scan = world.last("/scan")
+
+    # The room is 9 by 5 m now.
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    with np.errstate(divide="ignore"):
+        expected = np.minimum(4.5 / np.abs(np.cos(angles)), 2.5 / np.abs(np.sin(angles)))
+    assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("layer", "stops_at"), [("walls", 4.5 - 0.2), ("bricks", 4.5 - 0.2), ("empty", 6.0)]
+)
+def test_they_stop_what_is_on_their_layer(files, simulate, layer, stops_at):
+    footprint = f"{{type: circle, radius: 0.2, density: 1, layers: [{layer}]}}"
+    robot = files.model("robot", footprint=footprint)
+    world = room(files, simulate, f"{WALLS}, num_of_walls: 4", robot=robot)
+
+    world.model().base.physics_body.velocity = (2.0, 0.0, 0.0)
+    world.run(3.0)
+
+    assert world.model().pose.x == pytest.approx(stops_at, abs=0.02)
+
+
+def test_a_bumper_calls_them_by_their_layers_name(files, simulate):
+    robot = files.model("robot", "type: Bumper, name: bumper")
+    world = room(files, simulate, f"{WALLS}, num_of_walls: 4", robot=robot)
+
+    world.world.move_model("robot", Pose(4.3, 0.0, 0.0))
+
+    [collision] = world.run().last("/collisions").collisions
+    assert (collision.entity_B, collision.body_B) == ("walls", "walls")
+    assert collision.contact_positions[0].x == pytest.approx(4.5, abs=0.02)
+
+
+def test_a_layer_may_be_named_by_any_of_its_names(files, simulate):
+    plugin = WALLS.replace("layer: walls", "layer: bricks") + ", num_of_walls: 4"
+
+    assert set(added(room(files, simulate, plugin))) == COPIES
+
+
+def test_two_of_them_put_up_walls_of_their_own(files, simulate):
+    first = "type: RandomWall, name: a, layer: walls, robot_name: robot, num_of_walls: 4"
+    second = f"{first.replace('name: a', 'name: b')}, wall_wall_dist: 0.5"
+    plugins = f"{first}, wall_wall_dist: 0.5}}\n          - {{{second}"
+
+    world = room(files, simulate, plugins)
+
+    # The second one copies walls of the first as well.
+    assert set(added(world)[:4]) == COPIES
+    assert len(added(world)) == 8
+
+
+# Wrong configurations
+
+
+@pytest.mark.parametrize(
+    ("plugin", "message"),
+    [
+        pytest.param(
+            "type: RandomWall, name: chance, robot_name: robot",
+            'plugins[0] "chance": the required key "layer" is missing',
+            id="layer missing",
+        ),
+        pytest.param(
+            "type: RandomWall, name: chance, layer: walls",
+            'plugins[0] "chance": the required key "robot_name" is missing',
+            id="robot missing",
+        ),
+        pytest.param(
+            WALLS.replace("layer: walls", "layer: ''"),
+            'plugins[0].layer: no layer is named ""; there are: walls, bricks, empty',
+            id="no name",
+        ),
+        pytest.param(
+            WALLS.replace("layer: walls", "layer: wals"),
+            'plugins[0].layer: no layer is named "wals" (did you mean "walls"?); '
+            "there are: walls, bricks, empty",
+            id="unknown layer",
+        ),
+        pytest.param(
+            WALLS.replace("robot_name: robot", "robot_name: robbot"),
+            'plugins[0].robot_name: there is no model "robbot" (did you mean "robot"?)',
+            id="unknown robot",
+        ),
+        pytest.param(
+            f"{WALLS}, num_of_wall: 1",
+            'plugins[0] "chance": unknown key "num_of_wall" (did you mean "num_of_walls"?)',
+            id="unknown key",
+        ),
+        pytest.param(
+            f"{WALLS}, num_of_walls: -1",
+            "plugins[0].num_of_walls: expected a whole number of 0 or more, found -1",
+            id="negative number",
+        ),
+        pytest.param(
+            f"{WALLS}, num_of_walls: 1.5",
+            "plugins[0].num_of_walls: expected a whole number, found 1.5",
+            id="half a wall",
+        ),
+        pytest.param(
+            WALLS.replace("0.5", "0"),
+            "plugins[0].wall_wall_dist: expected a number above 0, found 0",
+            id="no distance",
+        ),
+        pytest.param(
+            f"{WALLS}, double_wall: maybe",
+            'plugins[0].double_wall: expected true or false, found "maybe"',
+            id="no flag",
+        ),
+        pytest.param(
+            f"{WALLS}, num_of_walls: 5",
+            'plugins[0].num_of_walls: expected 5 walls of the layer "walls" that can be copied '
+            "without standing on the robot, found 4",
+            id="more walls than there are",
+        ),
+        pytest.param(
+            WALLS.replace("layer: walls", "layer: empty") + ", num_of_walls: 1",
+            'plugins[0].num_of_walls: expected 1 walls of the layer "empty" that can be copied '
+            "without standing on the robot, found 0",
+            id="a layer without walls",
+        ),
+    ],
+)
+def test_a_wrong_configuration_is_refused_at_its_line(files, simulate, plugin, message):
+    with pytest.raises(FlatlandError) as caught:
+        room(files, simulate, plugin)
+
+    assert str(caught.value) == f"{files.folder}/world.yaml:{PLUGINS_LINE}: {message}"
+
+
+def test_of_a_layer_without_walls_none_may_be_asked_for(files, simulate):
+    plugin = WALLS.replace("layer: walls", "layer: empty")
+
+    assert added(room(files, simulate, plugin)) == []

@@ -1,0 +1,449 @@
+"""Tween: where a body is at each moment, in every mode and with every easing."""
+
+import math
+from typing import Any, Callable, Dict, Tuple
+
+import numpy as np
+import pytest
+from std_msgs.msg import Bool
+
+from flatland_server._core import EASINGS
+
+TWEEN = "type: Tween, name: tween, body: base"
+UNIT = f"{TWEEN}, delta: [1, 0, 0]"
+TRIGGER = f"{UNIT}, mode: trigger"
+DOCUMENTED = (
+    f"{TWEEN}, mode: yoyo, easing: cubicInOut, trigger_topic: tween_trigger, duration: 10, "
+    "delta: [2, 3, 1.1]"
+)
+STEPS = [pytest.param(0.005, id="5 ms"), pytest.param(0.007, id="7 ms")]
+
+
+def in_box2d(*pose: float) -> Tuple[float, ...]:
+    """A pose in the single precision that Box2D keeps it in."""
+    return tuple(float(np.float32(value)) for value in pose)
+
+
+def position(simulation: Any, name: str = "robot") -> Tuple[float, ...]:
+    """Where a model's body is, as Box2D has it, its turns counted."""
+    return tuple(simulation.model(name).base.physics_body.pose)
+
+
+def trigger(simulation: Any, forward: bool, topic: str = "/tween_trigger") -> None:
+    simulation.transport.send(topic, Bool(forward))
+
+
+# Penner's formulas, as easings.net writes them (Robert Penner, "Programming Macromedia Flash MX",
+# 2002, chapter 7). `n` is the degree of a power.
+
+
+def power_in_out(n: int, t: float) -> float:
+    return 2 ** (n - 1) * t**n if t < 0.5 else 1 - (-2 * t + 2) ** n / 2
+
+
+def exponential_in_out(t: float) -> float:
+    return 2 ** (20 * t - 10) / 2 if t < 0.5 else (2 - 2 ** (-20 * t + 10)) / 2
+
+
+def circular_in_out(t: float) -> float:
+    if t < 0.5:
+        return (1 - math.sqrt(1 - (2 * t) ** 2)) / 2
+    return (math.sqrt(1 - (-2 * t + 2) ** 2) + 1) / 2
+
+
+def back_in_out(t: float) -> float:
+    c = 1.70158 * 1.525
+    if t < 0.5:
+        return (2 * t) ** 2 * ((c + 1) * 2 * t - c) / 2
+    return ((2 * t - 2) ** 2 * ((c + 1) * (2 * t - 2) + c) + 2) / 2
+
+
+def elastic_in_out(t: float) -> float:
+    wave = math.sin((20 * t - 11.125) * 2 * math.pi / 4.5)
+    return -(2 ** (20 * t - 10)) * wave / 2 if t < 0.5 else 2 ** (-20 * t + 10) * wave / 2 + 1
+
+
+def bounce_out(t: float) -> float:
+    if t < 1 / 2.75:
+        return 7.5625 * t * t
+    if t < 2 / 2.75:
+        return 7.5625 * (t - 1.5 / 2.75) ** 2 + 0.75
+    if t < 2.5 / 2.75:
+        return 7.5625 * (t - 2.25 / 2.75) ** 2 + 0.9375
+    return 7.5625 * (t - 2.625 / 2.75) ** 2 + 0.984375
+
+
+def bounce_in_out(t: float) -> float:
+    return (1 - bounce_out(1 - 2 * t)) / 2 if t < 0.5 else (1 + bounce_out(2 * t - 1)) / 2
+
+
+PENNER: Dict[str, Callable[[float], float]] = {
+    "linear": lambda t: t,
+    "quadraticIn": lambda t: t**2,
+    "quadraticOut": lambda t: 1 - (1 - t) ** 2,
+    "quadraticInOut": lambda t: power_in_out(2, t),
+    "cubicIn": lambda t: t**3,
+    "cubicOut": lambda t: 1 - (1 - t) ** 3,
+    "cubicInOut": lambda t: power_in_out(3, t),
+    "quarticIn": lambda t: t**4,
+    "quarticOut": lambda t: 1 - (1 - t) ** 4,
+    "quarticInOut": lambda t: power_in_out(4, t),
+    "quinticIn": lambda t: t**5,
+    "quinticOut": lambda t: 1 - (1 - t) ** 5,
+    "quinticInOut": lambda t: power_in_out(5, t),
+    "exponentialIn": lambda t: 2 ** (10 * t - 10),
+    "exponentialOut": lambda t: 1 - 2 ** (-10 * t),
+    "exponentialInOut": exponential_in_out,
+    "circularIn": lambda t: 1 - math.sqrt(1 - t**2),
+    "circularOut": lambda t: math.sqrt(1 - (t - 1) ** 2),
+    "circularInOut": circular_in_out,
+    "backIn": lambda t: 2.70158 * t**3 - 1.70158 * t**2,
+    "backOut": lambda t: 1 + 2.70158 * (t - 1) ** 3 + 1.70158 * (t - 1) ** 2,
+    "backInOut": back_in_out,
+    "elasticIn": lambda t: -(2 ** (10 * t - 10)) * math.sin((t * 10 - 10.75) * 2 * math.pi / 3),
+    "elasticOut": lambda t: 2 ** (-10 * t) * math.sin((t * 10 - 0.75) * 2 * math.pi / 3) + 1,
+    "elasticInOut": elastic_in_out,
+    "bounceIn": lambda t: 1 - bounce_out(1 - t),
+    "bounceOut": bounce_out,
+    "bounceInOut": bounce_in_out,
+}
+"""For 0 < t < 1, in the documentation's order."""
+
+
+def test_the_easings_are_the_documented_ones():
+    assert tuple(EASINGS) == tuple(PENNER)
+
+
+@pytest.mark.parametrize("easing", PENNER)
+@pytest.mark.parametrize("step", STEPS)
+def test_an_easing_is_the_published_one_and_ends_exactly(files, simulate, easing, step):
+    robot = simulate(files.robot(f"{UNIT}, mode: once, easing: {easing}").world, step)
+
+    ways = []
+    while robot.timekeeper.seconds + step < 1.0 - 1e-9:
+        robot.run()
+        ways.append(position(robot)[0])
+    robot.run()
+
+    times = [i * step for i in range(1, len(ways) + 1)]
+    assert ways == pytest.approx([PENNER[easing](t) for t in times], abs=2e-7)
+    assert position(robot) == (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("heading", [0.5, 2.5])
+def test_the_documentations_example(files, heading):
+    robot = files.robot(DOCUMENTED, pose=f"[10, -20, {heading}]")
+
+    robot.run(5.0)
+    halfway = position(robot)
+    robot.run(5.0)
+    end = position(robot)
+    robot.run(10.0)
+
+    assert halfway == pytest.approx((11.0, -18.5, heading + 0.55), abs=1e-6)
+    assert end == in_box2d(12.0, -17.0, heading + 1.1)
+    assert position(robot) == in_box2d(10.0, -20.0, heading)
+
+
+def test_defaults_are_yoyo_linear_and_one_second(files):
+    robot = files.robot(UNIT)
+
+    for expected in (0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0, 0.25):
+        robot.run(0.25)
+        assert position(robot)[0] == pytest.approx(expected, abs=1e-7)
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_yoyo_goes_to_and_fro(files, simulate, step):
+    robot = simulate(files.robot(f"{UNIT}, duration: 0.7, easing: quadraticIn").world, step)
+
+    for _ in range(1000):
+        robot.run()
+        phase = robot.timekeeper.nanoseconds % 1_400_000_000 / 7e8
+        way = phase if phase <= 1 else 2 - phase
+        if way in (0.0, 1.0):
+            assert position(robot) == (way, 0.0, 0.0)
+        assert position(robot)[0] == pytest.approx(way**2, abs=1e-7)
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_once_stays_where_it_has_arrived(files, simulate, step):
+    tween = f"{TWEEN}, mode: once, duration: 0.7, easing: backOut, delta: [0.3, -0.7, 1.1]"
+    robot = simulate(files.robot(tween, pose="[1, 2, 3]").world, step)
+
+    robot.run(0.7 - step)
+    assert position(robot) != in_box2d(1.3, 1.3, 4.1)
+
+    for _ in range(200):
+        robot.run()
+        assert position(robot) == in_box2d(1.3, 1.3, 4.1)
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_loop_jumps_back_after_its_end(files, simulate, step):
+    robot = simulate(files.robot(f"{UNIT}, mode: loop, duration: 0.7").world, step)
+
+    for _ in range(1000):
+        robot.run()
+        # At the moment of its end it is there, not at the start.
+        way = ((robot.timekeeper.nanoseconds - 1) % 700_000_000 + 1) / 7e8
+        assert position(robot) == in_box2d(way, 0.0, 0.0)
+
+
+def test_the_jump_back_is_no_velocity(files):
+    robot = files.robot(f"{UNIT}, mode: loop")
+    body = robot.model().base.physics_body
+
+    speeds = {robot.run().timekeeper.nanoseconds: body.velocity[0] for _ in range(600)}
+
+    jumps = {1_005_000_000, 2_005_000_000}
+    for time, speed in speeds.items():
+        assert speed == pytest.approx(0.0 if time in jumps else 1.0, abs=1e-4), time
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_the_trigger_leads_to_the_end_and_back(files, simulate, step):
+    robot = simulate(files.robot(f"{TRIGGER}, duration: 0.7").world, step)
+
+    robot.run(1.4)
+    assert position(robot) == (0.0, 0.0, 0.0)
+
+    for end, start in ((1.0, 0.0), (0.0, 1.0), (1.0, 0.0)):
+        trigger(robot, end == 1.0)
+        for i in range(1, round(0.7 / step)):
+            robot.run()
+            assert position(robot)[0] == pytest.approx(start + (end - start) * i * step / 0.7)
+        for _ in range(10):
+            robot.run()
+            assert position(robot) == (end, 0.0, 0.0)
+
+
+def test_the_trigger_turns_a_movement_round(files):
+    robot = files.robot(f"{TRIGGER}, easing: quadraticOut")
+
+    trigger(robot, True)
+    robot.run(0.6)
+    there = position(robot)[0]
+    trigger(robot, False)
+    robot.run(0.2)
+    back = position(robot)[0]
+
+    assert (there, back) == pytest.approx((1 - 0.4**2, 1 - 0.6**2), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("key", "namespace", "topic"),
+    [
+        ("", "", "/tween_trigger"),
+        ("", "foo", "/foo/tween_trigger"),
+        (", trigger_topic: open", "foo", "/foo/open"),
+        (", trigger_topic: /open", "foo", "/open"),
+    ],
+)
+def test_the_trigger_topic_is_in_the_namespace(files, key, namespace, topic):
+    robot = files.robot(TRIGGER + key, namespace=namespace)
+
+    assert robot.transport.subscribed == {topic}
+    trigger(robot, True, topic)
+    robot.run(1.0)
+
+    assert position(robot) == (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("mode", ["yoyo", "once", "loop"])
+def test_only_mode_trigger_listens(files, mode):
+    robot = files.robot(f"{UNIT}, mode: {mode}, trigger_topic: open")
+
+    assert robot.transport.subscribed == set()
+
+
+def test_nothing_is_published(files):
+    robot = files.robot(TRIGGER).run(0.1)
+
+    assert robot.transport.topics == set()
+    assert robot.transport.transforms == {}
+
+
+@pytest.mark.parametrize("body_type", ["static", "kinematic", "dynamic"])
+def test_bodies_of_every_type_are_moved(files, body_type):
+    model = files.model("door", f"{TWEEN}, delta: [2, 3, 1.1]", body=f"type: {body_type},")
+    world = files.load({"door": f"model: {model}, pose: [1, 1, 1]"})
+
+    world.run(0.5)
+    halfway = position(world, "door")
+    world.run(0.5)
+
+    assert halfway == pytest.approx((2.0, 2.5, 1.55), abs=1e-6)
+    assert position(world, "door") == in_box2d(3.0, 4.0, 2.1)
+
+
+def test_only_the_named_body_is_moved(files):
+    footprints = "footprints: [{type: circle, radius: 0.1, density: 1}]"
+    files.write(
+        "gate.yaml",
+        f"""
+        bodies:
+          - {{name: post, {footprints}}}
+          - {{name: wing, pose: [0, 1, 0], {footprints}}}
+        plugins:
+          - {{type: Tween, name: tween, body: wing, mode: once, delta: [2, 0, 0]}}
+        """,
+    )
+    gate = files.load({"gate": "model: gate.yaml, pose: [5, 5, 3.14159]"}).run(2.0)
+
+    bodies = gate.model("gate").bodies
+    assert bodies["post"].pose == pytest.approx((5.0, 5.0, 3.14159), abs=1e-6)
+    # The delta is in the world's frame, though the model is turned.
+    assert bodies["wing"].pose == pytest.approx((7.0, 4.0, 3.14159), abs=1e-5)
+
+
+def test_many_turns_are_made_in_full(files):
+    robot = files.robot(f"{TWEEN}, mode: once, duration: 10, delta: [0, 0, {20 * math.pi}]")
+
+    turned, heading = 0.0, 0.0
+    for _ in range(2100):
+        before, heading = heading, robot.run().model().pose.yaw
+        turned += math.remainder(heading - before, math.tau)
+
+    assert turned == pytest.approx(20 * math.pi, abs=1e-4)
+    assert heading == pytest.approx(0.0, abs=1e-5)
+
+
+def test_a_body_turns_about_its_origin_not_about_its_middle(files):
+    footprint = "{type: circle, center: [0.7, 0.3], radius: 0.2, density: 10}"
+    robot = files.robot(f"{TWEEN}, delta: [1, 0, 3]", footprint=footprint)
+
+    for step in range(1, 200):
+        robot.run()
+        assert position(robot) == pytest.approx((step / 200, 0.0, step * 3 / 200), abs=1e-6)
+
+
+def test_its_velocity_is_that_of_the_movement(files):
+    robot = files.robot(f"{TWEEN}, duration: 2, easing: quadraticIn, delta: [1, -2, 3]").run(1.0)
+
+    # d/dt (t / 2)^2 = t / 2, in the middle of the last step
+    rate = 0.9975 / 2
+    velocity = robot.model().base.physics_body.velocity
+    assert velocity == pytest.approx((rate, -2 * rate, 3 * rate), abs=1e-4)
+
+
+def test_a_body_in_its_way_is_pushed_and_does_not_hold_it_up(files):
+    parcel = files.model("parcel", body="linear_damping: 4,")
+    wall = f"name: walls, map: {files.walls('wall', '1.1 -3 1.1 3')}"
+    entry = f"model: {parcel}, pose: [0.5, 0, 0]"
+    robot = files.robot(f"{UNIT}, mode: once", others={"parcel": entry}, layers=(wall,))
+
+    robot.run(0.25)
+    assert robot.model("parcel").pose.x == pytest.approx(0.25 + 0.4, abs=0.02)
+    robot.run(0.25)
+    assert robot.model("parcel").pose.x == pytest.approx(0.9, abs=0.02)
+
+    # From here on there is no room for both.
+    robot.run(0.3)
+    assert position(robot) == in_box2d(0.8, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("mode", ["yoyo", "once", "loop"])
+def test_a_model_that_is_moved_goes_on_from_there(files, mode):
+    robot = files.robot(f"{TWEEN}, mode: {mode}, delta: [2, 3, 1.1]")
+    pose = robot.model().pose
+
+    robot.run(0.25)
+    robot.world.move_model("robot", pose._replace(x=-5.0, y=7.0, yaw=2.0))
+    assert position(robot) == in_box2d(-5.0, 7.0, 2.0)
+    robot.run(0.75)
+
+    assert position(robot) == pytest.approx((-3.5, 9.25, 2.825), abs=1e-6)
+
+
+def test_a_model_that_is_moved_after_its_end_stays_there(files):
+    robot = files.robot(f"{UNIT}, mode: once").run(2.0)
+
+    robot.world.move_model("robot", robot.model().pose._replace(x=-5.0, y=7.0))
+    robot.run(2.0)
+
+    assert position(robot) == (-5.0, 7.0, 0.0)
+
+
+def test_a_deleted_model_is_not_moved_any_more(files):
+    robot = files.robot(
+        TRIGGER, others={"other": f"model: {files.model('other')}, pose: [5, 5, 0]"}
+    )
+    trigger(robot, True)
+    robot.run(0.5)
+
+    trigger(robot, False)
+    robot.world.delete_model("robot")
+    robot.run(0.5)
+
+    assert robot.transport.subscribed == set()
+    assert position(robot, "other") == (5.0, 5.0, 0.0)
+
+
+def test_all_keys_are_known_in_every_mode(files):
+    for mode in ("yoyo", "once", "loop", "trigger"):
+        files.robot(DOCUMENTED.replace("mode: yoyo", f"mode: {mode}"))
+
+
+@pytest.mark.parametrize(
+    ("tween", "message"),
+    [
+        pytest.param(
+            "type: Tween, name: tween, delta: [1, 0, 0]",
+            'plugins[0] "tween": the required key "body" is missing',
+            id="body missing",
+        ),
+        pytest.param(
+            "type: Tween, name: tween, delta: [1, 0, 0], body: bas",
+            'plugins[0].body: the model has no body "bas" (did you mean "base"?); it has: base',
+            id="unknown body",
+        ),
+        pytest.param(
+            TWEEN, 'plugins[0] "tween": the required key "delta" is missing', id="delta missing"
+        ),
+        pytest.param(
+            f"{TWEEN}, delta: [1, 0]",
+            "plugins[0].delta: expected [x, y, yaw], found [1, 0]",
+            id="short delta",
+        ),
+        pytest.param(
+            f"{TWEEN}, delta: [1, 0, inf]",
+            'plugins[0].delta: expected [x, y, yaw], found [1, 0, "inf"]',
+            id="endless delta",
+        ),
+        pytest.param(
+            f"{UNIT}, duration: 0",
+            "plugins[0].duration: expected a number above 0, found 0",
+            id="duration of nothing",
+        ),
+        pytest.param(
+            f"{UNIT}, duration: -1",
+            "plugins[0].duration: expected a number above 0, found -1",
+            id="negative duration",
+        ),
+        pytest.param(
+            f"{UNIT}, duration: inf",
+            'plugins[0].duration: expected a finite number, found "inf"',
+            id="endless duration",
+        ),
+        pytest.param(
+            f"{UNIT}, mode: trigered",
+            "plugins[0].mode: expected yoyo, once, loop or trigger "
+            '(did you mean "trigger"?), found "trigered"',
+            id="unknown mode",
+        ),
+        pytest.param(
+            f"{UNIT}, easing: cubicInOutt",
+            f"plugins[0].easing: expected {', '.join(list(PENNER)[:-1])} or bounceInOut "
+            '(did you mean "cubicInOut"?), found "cubicInOutt"',
+            id="unknown easing",
+        ),
+        pytest.param(
+            f"{UNIT}, triger_topic: open",
+            'plugins[0] "tween": unknown key "triger_topic" (did you mean "trigger_topic"?)',
+            id="unknown key",
+        ),
+    ],
+)
+def test_a_wrong_configuration_is_refused_at_its_line(files, tween, message):
+    assert files.refusal(tween) == f"robot.model.yaml:5: {message}"
