@@ -1,16 +1,29 @@
-"""What docs/files.md says is so: each of its YAML blocks loads, together they are a world."""
+"""What docs/files.md and docs/plugins.md say is so: each of their blocks is loaded or run."""
 
 import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 from PIL import Image
 
-from flatland_server.check_world import AnyLayer
+from flatland_server import _core
+from flatland_server.collision_filter_registry import AnyLayer
+from flatland_server.entity import Entity
+from flatland_server.local_transport import LocalTransport
 from flatland_server.model import ModelConfig
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.node import Node
+from flatland_server.plugin import Plugin
+from flatland_server.timekeeper import Timekeeper
 from flatland_server.world import World
+from flatland_server.yaml_reader import REQUIRED, YamlReader
 
-PAGE = Path(__file__).resolve().parents[3] / "docs" / "files.md"
+DOCS = Path(__file__).resolve().parents[3] / "docs"
+PAGE = DOCS / "files.md"
 BLOCK = re.compile(r"```yaml\n# file: (\S+)\n(.*?)```", re.DOTALL)
 
 
@@ -52,3 +65,170 @@ def test_the_parametric_model_of_the_page_loads(folder, monkeypatch):
     limits = model.plugins[0].reader.get_section("linear_dynamics")
     assert limits.get_float("velocity_limit") == 0.75
     assert limits.get_float("acceleration_limit") == 0.5
+
+
+# docs/plugins.md
+
+
+PLUGINS = DOCS / "plugins.md"
+EXAMPLES = DOCS.parent / "src" / "flatland_example_plugins"
+FRAGMENT = re.compile(r"```yaml\n# in (\S+)\n(.*?)```", re.DOTALL)
+PYTHON_FILE = re.compile(r"```python\n# file: (\S+)\n(.*?)```", re.DOTALL)
+EXCERPT = re.compile(r"```(?:python|xml)\n(?!# file)(.*?)```", re.DOTALL)
+DECLARATIONS = ElementTree.parse(PLUGINS.parents[1] / "src/flatland_plugins/flatland_plugins.xml")
+
+
+def sections():
+    """The page's text by its headings, among them the plugins' names."""
+    parts = re.split(r"^###? (.+)$", PLUGINS.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return dict(zip(parts[1::2], parts[2::2]))
+
+
+@pytest.fixture
+def plugin_folder(tmp_path):
+    """The files of docs/plugins.md, in a room with walls."""
+    for name, text in BLOCK.findall(PLUGINS.read_text(encoding="utf-8")):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (tmp_path / "walls.yaml").write_text(
+        "{type: line_segments, data: walls.dat, scale: 1, origin: [0, 0, 0]}"
+    )
+    (tmp_path / "walls.dat").write_text("-9 -9 9 -9\n9 -9 9 9\n9 9 -9 9\n-9 9 -9 -9\n")
+    return tmp_path
+
+
+class Listener(LocalTransport):
+    """Notes the type of each topic."""
+
+    def __init__(self):
+        super().__init__()
+        self.types = {}
+
+    def advertise(self, topic, message_type, **options):
+        self.types[topic] = message_type._type
+        return super().advertise(topic, message_type, **options)
+
+    def subscribe(self, topic, message_type, callback):
+        self.types[topic] = message_type._type
+        return super().subscribe(topic, message_type, callback)
+
+
+class Reading(NamedTuple):
+    """What a plugin has read at a key that is given."""
+
+    key: str
+    comment: str
+    value: Any
+    default: Any
+
+
+@pytest.fixture
+def readings(monkeypatch):
+    """What plugins read: the keys that are given, and the names of those that are not."""
+    given, missing = [], set()
+    get = YamlReader._get
+
+    def note(reader, key, default, convert, harmless):
+        value = get(reader, key, default, convert, harmless)
+        if reader.path.startswith("plugins[") and key not in ("type", "name", "enabled"):
+            if reader.has(key):
+                mark = reader._values[key].start_mark
+                line = Path(mark.name).read_text(encoding="utf-8").splitlines()[mark.line]
+                given.append(Reading(key, line.partition("#")[2], value, default))
+            else:
+                missing.add(key)
+        return value
+
+    monkeypatch.setattr(YamlReader, "_get", note)
+    return given, missing
+
+
+def test_every_block_of_the_plugins_page_is_tested():
+    text = PLUGINS.read_text(encoding="utf-8")
+
+    tested = [
+        r for pattern in (BLOCK, FRAGMENT, PYTHON_FILE, EXCERPT) for r in pattern.findall(text)
+    ]
+    assert len(tested) == sum(
+        text.count(f"```{language}") for language in ("yaml", "python", "xml")
+    )
+
+
+@pytest.mark.parametrize(
+    "excerpt",
+    EXCERPT.findall(PLUGINS.read_text(encoding="utf-8")),
+    ids=lambda excerpt: excerpt.split()[1],
+)
+def test_what_the_page_shows_of_the_example_package_is_in_it(excerpt):
+    files = [path for path in EXAMPLES.rglob("*") if path.suffix in (".py", ".xml")]
+
+    assert any(excerpt in path.read_text(encoding="utf-8") for path in files)
+
+
+@pytest.mark.parametrize(
+    ("heading", "classes"),
+    [
+        ("Its life", [Plugin]),
+        ("Its configuration", [YamlReader]),
+        ("Topics, transforms and parameters", [Node]),
+        ("Bodies", [_core.Body]),
+        ("Contacts", [ModelPlugin, Entity, _core.Contact, _core.ContactImpulse]),
+    ],
+)
+def test_the_tables_name_what_there_is(heading, classes):
+    cells = re.findall(r"^\| (`.*?) \|", sections()[heading], flags=re.MULTILINE)
+    names = [name for cell in cells for name in re.findall(r"`(?:\w+\.)?(\w+)", cell)]
+
+    known = {"node", "old_manifold"}.union(*(dir(each) for each in classes))
+    assert len(names) >= len(cells) > 5
+    assert [name for name in names if name not in known] == []
+
+
+def test_the_model_with_a_plugin_of_ones_own_loads(plugin_folder):
+    config = plugin_folder / "world.yaml"
+    config.write_text(
+        "properties: {}\nlayers: []\nmodels: [{name: a, model: drifter.model.yaml}]\n"
+    )
+
+    assert World.from_file(config).plugin_count == 1
+
+
+@pytest.mark.parametrize("name", [each.get("name") for each in DECLARATIONS.iter("class")])
+def test_a_plugin_is_as_the_page_says(plugin_folder, readings, name):
+    section = sections()[name]
+    [(file, fragment)] = FRAGMENT.findall(section)
+    with (plugin_folder / file).open("a", encoding="utf-8") as whole:
+        whole.write(fragment)
+    transport = Listener()
+
+    world = World.from_file(plugin_folder / "world.yaml", transport)
+    world.step(Timekeeper(0.005))
+
+    given, missing = readings
+    for key, comment, value, default in given:
+        if "required" in comment:
+            assert default is REQUIRED, key
+        else:
+            assert value == default or "example" in comment, key
+    # What it shares with DiffDrive is said there.
+    said = section + sections()["DiffDrive"] if "[DiffDrive](#diffdrive)" in section else section
+    assert [key for key in missing if not re.search(rf"\b{key}\b", said)] == []
+    for topic, type in transport.types.items():
+        assert topic in said
+        assert f"`{type}`" in said
+    for transform in transport.transforms.values():
+        assert f"`{transform.parent}`" in said
+        assert f"`{transform.child}`" in said
+
+
+def test_the_program_of_the_page_runs(plugin_folder):
+    [(name, program)] = PYTHON_FILE.findall(PLUGINS.read_text(encoding="utf-8"))
+    (plugin_folder / name).write_text(program, encoding="utf-8")
+    [(file, drive)] = FRAGMENT.findall(sections()["DiffDrive"])
+    with (plugin_folder / file).open("a", encoding="utf-8") as model:
+        model.write(drive)
+
+    result = subprocess.run(
+        [sys.executable, name], cwd=plugin_folder, stdout=subprocess.PIPE, text=True, check=True
+    )
+
+    assert "Pose(x=1.0" in result.stdout

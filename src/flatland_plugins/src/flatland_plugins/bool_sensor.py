@@ -5,7 +5,7 @@ from typing import Set
 
 from std_msgs.msg import Bool
 
-from flatland_server import _core
+from flatland_server.contact import Contact
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
@@ -26,10 +26,10 @@ class BoolSensor(ModelPlugin):
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
         config.finish()
         self._publisher = self.node.advertise(topic, Bool)
-        self._touching: Set[_core.Contact] = set()
+        self._touching: Set[Contact] = set()
         self._is_untold = False
 
-    def begin_contact(self, contact: _core.Contact) -> None:
+    def begin_contact(self, contact: Contact) -> None:
         """Notes a touch."""
         sides = self.filter_contact(contact)
         if sides is None or sides.entity is self.model or sides.other_fixture.sensor:
@@ -38,7 +38,7 @@ class BoolSensor(ModelPlugin):
             self._touching.add(contact)
             self._is_untold = True
 
-    def end_contact(self, contact: _core.Contact) -> None:
+    def end_contact(self, contact: Contact) -> None:
         """Notes its end."""
         self._touching.discard(contact)
 

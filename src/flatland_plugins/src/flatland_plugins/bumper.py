@@ -8,7 +8,7 @@ from typing import Dict, List, Tuple
 from flatland_msgs.msg import Collision, Collisions, Vector2
 
 from flatland_plugins.messages import header
-from flatland_server import _core
+from flatland_server.contact import Contact, ContactImpulse
 from flatland_server.model_plugin import ContactSides, ModelPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
@@ -53,10 +53,10 @@ class Bumper(ModelPlugin):
         config.finish()
         self._timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, Collisions)
-        self._touches: Dict[_core.Contact, Touch] = {}
+        self._touches: Dict[Contact, Touch] = {}
         self._over: List[Touch] = []
 
-    def post_solve(self, contact: _core.Contact, impulse: _core.ContactImpulse) -> None:
+    def post_solve(self, contact: Contact, impulse: ContactImpulse) -> None:
         """Notes where a contact is, and its impulses; a step may solve it more than once."""
         touch = self._touches.get(contact)
         if touch is None:
@@ -70,7 +70,7 @@ class Bumper(ModelPlugin):
         summed = zip_longest(touch.impulses, impulse.normal_impulses, fillvalue=0.0)
         touch.impulses = [a + b for a, b in summed][: len(touch.points)]
 
-    def end_contact(self, contact: _core.Contact) -> None:
+    def end_contact(self, contact: Contact) -> None:
         """Forgets a contact; one that this step has solved is still to be told of."""
         touch = self._touches.pop(contact, None)
         if touch is not None and touch.impulses:

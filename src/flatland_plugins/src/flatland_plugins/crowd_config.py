@@ -51,11 +51,7 @@ class PedestrianConfig:
         name = reader.get_string("name", name)
         check_topic_name(reader, "name", name)
         pose = reader.get_pose("pose")
-        if reader.has("goals"):
-            goals = reader.get_points("goals", 1, 10_000)
-        else:
-            goals = [pose[:2]]
-            reader.get_string("goals", "")  # a key to suggest to who misspells it
+        goals = reader.get_points("goals", 1, 10_000, [pose[:2]])
         pedestrian = cls(name, pose, tuple(goals), Build.read(reader, build), reader)
         reader.finish()
         return pedestrian

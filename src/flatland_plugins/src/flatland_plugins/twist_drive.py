@@ -10,7 +10,7 @@ from geometry_msgs.msg import Twist
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.odometry import OdometryConfig, OdometryPublisher
-from flatland_server._core import GoneError
+from flatland_server.contact import GoneError
 from flatland_server.model_body import ModelBody
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper

@@ -357,9 +357,14 @@ def test_who_begins_to_listen_during_a_touch_hears_of_it(files, deaf_transport):
     assert said(world.run())
 
 
+@pytest.mark.parametrize("key", ["topic", "update_rate", "body"])
+def test_a_key_without_its_last_letter_is_refused_with_a_suggestion(files, key):
+    message = f'plugins[0] "sensor": unknown key "{key[:-1]}" (did you mean "{key}"?)'
+
+    assert files.refusal(f"{SENSOR}, {key[:-1]}: 1") == f"robot.model.yaml:5: {message}"
+
+
 WRONG: Dict[str, str] = {
-    "updat_rate: 10": 'plugins[0] "sensor": unknown key "updat_rate" (did you mean "update_rate"?)',
-    "topics: out": 'plugins[0] "sensor": unknown key "topics" (did you mean "topic"?)',
     "body: bas": (
         'plugins[0].body: the model has no body "bas" (did you mean "base"?); it has: base'
     ),

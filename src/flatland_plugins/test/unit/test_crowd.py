@@ -531,17 +531,6 @@ def test_who_is_moved_walks_on_from_there(town):
     assert position(people) == pytest.approx((9.0, 0.0), abs=0.05)
 
 
-def test_people_go_with_their_world(town, files):
-    people = town(
-        "pose: [0, 0, 0], legs: true", "pose: [2, 0, 0]", robots=robot(files, pose="[5, 5, 0]")
-    )
-
-    people.world.close()
-
-    assert list(people.world.models) == ["robot"]
-    assert people.world.physics.body_count == 1
-
-
 def test_people_go_when_their_crowd_fails(town, monkeypatch, caplog):
     people = town("pose: [0, 0, 0], goals: [[9, 0]]").run(0.5)
 

@@ -344,6 +344,16 @@ def test_two_of_them_put_up_walls_of_their_own(files, simulate):
 # Wrong configurations
 
 
+@pytest.mark.parametrize("key", ["num_of_walls", "double_wall", "wall_wall_dist", "layer"])
+def test_a_key_without_its_last_letter_is_refused_with_a_suggestion(files, simulate, key):
+    without = f"{WALLS}, ".replace("wall_wall_dist: 0.5, ", "").replace("layer: walls, ", "")
+    with pytest.raises(FlatlandError) as caught:
+        room(files, simulate, f"{without}{key[:-1]}: 1")
+
+    message = f'plugins[0] "chance": unknown key "{key[:-1]}" (did you mean "{key}"?)'
+    assert message in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("plugin", "message"),
     [
@@ -372,11 +382,6 @@ def test_two_of_them_put_up_walls_of_their_own(files, simulate):
             WALLS.replace("robot_name: robot", "robot_name: robbot"),
             'plugins[0].robot_name: there is no model "robbot" (did you mean "robot"?)',
             id="unknown robot",
-        ),
-        pytest.param(
-            f"{WALLS}, num_of_wall: 1",
-            'plugins[0] "chance": unknown key "num_of_wall" (did you mean "num_of_walls"?)',
-            id="unknown key",
         ),
         pytest.param(
             f"{WALLS}, num_of_walls: -1",

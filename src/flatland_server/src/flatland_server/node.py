@@ -93,10 +93,13 @@ class FrameRegistry:
             self._parents[child] = parent
         elif (child, owner) not in self._warned:
             self._warned.add((child, owner))
+            other = self._parents[child]
+            conflict = f'from "{parent}"'
+            if parent != other:
+                conflict += f' and from "{other}", though a frame can have only one parent'
             logger.warning(
-                'two plugins publish the frame "%s": %s from "%s" and %s from "%s"; a frame can '
-                "have only one parent, so switch one of them off",
-                *(child, first, self._parents[child], owner, parent),
+                'two plugins publish the frame "%s" %s: %s and %s; switch one of them off',
+                *(child, conflict, first, owner),
             )
 
     def release(self, owner: str) -> None:
@@ -125,10 +128,12 @@ class Node:
     ) -> None:
         self.namespace = namespace.strip("/")
         self._transport = transport
-        self._owner = owner
+        self.owner = owner
+        """Who it belongs to, `model/plugin` or the name of a plugin of the world."""
         self._frames = frames if frames is not None else FrameRegistry()
         self._publishers: List[Publisher] = []
         self._subscriptions: List[Subscription] = []
+        self._is_closed = False
         self.on_failure: Optional[Callable[[str], None]] = None
         """Called with a description of the callback that has just raised an exception."""
 
@@ -165,6 +170,8 @@ class Node:
         name = self.resolve(topic)
 
         def guarded(message: Any) -> None:
+            if self._is_closed:
+                return
             try:
                 callback(message)
             except Exception:
@@ -183,11 +190,11 @@ class Node:
 
     def claim_frame(self, parent: str, child: str) -> None:
         """Says that this node will publish a frame; warns if somebody else does."""
-        self._frames.claim(parent, child, self._owner)
+        self._frames.claim(parent, child, self.owner)
 
     def send_transform(self, transform: Transform) -> None:
         """Sends a transform, together with all others of this step."""
-        self._frames.claim(transform.parent, transform.child, self._owner)
+        self._frames.claim(transform.parent, transform.child, self.owner)
         self._transport.send_transform(transform)
 
     def get_param(self, name: str, default: Any = None) -> Any:
@@ -195,11 +202,12 @@ class Node:
         return self._transport.get_param(self.resolve(name), default)
 
     def close(self) -> None:
-        """Takes away all that this node opened."""
+        """Takes away all that this node opened; no callback comes any more."""
+        self._is_closed = True
         for publisher in self._publishers:
             publisher.close()
         for subscription in self._subscriptions:
             subscription.close()
         self._publishers.clear()
         self._subscriptions.clear()
-        self._frames.release(self._owner)
+        self._frames.release(self.owner)

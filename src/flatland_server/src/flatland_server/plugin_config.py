@@ -21,5 +21,8 @@ class PluginConfig:
             YamlError: there is no type or no name.
         """
         plugin = cls(reader.get_string("type"), reader.get_string("name"), reader)
+        for key in ("type", "name"):
+            if not reader.has(key):  # which keys there are besides, only the plugin knows
+                reader.suggest(key)
         reader.raise_problems()
         return plugin

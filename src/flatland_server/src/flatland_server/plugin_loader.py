@@ -13,6 +13,7 @@ A package declares its plugins in an XML file and exports it in its package.xml:
 
 `type` is the importable Python class, `name` what YAML files call it, alone or as
 `my_plugins::ConstVelocity`. The package makes its modules importable with catkin_python_setup().
+What a `<library example="true">` declares gives way to another plugin of its name.
 """
 
 import importlib
@@ -41,6 +42,8 @@ class PluginDeclaration:
     name: str
     package: str
     class_path: str
+    is_example: bool = False
+    """Whether it gives way to others of its name, which may have been made after it."""
 
     def answers_to(self, type: str) -> bool:
         """Whether a YAML file's `type` means this class."""
@@ -73,6 +76,8 @@ class PluginLoader:
             known = ", ".join(names) or "none; is the workspace's setup.bash sourced?"
             hint = suggestion(type.rpartition("::")[2], names)
             raise PluginError(f'unknown plugin type "{type}"{hint}; there are: {known}')
+        if len(found) > 1:
+            found = [d for d in found if not d.is_example] or found
         if len(found) > 1:
             choices = " or ".join(f"{d.package}::{d.name}" for d in found)
             raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
@@ -156,5 +161,7 @@ def _read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
         if "." not in class_path:
             raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
         name = element.get("name", class_path.rpartition(".")[2])
-        declarations.append(PluginDeclaration(name.rpartition("/")[2], package, class_path))
+        is_example = root.get("example") == "true"
+        name = name.rpartition("/")[2]
+        declarations.append(PluginDeclaration(name, package, class_path, is_example))
     return declarations

@@ -160,16 +160,16 @@ class PluginManager:
     def stop(self, owner: str) -> None:
         """Ends the plugins of a model or the world, the last one first."""
         plugins = self._plugins.pop(owner, [])
+        self._call_no_more(plugins)
         for plugin in reversed(plugins):
             if self._failures.pop(plugin, None) is None:
                 self._end(plugin)
-        self._call_no_more(plugins)
 
     def _end(self, plugin: Plugin) -> None:
         try:
             plugin.on_shutdown()
         except Exception:
-            logger.exception('the plugin "%s" failed in on_shutdown', plugin.name)
+            logger.exception('the plugin "%s" failed in on_shutdown', plugin.node.owner)
         plugin.node.close()
 
     def stop_all(self) -> None:
@@ -204,7 +204,10 @@ class PluginManager:
         """Switches a plugin off, in the face of the exception that it raised somewhere."""
         if plugin in self._failures:
             return
-        owner = next((name for name, each in self._plugins.items() if plugin in each), "")
+        owner = next((name for name, each in self._plugins.items() if plugin in each), None)
+        if owner is None:  # it has deleted its own model, and so has ended already
+            logger.exception('the plugin "%s" failed in %s', plugin.node.owner, where)
+            return
         error = sys.exc_info()[1]
         reason = f"{where}: {type(error).__name__}: {error}"
         failure = PluginFailure(owner, plugin.name, plugin.type, reason)

@@ -63,7 +63,7 @@ class World:
         self._plugins = PluginManager(
             Node(self.transport), loader or PluginLoader(), seed, self.physics, self.entities
         )
-        self._is_locked = False  # while it steps, or takes bodies away: contacts are told of then
+        self._is_locked = False  # while it steps, takes bodies away (contacts are told of) or ends
         self._unsettled: Set[str] = set()  # models that are being started or stopped
         self._deferred: List[Callable[[], None]] = []
         try:
@@ -272,8 +272,13 @@ class World:
         self.transport.flush()
 
     def close(self) -> None:
-        """Ends all plugins."""
-        self._plugins.stop_all()
+        """Ends all plugins; what they still ask for is not done any more."""
+        self._is_locked = True
+        try:
+            self._plugins.stop_all()
+        finally:
+            self._is_locked = False
+            self._deferred.clear()
 
     def _require_new(self, name: str) -> None:
         if name in self.models:
@@ -283,10 +288,12 @@ class World:
         if self.models.get(model.name) is not model:
             return  # somebody else was quicker
         self._unsettled.add(model.name)
-        self._plugins.stop(model.name)
-        self._unsettled.discard(model.name)
-        del self.models[model.name]
-        self._take_away(model)
+        try:
+            self._plugins.stop(model.name)
+        finally:
+            self._unsettled.discard(model.name)
+            del self.models[model.name]
+            self._take_away(model)
 
     def _take_away(self, model: Model) -> None:
         """Removes its bodies; plugins hear of the contacts that this ends."""
@@ -313,10 +320,11 @@ class World:
     def _run_deferred(self) -> None:
         """Does what plugins have asked for, and what they ask for meanwhile.
 
-        Should that never end, the rest has to wait for the next step.
+        Not while others are still being started or stopped, who may be whom this is about. Should
+        it never end, the rest has to wait for the next step.
         """
         for _ in range(_MOST_DEFERRED):
-            if not self._deferred or self._is_locked:
+            if not self._deferred or self._is_locked or self._unsettled:
                 return
             self._deferred.pop(0)()
 

@@ -192,7 +192,9 @@ class YamlReader:
         """`[x, y]`."""
         return cast(Tuple[float, float], self._get_floats(key, 2, default, "[x, y]"))
 
-    def get_points(self, key: str, minimum: int, maximum: int) -> List[Tuple[float, float]]:
+    def get_points(
+        self, key: str, minimum: int, maximum: int, default: Any = REQUIRED
+    ) -> List[Tuple[float, float]]:
         """A list of `minimum` to `maximum` points `[x, y]`."""
 
         def convert(node: yaml.Node) -> List[Tuple[float, float]]:
@@ -201,8 +203,9 @@ class YamlReader:
                 raise Unexpected(f"a list of {minimum} to {maximum} points [x, y]")
             return [cast(Tuple[float, float], to_floats(item, 2, "[x, y]")) for item in items]
 
-        harmless = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
-        return cast(List[Tuple[float, float]], self._get(key, REQUIRED, convert, harmless))
+        # On a parabola: a convex polygon, however many they are.
+        harmless = [(float(i), float(i * i)) for i in range(minimum)]
+        return cast(List[Tuple[float, float]], self._get(key, default, convert, harmless))
 
     def get_color(self, key: str, default: Any = REQUIRED) -> Color:
         """`[r, g, b, alpha]`, each 0 to 1."""
@@ -302,6 +305,13 @@ class YamlReader:
     def problem(self, message: str, key: Optional[str] = None) -> None:
         """Notes something wrong at a key's value, or with this mapping; `finish` raises it."""
         self._note(self.error(message, key))
+
+    def suggest(self, missing: str) -> None:
+        """Notes keys that look like a misspelt one, where nobody can tell yet which are unknown."""
+        for key, node in self._keys.items():
+            hint = suggestion(key, [missing])
+            if key not in self._read and hint:
+                self._note(_error(node, self._label(), f'unknown key "{key}"{hint}'))
 
     def finish(self) -> None:
         """Refuses keys that no getter has asked for, and raises all that was noted.

@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.local_transport import LocalTransport
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.plugin_loader import PluginLoader, _read_declarations
 from flatland_server.world import World
 
 # Equal cases in every run, and no files left behind.
@@ -107,11 +107,7 @@ plugins:
 """,
 }
 
-PLUGINS = {
-    "DiffDrive": "diff_drive.DiffDrive",
-    "Laser": "laser.Laser",
-    "ModelTfPublisher": "model_tf_publisher.ModelTfPublisher",
-}
+PLUGINS = Path(__file__).resolve().parents[3] / "flatland_plugins" / "flatland_plugins.xml"
 
 
 class Files:
@@ -119,10 +115,9 @@ class Files:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.loader = PluginLoader(
-            PluginDeclaration(name, "flatland_plugins", f"flatland_plugins.{path}")
-            for name, path in PLUGINS.items()
-        )
+        # The built-in plugins alone, whatever else is on ROS_PACKAGE_PATH.
+        self.declarations = _read_declarations("flatland_plugins", PLUGINS)
+        self.loader = PluginLoader(self.declarations)
 
     def write(self, name: str, content: Union[str, bytes]) -> Path:
         """Writes a file; a text may be indented as a whole."""
@@ -137,7 +132,15 @@ class Files:
         """Writes a world that loads: an image, line segments and a robot with two plugins."""
         for name, text in GOOD.items():
             self.write(name, text)
-        draw_map(self.folder / "map.png")
+        self.draw_map("map.png")
+
+    def draw_map(self, name: str, size: int = 40) -> None:
+        """Writes an image of a white room with a black border and a black block."""
+        image = Image.new("L", (size, size), 255)
+        draw = ImageDraw.Draw(image)
+        draw.rectangle([0, 0, size - 1, size - 1], outline=0)
+        draw.rectangle([size // 4, size // 4, size // 2, size // 2], fill=0)
+        image.save(self.folder / name)
 
     def edit(self, name: str, old: str, new: str) -> None:
         """Changes the first such text in a file."""
@@ -167,15 +170,6 @@ class Files:
     def without_folder(self, text: str) -> str:
         """A text with file names instead of paths."""
         return re.sub(rf"{re.escape(str(self.folder))}/", "", text)
-
-
-def draw_map(path: Path, size: int = 40) -> None:
-    """A white room with a black border and a black block."""
-    image = Image.new("L", (size, size), 255)
-    draw = ImageDraw.Draw(image)
-    draw.rectangle([0, 0, size - 1, size - 1], outline=0)
-    draw.rectangle([size // 4, size // 4, size // 2, size // 2], fill=0)
-    image.save(path)
 
 
 @pytest.fixture

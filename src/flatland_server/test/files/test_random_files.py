@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.footprint import Circle
-from flatland_server.world import World, WorldConfig
+from flatland_server.world import World
+from flatland_server.world_config import WorldConfig
 
 bounded = settings(
     derandomize=True,

@@ -10,6 +10,11 @@ from flatland_server.exceptions import FlatlandError, YamlError
 WORLD, MAP, LINES, DATA = "world.yaml", "map.yaml", "lines.yaml", "lines.dat"
 MODEL = "robot.model.yaml"
 
+PLUGINS = (
+    "BoolSensor, Bumper, Crowd, DiffDrive, Gps, Imu, Laser, ModelTfPublisher, OmniDrive, "
+    "RandomWall, TricycleDrive, Tween"
+)
+
 # fmt: off
 # What is wrong: the file, the text in it that is replaced (None is all of it) by another one, and
 # the whole message.
@@ -190,7 +195,7 @@ WRONG: Dict[str, Case] = {
     "a plugin of the world that is unknown": (WORLD, "models:",
      "plugins: [{type: Weather, name: rain}]\nmodels:",
      'world.yaml:9: plugins[0].type: unknown plugin type "Weather"; there are: '
-     "DiffDrive, Laser, ModelTfPublisher"),
+     + PLUGINS),
     "a model's plugin in the world": (WORLD, "models:",
      "plugins: [{type: Laser, name: eye}]\nmodels:",
      'world.yaml:9: plugins[0].type: "Laser" is not a WorldPlugin: '
@@ -380,10 +385,13 @@ WRONG: Dict[str, Case] = {
      'robot.model.yaml:47: plugins[1].name: the name "drive" is given twice'),
     "an unknown plugin nearly known": (MODEL, "type: DiffDrive", "type: DifDrive",
      'robot.model.yaml:42: plugins[0].type: unknown plugin type "DifDrive" (did you '
-     'mean "DiffDrive"?); there are: DiffDrive, Laser, ModelTfPublisher'),
+     f'mean "DiffDrive"?); there are: {PLUGINS}'),
     "a plugin of another package": (MODEL, "type: DiffDrive", "type: my_plugins::Diff",
      'robot.model.yaml:42: plugins[0].type: unknown plugin type "my_plugins::Diff" '
-     '(did you mean "DiffDrive"?); there are: DiffDrive, Laser, ModelTfPublisher'),
+     f'(did you mean "DiffDrive"?); there are: {PLUGINS}'),
+    "a plugin of the world in a model": (MODEL, "type: DiffDrive", "type: RandomWall",
+     'robot.model.yaml:42: plugins[0].type: "RandomWall" is not a ModelPlugin: '
+     "flatland_plugins.random_wall.RandomWall"),
     "an unknown body of a plugin": (MODEL, "name: drive\n    body: base",
      "name: drive\n    body: bsae",
      'robot.model.yaml:44: plugins[0].body: the model has no body "bsae" (did you '

@@ -1,0 +1,1 @@
+"""Plugins for Flatland in a package of their own."""

@@ -1,0 +1,21 @@
+"""ConstVelocity: a body that moves at a constant velocity."""
+
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.yaml_reader import YamlReader
+
+
+class ConstVelocity(ModelPlugin):
+    """Sets a body's velocity before each step, whatever has slowed it down in the last one."""
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Finds the body and reads its velocity in the world's frame [m/s, m/s, rad/s]."""
+        self._body = self.get_body(config).physics_body
+        self._velocity = (
+            config.get_float("vel_x"),
+            config.get_float("vel_y"),
+            config.get_float("omega"),
+        )
+
+    def before_physics_step(self, timekeeper: Timekeeper) -> None:
+        self._body.velocity = self._velocity

@@ -1,0 +1,42 @@
+"""ContactCounter: how often something has touched a model."""
+
+import logging
+from collections import Counter
+
+from std_msgs.msg import Int32
+
+from flatland_server.contact import Contact
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+from flatland_server.yaml_reader import YamlReader
+
+logger = logging.getLogger(__name__)
+
+
+class ContactCounter(ModelPlugin):
+    """Counts contacts that begin, for each model and layer, and publishes their sum.
+
+    A wall is one contact, a corner of two walls is two.
+    """
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads the topic and its rate [Hz]."""
+        topic = config.get_string("topic", "contacts")
+        self.update_timer = UpdateTimer(config.get_rate("update_rate", 10.0))
+        self._publisher = self.node.advertise(topic, Int32)
+        self._counts: Counter[str] = Counter()
+
+    def begin_contact(self, contact: Contact) -> None:
+        """Called whenever two fixtures start to touch: the `update_timer` has no say in that."""
+        sides = self.filter_contact(contact)
+        if sides is not None and sides.entity is not self.model:
+            self._counts[sides.entity.name] += 1
+
+    def after_physics_step(self, timekeeper: Timekeeper) -> None:
+        """Called when the `update_timer` is due."""
+        if self._publisher.is_watched:
+            self._publisher.publish(Int32(sum(self._counts.values())))
+
+    def on_shutdown(self) -> None:
+        logger.info("%s: contacts by what was touched: %s", self.name, dict(self._counts))

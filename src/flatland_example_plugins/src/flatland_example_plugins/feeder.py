@@ -1,0 +1,54 @@
+"""Feeder: a source of models, and their sink."""
+
+from typing import List
+
+from std_msgs.msg import Int32
+
+from flatland_server.geometry import Pose
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+from flatland_server.world_plugin import WorldPlugin
+from flatland_server.yaml_reader import YamlReader
+
+
+class Feeder(WorldPlugin):
+    """Spawns a model again and again, deletes those that leave an area, and publishes their number.
+
+    A feeder called `box` names its models, and their namespaces, `box_0`, `box_1` ...
+    """
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads what to spawn where and how often [Hz], and in which area it may live."""
+        self._model = config.get_path("model")
+        self._pose = config.get_pose("pose", Pose())
+        self._area = config.get_floats("area", 4)
+        self._timer = UpdateTimer(config.get_rate("spawn_rate", 1.0))
+        topic = config.get_string("topic", f"{self.name}/count")
+        if config.is_sound and not self._contains(self._pose):
+            config.problem("expected [x_min, y_min, x_max, y_max] around the pose", "area")
+        self._publisher = self.node.advertise(topic, Int32, latch=True)
+        self._names: List[str] = []
+        self._spawned = 0
+        self._published = -1
+
+    def after_physics_step(self, timekeeper: Timekeeper) -> None:
+        """Asks for models to go and to come, which they do at the end of the step."""
+        models = self.world.models
+        there = [name for name in self._names if name in models]  # others may delete them too
+        self._names = [name for name in there if self._contains(models[name].pose)]
+        for name in set(there) - set(self._names):
+            self.world.delete_model(name)
+
+        if self._timer.check_update(timekeeper):
+            name = f"{self.name}_{self._spawned}"
+            self.world.spawn_model(self._model, name, namespace=name, pose=self._pose)
+            self._names.append(name)
+            self._spawned += 1
+
+        if len(self._names) != self._published:
+            self._published = len(self._names)
+            self._publisher.publish(Int32(self._published))
+
+    def _contains(self, pose: Pose) -> bool:
+        x_min, y_min, x_max, y_max = self._area
+        return x_min <= pose.x <= x_max and y_min <= pose.y <= y_max

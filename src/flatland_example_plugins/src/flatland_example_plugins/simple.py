@@ -1,0 +1,16 @@
+"""Simple: the least that a plugin can be."""
+
+import logging
+
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.yaml_reader import YamlReader
+
+logger = logging.getLogger(__name__)
+
+
+class Simple(ModelPlugin):
+    """Says hello when its model is spawned."""
+
+    def on_initialize(self, config: YamlReader) -> None:
+        """Reads nothing."""
+        logger.info("Hello world")

@@ -1,0 +1,167 @@
+"""What the tests of the documentation share: its examples in a folder, and simulated time.
+
+The examples are in `examples/`, copied from the documentation's pages. What is broken there is
+mended: indentation, and the commas that are missing in covariance matrices.
+"""
+
+import shutil
+from pathlib import Path
+from typing import Any, List, Set, Tuple
+
+import pytest
+from geometry_msgs.msg import Twist
+
+from flatland_server.collision_filter_registry import AnyLayer
+from flatland_server.geometry import Pose
+from flatland_server.local_transport import LocalTransport
+from flatland_server.model import ModelConfig
+from flatland_server.simulation_manager import SimulationManager
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.world import World
+from flatland_server.yaml_reader import YamlReader
+
+EXAMPLES = Path(__file__).parent / "examples"
+DISC = "footprints: [{type: circle, radius: 0.2, density: 1}]"
+IN_FRONT_OF_A_WALL = """
+properties: {{}}
+layers: [{{name: [layer_1, layer_2, layer_3], map: wall.yaml}}]
+models: [{{name: robot, model: robot.model.yaml, namespace: "{namespace}", pose: {pose}}}]
+"""
+
+
+class Simulation:
+    """A world that is stepped, 5 ms at a time, with the messages that wait for it."""
+
+    def __init__(self, world: World) -> None:
+        assert isinstance(world.transport, LocalTransport)
+        self.world = world
+        self.transport = world.transport
+        self._manager = SimulationManager(world, Timekeeper(0.005))
+
+    def run(self, seconds: float) -> "Simulation":
+        """Lets simulated time pass; no plugin may fail meanwhile."""
+        for _ in range(round(seconds / self._manager.timekeeper.step_size)):
+            self._manager.step()
+        assert self.world.plugin_failures == []
+        return self
+
+    def record(self, topic: str, seconds: float) -> List[Any]:
+        """The messages that a topic has while simulated time passes."""
+        messages: List[Any] = []
+
+        def take() -> None:
+            message = self.transport.last(topic)
+            if message is not None and (not messages or message is not messages[-1]):
+                messages.append(message)
+
+        self._manager.after_step.append(take)
+        self.run(seconds)
+        self._manager.after_step.remove(take)
+        return messages
+
+    def drive(self, linear: float, angular: float) -> "Simulation":
+        """Commands a velocity, or a speed and a steering angle, from the next step on."""
+        twist = Twist()
+        twist.linear.x, twist.angular.z = linear, angular
+        self.transport.send("/cmd_vel", twist)
+        return self
+
+    def throw(self, speed: float, *bodies: str) -> "Simulation":
+        """Gives bodies of the robot a velocity along the x axis."""
+        for name in bodies:
+            self.world.get_model("robot").bodies[name].physics_body.velocity = (speed, 0.0, 0.0)
+        return self
+
+    def pose(self, body: str = "base") -> Pose:
+        """Where a body of the robot is."""
+        return self.world.get_model("robot").bodies[body].pose
+
+    @property
+    def frames(self) -> Set[Tuple[str, str]]:
+        """The frames that were published so far, after their parents."""
+        return {(each.parent, each.child) for each in self.transport.transforms.values()}
+
+
+class Documented:
+    """A folder with the documentation's examples, and the files that they name.
+
+    Args:
+        files: of the folder.
+    """
+
+    def __init__(self, files: Any) -> None:
+        shutil.copytree(EXAMPLES, files.folder, dirs_exist_ok=True)
+        self.files = files
+        self.folder: Path = files.folder
+        files.draw_map("conestogo_office.png")
+        files.draw_map("map.png")
+        files.write(
+            "wall.yaml", "{type: line_segments, data: wall.dat, scale: 1, origin: [0, 0, 0]}"
+        )
+        files.write("wall.dat", "1 -9 1 9")
+        files.write("person.model.yaml", f"bodies: [{{name: body, {DISC}}}]")
+        for name in ("layer_2.yaml", "person.model.yaml"):
+            files.edit("world.yaml", f"/absolute/path/{name}", str(self.folder / name))
+
+    def text(self, name: str) -> str:
+        """An example."""
+        return (self.folder / name).read_text(encoding="utf-8")
+
+    def page(self, name: str) -> str:
+        """The `plugins` of a plugin's page."""
+        return self.text(f"plugins/{name}.yaml")
+
+    @property
+    def tricycle(self) -> str:
+        """What of the tutorial's cleaner comes before its plugins."""
+        return self.text("cleaner.model.yaml").partition("plugins:")[0]
+
+    @staticmethod
+    def discs(*names: str) -> str:
+        """Bodies: discs of 20 cm, 1 m apart along the y axis."""
+        lines = [
+            f"  - {{name: {name}, pose: [0, {y}, 0], {DISC}}}\n" for y, name in enumerate(names)
+        ]
+        return "bodies:\n" + "".join(lines)
+
+    def load(self, name: str) -> Simulation:
+        """The world of a file."""
+        return Simulation(self.files.load(name))
+
+    def spawn(self, name: str) -> Simulation:
+        """An empty world with the robot of a model file."""
+        return Simulation(self.files.spawn(self.text(name)))
+
+    def robot(
+        self, plugins: str, model: str = "", *, namespace: str = "", pose: str = "[0, 0, 0]"
+    ) -> Simulation:
+        """A world with a robot in it, and a wall across the x axis at 1 m.
+
+        Args:
+            plugins: a page's, or the entry of one.
+            model: what comes before the plugins; by default a disc named "base".
+            namespace: of the robot.
+            pose: of the robot.
+        """
+        self._write(plugins, model)
+        self.files.write("walled.yaml", IN_FRONT_OF_A_WALL.format(namespace=namespace, pose=pose))
+        return self.load("walled.yaml")
+
+    def reader(self, plugins: str, model: str = "") -> YamlReader:
+        """The entry of the first plugin of such a robot."""
+        self._write(plugins, model)
+        return self.model("robot.model.yaml").plugins[0].reader
+
+    def model(self, name: str) -> ModelConfig:
+        """What a model file says."""
+        return ModelConfig.from_file(self.folder / name, AnyLayer())
+
+    def _write(self, plugins: str, model: str) -> None:
+        if "plugins:" not in plugins:
+            plugins = f"plugins:\n  - {{{plugins}}}\n"
+        self.files.write("robot.model.yaml", (model or self.discs("base")) + plugins)
+
+
+@pytest.fixture
+def documented(files: Any) -> Documented:
+    return Documented(files)

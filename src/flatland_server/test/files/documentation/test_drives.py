@@ -1,0 +1,190 @@
+"""The documentation's pages of drives: their examples run, their defaults are as stated."""
+
+import logging
+import math
+from typing import Any, List, NamedTuple, Tuple
+
+import numpy as np
+import pytest
+
+from flatland_plugins.dynamics_limits import DynamicsLimits
+from flatland_plugins.odometry import OdometryConfig
+
+STEPS_PER_SECOND = 200
+WHEELBASE = 0.83
+"""Of the tutorial's cleaner [m]."""
+
+DIFF_DRIVE = "type: DiffDrive, name: least, body: base"
+TRICYCLE_DRIVE = (
+    "type: TricycleDrive, name: least, body: base, front_wheel_joint: front_wheel_revolute, "
+    "rear_left_wheel_joint: rear_left_wheel_weld, rear_right_wheel_joint: rear_right_wheel_weld"
+)
+
+
+class Drive(NamedTuple):
+    """A drive with what it needs alone, and with all that its page writes down."""
+
+    least: str
+    example: str
+    model: str
+    topics: Tuple[str, ...]
+
+
+@pytest.fixture
+def diff_drive(documented) -> Drive:
+    topics = ("/odometry/filtered", "/odometry/ground_truth", "/twist")
+    return Drive(DIFF_DRIVE, documented.page("diff_drive"), "", topics)
+
+
+@pytest.fixture
+def tricycle_drive(documented) -> Drive:
+    topics = ("/odometry/filtered", "/odometry/ground_truth")
+    return Drive(TRICYCLE_DRIVE, documented.page("tricycle_drive"), documented.tricycle, topics)
+
+
+@pytest.fixture(params=["diff_drive", "tricycle_drive"])
+def drive(request) -> Drive:
+    return request.getfixturevalue(request.param)
+
+
+def velocity_in(odometry: Any) -> Tuple[float, float, float]:
+    twist = odometry.twist.twist
+    return twist.linear.x, twist.linear.y, twist.angular.z
+
+
+def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
+    """What was warned of so far."""
+    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
+
+
+def test_the_defaults_are_what_the_example_writes_down(documented, drive):
+    readers = [documented.reader(plugins, drive.model) for plugins in (drive.least, drive.example)]
+
+    least, example = (OdometryConfig.read(reader) for reader in readers)
+
+    assert least == example
+    for reader in readers:
+        assert reader.get_rate("pub_rate", math.inf) == math.inf
+        assert DynamicsLimits.read(reader, "linear_dynamics") == (0.0, 0.0, 0.0)
+        assert DynamicsLimits.read(reader, "angular_dynamics") == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("which", ["least", "example"])
+def test_the_topics_and_frames_by_default_and_in_the_example(documented, drive, which):
+    robot = documented.robot(getattr(drive, which), drive.model)
+
+    odometry = robot.drive(0.5, 0.1).record("/odometry/filtered", 0.5)
+
+    assert robot.transport.subscribed == {"/cmd_vel"}
+    assert robot.transport.topics == set(drive.topics)
+    assert robot.frames == {("odom", "base")}
+    assert len(odometry) == 0.5 * STEPS_PER_SECOND  # at every step
+    truth = robot.transport.last("/odometry/ground_truth")
+    assert (odometry[-1].header.frame_id, odometry[-1].child_frame_id) == ("odom", "base")
+    assert (truth.header.frame_id, truth.child_frame_id) == ("map", "base")
+    # Without noise the two say the same.
+    assert odometry[-1].pose == truth.pose
+    assert odometry[-1].twist == truth.twist
+    assert truth.pose.pose.position.x == pytest.approx(0.25, abs=0.01)
+    assert not any(truth.pose.covariance)
+    assert not any(truth.twist.covariance)
+
+
+@pytest.mark.parametrize("which", ["least", "example"])
+def test_a_diff_drive_has_no_limits_by_default(documented, diff_drive, which):
+    robot = documented.robot(getattr(diff_drive, which))
+
+    twist = robot.drive(20.0, -5.0).record("/twist", 0.01)[-1]
+
+    assert (twist.twist.linear.x, twist.twist.angular.z) == pytest.approx((20.0, -5.0))
+    assert twist.header.frame_id == "base"
+
+
+@pytest.mark.parametrize("which", ["least", "example"])
+@pytest.mark.parametrize("steering", [0.4, -1.5])
+def test_a_tricycle_has_no_limits_by_default(documented, tricycle_drive, which, steering):
+    robot = documented.robot(getattr(tricycle_drive, which), tricycle_drive.model)
+
+    odometry = robot.drive(10.0, steering).record("/odometry/filtered", 0.02)[-1]
+
+    # The front wheel's speed, at the body's origin, in the direction in which it is steered.
+    forwards, sideways = 10.0 * math.cos(steering), 10.0 * math.sin(steering)
+    turning = sideways / WHEELBASE
+    assert velocity_in(odometry) == pytest.approx((forwards, sideways, turning), rel=1e-3)
+
+
+def test_a_tricycles_front_wheel_turns_no_further_than_its_limit(documented):
+    robot = documented.robot(f"{TRICYCLE_DRIVE}, max_steer_angle: 0.3", documented.tricycle)
+
+    robot.drive(0.0, 1.0).run(1.0)
+
+    assert robot.pose("front_wheel").yaw == pytest.approx(0.3, abs=1e-3)
+
+
+DEPRECATED = {
+    # At 0.5 rad/s, or accelerating at 0.5 rad/s^2; the angle [rad] after t seconds.
+    "max_angular_velocity": ("velocity_limit", lambda t: 0.5 * t),
+    "max_steer_acceleration": ("acceleration_limit", lambda t: 0.5 * t**2 / 2),
+}
+
+
+@pytest.mark.parametrize("key", DEPRECATED)
+def test_a_deprecated_key_limits_the_steering_as_its_successor_does_and_warns(
+    documented, caplog, key
+):
+    limit, angle = DEPRECATED[key]
+    new = f"{TRICYCLE_DRIVE}, angular_dynamics: {{{limit}: 0.5}}"
+    successor = documented.robot(new, documented.tricycle)
+    assert warnings(caplog) == []
+
+    robot = documented.robot(f"{TRICYCLE_DRIVE}, {key}: 0.5", documented.tricycle)
+
+    [warning] = warnings(caplog)
+    line = documented.text("robot.model.yaml").splitlines().index("plugins:") + 2
+    assert warning == (
+        f"{documented.folder / 'robot.model.yaml'}:{line}: plugins[0].{key}: is deprecated; "
+        f"write angular_dynamics.{limit}"
+    )
+    for each in (successor, robot):
+        each.drive(0.0, 1.5).run(1.0)
+        # It begins at the end of the first step.
+        assert angle(0.99) <= each.pose("front_wheel").yaw <= angle(1.0) + 1e-4
+
+
+def test_the_tricycle_of_the_example_warns_of_its_deprecated_keys(
+    documented, tricycle_drive, caplog
+):
+    documented.robot(tricycle_drive.example, tricycle_drive.model)
+
+    assert [warning.partition("plugins[0].")[2] for warning in warnings(caplog)] == [
+        "max_angular_velocity: is deprecated; write angular_dynamics.velocity_limit",
+        "max_steer_acceleration: is deprecated; write angular_dynamics.acceleration_limit",
+    ]
+
+
+def test_covariances_have_the_noise_on_their_diagonals_by_default(documented, drive):
+    noise = "odom_pose_noise: [1, 2, 3], odom_twist_noise: [4, 5, 6]"
+
+    config = OdometryConfig.read(documented.reader(f"{drive.least}, {noise}", drive.model))
+
+    pose, twist = (
+        np.reshape(matrix, (6, 6)) for matrix in (config.pose_covariance, config.twist_covariance)
+    )
+    assert (pose == np.diag([1, 2, 0, 0, 0, 3])).all()
+    assert (twist == np.diag([4, 5, 0, 0, 0, 6])).all()
+
+
+@pytest.mark.parametrize("section", ["linear_dynamics", "angular_dynamics"])
+@pytest.mark.parametrize(
+    ("deceleration", "limit"),
+    [("", 2.0), (", deceleration_limit: ", 2.0), (", deceleration_limit: 0.0", 0.0)],
+    ids=["not there", "left blank", "none"],
+)
+def test_the_deceleration_limit_is_the_acceleration_limit_by_default(
+    documented, drive, section, deceleration, limit
+):
+    entry = f"{drive.least}, {section}: {{acceleration_limit: 2{deceleration}}}"
+
+    limits = DynamicsLimits.read(documented.reader(entry, drive.model), section)
+
+    assert limits == (2.0, limit, 0.0)

@@ -1,0 +1,266 @@
+"""The documentation's pages of sensors and such: examples run, defaults are as stated.
+
+Those of drives are in test_drives.py.
+"""
+
+import math
+
+import pytest
+from std_msgs.msg import Bool
+
+from flatland_plugins.laser import LaserConfig
+
+STEPS_PER_SECOND = 200
+
+EXAMPLES = {
+    "bumper": (("base", "left_wheel", "right_wheel"), 2, {"/collisions"}),
+    "bool_sensor": (("base", "detector"), 1, {"/detector_out"}),
+    "laser": (("base_link",), 2, {"/scan"}),
+    "model_tf_publisher": (("base_link", "castor_wheel"), 3, set()),
+    "tween": (("some_body",), 1, set()),
+    "gps": (("base",), 1, {"/gps/fix"}),
+}
+"""By page: the bodies that the example needs, how many plugins it has, and what they publish."""
+
+
+@pytest.mark.parametrize(
+    ("page", "bodies", "count", "topics"), [(page, *rest) for page, rest in EXAMPLES.items()]
+)
+def test_an_example_runs(documented, page, bodies, count, topics):
+    robot = documented.robot(documented.page(page), documented.discs(*bodies))
+
+    robot.run(0.1)
+
+    assert robot.world.plugin_count == count
+    assert robot.transport.topics == topics
+    assert all(robot.transport.last(topic) is not None for topic in topics)
+
+
+# Bumper
+
+
+def test_the_bumpers_of_the_example_have_frames_and_rates_of_their_own(documented):
+    bodies = documented.discs("base", "left_wheel", "right_wheel")
+    robot = documented.robot(documented.page("bumper"), bodies)
+
+    messages = robot.record("/collisions", 1.0)
+
+    # Both publish to the same topic, whose last message at a step is that of the second.
+    frames = [message.header.frame_id for message in messages]
+    assert (frames.count("world"), frames.count("map")) == (STEPS_PER_SECOND - 60, 60)
+
+
+def test_the_bumpers_of_the_example_ignore_the_bodies_that_they_are_told_to(documented):
+    names = ("base", "left_wheel", "right_wheel")
+    robot = documented.robot(documented.page("bumper"), documented.discs(*names))
+
+    messages = robot.throw(1.0, *names).record("/collisions", 1.0)
+
+    told = {
+        (message.header.frame_id, collision.body_A)
+        for message in messages
+        for collision in message.collisions
+    }
+    assert told == {("map", "base"), *(("world", name) for name in names)}
+
+
+def test_the_bumpers_defaults(documented):
+    bodies = documented.discs("base", "wheel")
+    robot = documented.robot("type: Bumper, name: least", bodies, namespace="r1")
+
+    before = robot.throw(1.0, "base", "wheel").record("/r1/collisions", 0.5)
+    after = robot.record("/r1/collisions", 0.5)[-1]
+
+    assert len(before) == 0.5 * STEPS_PER_SECOND  # at every step
+    assert [message.collisions for message in before] == [[]] * len(before)
+    assert {message.header.frame_id for message in (*before, after)} == {"map"}
+    # No body is excluded.
+    assert {(each.entity_A, each.body_A) for each in after.collisions} == {
+        ("robot", "base"),
+        ("robot", "wheel"),
+    }
+    assert {(each.entity_B, each.body_B) for each in after.collisions} == {("layer_1", "layer_1")}
+
+
+@pytest.mark.parametrize(
+    ("key", "colliding"), [("", STEPS_PER_SECOND), (", publish_all_collisions: false", 2)]
+)
+def test_a_bumper_publishes_all_collisions_by_default(documented, key, colliding):
+    robot = documented.robot(f"type: Bumper, name: bumper, update_rate: 2{key}")
+
+    # 0.8 m to the wall, where it stays.
+    free = robot.throw(1.0, "base").record("/collisions", 0.5)
+    robot.run(0.5)
+    touching = robot.record("/collisions", 1.0)[-colliding:]
+
+    assert [message.collisions for message in free] == [[]]
+    assert [len(message.collisions) for message in touching] == [1] * colliding
+
+
+# Bool Sensor
+
+
+def test_the_bool_sensor_of_the_example_is_in_the_models_namespace(documented):
+    bodies = documented.discs("base", "detector")
+    robot = documented.robot(documented.page("bool_sensor"), bodies, namespace="foo")
+
+    messages = robot.throw(1.0, "detector").record("/foo/detector_out", 1.0)
+
+    # 0.8 m to the wall at 1 m/s, and 10 Hz.
+    assert [message.data for message in messages] == [False] * 8 + [True] * 2
+
+
+@pytest.mark.parametrize(("thrown", "is_touched"), [("base", True), ("wheel", False)])
+def test_the_bool_sensors_defaults(documented, thrown, is_touched):
+    bodies = documented.discs("base", "wheel")
+    robot = documented.robot("type: BoolSensor, name: least", bodies)
+
+    messages = robot.throw(1.0, thrown).record("/bool_sensor", 1.0)
+
+    assert len(messages) == STEPS_PER_SECOND  # at every step
+    assert messages[0].data is False
+    assert messages[-1].data is is_touched  # of the first body
+
+
+# Laser
+
+
+def test_the_lasers_defaults(documented):
+    angle = "angle: {min: -1, max: 1, increment: 0.5}"
+    entry = f"type: Laser, name: laser_back, body: base, range: 20, {angle}"
+    reader = documented.reader(entry)
+    reader.get_string("body")
+
+    laser = LaserConfig.read(reader, "laser_back")
+
+    assert laser.topic == "scan"
+    assert laser.origin == (0.0, 0.0, 0.0)
+    assert laser.broadcast_tf is True
+    assert laser.frame == "laser_back"
+    assert laser.noise_std_dev == 0.0
+    assert laser.update_rate == math.inf
+    assert laser.layers == ("all",)
+    assert laser.upside_down is False
+
+    robot = documented.robot(entry)
+    scans = robot.record("/scan", 0.1)
+
+    assert len(scans) == 0.1 * STEPS_PER_SECOND
+    assert robot.frames == {("base", "laser_back")}
+    for scan in scans:
+        assert scan.header.frame_id == "laser_back"
+        # Counter-clockwise, along the wall at 1 m, and without noise.
+        distances = [1.0 / math.cos(angle) for angle in (-1.0, -0.5, 0.0, 0.5, 1.0)]
+        assert scan.ranges == pytest.approx(distances)
+
+
+def test_a_laser_goes_clockwise_as_the_page_says(documented):
+    angle = "angle: {min: 2, max: -2, increment: -0.1}"
+    robot = documented.robot(
+        f"type: Laser, name: back, body: base, range: 4, origin: [0, 0, 0.5], {angle}"
+    )
+
+    [scan] = robot.record("/scan", 0.005)
+
+    assert (scan.angle_min, scan.angle_increment) == (2.0, -0.1)
+    assert scan.angle_max == pytest.approx(-2.0)
+    headings = [0.5 + 2.0 - 0.1 * beam for beam in range(41)]
+    distances = [
+        1.0 / math.cos(heading) if math.cos(heading) > 0.25 else math.inf for heading in headings
+    ]
+    assert scan.ranges == pytest.approx(distances, rel=1e-5)
+
+
+# Model TF Publisher
+
+
+@pytest.mark.parametrize("plugins", ["example", "type: ModelTfPublisher, name: least"])
+def test_the_transforms_by_default_and_of_the_example_are_from_the_first_body(documented, plugins):
+    if plugins == "example":
+        plugins = documented.page("model_tf_publisher")
+    robot = documented.robot(plugins, documented.discs("base_link", "castor_wheel"))
+
+    for step in range(20):
+        robot.run(0.005)
+        stamp = robot.transport.transforms["castor_wheel"].nanoseconds
+        assert stamp == step * 5_000_000  # when the step begins
+
+    assert robot.frames == {("base_link", "castor_wheel")}
+
+
+def test_the_worlds_frame_is_map_by_default(documented):
+    robot = documented.robot("type: ModelTfPublisher, name: least, publish_tf_world: true")
+
+    robot.run(0.005)
+
+    assert robot.frames == {("map", "base")}
+
+
+# Tween
+
+
+def test_the_tween_of_the_example_goes_to_and_fro_in_twenty_seconds(documented):
+    bodies = documented.discs("some_body")
+    robot = documented.robot(documented.page("tween"), bodies, pose="[2, 0, 0]")
+
+    quarter = robot.run(2.5).pose("some_body")
+    end = robot.run(7.5).pose("some_body")
+    start = robot.run(10.0).pose("some_body")
+
+    eased = 4 * 0.25**3  # cubicInOut, in its first half
+    assert quarter == pytest.approx((2 + 2 * eased, 3 * eased, 1.1 * eased), abs=1e-5)
+    assert end == pytest.approx((4.0, 3.0, 1.1), abs=1e-5)
+    assert start == pytest.approx((2.0, 0.0, 0.0), abs=1e-5)
+
+
+def test_the_tweens_defaults_are_yoyo_linear_and_a_second(documented):
+    robot = documented.robot("type: Tween, name: least, body: base, delta: [0, 1, 0]")
+
+    ways = [robot.run(0.25).pose().y for _ in range(9)]
+
+    assert ways == pytest.approx([0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0, 0.25], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("namespace", "topic"), [("", "/tween_trigger"), ("foo", "/foo/tween_trigger")]
+)
+def test_a_tween_is_triggered_by_tween_trigger_by_default(documented, namespace, topic):
+    entry = "type: Tween, name: least, body: base, delta: [0, 1, 0], mode: trigger"
+    robot = documented.robot(entry, namespace=namespace)
+
+    rest = robot.run(0.5).pose().y
+    robot.transport.send(topic, Bool(True))
+    halfway = robot.run(0.5).pose().y
+    robot.transport.send(topic, Bool(False))
+    back = robot.run(1.0).pose().y
+
+    assert (rest, halfway, back) == pytest.approx((0.0, 0.5, 0.0), abs=1e-5)
+
+
+# GPS
+
+
+def test_the_gps_of_the_example_is_where_the_world_begins(documented):
+    robot = documented.robot(documented.page("gps"))
+
+    fixes = robot.record("/gps/fix", 1.0)
+
+    assert len(fixes) == 10
+    for fix in fixes:
+        assert (fix.latitude, fix.longitude) == pytest.approx((0.0, 0.0), abs=1e-12)
+        assert fix.header.frame_id == "my_frame_name"
+    assert robot.frames == {("base", "my_frame_name")}
+
+
+def test_the_gps_defaults(documented):
+    robot = documented.robot("type: Gps, name: least, body: base", pose="[-500, 0, 1]")
+
+    fixes = robot.record("/gps/fix", 1.0)
+
+    # On the equator of WGS 84, whose radius is 6378137 m.
+    longitude = math.degrees(math.atan2(-500.0, 6378137.0))
+    assert len(fixes) == 10
+    assert (fixes[0].latitude, fixes[0].longitude) == pytest.approx((0.0, longitude), abs=1e-9)
+    assert fixes[0].header.frame_id == "least"
+    assert robot.frames == {("base", "least")}
+    assert robot.transport.transforms["least"].pose == (0.0, 0.0, 0.0)

@@ -1,0 +1,158 @@
+"""flatland_example_plugins as a user's package: in a workspace of its own, Flatland installed.
+
+Flatland is built once into build/test/installed, which takes half a minute the first time; the
+workspace is a new one each time.
+"""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+FLATLAND = ROOT / "build" / "test" / "installed"
+PACKAGE = ROOT / "src" / "flatland_example_plugins"
+
+LIMIT = 300.0  # s of real time, for each command; other builds may be running
+CONFIGURE = "-DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_BUILD_TYPE=Release"
+
+# Of a workspace's devel space and of its install space: where the package is, how it is launched.
+FOLDERS = {
+    "devel": "src/flatland_example_plugins",
+    "install": "install/share/flatland_example_plugins",
+}
+LAUNCH_FILES = {
+    "devel": "flatland_server server.launch "
+    "world_path:=$(rospack find flatland_example_plugins)/worlds/conveyor/world.yaml",
+    "install": "flatland_example_plugins conveyor.launch",
+}
+
+LISTEN = """
+import rospy
+from std_msgs.msg import Int32
+rospy.init_node("listener", disable_rostime=True)
+for topic in ("/gate/contacts", "/box/count"):
+    while rospy.wait_for_message(topic, Int32).data < 3:
+        pass
+"""
+
+pytestmark = pytest.mark.slow
+
+
+class Shell:
+    """A user's bash in which nothing is sourced yet, and in which no ROS master is running."""
+
+    def __init__(self, home):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            self.port = probe.getsockname()[1]
+        self.environment = {
+            "PATH": "/usr/bin:/bin",
+            "HOME": str(home),
+            "LANG": "C.UTF-8",
+            "PYTHONUNBUFFERED": "1",
+            "ROS_IP": "127.0.0.1",
+            "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}",
+        }
+
+    def run(self, *commands):
+        """Run commands, and return their output; the first that fails fails the test."""
+        result = subprocess.run(
+            ["bash", "-c", " && ".join(commands)],
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=LIMIT,
+        )
+        if result.returncode != 0:
+            pytest.fail(f"{commands}: exit code {result.returncode}\n{result.stdout}", False)
+        return result.stdout
+
+    def start(self, *commands, output):
+        """Run commands in a session of their own, with a file for their output."""
+        return subprocess.Popen(
+            ["bash", "-c", " && ".join(commands)],
+            env=self.environment,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+
+@pytest.fixture
+def shell(tmp_path):
+    return Shell(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory):
+    """A catkin workspace with the package alone, built and installed."""
+    folder = tmp_path_factory.mktemp("workspace")
+    shell = Shell(folder)
+    prefix = FLATLAND / "prefix"
+    FLATLAND.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(prefix, ignore_errors=True)
+    shell.run(
+        f"catkin_make -C {FLATLAND} --source {ROOT}/src {CONFIGURE} -DCATKIN_ENABLE_TESTING=OFF "
+        f"-DCMAKE_INSTALL_PREFIX={prefix} "
+        "'-DCATKIN_BLACKLIST_PACKAGES=flatland_example_plugins;flatland_viz' install"
+    )
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(PACKAGE, folder / "src" / PACKAGE.name, ignore=ignored)
+    shell.run(
+        f"source {prefix}/setup.bash",
+        f"cd {folder}",
+        f"catkin_make {CONFIGURE} install",
+    )
+    return folder
+
+
+@pytest.mark.parametrize("space", ["devel", "install"])
+def test_rospack_lists_its_plugins(workspace, shell, space):
+    setup = f"source {workspace}/{space}/setup.bash"
+
+    plugins = shell.run(setup, "rospack plugins --attrib=plugin flatland_server").splitlines()
+    server = shell.run(setup, "rospack find flatland_server").strip()
+
+    installed = FLATLAND / "prefix" / "share"
+    assert sorted(plugins) == [
+        f"flatland_example_plugins {workspace / FOLDERS[space]}/flatland_plugins.xml",
+        f"flatland_plugins {installed}/flatland_plugins/flatland_plugins.xml",
+    ]
+    assert all(Path(line.split()[1]).is_file() for line in plugins)
+    assert server == f"{installed}/flatland_server"
+
+
+def test_its_own_tests_pass(workspace, shell):
+    output = shell.run(
+        f"source {workspace}/devel/setup.bash",
+        f"catkin_make -C {workspace} run_tests",
+        f"catkin_test_results {workspace}/build/test_results",
+    )
+
+    assert "0 errors, 0 failures" in output
+
+
+@pytest.mark.parametrize("space", ["devel", "install"])
+def test_the_installed_server_runs_its_world(workspace, shell, tmp_path, space):
+    setup = f"source {workspace}/{space}/setup.bash"
+    log = tmp_path / "launch.log"
+    launch = f"roslaunch -p {shell.port} {LAUNCH_FILES[space]} show_viz:=false update_rate:=2000"
+
+    with log.open("w") as output:
+        server = shell.start(setup, f"exec {launch}", output=output)
+    try:
+        shell.run(setup, f"timeout 30 python3 -c '{LISTEN}'")
+        assert server.poll() is None, log.read_text()
+    finally:
+        os.killpg(server.pid, signal.SIGTERM)
+        server.wait(LIMIT)
+        print(log.read_text())
+
+    assert "Hello world" in log.read_text()
+    assert f"{workspace / FOLDERS[space]}/worlds/conveyor/world.yaml: 1 layers" in log.read_text()
