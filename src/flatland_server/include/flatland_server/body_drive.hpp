@@ -29,7 +29,7 @@ class BodyDrive {
 
   /// Sets the body's velocity for the coming step of `dt` seconds.
   void BeginStep(b2Body& body, double dt);
-  void EndStep(b2Body& body) const { motion_.End(body, velocity_); }
+  void EndStep(b2Body& body) { motion_.End(body, velocity_); }
 
  private:
   DynamicsLimits linear_;

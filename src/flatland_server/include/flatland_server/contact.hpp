@@ -56,13 +56,13 @@ class Contact {
   const void* id() const { return &contact_; }
   bool is_touching() const { return contact_.IsTouching(); }
   /// False of a contact that has been switched off for this step, and with a sensor.
-  bool is_enabled() const { return contact_.IsEnabled(); }
+  bool is_enabled() const;
   /// Before it is solved: whether the two push each other apart in this step.
   void SetEnabled(bool enabled) { contact_.SetEnabled(enabled); }
 
   /// Where they touch, up to two points in the world [m]; none with a sensor.
   std::vector<Vec2> Points() const;
-  /// Unit vector from a to b, in the world; zero with a sensor.
+  /// Unit vector from a to b, in the world; zero where there are no points.
   Vec2 Normal() const;
 
   double friction() const { return contact_.GetFriction(); }
@@ -83,7 +83,9 @@ class Contact {
 };
 
 /// Hears of contacts, while the world steps and while bodies are removed. It may look at the world,
-/// set velocities and apply forces, but add, remove or place nothing.
+/// set velocities and apply forces, but add, remove or place nothing. At kPostSolve a force comes
+/// too late for its step, and is lost; an impulse is not. A listener must not throw: Box2D would be
+/// left in the middle of a step.
 class ContactListener {
  public:
   virtual ~ContactListener() = default;

@@ -42,7 +42,7 @@ class TricycleDrive {
   }
 
   void BeginStep(b2Body& body, double dt);
-  void EndStep(b2Body& body) const;
+  void EndStep(b2Body& body);
 
  private:
   /// The twist of the body's origin, in its frame, at a speed and an angle of the front wheel.

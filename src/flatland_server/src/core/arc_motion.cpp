@@ -1,6 +1,9 @@
 #include "flatland_server/arc_motion.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
@@ -36,48 +39,62 @@ bool IsWheel(b2Joint& joint, const b2Body& b) {
   return b2DistanceSquared(hub, b.GetWorldCenter()) < 1e-6f;
 }
 
+/// How far something is from where it is due, or 0 if that is more than rounding can have done.
+double LostByRounding(double due, double is) {
+  const double most = std::numeric_limits<float>::epsilon() * std::max(1.0, std::abs(due));
+  return std::abs(due - is) <= most ? due - is : 0.0;
+}
+
 }  // namespace
 
 void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt) {
+  if (mean.vx == 0.0 && mean.vy == 0.0 && mean.omega == 0.0) behind_ = {};
   const Displacement displacement(mean, dt);
-  const Rotation heading(body.GetAngle());
-  group_.assign(1, &body);
-  const auto move = [&](b2Body& member) {
+  const Rotation heading(body.GetAngle() + behind_.yaw);
+  const auto way_of = [&](const b2Body& member) {
     const b2Vec2 center = body.GetLocalPoint(member.GetWorldCenter());
-    const Vec2 moves = heading.Apply(displacement.Of({center.x, center.y}));
-    member.SetLinearVelocity({static_cast<float>(moves.x / dt), static_cast<float>(moves.y / dt)});
+    return Vec2{behind_.x, behind_.y} + heading.Apply(displacement.Of(FromBox2D(center)));
   };
+  const double turn = behind_.yaw + displacement.angle;
+  group_.assign(1, &body);
   for (size_t i = 0; i < group_.size(); ++i) {
     b2Body& member = *group_[i];
-    move(member);
-    member.SetAngularVelocity(static_cast<float>(mean.omega));
+    member.SetLinearVelocity(ToBox2D(1.0 / dt * way_of(member)));
+    member.SetAngularVelocity(static_cast<float>(turn / dt));
     for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
-      if (edge->other->GetType() != b2_dynamicBody) continue;
+      b2Body& other = *edge->other;
+      if (other.GetType() != b2_dynamicBody) continue;
       if (IsRigid(*edge->joint)) {
-        if (std::find(group_.begin(), group_.end(), edge->other) == group_.end()) {
-          group_.push_back(edge->other);
+        if (std::find(group_.begin(), group_.end(), &other) == group_.end()) {
+          group_.push_back(&other);
         }
-      } else if (IsWheel(*edge->joint, *edge->other)) {
-        move(*edge->other);
+      } else if (IsWheel(*edge->joint, other)) {
+        other.SetLinearVelocity(ToBox2D(1.0 / dt * way_of(other)));
       }
     }
   }
   told_velocity_ = body.GetLinearVelocity();
   told_omega_ = body.GetAngularVelocity();
+  const Vec2 due = FromBox2D(body.GetWorldCenter()) + way_of(body);
+  due_ = {due.x, due.y, body.GetAngle() + turn};
 }
 
-void ArcMotion::End(b2Body& body, const Twist& at_end) const {
-  const b2Vec2 missed = body.GetLinearVelocity() - told_velocity_;
-  const bool is_hindered =
-      missed.Length() > 0.1f * told_velocity_.Length() + 1e-3f ||
-      std::abs(body.GetAngularVelocity() - told_omega_) > 0.1f * std::abs(told_omega_) + 1e-3f;
+void ArcMotion::End(b2Body& body, const Twist& at_end) {
+  const b2Vec2 lost = told_velocity_ - body.GetLinearVelocity();
+  const float lost_omega = told_omega_ - body.GetAngularVelocity();
+  const bool is_hindered = lost.Length() > 0.1f * told_velocity_.Length() + 1e-3f ||
+                           std::abs(lost_omega) > 0.1f * std::abs(told_omega_) + 1e-3f;
+  behind_ = {};
   if (is_hindered) return;
-  const b2Vec2 arm = body.GetLocalCenter();
+  const b2Vec2 center = body.GetWorldCenter();
+  behind_ = {LostByRounding(due_.x, center.x), LostByRounding(due_.y, center.y),
+             LostByRounding(due_.yaw, body.GetAngle())};
+  const Vec2 arm = FromBox2D(body.GetLocalCenter());
   const Vec2 of_center =
       Rotation(body.GetAngle())
           .Apply({at_end.vx - at_end.omega * arm.y, at_end.vy + at_end.omega * arm.x});
-  body.SetLinearVelocity({static_cast<float>(of_center.x), static_cast<float>(of_center.y)});
-  body.SetAngularVelocity(static_cast<float>(at_end.omega));
+  body.SetLinearVelocity(ToBox2D(of_center) - lost);
+  body.SetAngularVelocity(static_cast<float>(at_end.omega) - lost_omega);
 }
 
 }  // namespace flatland

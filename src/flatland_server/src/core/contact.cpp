@@ -4,6 +4,11 @@
 
 namespace flatland {
 
+bool Contact::is_enabled() const {
+  const bool with_sensor = contact_.GetFixtureA()->IsSensor() || contact_.GetFixtureB()->IsSensor();
+  return contact_.IsEnabled() && !with_sensor;
+}
+
 std::vector<Vec2> Contact::Points() const {
   b2WorldManifold manifold;
   contact_.GetWorldManifold(&manifold);

@@ -36,7 +36,7 @@ SteeringState Steer(SteeringState from, double target, const DynamicsLimits& lim
   SteeringState state = from;
   const double way = target - state.angle;
   const double stopping_way = 0.5 * state.rate * state.rate / slow_down;
-  const bool goes_away = state.rate * way < 0.0;
+  const bool goes_away = state.rate * way <= 0.0;  // also from the target itself
   const bool overshoots = stopping_way > std::abs(way) * (1.0 + 1e-9) + 1e-12;
   if (goes_away || overshoots) {
     if (!Ramp(state, 0.0, slow_down, time)) return state;

@@ -46,15 +46,19 @@ void TricycleDrive::BeginStep(b2Body& body, double dt) {
   motion_.Begin(body, TwistAt(rolling.mean.x, halfway), dt);
 }
 
-void TricycleDrive::EndStep(b2Body& body) const {
+void TricycleDrive::EndStep(b2Body& body) {
   motion_.End(body, TwistAt(speed_, steering_.angle));
   if (front_wheel_ == nullptr) return;
   const bool wheel_is_b = front_wheel_->GetBodyA() == &body;
   b2Body& wheel = wheel_is_b ? *front_wheel_->GetBodyB() : *front_wheel_->GetBodyA();
   double angle = heading_ + steering_.angle;
-  if (front_wheel_->IsLimitEnabled()) {  // of b's angle less a's
-    const double lower = front_wheel_->GetLowerLimit(), upper = front_wheel_->GetUpperLimit();
-    angle = wheel_is_b ? std::clamp(angle, lower, upper) : std::clamp(angle, -upper, -lower);
+  if (front_wheel_->IsLimitEnabled()) {  // of b's angle less a's, and about any number of turns
+    const double lower =
+        wheel_is_b ? front_wheel_->GetLowerLimit() : -front_wheel_->GetUpperLimit();
+    const double upper =
+        wheel_is_b ? front_wheel_->GetUpperLimit() : -front_wheel_->GetLowerLimit();
+    const double middle = 0.5 * (lower + upper);
+    angle = std::clamp(middle + std::remainder(angle - middle, 2.0 * M_PI), lower, upper);
   }
   const b2Vec2 hub = wheel_is_b ? front_wheel_->GetLocalAnchorA() : front_wheel_->GetLocalAnchorB();
   const b2Vec2 on_wheel =

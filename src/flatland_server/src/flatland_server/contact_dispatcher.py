@@ -13,6 +13,8 @@ from flatland_server.plugin import CONTACT_HOOKS, Plugin
 
 Hook = Callable[..., None]
 
+_NAMES = {moment: name for name, moment in CONTACT_HOOKS.items()}
+
 
 class _Listener(NamedTuple):
     """A plugin's hook for one moment."""
@@ -28,7 +30,8 @@ class ContactDispatcher:
     Args:
         physics: the world whose contacts are told of.
         entities: of that world.
-        call: calls a plugin's hook with its arguments, and deals with what it raises.
+        call: calls a plugin's hook (of this name, this function) with its arguments, and deals with
+            what it raises.
     """
 
     def __init__(self, physics: _core.World, entities: Entities, call: Callable[..., None]) -> None:
@@ -101,11 +104,12 @@ class ContactDispatcher:
     def _deliver(
         self, moment: int, id_a: int, id_b: int, contact: _core.Contact, *details: Any
     ) -> None:
+        name = _NAMES[moment]
         by_entity = self._listeners[moment]
-        concerned = dict.fromkeys([self._entities.owner(id_a), self._entities.owner(id_b), None])
+        concerned = dict.fromkeys([self._entities.find(id_a), self._entities.find(id_b), None])
         listeners = [each for entity in concerned for each in by_entity.get(entity, ())]
         for _, plugin, hook in sorted(listeners, key=_order) if len(listeners) > 1 else listeners:
-            self._call(plugin, hook, contact, *details)
+            self._call(plugin, name, hook, contact, *details)
 
 
 def _order(listener: _Listener) -> int:

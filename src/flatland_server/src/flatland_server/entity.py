@@ -1,7 +1,7 @@
 """Entities: what bodies belong to, a model or a layer."""
 
 from abc import ABC, abstractmethod
-from typing import Dict, Iterable, Iterator, List
+from typing import Dict, Iterable, Iterator, List, Optional
 
 from flatland_server import _core
 
@@ -45,9 +45,14 @@ class Entities:
         Raises:
             GoneError: the body has been deleted, or is neither a model's nor a layer's.
         """
-        if body_id not in self._owners:
-            raise _core.GoneError("this body has been deleted")
-        return self._owners[body_id]
+        owner = self.find(body_id)
+        if owner is None:
+            raise _core.GoneError("this body has been deleted, or is of no model or layer")
+        return owner
+
+    def find(self, body_id: int) -> Optional[Entity]:
+        """The same; None if it is nobody's, as a body that a plugin has made for itself."""
+        return self._owners.get(body_id)
 
     def __iter__(self) -> Iterator[Entity]:
         return iter(dict.fromkeys(self._owners.values()))

@@ -186,19 +186,19 @@ class PluginManager:
         ]
         for entry in self._due:
             if entry.before is not None:
-                self._call(entry.plugin, entry.before, timekeeper)
+                self._call(entry.plugin, "before_physics_step", entry.before, timekeeper)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls the hook of every plugin that was due before the step."""
         for entry in self._due:
             if entry.after is not None:
-                self._call(entry.plugin, entry.after, timekeeper)
+                self._call(entry.plugin, "after_physics_step", entry.after, timekeeper)
 
-    def _call(self, plugin: Plugin, hook: Hook, *arguments: Any) -> None:
+    def _call(self, plugin: Plugin, name: str, hook: Hook, *arguments: Any) -> None:
         try:
             hook(*arguments)
         except Exception:
-            self._fail(plugin, hook.__name__)
+            self._fail(plugin, name)
 
     def _fail(self, plugin: Plugin, where: str) -> None:
         """Switches a plugin off, in the face of the exception that it raised somewhere."""

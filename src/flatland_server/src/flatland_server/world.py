@@ -157,7 +157,7 @@ class World:
                 "add_model is for between steps; spawn_model may be called in a hook"
             )
         self._require_new(entry.name)
-        there_before = set(self.models)
+        there_before = set(self.models.values())
         model = Model(
             entry.name,
             entry.namespace,
@@ -175,8 +175,8 @@ class World:
         except BaseException:
             del self.models[entry.name]
             self._take_away(model)
-            for name in [name for name in self.models if name not in there_before]:
-                self._remove(self.models[name])  # its plugins had spawned it
+            for other in [each for each in self.models.values() if each not in there_before]:
+                self._remove(other)  # its plugins had spawned it
             raise
         finally:
             self._unsettled.discard(entry.name)

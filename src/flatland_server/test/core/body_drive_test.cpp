@@ -4,8 +4,10 @@
 
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include "flatland_server/world.hpp"
+#include "reference_motion.hpp"
 
 namespace flatland {
 namespace {
@@ -52,6 +54,52 @@ class DrivenRobot : public testing::Test {
     return robot;
   }
 
+  // Four wheels of a fifth of the robot's mass each: two are welded to it, two turn on it freely.
+  void AddWheels(World::Body robot) {
+    FixtureSettings tyre;
+    tyre.density = 0.8;
+    const Vec2 places[] = {{-0.1, 0.4}, {-0.1, -0.2}, {0.6, 0.4}, {0.6, -0.2}};
+    for (const Vec2 place : places) {
+      const Vec2 at = world_.ToWorldPoint(robot, place);
+      BodySettings settings;
+      settings.pose = {at.x, at.y, world_.GetPose(robot).yaw};
+      const World::Body wheel = world_.AddBody(settings);
+      world_.AddCircle(wheel, {0.0, 0.0}, 0.1, tyre);
+      EXPECT_NEAR(world_.GetMass(wheel) / world_.GetMass(robot), 0.2, 1e-6);
+      WeldSettings weld;
+      RevoluteSettings hinge;
+      weld.anchor_a = hinge.anchor_a = place;
+      if (place.x < 0.0) {
+        world_.AddWeld(robot, wheel, weld);
+      } else {
+        world_.AddRevolute(robot, wheel, hinge);
+      }
+    }
+  }
+
+  // Steps the world for 10 s, and expects the robot all the time where the twists, constant in the
+  // robot's frame or not, lead it, at these very velocities.
+  template <class TwistAt>
+  void ExpectTravel(World::Body robot, double step_length, double place_tolerance,
+                    double velocity_tolerance, TwistAt twist_at) {
+    Pose expected = world_.GetPose(robot);
+    for (int step = 1; step * step_length < 10.0 + 1e-9; ++step) {
+      world_.Step(step_length);
+
+      const double time = step * step_length;
+      expected = Travel(expected, time - step_length, time, twist_at);
+      const Pose pose = world_.GetPose(robot);
+      ASSERT_LT(std::hypot(pose.x - expected.x, pose.y - expected.y), place_tolerance)
+          << "step " << step;
+      ASSERT_NEAR(std::remainder(pose.yaw - expected.yaw, 2.0 * M_PI), 0.0, place_tolerance)
+          << "step " << step;
+      const Twist twist = twist_at(time), velocity = world_.GetLocalVelocity(robot);
+      ASSERT_NEAR(velocity.vx, twist.vx, velocity_tolerance) << "step " << step;
+      ASSERT_NEAR(velocity.vy, twist.vy, velocity_tolerance) << "step " << step;
+      ASSERT_NEAR(velocity.omega, twist.omega, velocity_tolerance) << "step " << step;
+    }
+  }
+
   // Where a frame is that has moved from `start` with a constant twist of its own.
   static Pose OnTheArc(const Pose& start, const Twist& twist, double time) {
     const double turned = twist.omega * time;
@@ -62,8 +110,7 @@ class DrivenRobot : public testing::Test {
     return {start.x + moved.x, start.y + moved.y, start.yaw + turned};
   }
 
-  void ExpectArc(const Twist& twist) {
-    const Pose start{1.0, -2.0, 0.7};
+  void ExpectArc(const Twist& twist, const Pose& start = {1.0, -2.0, 0.7}) {
     const World::Body robot = AddRobot(start);
     world_.Get(world_.AddDrive(robot, {}, {})).Command(twist);
 
@@ -72,8 +119,8 @@ class DrivenRobot : public testing::Test {
 
       const Pose pose = world_.GetPose(robot);
       const Pose expected = OnTheArc(start, twist, step * kStep);
-      ASSERT_LT(std::hypot(pose.x - expected.x, pose.y - expected.y), 2e-4) << "step " << step;
-      ASSERT_NEAR(std::remainder(pose.yaw - expected.yaw, 2.0 * M_PI), 0.0, 2e-4);
+      ASSERT_LT(std::hypot(pose.x - expected.x, pose.y - expected.y), 2e-5) << "step " << step;
+      ASSERT_NEAR(std::remainder(pose.yaw - expected.yaw, 2.0 * M_PI), 0.0, 2e-6);
       const Twist velocity = world_.GetLocalVelocity(robot);
       ASSERT_NEAR(velocity.vx, twist.vx, 1e-5) << "step " << step;
       ASSERT_NEAR(velocity.vy, twist.vy, 1e-5) << "step " << step;
@@ -92,6 +139,9 @@ TEST_F(DrivenRobot, StaysOnTheArcOfATurnToTheRight) { ExpectArc({0.5, -0.3, -0.8
 
 TEST_F(DrivenRobot, TurnsOnTheSpotAboutItsOrigin) { ExpectArc({0.0, 0.0, 1.0}); }
 
+// There, a step's way is rounded by up to 2 um, and all steps along x by the same.
+TEST_F(DrivenRobot, StaysOnTheArcFarFromTheOrigin) { ExpectArc({0.5, 0.1, 0.2}, {50, -60, 0}); }
+
 TEST_F(DrivenRobot, DrivesStraight) {
   const World::Body robot = AddRobot({0.0, 0.0, M_PI / 2});
   world_.Get(world_.AddDrive(robot, {}, {})).Command({0.4, 0.1, 0.0});
@@ -102,6 +152,15 @@ TEST_F(DrivenRobot, DrivesStraight) {
   EXPECT_NEAR(pose.x, -0.5, 2e-4);
   EXPECT_NEAR(pose.y, 2.0, 2e-4);
   EXPECT_NEAR(pose.yaw, M_PI / 2, 1e-6);
+}
+
+TEST_F(DrivenRobot, DrivesStraightFarFromTheOrigin) {
+  const World::Body robot = AddRobot({50.0, 40.0, 0.0});
+  world_.Get(world_.AddDrive(robot, {}, {})).Command({0.8, 0.0, 0.0});
+
+  for (int step = 0; step < 2000; ++step) world_.Step(kStep);
+
+  EXPECT_NEAR(world_.GetPose(robot).x, 58.0, 2e-5);
 }
 
 TEST_F(DrivenRobot, SpeedsUpAlongAStraightLineWithinTheLimits) {
@@ -115,6 +174,165 @@ TEST_F(DrivenRobot, SpeedsUpAlongAStraightLineWithinTheLimits) {
   EXPECT_NEAR(velocity.vx, 0.05 * M_SQRT1_2, 1e-12);
   EXPECT_NEAR(velocity.vy, -0.05 * M_SQRT1_2, 1e-12);
   EXPECT_NEAR(velocity.omega, 0.1, 1e-12);
+}
+
+// Up to the limit of 0.8 m/s at 0.2 m/s^2, along it, and from 6 s on down and back.
+const Course kSpeed({{0, 0}, {4, 0.8}, {6, 0.8}, {8, 0}, {11, -0.6}});
+const DynamicsLimits kSpeedLimits{0.2, 0.4, 0.8};
+// Up to the limit of 1 rad/s in 2 s, and from 6 s on down.
+const Course kTurning({{0, 0}, {2, 1}, {6, 1}, {7.25, 0}});
+const DynamicsLimits kTurningLimits{0.5, 0.8, 1.0};
+
+class LimitedRobot : public DrivenRobot {
+ protected:
+  // What kSpeed and kTurning are, told in time: now, and after 6 s.
+  void ExpectCourses(const Twist& first, const Twist& then, double step_length,
+                     double place_tolerance, double velocity_tolerance) {
+    const World::Drive drive = world_.AddDrive(robot_, kSpeedLimits, kTurningLimits);
+    world_.Get(drive).Command(first);
+    ExpectTravel(robot_, step_length, place_tolerance, velocity_tolerance, [&](double time) {
+      if (time >= 6.0 - 1e-9) world_.Get(drive).Command(then);
+      return Twist{first.vx != 0.0 ? kSpeed.At(time) : 0.0, 0.0,
+                   first.omega != 0.0 ? kTurning.At(time) : 0.0};
+    });
+  }
+
+  World::Body robot_ = AddRobot({1.0, -2.0, 0.7});
+};
+
+// Steps of 7.5 and 30 ms straddle the moments at which the acceleration changes.
+TEST_F(LimitedRobot, FollowsItsRampOnAStraightLine) {
+  for (const double step_length : {0.005, 0.0075, 0.03}) {
+    SCOPED_TRACE(step_length);
+    ExpectCourses({5, 0, 0}, {-3, 0, 0}, step_length, 1e-4, 1e-5);
+    world_.RemoveBody(robot_);
+    robot_ = AddRobot({1.0, -2.0, 0.7});
+  }
+}
+
+TEST_F(LimitedRobot, FollowsItsArcsWithBothVelocitiesLimited) {
+  ExpectCourses({5, 0, 5}, {-3, 0, 0}, 0.005, 1e-4, 1e-5);
+}
+
+TEST_F(LimitedRobot, FollowsItsRampWithWheels) {
+  AddWheels(robot_);
+  ExpectCourses({5, 0, 0}, {-3, 0, 0}, 0.005, 1e-4, 1e-4);
+}
+
+TEST_F(LimitedRobot, FollowsItsArcsWithWheels) {
+  AddWheels(robot_);
+  ExpectCourses({5, 0, 5}, {-3, 0, 0}, 0.005, 1e-3, 1e-3);
+}
+
+TEST_F(DrivenRobot, StaysOnTheArcWithWheels) {
+  const World::Body robot = AddRobot({1.0, -2.0, 0.7});
+  AddWheels(robot);
+  world_.Get(world_.AddDrive(robot, {}, {})).Command({0.5, 0.3, -0.8});
+
+  ExpectTravel(robot, 0.005, 1e-3, 1e-3, [](double) { return Twist{0.5, 0.3, -0.8}; });
+}
+
+// The velocity of a vector (0.6, 0.8) grows along it; kSpeed is its length.
+TEST_F(LimitedRobot, FollowsItsRampInADirectionOfItsOwn) {
+  const World::Drive drive = world_.AddDrive(robot_, kSpeedLimits, {});
+  world_.Get(drive).Command({3, 4, 0});
+
+  ExpectTravel(robot_, 0.005, 1e-4, 1e-5, [&](double time) {
+    if (time >= 6.0 - 1e-9) world_.Get(drive).Command({-3, -4, 0});
+    return Twist{0.6 * kSpeed.At(time), 0.8 * kSpeed.At(time), 0.0};
+  });
+}
+
+// A spring yields, and swings, on a driven body as on any other.
+TEST_F(DrivenRobot, LetsASpringSwing) {
+  const World::Body robot = AddRobot({});
+  const World::Body arm = world_.AddBody({});
+  FixtureSettings settings;
+  settings.density = 0.01;
+  settings.collides = false;
+  world_.AddCircle(arm, {0.0, 0.0}, 0.1, settings);
+  WeldSettings spring;
+  spring.frequency = 1.0;
+  const World::Joint joint = world_.AddWeld(robot, arm, spring);
+  world_.Get(world_.AddDrive(robot, {}, {})).Command({0.5, 0.0, 0.0});
+  world_.SetVelocity(arm, {0.0, 0.0, 1.0});
+
+  double least = 0.0, most = 0.0;
+  for (int step = 0; step < 200; ++step) {
+    world_.Step(kStep);
+    least = std::min(least, world_.JointAngle(joint));
+    most = std::max(most, world_.JointAngle(joint));
+  }
+
+  // An amplitude of 1 rad/s over 2 pi 1/s, less what an implicit spring loses.
+  EXPECT_GT(most, 0.1);
+  EXPECT_LT(least, -0.1);
+}
+
+// What brakes a body a little is no wall: Box2D divides by 1 + damping * dt in every step.
+TEST_F(DrivenRobot, IsAsFastAsItsDampingLetsIt) {
+  BodySettings settings;
+  settings.linear_damping = 8.0;
+  settings.angular_damping = 4.0;
+  const World::Body robot = world_.AddBody(settings);
+  FixtureSettings footprint;
+  footprint.density = 1.0;
+  world_.AddCircle(robot, {0.0, 0.0}, 0.2, footprint);
+  world_.Get(world_.AddDrive(robot, {}, {})).Command({0.5, 0.0, 1.0});
+
+  for (int step = 0; step < 100; ++step) world_.Step(kStep);
+
+  const Twist velocity = world_.GetLocalVelocity(robot);
+  EXPECT_NEAR(velocity.vx, 0.5 / (1.0 + 8.0 * kStep), 1e-4);
+  EXPECT_NEAR(velocity.omega, 1.0 / (1.0 + 4.0 * kStep), 1e-6);
+}
+
+class RobotAtAWall : public DrivenRobot {
+ protected:
+  RobotAtAWall() { world_.AddLayer({{{2.0, -100.0}, {2.0, 100.0}}}, 0xFFFF); }
+
+  // Whatever its velocity is said to be: it does not come nearer to the wall than it is.
+  void ExpectNoPhantomVelocity(const DynamicsLimits& limits, double heading) {
+    BodySettings settings;
+    settings.pose = {1.0, -50.0, heading};
+    const World::Body robot = world_.AddBody(settings);
+    FixtureSettings footprint;
+    footprint.density = 1.0;
+    world_.AddCircle(robot, {0.05, 0.0}, 0.3, footprint);
+    world_.Get(world_.AddDrive(robot, limits, {})).Command({1.0, 0.0, 0.0});
+    const double until_it_is_there = 2.0 + 1.0 / std::cos(heading);
+    for (int step = 0; step * kStep < 10.0 + until_it_is_there; ++step) world_.Step(kStep);
+
+    const double x = world_.GetCenter(robot).x;
+    EXPECT_NEAR(x, 1.7, 0.02);  // Box2D's skins and slop
+    double fastest = 0.0, before = x;
+    for (int step = 0; step < 400; ++step) {
+      world_.Step(kStep);
+      const double moved = (world_.GetCenter(robot).x - before) / kStep;
+      before = world_.GetCenter(robot).x;
+      fastest = std::max(fastest, std::abs(world_.GetVelocity(robot).vx - moved));
+      ASSERT_NEAR(before, x, 5e-4) << "step " << step;
+      ASSERT_NEAR(world_.GetVelocity(robot).vy, std::sin(heading), 0.01) << "step " << step;
+    }
+    EXPECT_LT(fastest, 0.01);
+    world_.RemoveBody(robot);
+  }
+};
+
+TEST_F(RobotAtAWall, HasNoPhantomVelocity) {
+  for (const double acceleration : {0.0, 0.1, 0.3, 5.0}) {
+    SCOPED_TRACE(acceleration);
+    ExpectNoPhantomVelocity({acceleration, acceleration, 0.0}, 0.0);
+  }
+}
+
+TEST_F(RobotAtAWall, HasNoPhantomVelocityAlongIt) {
+  for (const double heading : {1.55, 1.52, 1.48, 1.3, 0.8, -0.8, -1.5}) {
+    for (const double acceleration : {0.0, 0.3, 5.0}) {
+      SCOPED_TRACE(testing::Message() << heading << " rad, " << acceleration << " m/s^2");
+      ExpectNoPhantomVelocity({acceleration, acceleration, 0.0}, heading);
+    }
+  }
 }
 
 TEST_F(DrivenRobot, StandsStillAfterAReset) {

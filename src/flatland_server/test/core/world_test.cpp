@@ -7,6 +7,7 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace flatland {
@@ -335,6 +336,21 @@ TEST_F(WorldTest, NothingCanBeDoneWithARemovedBody) {
   EXPECT_THROW(world_.Halt(gone), GoneError);
   EXPECT_THROW(world_.GetMass(gone), GoneError);
   EXPECT_THROW(world_.ApplyForce(gone, {1, 0}), GoneError);
+  EXPECT_THROW(world_.ApplyTorque(gone, 1), GoneError);
+  EXPECT_THROW(world_.ApplyLinearImpulse(gone, {1, 0}), GoneError);
+  EXPECT_THROW(world_.ApplyAngularImpulse(gone, 1), GoneError);
+  EXPECT_THROW(world_.GetVelocityAt(gone, {0, 0}), GoneError);
+  EXPECT_THROW(world_.GetInertia(gone), GoneError);
+  EXPECT_THROW(world_.GetCenter(gone), GoneError);
+  EXPECT_THROW(world_.IsAwake(gone), GoneError);
+  EXPECT_THROW(world_.ToWorldPoint(gone, {0, 0}), GoneError);
+  EXPECT_THROW(world_.ToLocalVector(gone, {0, 0}), GoneError);
+  EXPECT_THROW(world_.GetFixtureCount(gone), GoneError);
+  EXPECT_THROW(world_.GetSettings({gone, 0}), GoneError);
+  EXPECT_THROW(world_.SetFriction({gone, 0}, 0.5), GoneError);
+  EXPECT_THROW(world_.TestPoint({gone, 0}, {0, 0}), GoneError);
+  EXPECT_THROW(world_.AddTricycle(gone, {}, {}), GoneError);
+  EXPECT_THROW(world_.ListenTo(gone, kBeginContact), GoneError);
 }
 
 TEST_F(WorldTest, BodyInARemovedOnesPlaceHasNotItsDrive) {
@@ -449,6 +465,288 @@ TEST_F(WorldTest, ForceSpeedsUpAMass) {
   ExpectTwist(world_.GetVelocity(box), {0.02, -0.01, 0}, 1e-6);
 }
 
+// A body whose centre of mass is at (0.3, 0.1) of its frame: 2 m by 1 m, 2 kg/m^2, so 4 kg.
+World::Body AddPlank(World& world, const Pose& pose) {
+  FixtureSettings wood = Solid();
+  wood.density = 2.0;
+  const World::Body plank = world.AddBody(At(pose));
+  world.AddPolygon(plank, {{-0.7, -0.4}, {1.3, -0.4}, {1.3, 0.6}, {-0.7, 0.6}}, wood);
+  return plank;
+}
+
+constexpr double kPlankInertia = 4.0 * (2.0 * 2.0 + 1.0 * 1.0) / 12.0;  // m (a^2 + b^2) / 12
+
+void ExpectPoint(Vec2 point, Vec2 expected, double tolerance) {
+  EXPECT_NEAR(point.x, expected.x, tolerance);
+  EXPECT_NEAR(point.y, expected.y, tolerance);
+}
+
+TEST_F(WorldTest, MassAndInertiaAreAboutTheCentreOfMass) {
+  const World::Body plank = AddPlank(world_, {5, 6, M_PI / 2});
+
+  EXPECT_NEAR(world_.GetMass(plank), 4.0, 1e-5);
+  EXPECT_NEAR(world_.GetInertia(plank), kPlankInertia, 1e-5);
+  ExpectPoint(world_.GetCenter(plank), {5 - 0.1, 6 + 0.3}, 1e-5);
+}
+
+TEST_F(WorldTest, WhatIsNotDynamicHasNoMass) {
+  for (const b2BodyType type : {b2_staticBody, b2_kinematicBody}) {
+    const World::Body body = world_.AddBody(At({1, 2, 0}, type));
+    world_.AddCircle(body, {0.3, 0}, 1.0, Solid());
+
+    EXPECT_EQ(world_.GetType(body), type);
+    EXPECT_EQ(world_.GetMass(body), 0.0);
+    EXPECT_EQ(world_.GetInertia(body), 0.0);
+  }
+}
+
+TEST_F(WorldTest, ForceAtTheCentreDoesNotTurn) {
+  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
+
+  world_.ApplyForce(plank, {8, -4});
+  world_.Step(0.01);
+
+  EXPECT_EQ(world_.GetVelocity(plank).omega, 0.0);
+  ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0.02, -0.01}, 1e-6);
+}
+
+TEST_F(WorldTest, ForceAtAPointTurnsByItsArm) {
+  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
+  const Vec2 center = world_.GetCenter(plank), point{7, 5.5}, force{8, -4};
+
+  world_.ApplyForce(plank, force, point);
+  world_.Step(0.01);
+
+  const double torque = Cross(point - center, force);
+  EXPECT_NEAR(world_.GetVelocity(plank).omega, 0.01 * torque / kPlankInertia, 1e-6);
+  ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0.02, -0.01}, 1e-6);
+}
+
+TEST_F(WorldTest, TorqueTurnsAboutTheCentre) {
+  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
+
+  world_.ApplyTorque(plank, -3.0);
+  world_.Step(0.01);
+
+  EXPECT_NEAR(world_.GetVelocity(plank).omega, -0.01 * 3.0 / kPlankInertia, 1e-6);
+  ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0, 0}, 1e-6);
+}
+
+TEST_F(WorldTest, ForcesLastForOneStep) {
+  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
+  world_.ApplyForce(plank, {4, 0});
+  world_.ApplyForce(plank, {4, -4});
+  world_.ApplyTorque(plank, 1.0);
+
+  StepTimes(world_, 10);
+
+  const Twist velocity = world_.GetVelocity(plank);
+  EXPECT_NEAR(velocity.omega, kStep / kPlankInertia, 1e-6);
+  ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {kStep * 8 / 4, -kStep * 4 / 4},
+              1e-6);
+}
+
+TEST_F(WorldTest, ImpulsesCountAtOnce) {
+  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
+  const Vec2 center = world_.GetCenter(plank), point{4, 7}, impulse{1, -2};
+
+  world_.ApplyLinearImpulse(plank, impulse);
+  ExpectPoint(world_.GetVelocityAt(plank, center), {0.25, -0.5}, 1e-6);
+  EXPECT_EQ(world_.GetVelocity(plank).omega, 0.0);
+
+  world_.ApplyLinearImpulse(plank, impulse, point);
+  const double turn = Cross(point - center, impulse) / kPlankInertia;
+  ExpectPoint(world_.GetVelocityAt(plank, center), {0.5, -1.0}, 1e-6);
+  EXPECT_NEAR(world_.GetVelocity(plank).omega, turn, 1e-6);
+
+  world_.ApplyAngularImpulse(plank, 0.7);
+  ExpectPoint(world_.GetVelocityAt(plank, center), {0.5, -1.0}, 1e-6);
+  EXPECT_NEAR(world_.GetVelocity(plank).omega, turn + 0.7 / kPlankInertia, 1e-6);
+}
+
+TEST_F(WorldTest, VelocityAtAPointIsThatOfTheTurnToo) {
+  const World::Body plank = AddPlank(world_, {5, 6, 0.4});
+  world_.SetVelocity(plank, {1, 2, 3});
+
+  ExpectPoint(world_.GetVelocityAt(plank, {5, 6}), {1, 2}, 1e-5);
+  ExpectPoint(world_.GetVelocityAt(plank, {7, 5}), {1 - 3 * -1.0, 2 + 3 * 2.0}, 1e-5);
+}
+
+TEST_F(WorldTest, PushesWakeABody) {
+  const std::pair<const char*, std::function<void(World::Body)>> pushes[] = {
+      {"force",
+       [&](World::Body body) {
+         world_.ApplyForce(body, {1, 0});
+       }},
+      {"force at a point",
+       [&](World::Body body) {
+         world_.ApplyForce(body, {1, 0}, Vec2{0, 0});
+       }},
+      {"torque", [&](World::Body body) { world_.ApplyTorque(body, 1); }},
+      {"impulse",
+       [&](World::Body body) {
+         world_.ApplyLinearImpulse(body, {1, 0});
+       }},
+      {"turning impulse", [&](World::Body body) { world_.ApplyAngularImpulse(body, 1); }},
+      {"velocity",
+       [&](World::Body body) {
+         world_.SetVelocity(body, {1, 0, 0});
+       }},
+  };
+  for (const auto& [name, push] : pushes) {
+    const World::Body box = AddBox(world_, {0, 0, 0});
+    StepTimes(world_, 200);
+    ASSERT_FALSE(world_.IsAwake(box)) << name;
+
+    push(box);
+
+    EXPECT_TRUE(world_.IsAwake(box)) << name;
+    world_.Step(kStep);
+    const Twist velocity = world_.GetVelocity(box);
+    EXPECT_GT(velocity.vx + velocity.omega, 0.0) << name;
+    world_.RemoveBody(box);
+  }
+}
+
+TEST_F(WorldTest, TurnsPointsAndVectorsFromTheBodysFrameToTheWorldsAndBack) {
+  const World::Body plank = AddPlank(world_, {5, 6, M_PI / 2});
+
+  ExpectPoint(world_.ToWorldPoint(plank, {2, 1}), {4, 8}, 1e-6);
+  ExpectPoint(world_.ToLocalPoint(plank, {4, 8}), {2, 1}, 1e-6);
+  ExpectPoint(world_.ToWorldVector(plank, {2, 1}), {-1, 2}, 1e-6);
+  ExpectPoint(world_.ToLocalVector(plank, {-1, 2}), {2, 1}, 1e-6);
+  ExpectPoint(world_.ToWorldPoint(plank, {0.3, 0.1}), world_.GetCenter(plank), 1e-5);
+}
+
+TEST_F(WorldTest, KnowsTheSettingsOfAFixture) {
+  FixtureSettings settings;
+  settings.density = 2.5;
+  settings.friction = 0.75;
+  settings.restitution = 0.5;
+  settings.sensor = true;
+  settings.collides = false;
+  settings.visible = false;
+  settings.layers = 0b1010;
+  const World::Body body = world_.AddBody({});
+  const Fixture plain = world_.AddCircle(body, {0, 0}, 1.0, {});
+  const Fixture special = world_.AddPolygon(body, Square(1), settings);
+
+  const FixtureSettings of_plain = world_.GetSettings(plain);
+  const FixtureSettings of_special = world_.GetSettings(special);
+
+  EXPECT_EQ(world_.GetFixtureCount(body), 2);
+  EXPECT_EQ(of_special.density, 2.5);
+  EXPECT_EQ(of_special.friction, 0.75);
+  EXPECT_EQ(of_special.restitution, 0.5);
+  EXPECT_TRUE(of_special.sensor);
+  EXPECT_FALSE(of_special.collides);
+  EXPECT_FALSE(of_special.visible);
+  EXPECT_EQ(of_special.layers, 0b1010);
+  EXPECT_EQ(of_plain.density, 0.0);
+  EXPECT_FALSE(of_plain.sensor);
+  EXPECT_TRUE(of_plain.collides);
+  EXPECT_TRUE(of_plain.visible);
+  EXPECT_EQ(of_plain.layers, 0xFFFF);
+}
+
+TEST_F(WorldTest, ChangesFrictionAndRestitutionOfAFixture) {
+  world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
+  const World::Body box = AddBox(world_, {0, 0, 0});
+
+  world_.SetRestitution({box, 0}, 0.5);
+  world_.SetFriction({box, 0}, 0.25);
+
+  EXPECT_EQ(world_.GetSettings({box, 0}).restitution, 0.5);
+  EXPECT_EQ(world_.GetSettings({box, 0}).friction, 0.25);
+  world_.SetVelocity(box, {4, 0, 0});
+  StepTimes(world_, 200);
+  EXPECT_NEAR(world_.GetVelocity(box).vx, -2.0, 1e-3);
+}
+
+TEST_F(WorldTest, FrictionThatIsSetSlowsABoxDown) {
+  world_.AddLayer({{{-50, 0}, {50, 0}}}, 0xFFFF);
+  const World::Body box = AddBox(world_, {0, 0.51, 0});
+  world_.SetFriction({box, 0}, 1.0);
+  world_.SetVelocity(box, {2, 0, 0});
+
+  for (int step = 0; step < 200; ++step) {
+    world_.ApplyForce(box, {0, -1});
+    world_.Step(kStep);
+  }
+
+  EXPECT_LT(world_.GetVelocity(box).vx, 1.8);
+}
+
+TEST_F(WorldTest, KnowsWhetherAPointIsWithinAFixture) {
+  const World::Body body = world_.AddBody(At({5, 6, M_PI / 2}));
+  const Fixture circle = world_.AddCircle(body, {2, 0}, 0.5, Solid());
+  const Fixture square = world_.AddPolygon(body, Square(1), Solid());
+
+  EXPECT_TRUE(world_.TestPoint(circle, {5, 8.4}));
+  EXPECT_FALSE(world_.TestPoint(circle, {5, 8.6}));
+  EXPECT_FALSE(world_.TestPoint(circle, {5.4, 6.4}));
+  EXPECT_TRUE(world_.TestPoint(square, {5.4, 6.4}));
+  EXPECT_FALSE(world_.TestPoint(square, {7, 6}));
+}
+
+TEST_F(WorldTest, ALayerIsABodyOfWalls) {
+  const World::Body layer = world_.AddLayer({{{0, 0}, {4, 0}}, {{4, 0}, {4, 3}}}, 0b101);
+
+  EXPECT_TRUE(world_.Contains(layer));
+  EXPECT_EQ(world_.GetType(layer), b2_staticBody);
+  EXPECT_EQ(world_.GetFixtureCount(layer), 2);
+  EXPECT_EQ(world_.GetSettings({layer, 1}).layers, 0b101);
+  EXPECT_FALSE(world_.TestPoint({layer, 1}, {4, 1}));  // a wall is not thick
+  ExpectPose(world_.GetPose(layer), {}, 0.0);
+  EXPECT_EQ(world_.GetMass(layer), 0.0);
+  EXPECT_THROW(world_.GetSettings({layer, 2}), std::invalid_argument);
+}
+
+TEST_F(WorldTest, ALayerStaysForGoodWhereItIs) {
+  const World::Body layer = world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
+
+  EXPECT_THROW(world_.RemoveBody(layer), std::invalid_argument);
+  EXPECT_THROW(world_.SetPose(layer, {1, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(world_.AddCircle(layer, {0, 0}, 1.0, Solid()), std::invalid_argument);
+  EXPECT_THROW(world_.AddPolygon(layer, Square(1), Solid()), std::invalid_argument);
+
+  // Nor do pushes move it; and it stops what it did.
+  world_.SetVelocity(layer, {1, 0, 0});
+  world_.ApplyForce(layer, {5, 0});
+  world_.ApplyLinearImpulse(layer, {5, 0});
+  const World::Body box = AddBox(world_, {0, 0, 0});
+  world_.SetVelocity(box, {2, 0, 0});
+  StepTimes(world_, 400);
+  ExpectPose(world_.GetPose(layer), {}, 0.0);
+  EXPECT_EQ(world_.GetFixtureCount(layer), 1);
+  EXPECT_LT(world_.GetPose(box).x, 1.6);
+}
+
+TEST_F(WorldTest, WhatIsNotVisibleCollidesButIsNotSeen) {
+  FixtureSettings glass = Solid();
+  glass.visible = false;
+  const World::Body box = AddBox(world_, {3, 0, 0}, 1.0, glass);
+  AddBox(world_, {6, 0, 0});
+  ScanSettings lidar;
+  lidar.range = 20.0;
+  const auto look = [&] {
+    float range = -1.0f, intensity = -1.0f;
+    world_.Scan(BeamFan(0, 0, 1), {}, lidar, &range, &intensity);
+    return range;
+  };
+
+  EXPECT_NEAR(look(), 5.5, 1e-4);
+
+  // Of the fixtures of a body, each for itself.
+  world_.AddCircle(box, {0, 0}, 0.2, Solid());
+  EXPECT_NEAR(look(), 2.8, 1e-4);
+
+  const World::Body thrown = AddBox(world_, {3, 3, 0});
+  world_.SetVelocity(thrown, {0, -2, 0});
+  StepTimes(world_, 400);
+  EXPECT_GT(world_.GetPose(thrown).y, world_.GetPose(box).y + 0.9);
+}
+
 TEST_F(WorldTest, BouncesBackAtItsRestitution) {
   world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
   FixtureSettings rubber = Solid();
@@ -536,6 +834,26 @@ Refusal Pushed(const char* name, Vec2 force, double torque) {
             w.ApplyTorque(box, torque);
           }};
 }
+Refusal PushedAt(const char* name, Vec2 point) {
+  return {name, [=](World& w, World::Body box, World::Body) {
+            EXPECT_THROW(w.ApplyLinearImpulse(box, {1, 0}, point), std::invalid_argument);
+            EXPECT_THROW(w.GetVelocityAt(box, point), std::invalid_argument);
+            EXPECT_THROW(w.TestPoint({box, 0}, point), std::invalid_argument);
+            w.ApplyForce(box, {1, 0}, point);
+          }};
+}
+Refusal Struck(const char* name, Vec2 impulse, double angular) {
+  return {name, [=](World& w, World::Body box, World::Body) {
+            w.ApplyLinearImpulse(box, impulse);
+            w.ApplyAngularImpulse(box, angular);
+          }};
+}
+Refusal Rubbed(const char* name, double value) {
+  return {name, [=](World& w, World::Body box, World::Body) {
+            EXPECT_THROW(w.SetFriction({box, 0}, value), std::invalid_argument);
+            w.SetRestitution({box, 0}, value);
+          }};
+}
 Refusal Driven(const char* name, const Twist& twist) {
   return {name, [twist](World& w, World::Body, World::Body other) {
             w.Get(w.AddDrive(other, {}, {})).Command(twist);
@@ -616,9 +934,12 @@ INSTANTIATE_TEST_SUITE_P(
         PutAt("put_towards_nan", {0, 0, kNaN}), Moving("moving_at_nan", {kNaN, 0, 0}),
         Moving("moving_at_inf", {0, kInfinity, 0}), Moving("turning_at_nan", {0, 0, kNaN}),
         Pushed("pushed_by_nan", {kNaN, 0}, 0), Pushed("pushed_by_inf", {0, kInfinity}, 0),
-        Pushed("torque_of_nan", {0, 0}, kNaN), Driven("driven_at_nan", {kNaN, 0, 0}),
-        Damped("negative_linear_damping", -1, 0), Damped("negative_angular_damping", 0, -1),
-        Damped("damping_of_nan", kNaN, 0), Damped("angular_damping_of_inf", 0, kInfinity)),
+        Pushed("torque_of_nan", {0, 0}, kNaN), PushedAt("pushed_at_nan", {kNaN, 0}),
+        PushedAt("pushed_at_inf", {0, kInfinity}), Struck("struck_by_nan", {0, kNaN}, 0),
+        Struck("struck_by_inf", {kInfinity, 0}, 0), Struck("turned_by_nan", {0, 0}, kNaN),
+        Driven("driven_at_nan", {kNaN, 0, 0}), Damped("negative_linear_damping", -1, 0),
+        Damped("negative_angular_damping", 0, -1), Damped("damping_of_nan", kNaN, 0),
+        Damped("angular_damping_of_inf", 0, kInfinity)),
     NameOf);
 
 INSTANTIATE_TEST_SUITE_P(
@@ -647,6 +968,12 @@ INSTANTIATE_TEST_SUITE_P(
         Material("negative_density", -1, 0, 0), Material("negative_friction", 0, -1, 0),
         Material("negative_restitution", 0, 0, -1), Material("density_of_nan", kNaN, 0, 0),
         Material("friction_of_inf", 0, kInfinity, 0), Material("restitution_of_nan", 0, 0, kNaN),
+        Rubbed("set_to_negative", -0.1), Rubbed("set_to_nan", kNaN),
+        Rubbed("set_to_inf", kInfinity),
+        Refusal{"fixture_that_is_not_there",
+                [](World& w, World::Body box, World::Body) {
+                  w.GetSettings({box, 1});
+                }},
         Wall("wall_of_no_length", {{1, 2}, {1, 2}}), Wall("wall_from_nan", {{kNaN, 2}, {1, 2}}),
         Wall("wall_to_inf", {{1, 2}, {kInfinity, 2}})),
     NameOf);
@@ -681,9 +1008,10 @@ INSTANTIATE_TEST_SUITE_P(
     SinglePrecision, Refused,
     testing::Values(
         Moving("moving_too_fast", {kTooMuch, 0, 0}), Moving("turning_too_fast", {0, 0, kTooMuch}),
-        Pushed("pushed_too_hard", {0, kTooMuch}, 0), Pushed("too_much_torque", {0, 0}, kTooMuch),
-        Driven("driven_too_fast", {kTooMuch, 0, 0}), Material("too_much_density", kTooMuch, 0, 0),
-        Material("too_much_friction", 0, kTooMuch, 0),
+        Pushed("pushed_too_hard", {0, kTooMuch}, 0), Struck("struck_too_hard", {0, kTooMuch}, 0),
+        Struck("turned_too_hard", {0, 0}, kTooMuch), PushedAt("pushed_too_far_off", {kTooMuch, 0}),
+        Pushed("too_much_torque", {0, 0}, kTooMuch), Driven("driven_too_fast", {kTooMuch, 0, 0}),
+        Material("too_much_density", kTooMuch, 0, 0), Material("too_much_friction", 0, kTooMuch, 0),
         Material("too_much_restitution", 0, 0, kTooMuch),
         Weld("weld_angle_too_large", kTooMuch, 0, 0), Weld("weld_too_stiff", 0, kTooMuch, 0),
         Stepping("step_too_short", 1e-40), Stepping("step_too_long", kTooMuch),

@@ -1,6 +1,7 @@
 """A plugin's node: names, topics that go away with it, and one parent for each frame."""
 
 import logging
+import sys
 from typing import Any, List
 
 import pytest
@@ -143,3 +144,73 @@ def test_a_closed_node_gives_its_frames_up(root, caplog):
     [message] = warnings(caplog)
     assert "robot1/drive" in message
     assert "robot0/drive" not in message
+
+
+class Stop(BaseException):
+    """Not an Exception, as KeyboardInterrupt is none."""
+
+
+def fail(_: Any) -> None:
+    raise RuntimeError("no luck")
+
+
+def test_a_callback_that_raises_is_told_of_by_its_topic_and_the_others_get_their_message(
+    root, transport
+):
+    robot, other = root.scoped("robot", "robot/drive"), root.scoped("", "other")
+    failures: List[str] = []
+    received: List[Any] = []
+    robot.on_failure = failures.append
+    robot.subscribe("cmd_vel", str, fail)
+    other.subscribe("/robot/cmd_vel", str, received.append)
+
+    transport.send("/robot/cmd_vel", "go")
+    transport.process()
+
+    assert failures == ["its callback of robot/cmd_vel"]
+    assert received == ["go"]
+
+
+def test_a_callback_that_raises_is_seen_in_the_face_of_its_exception(root, transport):
+    errors: List[Any] = []
+    root.on_failure = lambda _: errors.append(sys.exc_info()[1])
+    root.subscribe("cmd_vel", str, fail)
+
+    transport.send("cmd_vel", "go")
+    transport.process()
+
+    assert [str(error) for error in errors] == ["no luck"]
+
+
+def test_a_callback_of_a_node_that_nobody_looks_after_raises(root, transport):
+    root.subscribe("cmd_vel", str, fail)
+    transport.send("cmd_vel", "go")
+
+    with pytest.raises(RuntimeError, match="no luck"):
+        transport.process()
+
+
+def test_an_interrupt_in_a_callback_is_no_failure(root, transport):
+    def stop(_: Any) -> None:
+        raise Stop
+
+    failures: List[str] = []
+    root.on_failure = failures.append
+    root.subscribe("cmd_vel", str, stop)
+    transport.send("cmd_vel", "go")
+
+    with pytest.raises(Stop):
+        transport.process()
+    assert failures == []
+
+
+def test_a_node_that_is_closed_by_a_callback_gets_none_of_the_same_message(root, transport):
+    first, second = root.scoped("", "first"), root.scoped("", "second")
+    received: List[Any] = []
+    first.subscribe("cmd_vel", str, lambda _: second.close())
+    second.subscribe("cmd_vel", str, received.append)
+
+    transport.send("cmd_vel", "go")
+    transport.process()
+
+    assert received == []

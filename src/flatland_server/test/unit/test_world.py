@@ -4,15 +4,18 @@ import logging
 import math
 from typing import Any, List
 
+import numpy as np
 import pytest
 
 from flatland_server import _core
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose, Transform
 from flatland_server.local_transport import LocalTransport
+from flatland_server.model import ModelConfig
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.world import World
+from flatland_server.world_config import ModelEntry
 from flatland_server.world_plugin import WorldPlugin
 
 BODIES = """
@@ -422,3 +425,150 @@ def test_a_world_file_that_is_not_there_is_named(tmp_path):
 
 def test_properties_may_stand_there_with_nothing(models):
     assert models.load("properties:\nlayers: []").physics.body_count == 0
+
+
+# Walls and layers
+
+TWO_LAYERS = "properties: {}\nlayers: [{name: [ground, floor]}, {name: glass}]\n"
+WALL = np.array([[2.0, -1.0, 2.0, 1.0]])
+AHEAD = _core.BeamFan(0.0, 0.1, 1)
+
+
+@pytest.mark.parametrize(("name", "index"), [("ground", 0), ("floor", 0), ("glass", 1)])
+def test_a_layer_is_found_by_any_of_its_names(models, name, index):
+    world = models.load(TWO_LAYERS)
+
+    assert world.get_layer(name) is world.layers[index]
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "message"),
+    [
+        (
+            TWO_LAYERS,
+            "gruond",
+            'no layer is named "gruond" (did you mean "ground"?); there are: ground, floor, glass',
+        ),
+        (EMPTY, "ground", 'no layer is named "ground"; there are: none'),
+    ],
+)
+def test_a_layer_that_is_not_there_is_answered_by_those_that_are(models, text, name, message):
+    world = models.load(text)
+
+    for ask in (world.get_layer, lambda name: world.add_walls(name, WALL)):
+        with pytest.raises(FlatlandError) as caught:
+            ask(name)
+        assert str(caught.value) == message
+
+
+def test_walls_that_are_put_up_are_seen_and_felt_in_their_layer_alone(models, simulate):
+    world = models.load(TWO_LAYERS)
+    models.write("glider.yaml", BODIES.replace("density: 1", "density: 1, layers: [glass]"))
+    robot = spawn(models, world, "plain.yaml", "robot", pose=Pose(1.0, 0.5, 0.0))
+    glider = spawn(models, world, "glider.yaml", "glider", pose=Pose(1.0, -0.5, 0.0))
+    world.add_walls("floor", WALL)
+    for model in (robot, glider):
+        for body in model.physics_bodies:
+            body.velocity = (1.0, 0.0, 0.0)
+    ground, glass = world.registry.bits(["ground", "floor"]), world.registry.bits(["glass"])
+
+    simulate(world).run(2.0)
+
+    assert world.physics.scan(AHEAD, (0, 0, 0), 9.0, ground)[0].tolist() == [2.0]
+    assert world.physics.scan(AHEAD, (0, 0, 0), 9.0, glass)[0].tolist() == [math.inf]
+    assert robot.pose.x == pytest.approx(1.9, abs=0.01)
+    assert glider.pose.x == pytest.approx(3.0, abs=1e-3)
+
+
+def test_walls_that_are_put_up_are_among_those_of_their_layer(models):
+    world = models.load(TWO_LAYERS)
+    more = np.array([[0.0, 0.0, 1.0, 1.0], [1.0, 1.0, 2.0, 0.0]])
+
+    world.add_walls("ground", WALL)
+    world.add_walls("floor", np.empty((0, 4)))
+    world.add_walls("floor", more)
+
+    assert world.get_layer("ground").segments.tolist() == [*WALL.tolist(), *more.tolist()]
+    assert world.get_layer("glass").segments.tolist() == []
+    assert [world.entities.owner(b.id).name for b in world.layers[0].physics_bodies] == [
+        "ground",
+        "ground",
+    ]
+
+
+@pytest.mark.parametrize(
+    "segments",
+    [
+        pytest.param([[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, math.nan, 1.0]], id="NaN"),
+        pytest.param([[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, math.inf, 1.0]], id="infinite"),
+        pytest.param([[0.0, 0.0, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0]], id="of no length"),
+        pytest.param([[0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 1e6, 1.0]], id="too far"),
+        pytest.param([0.0, 0.0, 1.0, 1.0], id="not a list of segments"),
+        pytest.param([[0.0, 0.0, 1.0]], id="three numbers"),
+    ],
+)
+def test_walls_that_cannot_be_are_put_up_not_even_in_part(models, segments):
+    world = models.load(TWO_LAYERS)
+
+    with pytest.raises(ValueError, match="must"):
+        world.add_walls("ground", np.array(segments))
+
+    assert world.physics.body_count == 0
+    assert len(world.get_layer("ground").segments) == 0
+
+
+# Models without a file, failures
+
+
+def test_one_configuration_makes_many_models(models, simulate, transport):
+    world = models.load(EMPTY, transport=transport)
+    config = ModelConfig.from_file(models.folder / "good.yaml", world.registry)
+
+    added = [
+        world.add_model(ModelEntry(name, name, Pose(x, 0.0, 0.0), config))
+        for name, x in (("one", 1.0), ("two", 2.0))
+    ]
+    simulate(world).run()
+
+    assert list(world.models.values()) == added
+    assert [model.pose.x for model in added] == pytest.approx([1.0, 2.0])
+    assert transport.topics == {"/one/chatter", "/two/chatter"}
+
+
+def test_a_model_that_cannot_be_added_leaves_the_world_as_it_was(models):
+    world = models.load(EMPTY)
+    good, bad = (
+        ModelConfig.from_file(models.folder / name, world.registry)
+        for name in ("good.yaml", "bad.yaml")
+    )
+    world.add_model(ModelEntry("here", "", Pose(), good))
+    before = state(world)
+
+    for entry, message in (
+        (ModelEntry("here", "", Pose(), good), 'a model named "here" is already there'),
+        (ModelEntry("robot", "", Pose(), bad), "no luck"),
+        (ModelEntry("robot", "", Pose(1e6, 0.0, 0.0), good), "does not fit into the world"),
+    ):
+        with pytest.raises(FlatlandError, match=message):
+            world.add_model(entry)
+
+    assert state(world) == before
+
+
+def test_a_world_knows_which_of_its_plugins_have_failed(models, simulate, monkeypatch):
+    def fail(*_):
+        raise ValueError("no luck")
+
+    world = models.load(f"{EMPTY}plugins: [{{type: Herald, name: herald}}]\n")
+    spawn(models, world, "good.yaml", "robot")
+    assert world.plugin_failures == []
+    monkeypatch.setattr(Talker, "after_physics_step", fail)
+    spawn(models, world, "good.yaml", "other")
+
+    simulate(world).run()
+
+    [failure] = world.plugin_failures
+    assert failure.label == "other/a"
+    assert failure.type == "Talker"
+    assert failure.reason == "after_physics_step: ValueError: no luck"
+    assert world.transport.last("/population") == 2

@@ -1,8 +1,9 @@
 """What rviz shows: the layers and models as marker arrays.
 
-`~debug/layer/<name>` is published once and latched. `~debug/model/<name>` is published at a rate of
-real time, while somebody listens. `~debug/topics` is latched and lists them without `~debug/`.
-`~debug/models` has the markers of all models, for a viewer that does not follow that list.
+`~debug/layer/<name>` is latched, and published again if walls are added. `~debug/model/<name>` is
+published at a rate of real time, while somebody listens. `~debug/topics` is latched and lists them
+without `~debug/`. `~debug/models` has the markers of all models, for a viewer that does not follow
+that list.
 """
 
 import time
@@ -12,10 +13,9 @@ import rospy
 from flatland_msgs.msg import DebugTopicList
 from visualization_msgs.msg import Marker, MarkerArray
 
-from flatland_server.geometry import quaternion
 from flatland_server.layer import Layer
 from flatland_server.model import Model
-from flatland_server.ros.footprint_markers import body_markers
+from flatland_server.ros.model_markers import ModelMarkers
 from flatland_server.ros.wall_markers import wall_markers
 from flatland_server.world import World
 
@@ -47,6 +47,8 @@ class DebugVisualization:
         if now < self._next:
             return
         self._next = max(self._next + self._period, now)
+        for layer in self._layers:
+            layer.update()
         markers: List[Marker] = []
         if self._follow_models():
             self._publish_topics()
@@ -54,9 +56,7 @@ class DebugVisualization:
         all_are_watched = self._all.get_num_connections() > 0
         for display in self._models.values():
             if all_are_watched or display.is_watched:
-                display.place_markers()
-                display.publish()
-                markers += display.markers
+                markers += display.publish()
         if all_are_watched:
             self._all.publish(markers)
 
@@ -80,10 +80,18 @@ class DebugVisualization:
 class _LayerDisplay:
     def __init__(self, layer: Layer) -> None:
         self.topic = f"layer/{layer.name}"
+        self._layer = layer
         self._publisher = rospy.Publisher(
             f"~debug/{self.topic}", MarkerArray, queue_size=1, latch=True
         )
-        self._publisher.publish(wall_markers(layer, FRAME_ID))
+        self._shown = -1
+        self.update()
+
+    def update(self) -> None:
+        """Publishes the walls, if there are new ones."""
+        if len(self._layer.segments) != self._shown:
+            self._shown = len(self._layer.segments)
+            self._publisher.publish(wall_markers(self._layer, FRAME_ID))
 
 
 class _ModelDisplay:
@@ -91,31 +99,19 @@ class _ModelDisplay:
         self.model = model
         self.topic = f"model/{model.name}"
         self._publisher = rospy.Publisher(f"~debug/{self.topic}", MarkerArray, queue_size=1)
-        self.markers: List[Marker] = []
-        self._bodies = []
-        for body in model.bodies.values():
-            for marker in body_markers(body.config, f"{model.name}/{body.name}"):
-                marker.header.frame_id = FRAME_ID
-                self.markers.append(marker)
-                self._bodies.append(body)
+        self._markers = ModelMarkers(model, FRAME_ID)
 
     @property
     def is_watched(self) -> bool:
         """Whether anybody listens to this model's own topic."""
         return self._publisher.get_num_connections() > 0
 
-    def place_markers(self) -> None:
-        """Puts the markers where the bodies are now."""
-        for marker, body in zip(self.markers, self._bodies):
-            pose = body.pose
-            marker.pose.position.x, marker.pose.position.y = pose.x, pose.y
-            turn = marker.pose.orientation
-            turn.x, turn.y, turn.z, turn.w = quaternion(pose.yaw)
-
-    def publish(self) -> None:
-        """Publishes the markers, if anybody listens."""
+    def publish(self) -> List[Marker]:
+        """The markers where the model is now; publishes them, if anybody listens."""
+        markers = self._markers.place()
         if self.is_watched:
-            self._publisher.publish(self.markers)
+            self._publisher.publish(markers)
+        return markers
 
     def close(self) -> None:
         """Makes rviz forget the model, and takes the topic away."""

@@ -13,12 +13,19 @@ _PERIOD = 1.0
 """Seconds of real time between two messages: a paused simulation has something to tell too."""
 
 
+class _Updater(diagnostic_updater.Updater):
+    """Does not announce a failure as well: the library reports a new status as "starting up"."""
+
+    def addedTaskCallback(self, task: Any) -> None:  # noqa: N802 (the library's name)
+        pass
+
+
 class Diagnostics:
     """Publishes a status of the simulation, and an error for each plugin that is switched off."""
 
     def __init__(self, manager: SimulationManager) -> None:
         self._manager = manager
-        self._updater = diagnostic_updater.Updater()
+        self._updater = _Updater()
         self._updater.setHardwareID("none")
         self._updater.add("simulation", self._report_simulation)
         self._failures: Dict[str, PluginFailure] = {}

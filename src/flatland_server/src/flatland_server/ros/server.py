@@ -12,9 +12,12 @@ import rospy
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.ros.clock import ClockPublisher
-from flatland_server.ros.debug_visualization import DebugVisualization
+from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
+from flatland_server.ros.diagnostics import Diagnostics
+from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.service_manager import ServiceManager
+from flatland_server.ros.state_publisher import StatePublisher
 from flatland_server.simplify_outlines import TOLERANCES
 from flatland_server.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
@@ -112,6 +115,10 @@ def _run(config: ServerConfig) -> None:
     manager.after_step.append(ClockPublisher(timekeeper).publish)
     if config.show_viz:
         manager.each_turn.append(DebugVisualization(world, config.viz_pub_rate).update)
+        handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
+        manager.each_turn.append(handles.update)
+    manager.each_turn.append(Diagnostics(manager).update)
+    manager.each_turn.append(StatePublisher(manager).update)
     ServiceManager(manager, transport)
     rospy.loginfo(
         "%s: %d layers, %d models; running",

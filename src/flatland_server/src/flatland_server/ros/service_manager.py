@@ -5,9 +5,15 @@ from typing import Any, Callable, Type
 
 import rospy
 from flatland_msgs.srv import (
+    ChangeRate,
+    ChangeRateRequest,
+    ChangeRateResponse,
     DeleteModel,
     DeleteModelRequest,
     DeleteModelResponse,
+    GetModelMarkers,
+    GetModelMarkersRequest,
+    GetModelMarkersResponse,
     MoveModel,
     MoveModelRequest,
     MoveModelResponse,
@@ -17,22 +23,27 @@ from flatland_msgs.srv import (
 )
 from geometry_msgs.msg import Pose2D
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
+from visualization_msgs.msg import MarkerArray
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.ros.model_markers import preview
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.simulation_manager import SimulationManager
 
 
 class ServiceManager:
-    """Offers spawn_model, delete_model, move_model, pause, resume and toggle_pause."""
+    """Offers the services for models, for pausing and for the rate."""
 
     def __init__(self, manager: SimulationManager, transport: RosTransport) -> None:
+        self._manager = manager
         self._world = manager.world
         self._transport = transport
         self._offer("spawn_model", SpawnModel, SpawnModelResponse, self._spawn_model)
         self._offer("delete_model", DeleteModel, DeleteModelResponse, self._delete_model)
         self._offer("move_model", MoveModel, MoveModelResponse, self._move_model)
+        self._offer("change_rate", ChangeRate, ChangeRateResponse, self._change_rate)
+        rospy.Service("get_model_markers", GetModelMarkers, self._get_model_markers)
         self._offer_empty("pause", manager.pause)
         self._offer_empty("resume", manager.resume)
         self._offer_empty("toggle_pause", manager.toggle_pause)
@@ -67,6 +78,17 @@ class ServiceManager:
 
     def _move_model(self, request: MoveModelRequest) -> None:
         self._world.move_model(request.name, _to_pose(request.pose))
+
+    def _change_rate(self, request: ChangeRateRequest) -> None:
+        self._manager.change_rate(request.rate)
+
+    def _get_model_markers(self, request: GetModelMarkersRequest) -> GetModelMarkersResponse:
+        """Reads the file on the caller's thread: nothing of the world is touched."""
+        try:
+            markers = preview(self._world.read_model(Path(request.yaml_path)))
+        except FlatlandError as error:
+            return GetModelMarkersResponse(success=False, message=str(error))
+        return GetModelMarkersResponse(success=True, markers=MarkerArray(markers))
 
 
 def _to_pose(pose: Pose2D) -> Pose:

@@ -1,0 +1,245 @@
+#!/usr/bin/python3
+"""Over a real master: the plugins that move bodies, and the one that tells where they are."""
+
+import math
+import sys
+
+import plugin_case
+import rospy
+from geometry_msgs.msg import TwistStamped, Vector3
+from nav_msgs.msg import Odometry
+from plugin_case import STEP
+from readings import pose_of, seen_from, turned
+from robots import Frame, Topic
+from rostest_tools import wait_until
+from std_msgs.msg import Bool
+
+
+def pose_after(centre, angle):
+    """The pose, seen from a body as it was, when it has turned about a point of its frame [m]."""
+    x, y = turned((-centre[0], -centre[1]), angle, about=centre)
+    return x, y, angle
+
+
+class Driving:
+    """With `PluginCase`: both bodies of both robots are driven all the time."""
+
+    heard = ("cmd_vel", "second/cmd_vel")
+    command = second_command = (0.0, 0.0, 0.0)  # forwards [m/s], to the left [m/s], turn [rad/s]
+
+    @classmethod
+    def get_going(cls):
+        for robot in cls.robots:
+            cls.drive(robot.topic("cmd_vel"), *cls.command)
+            cls.drive(robot.topic("second/cmd_vel"), *cls.second_command)
+
+    def assert_moved(self, robot, name, expected):
+        """Fails if a body has moved otherwise than expected, by the time for which it moved [s]."""
+        messages = list(self.heard_of(robot, name).messages)
+        first = next(m for m in messages if m.twist.twist.linear != Vector3())
+        moved = seen_from(pose_of(first.pose.pose), pose_of(messages[-1].pose.pose))
+        elapsed = (messages[-1].header.stamp - first.header.stamp).to_sec()
+        self.assertGreater(elapsed, 1.0)
+        self.assert_pose(moved, expected(elapsed), delta=1e-3)
+
+    def assert_odometry_and_tf_agree(self, topic, frame):
+        """Fails if a body's odometry is not the transform of the same moment."""
+        for robot in self.robots:
+            odometry = self.heard_of(robot, topic).next()
+            transform = self.transform(robot, frame, odometry.header.stamp)
+            self.assert_pose(pose_of(transform), pose_of(odometry.pose.pose), delta=1e-9)
+
+
+class DiffDrive(Driving, plugin_case.PluginCase):
+    model = "diff_drive"
+    published = (
+        Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
+        Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
+        Topic("twist", TwistStamped, 200.0, "{ns}base_link"),
+        Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}second"),
+        Topic("second/truth", Odometry, 25.0, "world", "{ns}second"),
+        Topic("second/twist", TwistStamped, 25.0, "{ns}second"),
+    )
+    frames = (Frame("odom", "{ns}base_link"),)
+    command = (0.4, 0.0, 0.8)
+    second_command = (-0.3, 5.0, 0.5)  # it cannot go to the left
+
+    def test_bodies_follow_their_arcs(self):
+        for robot in self.robots:
+            self.assert_moved(
+                robot, "odometry/ground_truth", lambda t: pose_after((0.0, 0.4 / 0.8), 0.8 * t)
+            )
+            self.assert_moved(robot, "second/truth", lambda t: pose_after((0.0, -0.6), 0.5 * t))
+
+    def test_odometry_and_tf_agree(self):
+        self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
+
+    def test_twists_are_in_the_frames_they_are_asked_for_in(self):
+        for robot in self.robots:
+            for name in ("odometry/filtered", "odometry/ground_truth", "twist"):
+                twist = self.heard_of(robot, name).next().twist
+                twist = getattr(twist, "twist", twist)
+                self.assertAlmostEqual(twist.linear.x, 0.4, delta=1e-4)
+                self.assertAlmostEqual(twist.linear.y, 0.0, delta=1e-4)
+                self.assertAlmostEqual(twist.angular.z, 0.8, delta=1e-4)
+            odometry = self.heard_of(robot, "second/truth").next()
+            yaw = pose_of(odometry.pose.pose)[2]
+            twist = odometry.twist.twist
+            self.assertAlmostEqual(twist.linear.x, -0.3 * math.cos(yaw), delta=1e-4)
+            self.assertAlmostEqual(twist.linear.y, -0.3 * math.sin(yaw), delta=1e-4)
+
+
+class OmniDrive(Driving, plugin_case.PluginCase):
+    model = "omni_drive"
+    published = (
+        Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
+        Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
+        Topic("twist", TwistStamped, 200.0, "{ns}base_link"),
+        Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}second"),
+        Topic("second/truth", Odometry, 25.0, "world", "{ns}second"),
+    )
+    frames = (Frame("odom", "{ns}base_link"), Frame("second_odom", "{ns}second", 25.0))
+    command = (0.0, 0.05, 0.0)
+    second_command = (0.3, 0.2, 0.5)
+
+    def test_bodies_go_sideways_and_turn_meanwhile(self):
+        # The point of the body that stands still: v + omega x centre = 0.
+        centre = (-0.2 / 0.5, 0.3 / 0.5)
+        for robot in self.robots:
+            self.assert_moved(robot, "odometry/ground_truth", lambda t: (0.0, 0.05 * t, 0.0))
+            self.assert_moved(robot, "second/truth", lambda t: pose_after(centre, 0.5 * t))
+
+    def test_odometry_and_tf_agree(self):
+        self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
+        self.assert_odometry_and_tf_agree("second/odometry", "{ns}second")
+
+
+class TricycleDrive(Driving, plugin_case.PluginCase):
+    model = "tricycle_drive"
+    published = (
+        Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
+        Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
+        Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}base_2"),
+        Topic("second/truth", Odometry, 25.0, "world", "{ns}base_2"),
+        Topic("second/twist", TwistStamped, 25.0, "{ns}base_2"),
+    )
+    frames = (Frame("odom", "{ns}base_link"),)
+    command = (0.4, 0.0, 0.6)  # of the front wheel: its speed and its angle
+    second_command = (-0.3, 0.0, -0.3)
+
+    def test_bodies_turn_about_a_point_on_the_line_of_their_rear_axles(self):
+        def turned_by(speed, steered):
+            # The front wheel, square to the way to the centre, is L / sin(steered) from it.
+            centre = (-0.5, 0.5 / math.tan(steered))
+            return lambda t: pose_after(centre, speed * math.sin(steered) / 0.5 * t)
+
+        for robot in self.robots:
+            self.assert_moved(robot, "odometry/ground_truth", turned_by(0.4, 0.6))
+            self.assert_moved(robot, "second/truth", turned_by(-0.3, -0.3))
+
+    def test_odometry_and_tf_agree(self):
+        self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
+
+
+class ModelTfPublisher(plugin_case.PluginCase):
+    model = "model_tf_publisher"
+    frames = (
+        Frame("{ns}base", "{ns}arm"),
+        Frame("world", "{ns}mast", 25.0),
+        Frame("{ns}mast", "{ns}flag", 25.0),
+    )
+
+    def test_transforms_are_those_of_the_model(self):
+        for robot in self.robots:
+            transforms = {
+                t.child_frame_id: pose_of(t.transform)
+                for message in self.tf.messages
+                for t in message.transforms
+            }
+            self.assert_pose(transforms[robot.frame("{ns}arm")], (0.3, 0.1, 0.5))
+            mast = (*robot.at(1.0, -0.5), robot.yaw + 1.0)
+            self.assert_pose(transforms[robot.frame("{ns}mast")], mast)
+            flag = (*turned((0.2, 0.0), -1.0), -1.5)
+            self.assert_pose(transforms[robot.frame("{ns}flag")], flag)
+
+
+class Tween(plugin_case.PluginCase):
+    model = "tween"
+    heard = ("tween_trigger", "second_gate/open")
+    frames = (
+        Frame("{ns}base", "{ns}lift"),
+        Frame("{ns}base", "{ns}gate"),
+        Frame("{ns}base", "{ns}second_gate"),
+    )
+
+    def expected(self, robot, start, delta):
+        """A body's pose on the base, when it has gone by a delta of the world's frame."""
+        x, y = turned(delta[:2], -robot.yaw)
+        return start[0] + x, start[1] + y, start[2] + delta[2]
+
+    def test_a_lift_goes_to_and_fro_in_two_seconds(self):
+        last = rospy.Time(0, self.end)
+        first = last - rospy.Duration(1)
+        for robot in self.robots:
+            here, after, there = (
+                pose_of(self.transform(robot, "{ns}lift", stamp))
+                for stamp in (first, first + rospy.Duration(0, STEP), last)
+            )
+            # On a straight line, so far from one end now as from the other in half a period.
+            middle = tuple((a + b) / 2 for a, b in zip(here, there))
+            self.assert_pose(middle, self.expected(robot, (0.0, 0.5, 0.0), (0.25, 0.0, 0.0)))
+            self.assertAlmostEqual(math.dist(after[:2], here[:2]), 0.5 * 0.005, delta=1e-6)
+
+    def test_gates_open_and_close_when_told_to(self):
+        gates = [
+            (robot, *gate)
+            for robot in self.robots
+            for gate in (
+                ("tween_trigger", "{ns}gate", 1.0, lambda t: t),
+                ("second_gate/open", "{ns}second_gate", 2.0, lambda t: (t / 0.5) ** 2),
+            )
+        ]
+        closed_at = self.tf.next().transforms[0].header.stamp
+        opened_at = self.turn_gates(gates, True)
+        for robot, _, frame, x, eased in gates:
+            stamps = (
+                closed_at + rospy.Duration(0, STEP * step)
+                for step in range((opened_at - closed_at).to_nsec() // STEP + 1)
+            )
+            poses = [pose_of(self.transform(robot, frame, stamp)) for stamp in stamps]
+            # The last moment at which it was closed is that of the command.
+            closed = self.gate(robot, x, 0.0)
+            begin = next(i for i, pose in enumerate(poses) if math.dist(pose, closed) > 1e-6) - 1
+            self.assertGreaterEqual(begin, 0)
+            for step, pose in enumerate(poses[begin:]):
+                self.assert_pose(pose, self.gate(robot, x, min(eased(step * 0.005), 1.0)))
+        self.turn_gates(gates, False)
+
+    def gate(self, robot, x, part):
+        """A gate's pose on the base when it is open by a part."""
+        return self.expected(robot, (x, 0.0, 0.0), (0.0, 0.4 * part, 1.0 * part))
+
+    def turn_gates(self, gates, is_open):
+        """Commands gates; returns the moment at which all have turned."""
+        for robot, topic, *_ in gates:
+            publisher = rospy.Publisher(robot.topic(topic), Bool, queue_size=1, latch=True)
+            self.addCleanup(publisher.unregister)
+            publisher.publish(is_open)
+
+        def have_turned():
+            stamp = self.tf.next().transforms[0].header.stamp
+            poses = [
+                (pose_of(self.transform(robot, frame, stamp)), self.gate(robot, x, is_open))
+                for robot, _, frame, x, _ in gates
+            ]
+            return all(math.dist(pose, end) < 1e-6 for pose, end in poses) and stamp
+
+        return wait_until(have_turned, "the gates to turn")
+
+
+if __name__ == "__main__":
+    import rostest
+
+    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
+    rospy.init_node("drives_rostest", disable_rostime=True)
+    rostest.rosrun("flatland_plugins", "drives", "__main__", sys.argv)

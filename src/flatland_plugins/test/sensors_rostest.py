@@ -1,0 +1,229 @@
+#!/usr/bin/python3
+"""Over a real master: the plugins that measure something."""
+
+import math
+import sys
+
+import plugin_case
+import rospy
+from flatland_msgs.msg import Collisions
+from nav_msgs.msg import Odometry
+from plugin_case import WORLDS
+from readings import pose_of
+from robots import Frame, Robot, Topic
+from rostest_tools import wait_until
+from sensor_msgs.msg import Imu as ImuMessage
+from sensor_msgs.msg import LaserScan, NavSatFix
+from service_calls import delete, move, spawn
+from std_msgs.msg import Bool
+
+FACING_THE_WALL = (
+    Robot("plain", "", 4.5, 1.2, 0.0),
+    Robot("spaced", "ns", 4.5, -1.2, 0.0),
+)
+
+
+def range_in_room(x, y, angle):
+    """Distance from a point within |x| <= 5, |y| <= 3 to the walls."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return min(
+        (math.copysign(5.0, cos) - x) / cos,
+        (math.copysign(3.0, sin) - y) / sin,
+    )
+
+
+class Bumper(plugin_case.PluginCase):
+    model = "bumper"
+    published = (
+        Topic("collisions", Collisions, 200.0, "map"),
+        Topic("slow/collisions", Collisions, 25.0, "world"),
+    )
+    heard = ("cmd_vel",)
+    robots = FACING_THE_WALL
+
+    def test_a_robot_is_told_of_the_wall_that_it_presses_against(self):
+        recorders = {
+            name: (robot, self.heard_of(robot, name))
+            for robot in self.robots
+            for name in ("collisions", "slow/collisions")
+        }
+        for _, recorder in recorders.values():
+            self.assertEqual(recorder.next().collisions, [])
+        for robot in self.robots:
+            self.drive(robot.topic("cmd_vel"), x=0.3)
+        for robot, recorder in recorders.values():
+            recorder.next(5, holds=lambda m: m.collisions)  # after the impact
+            (collision,) = recorder.next().collisions
+            told = (collision.entity_A, collision.body_A, collision.entity_B, collision.body_B)
+            self.assertEqual(told[:3], (robot.name, "base", "room"))
+            (position,) = collision.contact_positions
+            self.assertAlmostEqual(position.x, 5.0, delta=0.02)
+            self.assertAlmostEqual(position.y, robot.y, delta=1e-3)
+            (normal,) = collision.contact_normals
+            self.assertAlmostEqual(normal.x, 1.0, delta=1e-4)
+            self.assertAlmostEqual(normal.y, 0.0, delta=1e-4)
+            # At each step the wall takes the momentum that the drive gave: m v / dt.
+            force = 10.0 * math.pi * 0.2**2 * 0.3 / 0.005
+            self.assertAlmostEqual(collision.magnitude_forces[0], force, delta=0.02 * force)
+
+        for robot in self.robots:
+            self.drive(robot.topic("cmd_vel"), x=-0.3)
+        for _, recorder in recorders.values():
+            wait_until(lambda r=recorder: not r.next().collisions, "the robot to be free")
+
+
+class BoolSensor(plugin_case.PluginCase):
+    model = "bool_sensor"
+    published = (Topic("bool_sensor", Bool), Topic("pad/pressed", Bool, 20.0))
+
+    def test_each_sensor_tells_of_what_is_on_it_alone(self):
+        answer = spawn(WORLDS / "visitor.model.yaml", "visitor", "", 3.0, 2.5)
+        self.assertTrue(answer.success, answer.message)
+        self.addCleanup(delete, "visitor")
+        places = {
+            robot.topic(name): robot.at(x, 0.0)
+            for robot in self.robots
+            for name, x in (("bool_sensor", 0.0), ("pad/pressed", 1.0))
+        }
+        for pressed, place in [("none", (3.0, 2.5)), *places.items(), ("none", (3.0, 2.5))]:
+            self.assertTrue(move("visitor", *place).success)
+            expected = {topic: topic == pressed for topic in places}
+            wait_until(
+                lambda e=expected: e == {t: self.recorders[t].next().data for t in places},
+                f"{pressed} to be pressed",
+            )
+
+
+class Gps(plugin_case.PluginCase):
+    model = "gps"
+    published = (
+        Topic("gps/fix", NavSatFix, 10.0, "{ns}receiver"),
+        Topic("second/fix", NavSatFix, 25.0, "{ns}antenna"),
+    )
+    frames = (
+        Frame("{ns}base", "{ns}receiver", 10.0),
+        Frame("{ns}base", "{ns}antenna", 25.0),
+    )
+
+    def test_fixes_are_so_far_from_the_reference_as_the_robot_from_the_origin(self):
+        for robot in self.robots:
+            for name, latitude, longitude, antenna in (
+                ("gps/fix", 0.0, 0.0, (0.0, 0.0)),
+                ("second/fix", 52.5, 13.4, (0.5, 0.1)),
+            ):
+                fix = self.heard_of(robot, name).next()
+                east, north = robot.at(*antenna)
+                # Radii of curvature of WGS 84, along the meridian and across; a few metres away,
+                # what this leaves out is less than 1e-11 degrees.
+                e2 = 0.00669437999014
+                sin = math.sin(math.radians(latitude))
+                across = 6378137.0 / math.sqrt(1 - e2 * sin**2)
+                along = across * (1 - e2) / (1 - e2 * sin**2)
+                expected = latitude + math.degrees(north / along)
+                self.assertAlmostEqual(fix.latitude, expected, delta=1e-11)
+                cos = math.cos(math.radians(latitude))
+                expected = longitude + math.degrees(east / (across * cos))
+                self.assertAlmostEqual(fix.longitude, expected, delta=1e-11)
+                self.assertAlmostEqual(fix.altitude, 0.0, delta=1e-5)
+
+    def test_antennas_are_where_they_are_mounted(self):
+        for robot in self.robots:
+            for name, frame, origin in (
+                ("gps/fix", "{ns}receiver", (0.0, 0.0, 0.0)),
+                ("second/fix", "{ns}antenna", (0.5, 0.1, 0.0)),
+            ):
+                stamp = self.heard_of(robot, name).next().header.stamp
+                self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)
+
+
+class Imu(plugin_case.PluginCase):
+    model = "imu"
+    published = (
+        Topic("odometry/filtered", Odometry),
+        Topic("odometry/ground_truth", Odometry),
+        Topic("imu/filtered", ImuMessage, 200.0, "{ns}imu"),
+        Topic("imu/ground_truth", ImuMessage, 200.0, "{ns}imu"),
+        Topic("second/imu", ImuMessage, 25.0, "{ns}second_imu"),
+        Topic("second/truth", ImuMessage, 25.0, "{ns}second_imu"),
+    )
+    heard = ("cmd_vel",)
+    frames = (
+        Frame("{ns}base", "{ns}imu"),
+        Frame("{ns}base", "{ns}second_imu", 25.0),
+    )
+
+    @classmethod
+    def get_going(cls):
+        for robot in cls.robots:
+            cls.drive(robot.topic("cmd_vel"), x=0.6, turn=1.2)
+
+    def test_on_a_circle_the_acceleration_is_inwards(self):
+        for robot in self.robots:
+            for name in ("imu/filtered", "imu/ground_truth", "second/truth"):
+                imu = self.heard_of(robot, name).next(3)
+                self.assertAlmostEqual(imu.angular_velocity.z, 1.2, delta=1e-4)
+                acceleration = imu.linear_acceleration
+                self.assertAlmostEqual(acceleration.x, 0.0, delta=2e-3)
+                self.assertAlmostEqual(acceleration.y, 0.6**2 / 0.5, delta=2e-3)  # v^2 / r
+                self.assertAlmostEqual(acceleration.z, 9.80665, delta=1e-9)
+
+    def test_the_orientation_is_the_body_s(self):
+        for robot in self.robots:
+            imu = self.heard_of(robot, "second/truth").next()
+            odometry = self.heard_of(robot, "odometry/ground_truth")
+            stamp = imu.header.stamp
+            wait_until(lambda o=odometry, s=stamp: o.messages[-1].header.stamp >= s, "odometry")
+            pose = next(m.pose.pose for m in odometry.messages if m.header.stamp == stamp)
+            self.assertAlmostEqual(imu.orientation.z, pose.orientation.z, delta=1e-6)
+            self.assertAlmostEqual(imu.orientation.w, pose.orientation.w, delta=1e-6)
+
+    def test_noise_is_in_what_is_measured_alone(self):
+        for robot in self.robots:
+            measured = self.heard_of(robot, "second/imu")
+            measured.next(2)
+            turns = [m.angular_velocity.z for m in measured.messages[-20:]]
+            self.assertGreater(max(turns) - min(turns), 0.005)  # half a standard deviation
+            self.assertEqual(measured.messages[-1].angular_velocity_covariance[8], 0.0001)
+
+
+class Laser(plugin_case.PluginCase):
+    model = "laser"
+    published = (
+        Topic("scan", LaserScan, 200.0, "{ns}laser"),
+        Topic("rear/scan", LaserScan, 25.0, "{ns}rear_link"),
+    )
+    frames = (
+        Frame("{ns}base", "{ns}laser"),
+        Frame("{ns}base", "{ns}rear_link", 25.0),
+    )
+
+    def test_ranges_are_those_of_the_room(self):
+        for robot in self.robots:
+            for name, origin, angle, range_max in (
+                ("scan", (0.0, 0.0), 0.0, 20.0),
+                ("rear/scan", (-0.1, 0.0), math.pi, 15.0),
+            ):
+                scan = self.heard_of(robot, name).next()
+                self.assertEqual((scan.range_min, scan.range_max), (0.0, range_max))
+                self.assertEqual(len(scan.ranges), 3)
+                for beam, distance in enumerate(scan.ranges):
+                    heading = robot.yaw + angle + (beam - 1) * math.pi / 2
+                    expected = range_in_room(*robot.at(*origin), heading)
+                    self.assertAlmostEqual(distance, expected, delta=1e-4)
+
+    def test_lasers_are_where_they_are_mounted(self):
+        for robot in self.robots:
+            for name, frame, origin in (
+                ("scan", "{ns}laser", (0.0, 0.0, 0.0)),
+                ("rear/scan", "{ns}rear_link", (-0.1, 0.0, math.pi)),
+            ):
+                stamp = self.heard_of(robot, name).next().header.stamp
+                self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)
+
+
+if __name__ == "__main__":
+    import rostest
+
+    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
+    rospy.init_node("sensors_rostest", disable_rostime=True)
+    rostest.rosrun("flatland_plugins", "sensors", "__main__", sys.argv)

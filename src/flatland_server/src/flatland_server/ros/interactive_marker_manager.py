@@ -1,0 +1,193 @@
+"""Interactive markers: models that are dragged, turned and deleted by mouse, in rviz."""
+
+import math
+import time
+from typing import Dict, Tuple
+
+import rospy
+from interactive_markers.interactive_marker_server import InteractiveMarkerServer
+from visualization_msgs.msg import (
+    InteractiveMarker,
+    InteractiveMarkerControl,
+    InteractiveMarkerFeedback,
+    Marker,
+    MenuEntry,
+)
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+from flatland_server.model import Model
+from flatland_server.ros.model_markers import preview, put_at
+from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.simulation_manager import SimulationManager
+
+_DELETE = 1
+_DRAG_TIMEOUT = 3.0
+"""Real seconds without a word from whoever drags: rviz sends one every quarter of a second."""
+
+
+class InteractiveMarkerManager:
+    """Offers an interactive marker for each model at `interactive_model_markers`.
+
+    While a model is dragged the simulation is paused, and it goes on afterwards if it ran before.
+
+    Args:
+        manager: what is paused, and whose world's models are shown.
+        transport: brings what the mouse does to the simulation's thread.
+        rate: how often markers follow their models [Hz of real time], while somebody looks.
+        frame_id: of the world.
+    """
+
+    def __init__(
+        self, manager: SimulationManager, transport: RosTransport, rate: float, frame_id: str
+    ) -> None:
+        self._manager = manager
+        self._world = manager.world
+        self._transport = transport
+        self._period = 1.0 / rate
+        self._next = 0.0
+        self._frame_id = frame_id
+        self._server = InteractiveMarkerServer("interactive_model_markers")
+        self._shown: Dict[str, Tuple[Model, Pose]] = {}
+        self._drags: Dict[str, float] = {}  # by model, when the mouse was last heard of
+        self._resumes = False
+
+    def update(self) -> None:
+        """Follows the models if it is time to; to be called often."""
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = max(self._next + self._period, now)
+        for name in [name for name, heard in self._drags.items() if heard < now - _DRAG_TIMEOUT]:
+            self._end_drag(name)
+        has_changed = self._follow_models()
+        if self._server.update_pub.get_num_connections() > 0:
+            has_changed |= self._follow_poses()
+        if has_changed:
+            self._server.applyChanges()
+
+    def _follow_models(self) -> bool:
+        models = self._world.models
+        gone = [name for name, (model, _) in self._shown.items() if models.get(name) is not model]
+        for name in gone:
+            del self._shown[name]
+            self._server.erase(name)
+            if name in self._drags:
+                self._end_drag(name)
+        new = [model for name, model in models.items() if name not in self._shown]
+        for model in new:
+            self._shown[model.name] = (model, model.pose)
+            self._server.insert(
+                _interactive_marker(model, self._frame_id),
+                lambda feedback: self._transport.post(lambda: self._on_feedback(feedback)),
+            )
+        return bool(gone or new)
+
+    def _follow_poses(self) -> bool:
+        has_moved = False
+        for name, (model, shown_at) in self._shown.items():
+            pose = model.pose
+            if pose != shown_at:
+                self._shown[name] = (model, pose)
+                marker_pose = _pose_message(pose)
+                has_moved |= self._server.setPose(name, marker_pose)
+        return has_moved
+
+    def _on_feedback(self, feedback: InteractiveMarkerFeedback) -> None:
+        name, event = feedback.marker_name, feedback.event_type
+        if name not in self._world.models:
+            return
+        if event == InteractiveMarkerFeedback.MENU_SELECT:
+            if feedback.menu_entry_id == _DELETE:
+                self._world.delete_model(name)
+            return
+        if event == InteractiveMarkerFeedback.MOUSE_DOWN:
+            self._begin_drag(name)
+        elif event == InteractiveMarkerFeedback.MOUSE_UP:
+            self._move(name, feedback)
+            self._end_drag(name)
+        elif event == InteractiveMarkerFeedback.POSE_UPDATE:
+            self._begin_drag(name)
+            self._move(name, feedback)
+        elif name in self._drags:
+            self._drags[name] = time.monotonic()
+
+    def _move(self, name: str, feedback: InteractiveMarkerFeedback) -> None:
+        position, turn = feedback.pose.position, feedback.pose.orientation
+        yaw = math.atan2(
+            2.0 * (turn.w * turn.z + turn.x * turn.y),
+            1.0 - 2.0 * (turn.y * turn.y + turn.z * turn.z),
+        )
+        pose = Pose(position.x, position.y, yaw)
+        try:
+            self._world.move_model(name, pose)
+        except FlatlandError:
+            return  # beyond where anything can be: it stays where it was
+
+    def _begin_drag(self, name: str) -> None:
+        if not self._drags:
+            self._resumes = not self._manager.is_paused
+            self._manager.pause()
+        self._drags[name] = time.monotonic()
+
+    def _end_drag(self, name: str) -> None:
+        if self._drags.pop(name, None) is None:
+            return
+        context = self._server.marker_contexts.get(name)
+        if context is not None:
+            # For a second of simulated time nobody else could drag it: for ever, in a pause.
+            context.last_feedback = rospy.Time()
+        if not self._drags and self._resumes:
+            self._manager.resume()
+
+
+def _pose_message(pose: Pose) -> object:
+    message = InteractiveMarker().pose
+    put_at(message, pose)
+    return message
+
+
+def _interactive_marker(model: Model, frame_id: str) -> InteractiveMarker:
+    """A handle on a model: its footprints to drag it by, and a ring to turn it by."""
+    marker = InteractiveMarker(name=model.name, pose=_pose_message(model.pose))
+    marker.header.frame_id = frame_id  # without a stamp: feedback comes in this frame
+    marker.menu_entries = [MenuEntry(id=_DELETE, title=f"Delete {model.name}")]
+    shapes = [shape for shape in preview(model.config) if shape.type == Marker.TRIANGLE_LIST]
+    for shape in shapes:
+        shape.color.a = 0.01  # the model itself is shown by others; this is to be hit by the mouse
+    marker.scale = 2.5 * max(0.2, _radius(model))
+    drag = InteractiveMarkerControl(
+        name="drag",
+        interaction_mode=InteractiveMarkerControl.MOVE_PLANE,
+        always_visible=True,
+        markers=shapes or [_disc(marker.scale / 2.5)],
+    )
+    turn = InteractiveMarkerControl(
+        name="turn", interaction_mode=InteractiveMarkerControl.MOVE_ROTATE
+    )
+    for control in (drag, turn):  # their axis, x, points up
+        control.orientation.w = control.orientation.y = math.sqrt(0.5)
+    marker.controls = [drag, turn]
+    return marker
+
+
+def _disc(radius: float) -> Marker:
+    marker = Marker(type=Marker.CYLINDER)
+    marker.pose.orientation.w = 1.0
+    marker.scale.x = marker.scale.y = 2.0 * radius
+    marker.scale.z = 0.01
+    marker.color.a = 0.01
+    return marker
+
+
+def _radius(model: Model) -> float:
+    """How far the model's footprints reach from its origin [m]."""
+    return max(
+        (
+            math.hypot(*body.pose.compose(Pose(x, y))[:2])
+            for body in model.config.bodies
+            for footprint in body.footprints
+            for x, y in footprint.shape.outline()
+        ),
+        default=0.0,
+    )

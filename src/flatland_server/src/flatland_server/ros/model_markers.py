@@ -1,0 +1,115 @@
+"""A model as rviz markers: its footprints, filled and outlined, and its joints."""
+
+from typing import List, Sequence, Tuple
+
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from flatland_server.footprint import Circle
+from flatland_server.geometry import Pose, quaternion
+from flatland_server.joint import JointConfig
+from flatland_server.model import Model, ModelConfig
+from flatland_server.model_body import BodyConfig
+
+_OUTLINE_WIDTH = 0.01  # m
+_JOINT_WIDTH = 0.02  # m
+_FILL_Z = 0.01  # above the map image that a navigation stack shows at z = 0
+_OUTLINE_Z = 0.02
+_JOINT_Z = 0.03
+
+Corners = Sequence[Tuple[float, float]]
+
+
+class ModelMarkers:
+    """The markers of a model in the world.
+
+    Args:
+        model: the model.
+        frame_id: of the world.
+    """
+
+    def __init__(self, model: Model, frame_id: str) -> None:
+        self.markers: List[Marker] = []
+        self._placed = []
+        for body in model.bodies.values():
+            markers = body_markers(body.config, f"{model.name}/{body.name}")
+            self._placed += [(marker, body) for marker in markers]
+            self.markers += markers
+        for joint in model.joints:
+            # In the frame of the first body, on which a hinge stays where it is.
+            anchored = model.bodies[joint.config.bodies[0]]
+            marker = joint_marker(joint.config, f"{model.name}/{joint.name}")
+            self._placed.append((marker, anchored))
+            self.markers.append(marker)
+        for marker in self.markers:
+            marker.header.frame_id = frame_id
+
+    def place(self) -> List[Marker]:
+        """The markers where the bodies are now; the same ones at each call."""
+        for marker, body in self._placed:
+            put_at(marker.pose, body.pose)
+        return self.markers
+
+
+def preview(config: ModelConfig) -> List[Marker]:
+    """The markers of a model that is not in the world, about its origin, without a frame."""
+    poses = {body.name: body.pose for body in config.bodies}
+    markers: List[Marker] = []
+    for body in config.bodies:
+        for marker in body_markers(body, body.name):
+            put_at(marker.pose, body.pose)
+            markers.append(marker)
+    for joint in config.joints:
+        marker = joint_marker(joint, joint.name)
+        put_at(marker.pose, poses[joint.bodies[0]])
+        markers.append(marker)
+    return markers
+
+
+def put_at(pose_message: object, pose: Pose) -> None:
+    """Writes a pose into a geometry_msgs/Pose."""
+    position, turn = pose_message.position, pose_message.orientation
+    position.x, position.y = pose.x, pose.y
+    turn.x, turn.y, turn.z, turn.w = quaternion(pose.yaw)
+
+
+def body_markers(config: BodyConfig, namespace: str) -> List[Marker]:
+    """Markers in the body's own frame: footprints filled and outlined, sensors outlined only."""
+    fill = _marker(namespace, 0, Marker.TRIANGLE_LIST, config.color)
+    fill.scale.x = fill.scale.y = fill.scale.z = 1.0
+    red, green, blue, alpha = config.color
+    dark = (0.4 * red, 0.4 * green, 0.4 * blue, max(alpha, 0.8))
+    outline = _marker(namespace, 1, Marker.LINE_LIST, dark)
+    outline.scale.x = _OUTLINE_WIDTH
+    for footprint in config.footprints:
+        corners = footprint.shape.outline()
+        if not footprint.sensor:
+            for i in range(1, len(corners) - 1):
+                fill.points += _points((corners[0], corners[i], corners[i + 1]), _FILL_Z)
+        for i, corner in enumerate(corners):
+            outline.points += _points((corner, corners[i - 1]), _OUTLINE_Z)
+        if isinstance(footprint.shape, Circle):
+            x, y = footprint.shape.center
+            outline.points += _points(((x, y), (x + footprint.shape.radius, y)), _OUTLINE_Z)
+    return [marker for marker in (fill, outline) if marker.points]
+
+
+def joint_marker(config: JointConfig, namespace: str) -> Marker:
+    """A cross at a joint's anchor, in the frame of its first body."""
+    marker = _marker(namespace, 0, Marker.LINE_LIST, config.color)
+    marker.scale.x = _JOINT_WIDTH
+    x, y = config.anchors[0]
+    arm = 2.5 * _JOINT_WIDTH
+    marker.points = _points(((x - arm, y), (x + arm, y), (x, y - arm), (x, y + arm)), _JOINT_Z)
+    return marker
+
+
+def _marker(namespace: str, id: int, type: int, color: Sequence[float]) -> Marker:
+    marker = Marker(ns=namespace, id=id, type=type, action=Marker.ADD, color=ColorRGBA(*color))
+    marker.pose.orientation.w = 1.0
+    return marker
+
+
+def _points(corners: Corners, z: float) -> List[Point]:
+    return [Point(x, y, z) for x, y in corners]

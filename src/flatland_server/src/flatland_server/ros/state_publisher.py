@@ -1,0 +1,34 @@
+"""~state: whether and how fast the simulation goes, for windows on it."""
+
+import time
+
+import rospy
+from flatland_msgs.msg import SimulationState
+
+from flatland_server.simulation_manager import SimulationManager
+
+_PERIOD = 0.2
+"""Seconds of real time between two messages; a change of what is asked for is told at once."""
+
+
+class StatePublisher:
+    """Publishes flatland_msgs/SimulationState, latched."""
+
+    def __init__(self, manager: SimulationManager) -> None:
+        self._manager = manager
+        self._publisher = rospy.Publisher("~state", SimulationState, queue_size=1, latch=True)
+        self._due = 0.0
+        self._told = (False, 0.0)
+
+    def update(self) -> None:
+        """Publishes if it is time to; to be called often."""
+        manager = self._manager
+        asked = (manager.is_paused, manager.rate)
+        now = time.monotonic()
+        if now < self._due and asked == self._told:
+            return
+        self._due = now + _PERIOD
+        self._told = asked
+        stamp = rospy.Time(*divmod(manager.timekeeper.nanoseconds, 1_000_000_000))
+        paused, rate = asked
+        self._publisher.publish(SimulationState(stamp, paused, rate, manager.real_time_factor))

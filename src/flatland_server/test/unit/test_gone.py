@@ -1,0 +1,400 @@
+"""Handles that are kept too long: they raise a clear error, and nothing keeps a dropped world."""
+
+import gc
+import logging
+import weakref
+from typing import Any, Iterator, List
+
+import numpy as np
+import pytest
+
+from flatland_server import _core
+from flatland_server.exceptions import ModelError
+from flatland_server.geometry import Pose
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.world import World
+from flatland_server.world_plugin import WorldPlugin
+
+ROBOT = """
+bodies:
+  - {name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}
+  - {name: wheel, footprints: [{type: circle, radius: 0.05, density: 1, layers: []}]}
+joints:
+  - type: revolute
+    name: steering
+    bodies: [{name: base, anchor: [0.1, 0]}, {name: wheel, anchor: [0, 0]}]
+plugins: [{type: Keeper, name: keeper}, {type: Failing, name: failing}]
+"""
+WORLD = """
+properties: {}
+layers: [{name: walls}]
+plugins: [{type: WorldKeeper, name: keeper}]
+models: [{name: robot, model: robot.yaml}]
+"""
+
+kept: List[Any] = []
+"""What plugins have kept: contacts, and what came with them."""
+
+
+class Keeper(ModelPlugin):
+    """Keeps all that it is told of contacts."""
+
+    def on_initialize(self, config):
+        pass
+
+    def begin_contact(self, contact):
+        kept.append((self, contact))
+
+    def pre_solve(self, contact, old_manifold):
+        kept.append((self, contact, old_manifold))
+
+    def post_solve(self, contact, impulse):
+        kept.append((self, contact, impulse))
+
+
+class WorldKeeper(WorldPlugin):
+    def on_initialize(self, config):
+        self.node.subscribe("command", str, self._on_command)
+
+    def begin_contact(self, contact):
+        self.contact = contact
+
+    def _on_command(self, _):
+        pass
+
+
+class Failing(ModelPlugin):
+    def on_initialize(self, config):
+        pass
+
+    def begin_contact(self, contact):
+        raise RuntimeError("no luck")
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> Iterator[None]:
+    yield
+    kept.clear()
+
+
+@pytest.fixture(scope="module")
+def loader() -> PluginLoader:
+    """The plugins of this file."""
+    return PluginLoader(
+        PluginDeclaration(c.__name__, "test", f"{__name__}.{c.__name__}")
+        for c in (Keeper, WorldKeeper, Failing)
+    )
+
+
+def lean_on_wall(files, robot: str) -> World:
+    """A world where a robot leans against a wall."""
+    files.write("robot.yaml", robot)
+    world = files.load(WORLD)
+    world.add_walls("walls", np.array([[0.09, -5.0, 0.09, 5.0]]))
+    return world
+
+
+@pytest.fixture
+def world(files) -> World:
+    return lean_on_wall(files, ROBOT)
+
+
+def use(handle: Any, name: str, *arguments: Any) -> Any:
+    """Reads or calls an attribute of a handle."""
+    value = getattr(handle, name)
+    return value(*arguments) if callable(value) else value
+
+
+CALLS = {
+    "body": {
+        "remove": (),
+        "halt": (),
+        "fixtures": (),
+        "pose": (),
+        "velocity": (),
+        "local_velocity": (),
+        "velocity_at": ((0, 0),),
+        "apply_force": ((0, 0),),
+        "apply_torque": (0,),
+        "apply_linear_impulse": ((0, 0),),
+        "apply_angular_impulse": (0,),
+        "world_point": ((0, 0),),
+        "local_point": ((0, 0),),
+        "world_vector": ((0, 0),),
+        "local_vector": ((0, 0),),
+        "type": (),
+        "mass": (),
+        "inertia": (),
+        "center": (),
+        "awake": (),
+        "listen_to_contacts": (1,),
+        "add_drive": (),
+        "add_tween": ((1, 0, 0), 1),
+    },
+    "fixture": {
+        "density": (),
+        "friction": (),
+        "restitution": (),
+        "sensor": (),
+        "collides": (),
+        "visible": (),
+        "layers": (),
+        "test_point": ((0, 0),),
+    },
+    "joint": {"angle": ()},
+    "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},
+    "tricycle": {"command": (0, 0), "speed": (), "steer_angle": ()},
+    "tween": {"trigger": (True,), "progress": ()},
+}
+"""What is done with handles, and with which arguments."""
+
+ELSEWHERE = {
+    "body": {
+        *("id", "alive"),  # may be asked of what is gone
+        *("add_circle", "add_polygon", "add_revolute", "add_weld", "add_tricycle"),
+    },
+    "fixture": {"body", "index"},
+    "joint": {"alive"},
+}
+"""What has a test of its own."""
+
+
+def handles_of(world) -> dict:
+    """A handle of each kind, to the bodies of the robot and what moves them."""
+    robot = world.get_model("robot")
+    base, wheel = (body.physics_body for body in robot.bodies.values())
+    joint = robot.joints[0].physics_joint
+    return {
+        "body": base,
+        "fixture": base.fixtures[0],
+        "joint": joint,
+        "drive": base.add_drive(),
+        "tricycle": base.add_tricycle(joint, (-0.5, 0)),
+        "tween": wheel.add_tween((1, 0, 0), 1.0),
+    }
+
+
+@pytest.mark.parametrize("kind", CALLS)
+def test_every_use_of_a_handle_is_tried_here(world, kind):
+    public = {name for name in dir(handles_of(world)[kind]) if not name.startswith("_")}
+
+    assert public == {*CALLS[kind], *ELSEWHERE.get(kind, ())}
+
+
+@pytest.mark.parametrize("is_slot_taken_again", [False, True])
+@pytest.mark.parametrize("kind", CALLS)
+def test_a_handle_of_a_deleted_model_says_that_it_is_gone(files, world, kind, is_slot_taken_again):
+    handle = handles_of(world)[kind]
+    for name, arguments in CALLS[kind].items():
+        if name != "remove":
+            use(handle, name, *arguments)
+
+    world.delete_model("robot")
+    if is_slot_taken_again:
+        world.spawn_model(files.folder / "robot.yaml", "robot", "", Pose())
+        handles_of(world)
+
+    answers = {}
+    for name, arguments in CALLS[kind].items():
+        try:
+            answers[name] = use(handle, name, *arguments)
+        except _core.GoneError as error:
+            answers[name] = str(error)
+    noun = {"fixture": "body", "tricycle": "drive"}.get(kind, kind)
+    assert answers == dict.fromkeys(CALLS[kind], f"this {noun} has been deleted")
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "value"),
+    [
+        ("body", "pose", (0, 0, 0)),
+        ("body", "velocity", (0, 0, 0)),
+        ("fixture", "friction", 0),
+        ("fixture", "restitution", 0),
+    ],
+)
+def test_nothing_is_set_of_what_is_gone(world, kind, name, value):
+    handle = handles_of(world)[kind]
+    setattr(handle, name, value)
+    world.delete_model("robot")
+
+    with pytest.raises(_core.GoneError, match="this body has been deleted"):
+        setattr(handle, name, value)
+
+
+def test_nothing_is_attached_to_a_body_that_is_gone(files, world):
+    old = handles_of(world)
+    world.delete_model("robot")
+    robot = world.spawn_model(files.folder / "robot.yaml", "robot", "", Pose())
+    gone, there, joint = old["body"], robot.base.physics_body, robot.joints[0].physics_joint
+    before = world.physics.joint_count
+
+    for attach in (
+        lambda: gone.add_circle((0, 0), 1.0, density=1.0),
+        lambda: gone.add_polygon([(0, 0), (1, 0), (0, 1)], density=1.0),
+        lambda: gone.add_revolute(there, (0, 0), (0, 0)),
+        lambda: there.add_revolute(gone, (0, 0), (0, 0)),
+        lambda: gone.add_weld(there, (0, 0), (0, 0)),
+        lambda: there.add_weld(gone, (0, 0), (0, 0)),
+        lambda: gone.add_tricycle(joint, (-0.5, 0)),
+        lambda: there.add_tricycle(old["joint"], (-0.5, 0)),
+    ):
+        with pytest.raises(_core.GoneError, match="has been deleted"):
+            attach()
+
+    assert world.physics.joint_count == before
+
+
+def test_handles_know_their_like_when_what_they_name_is_gone(files, world):
+    old = handles_of(world)
+    body, fixture, same = old["body"], old["fixture"], world.get_model("robot").base.physics_body
+    world.delete_model("robot")
+    robot = world.spawn_model(files.folder / "robot.yaml", "robot", "", Pose())
+    new = robot.base.physics_body
+
+    assert not body.alive
+    assert (body == same, hash(body) == hash(same), fixture.body == body) == (True, True, True)
+    assert body not in {new, *robot.physics_bodies}
+    assert fixture not in set(new.fixtures)
+    assert body.id != new.id
+
+
+SETTINGS = ("friction", "restitution", "tangent_speed")
+READS = ("touching", "enabled", "points", "normal", *SETTINGS)
+
+
+@pytest.mark.parametrize("is_model_deleted", [False, True])
+def test_a_contact_is_of_no_use_after_its_hook(world, simulate, is_model_deleted):
+    simulate(world).run(0.1)
+    contact = kept[0][1]
+    if is_model_deleted:
+        world.delete_model("robot")
+    public = {name for name in dir(contact) if not name.startswith("_")}
+
+    message = "a contact can be used only in the hook that it was given to"
+    for name in READS:
+        with pytest.raises(_core.GoneError, match=message):
+            getattr(contact, name)
+    for name in SETTINGS:
+        with pytest.raises(_core.GoneError, match=message):
+            setattr(contact, name, 1.0)
+    with pytest.raises(_core.GoneError, match=message):
+        contact.set_enabled(False)
+    assert public == {*READS, "set_enabled", "fixture_a", "fixture_b"}
+
+
+def test_a_kept_contact_can_still_be_compared_and_names_its_fixtures(world, simulate):
+    simulate(world).run(0.1)
+
+    contacts = [contact for _, contact, *_ in kept]
+    robot, wall = world.get_model("robot"), world.layers[0]
+    assert len(contacts) > 10
+    assert set(contacts) == {contacts[0]}
+    touching = {contacts[0].fixture_a.body, contacts[0].fixture_b.body}
+    assert touching == {robot.base.physics_body, *wall.physics_bodies}
+
+
+def test_impulses_and_manifolds_may_be_kept(world, simulate):
+    simulate(world).run(0.1)
+    details = [detail for _, _, *rest in kept for detail in rest]
+
+    world.delete_model("robot")
+
+    assert {type(detail) for detail in details} == {_core.Manifold, _core.ContactImpulse}
+    assert all(len(detail.normal_impulses) in (0, 1) for detail in details)
+
+
+def test_the_sides_of_a_kept_contact_are_asked_for_in_vain_when_one_is_deleted(world, simulate):
+    simulate(world).run(0.1)
+    keeper, contact, *_ = kept[0]
+    assert keeper.filter_contact(contact).entity is world.layers[0]
+
+    world.delete_model("robot")
+
+    with pytest.raises(_core.GoneError, match="has been deleted"):
+        keeper.filter_contact(contact)
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        pytest.param(lambda model, _: model.base, id="base"),
+        pytest.param(lambda model, _: model.pose, id="pose"),
+        pytest.param(lambda model, _: model.move(Pose()), id="move"),
+        pytest.param(lambda model, _: model.get_body("base"), id="get_body"),
+        pytest.param(lambda model, _: model.get_joint("steering"), id="get_joint"),
+        pytest.param(lambda model, fixture: model.body_name(fixture), id="body_name"),
+    ],
+)
+def test_a_deleted_model_says_so(world, ask):
+    robot = world.get_model("robot")
+    fixture = robot.base.physics_body.fixtures[0]
+    ask(robot, fixture)
+
+    world.delete_model("robot")
+
+    with pytest.raises(ModelError) as caught:
+        ask(robot, fixture)
+    assert str(caught.value) == 'the model "robot" has been deleted'
+
+
+def test_a_kept_body_of_a_deleted_model_says_so(world):
+    base = world.get_model("robot").base
+
+    world.delete_model("robot")
+
+    assert base.name == "base"
+    with pytest.raises(_core.GoneError, match="this body has been deleted"):
+        _ = base.pose
+
+
+def test_a_body_and_a_contact_outlive_their_world(files, simulate, world):
+    simulate(world).run(0.1)
+    body, contact = world.get_model("robot").base.physics_body, kept[0][1]
+    kept.clear()
+
+    world.close()
+    del world
+    gc.collect()
+
+    assert body.mass > 0.0
+    with pytest.raises(_core.GoneError):
+        _ = contact.points
+
+
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_a_dropped_world_is_collected(files, simulate, caplog, is_closed):
+    # What pytest keeps of a log record has a traceback, and so the whole world.
+    caplog.set_level(logging.CRITICAL, "flatland_server.plugin_manager")
+    world = lean_on_wall(files, ROBOT)
+    simulate(world).run(0.1)
+    assert len(world.plugin_failures) == 1
+    if is_closed:
+        world.close()
+    traces = [weakref.ref(world), weakref.ref(world.physics)]
+    traces += [weakref.ref(plugin) for plugin, *_ in kept]
+    kept.clear()
+
+    del world
+    gc.collect()
+
+    assert [trace() for trace in traces if trace() is not None] == []
+
+
+def test_a_world_whose_step_was_interrupted_is_collected(files, simulate):
+    world = lean_on_wall(files, ROBOT.replace("Failing", "Keeper"))
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    world.physics.set_contact_listener(interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        simulate(world).run(0.1)
+    world.close()
+    trace = weakref.ref(world.physics)
+
+    del world
+    gc.collect()
+
+    assert trace() is None
