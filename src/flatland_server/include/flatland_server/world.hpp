@@ -176,8 +176,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   Vec2 GetCenter(Body body) const;
   bool IsAwake(Body body) const { return Find(body).IsAwake(); }
 
-  // For the coming step [N], [N m]; at once [N s], [N m s]. At the centre of mass, or at a point of
-  // the world. They wake the body up.
+  // For the coming step [N], [N m], of a contact listener for the next one; at once [N s], [N m s].
+  // At the centre of mass, or at a point of the world. They wake the body up.
   void ApplyForce(Body body, Vec2 force, std::optional<Vec2> point = std::nullopt);
   void ApplyTorque(Body body, double torque);
   void ApplyLinearImpulse(Body body, Vec2 impulse, std::optional<Vec2> point = std::nullopt);
@@ -186,6 +186,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Who hears of contacts, or null. It is the caller's, and must live as long as the world or
   /// until another is set.
   void SetContactListener(ContactListener* listener);
+  ContactListener* contact_listener() const { return listener_; }
   /// At which moments the listener hears of the contacts of a body, be it a layer's: a contact is
   /// told of if either side is listened to. Nothing else costs anything.
   void ListenTo(Body body, uint8_t hooks);
@@ -208,6 +209,14 @@ class World : private b2DestructionListener, private b2ContactListener {
     LayerBits bits;
   };
 
+  /// What a contact listener asked for: Box2D has spent this step's forces by then, and drops more.
+  struct LateForce {
+    Body body;
+    Vec2 force;
+    std::optional<Vec2> point;
+    double torque;
+  };
+
   void SayGoodbye(b2Joint* joint) override;
   void SayGoodbye(b2Fixture*) override {}
   void BeginContact(b2Contact* contact) override;
@@ -228,6 +237,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   b2Fixture& Find(Fixture fixture) const;
   Joint AddJoint(const b2JointDef& definition);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
+  void ApplyLateForces();
   static void Place(b2Body& body, const Pose& pose);
   /// Box2D does not look at what touches a static body while both rest.
   void WakeThoseNear(const b2Body& body);
@@ -254,6 +264,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   SlotMap<Moved<TricycleDrive>> tricycles_{"drive"};
   SlotMap<Moved<BodyTween>> tweens_{"tween"};
   std::vector<Layer> layers_;
+  std::vector<LateForce> late_forces_;
   ContactListener* listener_ = nullptr;
   mutable std::atomic<bool> busy_{false};
   std::atomic<std::thread::id> listening_thread_{};  // while the listener is called

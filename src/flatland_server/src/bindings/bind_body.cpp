@@ -10,6 +10,10 @@ FixtureSettings ToSettings(double density, double friction, double restitution, 
   return {density, friction, restitution, sensor, collides, visible, layers};
 }
 
+void RequireOneWorld(const PyBody& a, const PyBody& b) {
+  if (a.world != b.world) throw std::invalid_argument("a joint holds two bodies of one world");
+}
+
 std::optional<Vec2> ToPoint(const std::optional<Pair>& point) {
   if (!point) return std::nullopt;
   return ToVec2(*point);
@@ -67,6 +71,7 @@ void BindJoints(py::class_<PyBody>& body) {
           "add_revolute",
           [](PyBody& self, const PyBody& other, const Pair& anchor, const Pair& other_anchor,
              bool collide_connected, const std::optional<Pair>& limits) {
+            RequireOneWorld(self, other);
             RevoluteSettings settings;
             settings.anchor_a = ToVec2(anchor);
             settings.anchor_b = ToVec2(other_anchor);
@@ -81,6 +86,7 @@ void BindJoints(py::class_<PyBody>& body) {
           "add_weld",
           [](PyBody& self, const PyBody& other, const Pair& anchor, const Pair& other_anchor,
              bool collide_connected, double angle, double frequency, double damping) {
+            RequireOneWorld(self, other);
             WeldSettings settings;
             settings.anchor_a = ToVec2(anchor);
             settings.anchor_b = ToVec2(other_anchor);
@@ -201,14 +207,20 @@ void BindMechanics(py::class_<PyBody>& body) {
 
 void BindBody(py::class_<PyBody>& body) {
   body.def_property_readonly("id", [](const PyBody& self) { return IdOf(self.handle); })
-      .def("__eq__",
-           [](const PyBody& self, const PyBody& other) {
-             return self.world == other.world && IdOf(self.handle) == IdOf(other.handle);
-           })
+      .def(
+          "__eq__",
+          [](const PyBody& self, const PyBody& other) {
+            return self.world == other.world && IdOf(self.handle) == IdOf(other.handle);
+          },
+          py::is_operator())
       .def("__hash__", [](const PyBody& self) { return IdOf(self.handle); })
       .def_property_readonly("alive",
                              [](const PyBody& self) { return self.world->Contains(self.handle); })
-      .def("remove", [](PyBody& self) { self.world->RemoveBody(self.handle); })
+      .def("remove",
+           [](PyBody& self) {
+             self.world->RemoveBody(self.handle);
+             RethrowFromListener(*self.world);
+           })
       .def(
           "listen_to_contacts",
           [](PyBody& self, uint8_t hooks) { self.world->ListenTo(self.handle, hooks); },
@@ -227,11 +239,13 @@ void BindFixture(py::class_<PyFixture>& fixture) {
                                return PyBody{self.world, self.handle.body};
                              })
       .def_property_readonly("index", [](const PyFixture& self) { return self.handle.index; })
-      .def("__eq__",
-           [](const PyFixture& self, const PyFixture& other) {
-             return self.world == other.world && self.handle.index == other.handle.index &&
-                    IdOf(self.handle.body) == IdOf(other.handle.body);
-           })
+      .def(
+          "__eq__",
+          [](const PyFixture& self, const PyFixture& other) {
+            return self.world == other.world && self.handle.index == other.handle.index &&
+                   IdOf(self.handle.body) == IdOf(other.handle.body);
+          },
+          py::is_operator())
       .def("__hash__",
            [](const PyFixture& self) {
              return py::hash(py::make_tuple(IdOf(self.handle.body), self.handle.index));

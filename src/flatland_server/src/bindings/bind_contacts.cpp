@@ -78,10 +78,12 @@ void BindContacts(py::module_& m) {
                              [](const Manifold& self) { return ToTuples(self.local_points); });
 
   py::class_<PyContact, std::shared_ptr<PyContact>>(m, "Contact")
-      .def("__eq__",
-           [](const PyContact& self, const PyContact& other) {
-             return self.world == other.world && self.id == other.id;
-           })
+      .def(
+          "__eq__",
+          [](const PyContact& self, const PyContact& other) {
+            return self.world == other.world && self.id == other.id;
+          },
+          py::is_operator())
       .def("__hash__", [](const PyContact& self) { return reinterpret_cast<uintptr_t>(self.id); })
       .def_readonly("fixture_a", &PyContact::a)
       .def_readonly("fixture_b", &PyContact::b)

@@ -49,7 +49,7 @@ void Step(PyWorld& self, double dt) {
     const py::gil_scoped_release release;
     self.world->Step(dt);
   }
-  self.owner->listener.Rethrow();
+  RethrowFromListener(*self.world);
 }
 
 void SetContactListener(PyWorld& self, py::object callback) {

@@ -53,6 +53,13 @@ struct ListenedWorld {
   World world;
 };
 
+/// Throws what Python's listener of contacts has thrown since the last call. Needs the GIL.
+inline void RethrowFromListener(World& world) {
+  if (world.contact_listener() != nullptr) {
+    static_cast<PyListener*>(world.contact_listener())->Rethrow();
+  }
+}
+
 struct PyWorld {
   explicit PyWorld(const std::shared_ptr<ListenedWorld>& owner)
       : owner(owner), world(owner, &owner->world) {}
@@ -60,7 +67,7 @@ struct PyWorld {
   std::shared_ptr<World> world;
 };
 
-/// A handle, its world, and how both are compared.
+/// A handle and its world.
 template <class Handle>
 struct Owned {
   std::shared_ptr<World> world;

@@ -309,6 +309,7 @@ void World::Step(double dt) {
     WakeThoseNear(body);
   });
   bodies_.ForEach([](Body, BodyRecord& record) { Unwind(*record.body); });
+  ApplyLateForces();
 }
 
 void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,

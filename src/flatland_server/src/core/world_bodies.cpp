@@ -117,14 +117,34 @@ Vec2 World::GetCenter(Body body) const { return FromBox2D(Find(body).GetWorldCen
 
 void World::ApplyForce(Body body, Vec2 force, std::optional<Vec2> point) {
   Require(IsUsable(force), "a force must be finite");
-  b2Body& found = Find(body);
   if (point) RequirePlace(*point);
+  b2Body& found = Find(body);
+  if (IsListening()) {
+    late_forces_.push_back({body, force, point, 0.0});
+    return;
+  }
   found.ApplyForce(ToBox2D(force), point ? ToBox2D(*point) : found.GetWorldCenter(), true);
 }
 
 void World::ApplyTorque(Body body, double torque) {
   Require(IsUsable(torque), "a torque must be finite");
-  Find(body).ApplyTorque(static_cast<float>(torque), true);
+  b2Body& found = Find(body);
+  if (IsListening()) {
+    late_forces_.push_back({body, {}, std::nullopt, torque});
+    return;
+  }
+  found.ApplyTorque(static_cast<float>(torque), true);
+}
+
+void World::ApplyLateForces() {
+  for (const LateForce& late : late_forces_) {
+    if (!Contains(late.body)) continue;
+    b2Body& body = *bodies_.Get(late.body).body;
+    const b2Vec2 point = late.point ? ToBox2D(*late.point) : body.GetWorldCenter();
+    body.ApplyForce(ToBox2D(late.force), point, true);
+    body.ApplyTorque(static_cast<float>(late.torque), true);
+  }
+  late_forces_.clear();
 }
 
 void World::ApplyLinearImpulse(Body body, Vec2 impulse, std::optional<Vec2> point) {

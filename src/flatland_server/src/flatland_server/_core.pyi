@@ -146,7 +146,10 @@ class Body:
     def halt(self) -> None:
         """Stops the body and its drives."""
     def apply_force(self, force: _Pair, point: _Pair | None = None) -> None:
-        """For the coming step [N], at a point of the world, by default the centre of mass."""
+        """For the coming step [N], at a point of the world, by default the centre of mass.
+
+        In the hooks of contacts, for the next step.
+        """
     def apply_torque(self, torque: float) -> None:
         """For the coming step [N m]."""
     def apply_linear_impulse(self, impulse: _Pair, point: _Pair | None = None) -> None:
@@ -181,7 +184,7 @@ class Fixture:
     def body(self) -> Body: ...
     @property
     def index(self) -> int:
-        """Among the fixtures of its body; of a layer, the row of its segments."""
+        """Among the fixtures of its body; of a wall, among those put up together with it."""
     def __hash__(self) -> int: ...
     @property
     def density(self) -> float: ...

@@ -83,6 +83,7 @@ class _LocalPublisher(Publisher):
     def __init__(self, transport: LocalTransport, topic: str) -> None:
         self._transport = transport
         self._topic = topic
+        self._is_closed = False
         transport._publishers[topic] += 1
 
     @property
@@ -93,6 +94,9 @@ class _LocalPublisher(Publisher):
         self._transport._last[self._topic] = message
 
     def close(self) -> None:
+        if self._is_closed:
+            return
+        self._is_closed = True
         publishers = self._transport._publishers
         publishers[self._topic] -= 1
         if publishers[self._topic] == 0:

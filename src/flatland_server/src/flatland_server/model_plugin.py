@@ -47,7 +47,7 @@ class ModelPlugin(Plugin):
         try:
             return self.model.get_body(name)
         except ModelError as error:
-            if name:
+            if name or (config.has(key) and config.is_sound):
                 config.problem(str(error), key)
             return self.model.base
 
@@ -71,7 +71,7 @@ class ModelPlugin(Plugin):
         try:
             return self.model.get_joint(name)
         except ModelError as error:
-            if name:
+            if name or (config.has(key) and config.is_sound):
                 config.problem(str(error), key)
             return None
 

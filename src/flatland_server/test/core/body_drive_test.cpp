@@ -326,6 +326,23 @@ TEST_F(RobotAtAWall, HasNoPhantomVelocity) {
   }
 }
 
+// What it would gain in a step is not had either.
+TEST_F(RobotAtAWall, HasNoPhantomVelocityWhileItWouldSpeedUp) {
+  BodySettings settings;
+  settings.pose = {1.705, 0.0, 0.0};
+  const World::Body robot = world_.AddBody(settings);
+  FixtureSettings footprint;
+  footprint.density = 1.0;
+  world_.AddCircle(robot, {0.0, 0.0}, 0.3, footprint);
+  world_.Get(world_.AddDrive(robot, {10.0, 10.0, 0.0}, {})).Command({1.0, 0.0, 0.0});
+
+  for (int step = 0; step < 40; ++step) {
+    world_.Step(kStep);
+    ASSERT_LT(std::abs(world_.GetVelocity(robot).vx), 0.01) << "step " << step;
+  }
+  EXPECT_NEAR(world_.GetPose(robot).x, 1.7, 0.01);
+}
+
 TEST_F(RobotAtAWall, HasNoPhantomVelocityAlongIt) {
   for (const double heading : {1.55, 1.52, 1.48, 1.3, 0.8, -0.8, -1.5}) {
     for (const double acceleration : {0.0, 0.3, 5.0}) {

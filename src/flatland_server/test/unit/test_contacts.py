@@ -251,6 +251,16 @@ def test_of_two_models_that_touch_both_hear_in_the_order_in_which_they_were_star
     assert solved[:3] == ["left/p0", "left/p2", "right/p0"]
 
 
+def test_a_plugin_of_the_world_hears_before_the_models_that_came_after_it(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+    room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
+
+    room.run_until("begin_contact")
+
+    begun = [who for who, hook, *_ in calls if hook == "begin_contact"]
+    assert begun == ["ear", "ball/p0"]
+
+
 def test_a_contact_within_a_model_is_told_to_its_plugins_once(files, room):
     path = files.write(
         "pair.yaml",
@@ -425,6 +435,18 @@ def test_a_model_has_no_side_in_a_contact_of_others(files, simulate):
     room.run(0.1)
 
     assert sides == [None]
+
+
+def test_plugins_of_the_world_hear_of_all_that_touches_a_wall_that_came_later(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+    foreign = room.world.physics.add_body("dynamic", (-0.5, 0.0, 0.0))
+    foreign.add_circle((0.0, 0.0), 0.1, density=1.0)
+    foreign.velocity = (-1.0, 0.0, 0.0)
+
+    room.add_wall(-1.0, -5.0, -1.0, 5.0)
+    room.run(0.5)
+
+    assert heard("ear").count("begin_contact") == 1
 
 
 def test_a_body_that_is_nobodys_is_felt_but_has_no_entity(room, caplog):
