@@ -1,0 +1,57 @@
+#include "dialog_message.hpp"
+
+#include <QLayout>
+#include <algorithm>
+#include <cmath>
+
+namespace flatland_viz {
+namespace {
+
+const QColor kErrorColor(211, 47, 47);  // readable on white as on dark grey
+constexpr int kMostLines = 10;
+
+}  // namespace
+
+DialogMessage::DialogMessage() {
+  setObjectName("message");
+  setReadOnly(true);
+  setFocusPolicy(Qt::ClickFocus);
+  setFrameShape(QFrame::NoFrame);
+  setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  viewport()->setAutoFillBackground(false);
+  hide();
+}
+
+void DialogMessage::Say(const QString& text) {
+  Show(text, window()->palette().color(QPalette::WindowText));
+}
+
+void DialogMessage::Complain(const QString& text) { Show(text, kErrorColor); }
+
+void DialogMessage::Show(const QString& text, const QColor& color) {
+  QPalette colors = palette();
+  colors.setColor(QPalette::Text, color);
+  setPalette(colors);
+  setPlainText(text);
+  setVisible(!text.isEmpty());
+  QLayout* layout = window()->layout();
+  if (!layout) return;
+  layout->activate();
+  FitHeight();
+  layout->activate();
+  window()->resize(window()->width(), layout->sizeHint().height());
+}
+
+void DialogMessage::resizeEvent(QResizeEvent* event) {
+  QTextEdit::resizeEvent(event);
+  FitHeight();
+}
+
+void DialogMessage::FitHeight() {
+  const int text_height = static_cast<int>(std::ceil(document()->size().height()));
+  const int most = kMostLines * fontMetrics().lineSpacing();
+  setVerticalScrollBarPolicy(text_height > most ? Qt::ScrollBarAlwaysOn : Qt::ScrollBarAlwaysOff);
+  setFixedHeight(std::min(text_height, most));
+}
+
+}  // namespace flatland_viz

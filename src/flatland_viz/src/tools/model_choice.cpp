@@ -1,0 +1,21 @@
+#include "model_choice.hpp"
+
+#include <QByteArray>
+#include <QFileInfo>
+
+namespace flatland_viz {
+
+QString NameFromFile(const QString& file) {
+  QString name = QFileInfo(file).fileName();
+  for (const char* ending : {".yaml", ".yml", ".model"}) {
+    if (name.endsWith(ending)) name.chop(static_cast<int>(qstrlen(ending)));
+  }
+  return name;
+}
+
+QString ModelChoice::Name() const {
+  const QString name = own_name.isEmpty() ? NameFromFile(file) : own_name;
+  return is_numbered ? QString("%1_%2").arg(name).arg(number) : name;
+}
+
+}  // namespace flatland_viz

@@ -1,0 +1,23 @@
+#pragma once
+
+/// Which model to spawn, and under which name.
+
+#include <QString>
+
+namespace flatland_viz {
+
+struct ModelChoice {
+  QString file;
+  QString own_name;  ///< the user's own; if empty, the name is taken from the file
+  QString ns;        ///< of the model's topics and frames
+  bool is_numbered = false;
+  int number = 1;  ///< appended to the name, if it is numbered
+
+  /// The name of the model, such as "box" or "box_1".
+  QString Name() const;
+};
+
+/// The name of a file without its folder and endings: "box" for "/models/box.model.yaml".
+QString NameFromFile(const QString& file);
+
+}  // namespace flatland_viz

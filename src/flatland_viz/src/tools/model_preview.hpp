@@ -1,0 +1,41 @@
+#pragma once
+
+/// A model that is not in the world yet, as it will look there.
+
+#include <geometry_msgs/Pose2D.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <memory>
+#include <vector>
+
+#include "world_plane.hpp"
+
+namespace Ogre {
+class SceneNode;
+}
+
+namespace rviz {
+class DisplayContext;
+class MarkerBase;
+}  // namespace rviz
+
+namespace flatland_viz {
+
+/// Is seen from the first `Place` until it is destroyed.
+class ModelPreview {
+ public:
+  /// `markers` are in the model's own frame.
+  ModelPreview(rviz::DisplayContext& context, const visualization_msgs::MarkerArray& markers);
+  ~ModelPreview();
+  ModelPreview(const ModelPreview&) = delete;
+  ModelPreview& operator=(const ModelPreview&) = delete;
+
+  void Place(const geometry_msgs::Pose2D& pose, const WorldPlane& world);
+
+ private:
+  rviz::DisplayContext& context_;
+  Ogre::SceneNode* node_;  // belongs to the scene; removed from it at the end
+  std::vector<std::unique_ptr<rviz::MarkerBase>> markers_;
+};
+
+}  // namespace flatland_viz

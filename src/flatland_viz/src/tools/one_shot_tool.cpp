@@ -1,0 +1,34 @@
+#include "one_shot_tool.hpp"
+
+#include <rviz/display_context.h>
+#include <rviz/tool_manager.h>
+
+#include <QScopedValueRollback>
+
+namespace flatland_viz {
+
+bool OneShotTool::is_handing_over_ = false;
+
+void OneShotTool::onInitialize() {
+  rviz::ToolManager* manager = context_->getToolManager();
+  previous_ = manager->getCurrentTool();
+  // rviz activates the first tool of a toolbar by itself, as soon as that is initialized.
+  is_first_of_toolbar_ = manager->getDefaultTool() == nullptr;
+  connect(manager, &rviz::ToolManager::toolChanged, this, [this](rviz::Tool* current) {
+    if (current != this) previous_ = current;
+  });
+}
+
+void OneShotTool::activate() {
+  const bool is_asked_for = !is_first_of_toolbar_;
+  is_first_of_toolbar_ = false;
+  if (is_asked_for) Run();
+
+  rviz::ToolManager* manager = context_->getToolManager();
+  rviz::Tool* next = previous_ ? previous_.data() : manager->getDefaultTool();
+  if (!next || next == this) return;
+  const QScopedValueRollback<bool> handing_over(is_handing_over_, true);
+  manager->setCurrentTool(next);
+}
+
+}  // namespace flatland_viz

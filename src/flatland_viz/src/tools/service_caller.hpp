@@ -1,0 +1,80 @@
+#pragma once
+
+/// Calls ROS services without making the window wait.
+
+#include <ros/serialization.h>
+#include <ros/service_server_link.h>
+#include <ros/service_traits.h>
+
+#include <QObject>
+#include <QString>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace flatland_viz {
+
+/// One call at a time runs on a thread of its own. Its answer is handed over on the thread that
+/// owns this object, which is the window's.
+///
+/// `ros::ServiceClient` offers no way to give up a call, and an rviz that is closed would wait for
+/// a server that does not answer. So a call goes over a connection of its own, which may be
+/// dropped.
+class ServiceCaller : public QObject {
+ public:
+  /// Is told what went wrong, or nothing and the response.
+  template <class Service>
+  using OnAnswer =
+      std::function<void(const QString& error, const typename Service::Response& response)>;
+
+  ~ServiceCaller() override { Cancel(); }
+
+  /// Calls the service; a call that is still under way is given up.
+  template <class Service>
+  void Call(const std::string& name, const typename Service::Request& request,
+            OnAnswer<Service> on_answer);
+
+  /// Gives up the call that is under way: its answer will not be heard.
+  void Cancel();
+
+  bool is_calling() const { return static_cast<bool>(on_answer_); }
+
+ private:
+  using OnSerialized = std::function<void(const QString& error, ros::SerializedMessage& response)>;
+
+  void Start(const std::string& name, const std::string& md5sum, ros::SerializedMessage request,
+             OnSerialized on_answer);
+  /// On the thread of the call: blocks until there is an answer or the connection is dropped.
+  QString Exchange(const std::string& name, const std::string& md5sum,
+                   const ros::SerializedMessage& request, ros::SerializedMessage& response);
+  void Finish(int call, const QString& error, ros::SerializedMessage response);
+
+  OnSerialized on_answer_;  // of the call that is under way; empty if there is none
+  int call_ = 0;            // its number
+  std::thread thread_;
+
+  std::mutex mutex_;  // guards what is below, which both threads use
+  ros::ServiceServerLinkPtr link_;
+  bool is_cancelled_ = false;
+};
+
+template <class Service>
+void ServiceCaller::Call(const std::string& name, const typename Service::Request& request,
+                         OnAnswer<Service> on_answer) {
+  const auto deserialize = [name, on_answer = std::move(on_answer)](
+                               QString error, ros::SerializedMessage& serialized) {
+    typename Service::Response response;
+    try {
+      if (error.isEmpty()) ros::serialization::deserializeMessage(serialized, response);
+    } catch (const std::exception& exception) {
+      error = QString("The answer of %1 is damaged: %2").arg(name.c_str(), exception.what());
+    }
+    on_answer(error, response);
+  };
+  Start(name, ros::service_traits::md5sum<Service>(), ros::serialization::serializeMessage(request),
+        deserialize);
+}
+
+}  // namespace flatland_viz

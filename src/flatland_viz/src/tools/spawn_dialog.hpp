@@ -1,0 +1,56 @@
+#pragma once
+
+/// The menu of the SpawnModel tool: which file, which name.
+
+#include <QDialog>
+
+#include "model_choice.hpp"
+
+class QCheckBox;
+class QDialogButtonBox;
+class QLineEdit;
+class QSpinBox;
+
+namespace flatland_viz {
+
+class DialogMessage;
+
+/// OK does not close the dialog: it emits Submitted, and whoever listens closes the dialog or lets
+/// it show an error. What the user has put in stays in either case.
+class SpawnDialog : public QDialog {
+  Q_OBJECT
+
+ public:
+  SpawnDialog(QWidget* parent, const ModelChoice& choice);
+
+  ModelChoice choice() const;
+
+  /// Takes input, and shows an error if there is one.
+  void Open(const QString& error = {});
+  /// Takes no input but Cancel, and says why.
+  void Wait(const QString& reason);
+
+  void accept() override;
+
+ Q_SIGNALS:
+  void Submitted(const flatland_viz::ModelChoice& choice);
+
+ private:
+  QWidget* MakeFileRow();
+  QWidget* MakeNumberRow();
+  void SelectFile();
+  void SuggestName();
+  void SetInputEnabled(bool is_enabled);
+
+  bool has_own_name_;
+  QLineEdit* file_;
+  QLineEdit* name_;
+  QLineEdit* namespace_;
+  QCheckBox* is_numbered_;
+  QSpinBox* number_;
+  QWidget* inputs_;
+  DialogMessage* message_;
+  QDialogButtonBox* buttons_;
+};
+
+}  // namespace flatland_viz

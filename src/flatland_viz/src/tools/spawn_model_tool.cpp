@@ -1,0 +1,200 @@
+#include "spawn_model_tool.hpp"
+
+#include <flatland_msgs/GetModelMarkers.h>
+#include <flatland_msgs/SpawnModel.h>
+#include <rviz/display_context.h>
+#include <rviz/render_panel.h>
+#include <rviz/tool_manager.h>
+#include <rviz/view_controller.h>
+#include <rviz/view_manager.h>
+#include <rviz/viewport_mouse_event.h>
+#include <rviz/window_manager_interface.h>
+
+#include <cmath>
+
+#include "one_shot_tool.hpp"
+
+namespace flatland_viz {
+namespace {
+
+using flatland_msgs::GetModelMarkers;
+using flatland_msgs::SpawnModel;
+
+constexpr double kLeastDistance = 0.001;  // m: a cursor nearer to the model points nowhere
+
+bool IsPress(const rviz::ViewportMouseEvent& event, Qt::MouseButton button) {
+  // The second of two quick clicks comes as a double click.
+  return event.acting_button == button &&
+         (event.type == QEvent::MouseButtonPress || event.type == QEvent::MouseButtonDblClick);
+}
+
+bool IsForTheView(const rviz::ViewportMouseEvent& event) {
+  return event.type == QEvent::Wheel || event.acting_button == Qt::MiddleButton ||
+         (event.buttons_down & Qt::MiddleButton);
+}
+
+}  // namespace
+
+SpawnModelTool::SpawnModelTool() : properties_(getPropertyContainer()) { shortcut_key_ = 'a'; }
+
+SpawnModelTool::~SpawnModelTool() { End(); }
+
+void SpawnModelTool::onInitialize() {
+  setCursor(Qt::CrossCursor);  // rviz's choice, the icon, would cover the model
+  // PauseSim and its like take over and hand back within one key press, which this tool survives:
+  // not deactivate() is the end, but that another tool has become the current one.
+  connect(context_->getToolManager(), &rviz::ToolManager::toolChanged, this,
+          [this](rviz::Tool* current) {
+            if (current != this) End();
+          });
+}
+
+void SpawnModelTool::activate() {
+  if (phase_ != Phase::kOff && OneShotTool::is_handing_over()) {
+    ShowHint();
+  } else {
+    End();
+    OpenMenu();
+  }
+}
+
+void SpawnModelTool::OpenMenu(const QString& error) {
+  phase_ = Phase::kMenu;
+  preview_.reset();
+  if (!dialog_) {
+    rviz::WindowManagerInterface* windows = context_->getWindowManager();
+    dialog_ = new SpawnDialog(windows ? windows->getParentWindow() : nullptr, properties_.Read());
+    connect(dialog_, &SpawnDialog::Submitted, this, &SpawnModelTool::AskForMarkers);
+    connect(dialog_, &QDialog::rejected, this, &rviz::Tool::close);
+  }
+  dialog_->Open(error);
+  ShowHint();
+}
+
+void SpawnModelTool::AskForMarkers(const ModelChoice& choice) {
+  properties_.Write(choice);
+  dialog_->Wait("Asking the server what the model looks like ...");
+  GetModelMarkers::Request request;
+  request.yaml_path = choice.file.toStdString();
+  server_.Call<GetModelMarkers>(
+      "/get_model_markers", request,
+      [this](const QString& error, const GetModelMarkers::Response& response) {
+        if (!error.isEmpty()) {
+          OpenMenu(error);
+        } else if (!response.success) {
+          OpenMenu(QString::fromStdString(response.message));
+        } else if (!WorldPlane::Find(*context_)) {
+          OpenMenu(QString("Nobody tells where the world's frame \"%1\" is in rviz's fixed frame "
+                           "\"%2\". Choose \"%1\" as the fixed frame.")
+                       .arg(WorldPlane::kFrame, context_->getFixedFrame()));
+        } else {
+          StartPlacing(response.markers);
+        }
+      });
+}
+
+void SpawnModelTool::StartPlacing(const visualization_msgs::MarkerArray& markers) {
+  dialog_->hide();
+  preview_ = std::make_unique<ModelPreview>(*context_, markers);
+  pose_ = geometry_msgs::Pose2D();
+  phase_ = Phase::kTranslation;
+  rviz::RenderPanel* panel = context_->getViewManager()->getRenderPanel();
+  panel->activateWindow();
+  panel->setFocus();  // for Escape
+  ShowHint();
+}
+
+int SpawnModelTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
+  if (phase_ == Phase::kOff || phase_ == Phase::kMenu) return 0;
+  ShowHint();
+  if (IsForTheView(event)) {
+    context_->getViewManager()->getCurrent()->handleMouseEvent(event);
+    return 0;
+  }
+  if (IsPress(event, Qt::RightButton)) return Finished;
+  if (phase_ == Phase::kSpawning) return 0;
+
+  Follow(event);
+  if (IsPress(event, Qt::LeftButton)) {
+    if (phase_ == Phase::kTranslation) {
+      phase_ = Phase::kRotation;
+      ShowHint();
+    } else {
+      Spawn();
+    }
+  }
+  return Render;
+}
+
+void SpawnModelTool::Follow(const rviz::ViewportMouseEvent& event) {
+  const auto world = WorldPlane::Find(*context_);
+  if (!world) return;
+  const auto point = world->PointAt(event.viewport, event.x, event.y);
+  if (!point) return;
+  if (phase_ == Phase::kTranslation) {
+    pose_.x = point->x;
+    pose_.y = point->y;
+  } else {
+    const double dx = point->x - pose_.x, dy = point->y - pose_.y;
+    if (std::hypot(dx, dy) > kLeastDistance) pose_.theta = std::atan2(dy, dx);
+  }
+  preview_->Place(pose_, *world);
+}
+
+void SpawnModelTool::Spawn() {
+  phase_ = Phase::kSpawning;
+  ShowHint();
+  const ModelChoice choice = properties_.Read();
+  SpawnModel::Request request;
+  request.yaml_path = choice.file.toStdString();
+  request.name = choice.Name().toStdString();
+  request.ns = choice.ns.toStdString();
+  request.pose = pose_;
+  server_.Call<SpawnModel>(
+      "/spawn_model", request,
+      [this, choice](const QString& error, const SpawnModel::Response& response) {
+        if (!error.isEmpty()) {
+          OpenMenu(error);
+        } else if (!response.success) {
+          OpenMenu(QString::fromStdString(response.message));
+        } else {
+          ModelChoice next = choice;
+          if (choice.is_numbered) ++next.number;
+          properties_.Write(next);
+          Q_EMIT close();
+          setStatus(QString("Spawned %1.").arg(choice.Name().toHtmlEscaped()));
+        }
+      });
+}
+
+void SpawnModelTool::End() {
+  phase_ = Phase::kOff;
+  server_.Cancel();
+  preview_.reset();
+  if (!dialog_) return;
+  dialog_->hide();
+  dialog_->deleteLater();  // its own Cancel button may have led here
+  dialog_.clear();
+}
+
+void SpawnModelTool::ShowHint() {
+  const QString cancel = " <b>Right-Click/Esc:</b> Cancel.";
+  switch (phase_) {
+    case Phase::kOff:
+      break;
+    case Phase::kMenu:
+      setStatus("Select the model to spawn.");
+      break;
+    case Phase::kTranslation:
+      setStatus("<b>Left-Click:</b> Put the model here." + cancel);
+      break;
+    case Phase::kRotation:
+      setStatus("<b>Move:</b> Turn the model. <b>Left-Click:</b> Spawn it." + cancel);
+      break;
+    case Phase::kSpawning:
+      setStatus("The server spawns the model ...");
+      break;
+  }
+}
+
+}  // namespace flatland_viz

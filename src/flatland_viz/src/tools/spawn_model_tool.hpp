@@ -1,0 +1,56 @@
+#pragma once
+
+/// rviz's tool that puts a model into the world, by mouse.
+
+#include <geometry_msgs/Pose2D.h>
+#include <rviz/tool.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <QPointer>
+#include <memory>
+
+#include "model_choice.hpp"
+#include "model_preview.hpp"
+#include "service_caller.hpp"
+#include "spawn_dialog.hpp"
+#include "spawn_properties.hpp"
+#include "world_plane.hpp"
+
+namespace flatland_viz {
+
+/// Goes through the phases from the menu on, in which the user chooses a model. A left click puts
+/// it in its place, another one ends its rotation, and the server spawns it. If the server refuses,
+/// the menu opens again with its message. A right click, Escape or another tool ends it all and
+/// leaves nothing.
+class SpawnModelTool : public rviz::Tool {
+ public:
+  SpawnModelTool();
+  ~SpawnModelTool() override;
+
+  void activate() override;
+  void deactivate() override {}
+  int processMouseEvent(rviz::ViewportMouseEvent& event) override;
+
+ protected:
+  void onInitialize() override;
+
+ private:
+  enum class Phase { kOff, kMenu, kTranslation, kRotation, kSpawning };
+
+  void OpenMenu(const QString& error = {});
+  void AskForMarkers(const ModelChoice& choice);
+  void StartPlacing(const visualization_msgs::MarkerArray& markers);
+  void Follow(const rviz::ViewportMouseEvent& event);
+  void Spawn();
+  void End();
+  void ShowHint();
+
+  SpawnProperties properties_;
+  ServiceCaller server_;
+  QPointer<SpawnDialog> dialog_;  // belongs to the window, if there is one
+  std::unique_ptr<ModelPreview> preview_;
+  Phase phase_ = Phase::kOff;
+  geometry_msgs::Pose2D pose_;  // of the model in the world
+};
+
+}  // namespace flatland_viz

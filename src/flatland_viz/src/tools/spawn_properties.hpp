@@ -1,0 +1,33 @@
+#pragma once
+
+/// What is spawned, in rviz's panel of tool properties and in its configuration file.
+
+#include "model_choice.hpp"
+
+namespace rviz {
+class BoolProperty;
+class IntProperty;
+class Property;
+class StringProperty;
+}  // namespace rviz
+
+namespace flatland_viz {
+
+/// "Model File", "Name", "Namespace", "Number" and "Next Number".
+class SpawnProperties {
+ public:
+  /// The properties belong to `container`.
+  explicit SpawnProperties(rviz::Property* container);
+
+  ModelChoice Read() const;
+  void Write(const ModelChoice& choice);
+
+ private:
+  rviz::StringProperty* file_;
+  rviz::StringProperty* name_;
+  rviz::StringProperty* namespace_;
+  rviz::BoolProperty* is_numbered_;
+  rviz::IntProperty* number_;
+};
+
+}  // namespace flatland_viz
