@@ -7,7 +7,7 @@ from typing import Tuple
 import numpy as np
 from sensor_msgs.msg import LaserScan
 
-from flatland_plugins.messages import header
+from flatland_plugins.messages import ArrayLaserScan, header
 from flatland_server._core import BeamFan
 from flatland_server.arrays import Float32Array
 from flatland_server.geometry import Pose, Transform
@@ -130,7 +130,7 @@ class Laser(ModelPlugin):
         if laser.noise_std_dev > 0.0:
             rng = np.random.default_rng([self._noise_key, nanoseconds])
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, rng)
-        return LaserScan(
+        return ArrayLaserScan(
             header=header(nanoseconds, self._frame),
             angle_min=laser.angle_min,
             angle_max=laser.angle_min + (laser.beams - 1) * laser.increment,

@@ -83,9 +83,8 @@ class Contact {
 };
 
 /// Hears of contacts, while the world steps and while bodies are removed. It may look at the world,
-/// set velocities and apply forces, but add, remove or place nothing. At kPostSolve a force comes
-/// too late for its step, and is lost; an impulse is not. A listener must not throw: Box2D would be
-/// left in the middle of a step.
+/// set velocities, and apply forces for the next step, but add, remove or place nothing. It must
+/// not throw: Box2D would be left in the middle of a step.
 class ContactListener {
  public:
   virtual ~ContactListener() = default;

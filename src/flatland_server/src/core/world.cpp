@@ -141,6 +141,7 @@ void World::RemoveBody(Body body) {
   remove_from(tweens_);
   world_.DestroyBody(record.body);  // its contacts end, which the listener hears of
   bodies_.Remove(body);
+  ApplyLateForces();
 }
 
 void World::SayGoodbye(b2Joint* joint) {
@@ -248,6 +249,7 @@ World::Drive World::AddDrive(Body body, const DynamicsLimits& linear,
                              const DynamicsLimits& angular) {
   Find(body);
   RequireIdle();
+  Require(!bodies_.Get(body).is_layer, kLayerStays);
   return drives_.Add({body, BodyDrive(linear, angular)});
 }
 
@@ -264,6 +266,7 @@ World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleS
 World::Tween World::AddTween(Body body, const TweenSettings& settings) {
   const Pose start = GetPose(body);
   RequireIdle();
+  Require(!bodies_.Get(body).is_layer, kLayerStays);
   return tweens_.Add({body, BodyTween(settings, start)});
 }
 

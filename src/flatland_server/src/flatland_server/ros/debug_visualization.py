@@ -1,13 +1,13 @@
 """What rviz shows: the layers and models as marker arrays.
 
 `~debug/layer/<name>` is latched, and published again if walls are added. `~debug/model/<name>` is
-published at a rate of real time, while somebody listens. `~debug/topics` is latched and lists them
-without `~debug/`. `~debug/models` has the markers of all models, for a viewer that does not follow
-that list.
+published at a rate of real time, while somebody listens and the model moves, and once a second.
+`~debug/topics` is latched and lists them without `~debug/`. `~debug/models` has the markers of all
+models that move, for a viewer that does not follow that list.
 """
 
 import time
-from typing import Dict, List
+from typing import Dict
 
 import rospy
 from flatland_msgs.msg import DebugTopicList
@@ -16,10 +16,16 @@ from visualization_msgs.msg import Marker, MarkerArray
 from flatland_server.layer import Layer
 from flatland_server.model import Model
 from flatland_server.ros.model_markers import ModelMarkers
+from flatland_server.ros.serialized_markers import MarkerBytes, array_of, serialized
 from flatland_server.ros.wall_markers import wall_markers
 from flatland_server.world import World
 
 FRAME_ID = "map"
+
+_FULL_PERIOD = 1.0
+"""Seconds of real time after which models that rest are published again."""
+
+_DELETE_ALL = serialized([Marker(action=Marker.DELETEALL)])
 
 
 class DebugVisualization:
@@ -33,7 +39,8 @@ class DebugVisualization:
     def __init__(self, world: World, rate: float) -> None:
         self._world = world
         self._period = 1.0 / rate
-        self._next = time.monotonic()
+        self._next = self._next_full = time.monotonic()
+        self._listeners = 0
         self._layers = [_LayerDisplay(layer) for layer in world.layers]
         self._models: Dict[str, _ModelDisplay] = {}
         self._topics = rospy.Publisher("~debug/topics", DebugTopicList, queue_size=1, latch=True)
@@ -49,16 +56,21 @@ class DebugVisualization:
         self._next = max(self._next + self._period, now)
         for layer in self._layers:
             layer.update()
-        markers: List[Marker] = []
-        if self._follow_models():
+        has_changed = self._follow_models()
+        if has_changed:
             self._publish_topics()
-            markers.append(Marker(action=Marker.DELETEALL))
-        all_are_watched = self._all.get_num_connections() > 0
+        listeners = self._all.get_num_connections()
+        # What rests need not be told of again, but to somebody who comes late.
+        with_all = has_changed or listeners > self._listeners or now >= self._next_full
+        self._listeners = listeners
+        if with_all:
+            self._next_full = now + _FULL_PERIOD
+        markers = [_DELETE_ALL] if has_changed else []
         for display in self._models.values():
-            if all_are_watched or display.is_watched:
-                markers += display.publish()
-        if all_are_watched:
-            self._all.publish(markers)
+            if (listeners or display.is_watched) and display.place(with_all):
+                markers.append(display.publish())
+        if listeners and markers:
+            self._all.publish(array_of(markers))
 
     def _follow_models(self) -> bool:
         """Makes displays for new models and ends those of models that are gone."""
@@ -99,6 +111,7 @@ class _ModelDisplay:
         self.model = model
         self.topic = f"model/{model.name}"
         self._publisher = rospy.Publisher(f"~debug/{self.topic}", MarkerArray, queue_size=1)
+        self._listeners = 0
         self._markers = ModelMarkers(model, FRAME_ID)
 
     @property
@@ -106,14 +119,21 @@ class _ModelDisplay:
         """Whether anybody listens to this model's own topic."""
         return self._publisher.get_num_connections() > 0
 
-    def publish(self) -> List[Marker]:
-        """The markers where the model is now; publishes them, if anybody listens."""
-        markers = self._markers.place()
-        if self.is_watched:
-            self._publisher.publish(markers)
+    def place(self, anyway: bool) -> bool:
+        """Puts the markers where the model is. Returns whether to publish them: if it has moved."""
+        listeners = self._publisher.get_num_connections()
+        is_new_to_somebody = listeners > self._listeners
+        self._listeners = listeners
+        return self._markers.place() or anyway or is_new_to_somebody
+
+    def publish(self) -> MarkerBytes:
+        """The markers; publishes them, if anybody listens to this model."""
+        markers = self._markers.bytes()
+        if self._listeners:
+            self._publisher.publish(array_of([markers]))
         return markers
 
     def close(self) -> None:
         """Makes rviz forget the model, and takes the topic away."""
-        self._publisher.publish([Marker(action=Marker.DELETEALL)])
+        self._publisher.publish(array_of([_DELETE_ALL]))
         self._publisher.unregister()

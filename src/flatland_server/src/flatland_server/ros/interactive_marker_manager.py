@@ -48,7 +48,9 @@ class InteractiveMarkerManager:
         self._next = 0.0
         self._frame_id = frame_id
         self._server = InteractiveMarkerServer("interactive_model_markers")
-        self._shown: Dict[str, Tuple[Model, Pose]] = {}
+        self._shown: Dict[
+            str, Tuple[Model, Tuple[float, float, float]]
+        ] = {}  # and where its base is
         self._drags: Dict[str, float] = {}  # by model, when the mouse was last heard of
         self._resumes = False
 
@@ -76,7 +78,7 @@ class InteractiveMarkerManager:
                 self._end_drag(name)
         new = [model for name, model in models.items() if name not in self._shown]
         for model in new:
-            self._shown[model.name] = (model, model.pose)
+            self._shown[model.name] = (model, model.base.physics_body.pose)
             self._server.insert(
                 _interactive_marker(model, self._frame_id),
                 lambda feedback: self._transport.post(lambda: self._on_feedback(feedback)),
@@ -86,11 +88,10 @@ class InteractiveMarkerManager:
     def _follow_poses(self) -> bool:
         has_moved = False
         for name, (model, shown_at) in self._shown.items():
-            pose = model.pose
-            if pose != shown_at:
-                self._shown[name] = (model, pose)
-                marker_pose = _pose_message(pose)
-                has_moved |= self._server.setPose(name, marker_pose)
+            place = model.base.physics_body.pose
+            if place != shown_at:
+                self._shown[name] = (model, place)
+                has_moved |= self._server.setPose(name, _pose_message(model.pose))
         return has_moved
 
     def _on_feedback(self, feedback: InteractiveMarkerFeedback) -> None:

@@ -10,7 +10,8 @@ from flatland_server.footprint import Circle
 from flatland_server.geometry import Pose, quaternion
 from flatland_server.joint import JointConfig
 from flatland_server.model import Model, ModelConfig
-from flatland_server.model_body import BodyConfig
+from flatland_server.model_body import BodyConfig, ModelBody
+from flatland_server.ros.serialized_markers import MarkerBytes, MovingMarkers
 
 _OUTLINE_WIDTH = 0.01  # m
 _JOINT_WIDTH = 0.02  # m
@@ -30,26 +31,33 @@ class ModelMarkers:
     """
 
     def __init__(self, model: Model, frame_id: str) -> None:
-        self.markers: List[Marker] = []
-        self._placed = []
+        markers: List[Marker] = []
+        bodies: List[ModelBody] = []  # whose pose each of them has
         for body in model.bodies.values():
-            markers = body_markers(body.config, f"{model.name}/{body.name}")
-            self._placed += [(marker, body) for marker in markers]
-            self.markers += markers
+            for marker in body_markers(body.config, f"{model.name}/{body.name}"):
+                markers.append(marker)
+                bodies.append(body)
         for joint in model.joints:
             # In the frame of the first body, on which a hinge stays where it is.
-            anchored = model.bodies[joint.config.bodies[0]]
-            marker = joint_marker(joint.config, f"{model.name}/{joint.name}")
-            self._placed.append((marker, anchored))
-            self.markers.append(marker)
-        for marker in self.markers:
+            markers.append(joint_marker(joint.config, f"{model.name}/{joint.name}"))
+            bodies.append(model.bodies[joint.config.bodies[0]])
+        for marker in markers:
             marker.header.frame_id = frame_id
+        self._markers = MovingMarkers(markers)
+        self._unique = list(dict.fromkeys(bodies))
+        self._index = [self._unique.index(body) for body in bodies]
+        self._poses: List[Tuple[float, float, float]] = []
 
-    def place(self) -> List[Marker]:
-        """The markers where the bodies are now; the same ones at each call."""
-        for marker, body in self._placed:
-            put_at(marker.pose, body.pose)
-        return self.markers
+    def place(self) -> bool:
+        """Puts the markers where the bodies are now. Returns whether any has moved."""
+        poses = [body.physics_body.pose for body in self._unique]
+        has_moved = poses != self._poses
+        self._poses = poses
+        return has_moved
+
+    def bytes(self) -> MarkerBytes:
+        """The markers as they were placed."""
+        return self._markers.place(Pose(*self._poses[index]) for index in self._index)
 
 
 def preview(config: ModelConfig) -> List[Marker]:

@@ -11,11 +11,11 @@ from collections import deque
 from typing import Any, Callable, Deque, Generic, List, TypeVar
 
 import rospy
-from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from flatland_server.geometry import Transform, quaternion
+from flatland_server.geometry import Transform
 from flatland_server.node import Publisher, Subscription, Transport
+from flatland_server.ros.serialized_transforms import TransformSerializer
 
 logger = logging.getLogger(__name__)
 
@@ -32,6 +32,7 @@ class RosTransport(Transport):
         """Whether the simulation runs, and so comes by to look at `is_ending`."""
         self.is_ending = False
         self._transforms: List[Transform] = []
+        self._serializer = TransformSerializer()
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
 
     def advertise(
@@ -93,7 +94,7 @@ class RosTransport(Transport):
 
     def flush(self) -> None:
         if self._transforms:
-            self._tf.publish(TFMessage([_to_message(t) for t in self._transforms]))
+            self._tf.publish(self._serializer.message_of(self._transforms))
             self._transforms.clear()
 
 
@@ -160,16 +161,3 @@ class _RosSubscription(Subscription):
     def close(self) -> None:
         self._is_open = False
         self._subscriber.unregister()
-
-
-def _to_message(transform: Transform) -> TransformStamped:
-    message = TransformStamped()
-    message.header.stamp.secs, message.header.stamp.nsecs = divmod(
-        transform.nanoseconds, 1_000_000_000
-    )
-    message.header.frame_id = transform.parent
-    message.child_frame_id = transform.child
-    translation, rotation = message.transform.translation, message.transform.rotation
-    translation.x, translation.y = transform.pose.x, transform.pose.y
-    rotation.x, rotation.y, rotation.z, rotation.w = quaternion(transform.pose.yaw, transform.roll)
-    return message

@@ -15,6 +15,7 @@ from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
+from flatland_server.ros.prompt_connection import send_promptly
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.service_manager import ServiceManager
 from flatland_server.ros.state_publisher import StatePublisher
@@ -88,6 +89,7 @@ class _RosLogHandler(logging.Handler):
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
+    send_promptly()
     rospy.init_node("flatland_server", disable_signals=True)
     logging.getLogger().addHandler(_RosLogHandler())
     try:

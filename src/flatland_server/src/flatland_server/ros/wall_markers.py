@@ -2,7 +2,6 @@
 
 import struct
 from io import BytesIO
-from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Point
@@ -11,26 +10,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.arrays import FloatArray
 from flatland_server.layer import Layer
+from flatland_server.ros.serialized_markers import SerializedMarkerArray
 
 _WALL_WIDTH = 0.05  # m
-
-
-class SerializedMarkerArray(MarkerArray):
-    """A MarkerArray whose bytes are there already; rospy sends them as they are.
-
-    Args:
-        data: the serialised message.
-    """
-
-    __slots__ = ["_data"]
-
-    def __init__(self, data: bytes) -> None:
-        super().__init__()
-        self._data = data
-
-    def serialize(self, buff: Any) -> None:
-        """Writes the bytes."""
-        buff.write(self._data)
 
 
 def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:

@@ -1,0 +1,66 @@
+"""Markers and transforms that are sent as bytes: what ROS's own code reads out of them."""
+
+from io import BytesIO
+
+import pytest
+from std_msgs.msg import ColorRGBA
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from flatland_server.geometry import Pose, Transform, quaternion
+from flatland_server.ros.serialized_markers import MovingMarkers, array_of, serialized
+from flatland_server.ros.serialized_transforms import TransformSerializer
+
+
+def sent(message) -> bytes:
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def marker(namespace: str, **fields) -> Marker:
+    made = Marker(ns=namespace, type=Marker.CYLINDER, color=ColorRGBA(1, 0, 0, 1), **fields)
+    made.header.frame_id = "map"
+    return made
+
+
+def test_moving_markers_differ_in_their_poses_alone():
+    markers = [marker("a/base", id=1), marker("büro/arm", id=2, text="hello")]
+    poses = [Pose(1.0, 2.0, 0.5), Pose(-3.0, 4.0, -1.0)]
+
+    received = MarkerArray().deserialize(sent(array_of([MovingMarkers(markers).place(poses)])))
+
+    for one, original, pose in zip(received.markers, markers, poses):
+        turn = one.pose.orientation
+        assert (one.pose.position.x, one.pose.position.y) == (pose.x, pose.y)
+        assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(quaternion(pose.yaw))
+        one.pose = original.pose
+        assert sent(one) == sent(original)
+
+
+def test_arrays_are_joined():
+    parts = [serialized([marker("a"), marker("b")]), serialized([]), serialized([marker("c")])]
+
+    received = MarkerArray().deserialize(sent(array_of(parts)))
+
+    assert [one.ns for one in received.markers] == ["a", "b", "c"]
+
+
+def test_transforms_are_a_tf_message():
+    transforms = [
+        Transform(3_000_000_005, "odom", "robot1_base", Pose(1.0, -2.0, 2.5)),
+        Transform(7, "base", "läser", Pose(0.1, 0.2, -0.5), 3.0),
+    ]
+    serializer = TransformSerializer()
+
+    for _ in range(2):  # the second time with the names that it remembers
+        received = TFMessage().deserialize(sent(serializer.message_of(transforms)))
+
+        assert len(received.transforms) == 2
+        for one, transform in zip(received.transforms, transforms):
+            assert one.header.stamp.to_nsec() == transform.nanoseconds
+            assert (one.header.frame_id, one.child_frame_id) == (transform.parent, transform.child)
+            place, turn = one.transform.translation, one.transform.rotation
+            assert (place.x, place.y, place.z) == (*transform.pose[:2], 0.0)
+            expected = quaternion(transform.pose.yaw, transform.roll)
+            assert (turn.x, turn.y, turn.z, turn.w) == expected
