@@ -1,52 +1,55 @@
-"""An rviz configuration for the world that is running."""
+"""The rviz configuration of the window: that of `flatland.rviz`, without a world of its own."""
 
 from copy import deepcopy
-from typing import Any, Dict, List, NamedTuple, Sequence
+from typing import Any, Dict, List
+
+from flatland_viz.displays import HANDLES, MARKERS, SCAN, TOPIC_PROPERTIES, Shown
 
 Config = Dict[str, Any]
 
-_SHOWN_PER_WORLD = ("rviz/MarkerArray", "rviz/LaserScan")
+_PER_WORLD = (MARKERS, SCAN, HANDLES)
+_PANELS = (
+    {"Class": "rviz/Displays", "Name": "Displays"},
+    {"Class": "rviz/Tool Properties", "Name": "Tool Properties"},
+)
+_LEFT_OUT = ("rviz/Select", "rviz/FocusCamera")
+"""Tools that are of little use from above, and would not find room in a window of 1024 pixels."""
+
+_POINT_SIZE = "Size (Pixels)"
 
 
-class Bounds(NamedTuple):
-    """What the view should show [m]."""
+def for_window(base: Config) -> Config:
+    """`base` without the displays of a world: those are made when the world is known.
 
-    min_x: float
-    min_y: float
-    max_x: float
-    max_y: float
-
-
-def for_world(
-    base: Config, marker_topics: Sequence[str], scan_topics: Sequence[str], bounds: Bounds
-) -> Config:
-    """`base` with displays for these topics, and the view from above framed on the bounds.
-
-    Args:
-        base: a configuration with a MarkerArray and a LaserScan display, taken as patterns.
-        marker_topics: absolute names of MarkerArray topics.
-        scan_topics: absolute names of LaserScan topics.
-        bounds: of the world.
+    Panels are ours, and the geometry of rviz's own window is left out.
     """
     config = deepcopy(base)
+    config["Panels"] = deepcopy(list(_PANELS))
+    config.pop("Window Geometry", None)
     manager = config["Visualization Manager"]
-    displays: List[Config] = manager["Displays"]
-    patterns = {display["Class"]: display for display in reversed(displays)}
-    manager["Displays"] = [d for d in displays if d["Class"] not in _SHOWN_PER_WORLD]
-    for topics, kind, key in (
-        (marker_topics, "rviz/MarkerArray", "Marker Topic"),
-        (scan_topics, "rviz/LaserScan", "Topic"),
-    ):
-        for topic in topics:
-            name = topic.split("/debug/")[-1].lstrip("/")
-            manager["Displays"].append({**patterns[kind], "Name": name, key: topic})
+    manager["Displays"] = [d for d in manager["Displays"] if d["Class"] not in _PER_WORLD]
+    manager["Tools"] = [tool for tool in manager["Tools"] if tool["Class"] not in _LEFT_OUT]
+    return config
 
-    view = manager["Views"]["Current"]
-    window = config["Window Geometry"]
-    width, height = bounds.max_x - bounds.min_x, bounds.max_y - bounds.min_y
-    view["X"] = (bounds.min_x + bounds.max_x) / 2
-    view["Y"] = (bounds.min_y + bounds.max_y) / 2
-    # The panel of displays takes about a quarter of the window; a margin of a tenth remains.
-    if width > 0 and height > 0:
-        view["Scale"] = 0.9 * min(0.75 * window["Width"] / width, 0.85 * window["Height"] / height)
+
+def for_display(base: Config, shown: Shown, pixel_ratio: float = 1.0) -> Config:
+    """The configuration of one display: like the first of its class in `base`, if there is one.
+
+    Args:
+        base: the configuration to start from.
+        shown: the display.
+        pixel_ratio: how many pixels of the screen are as wide as one of an ordinary screen.
+    """
+    displays: List[Config] = base["Visualization Manager"]["Displays"]
+    patterns = {display["Class"]: display for display in reversed(displays)}
+    config = {
+        **deepcopy(patterns.get(shown.kind, {})),
+        "Class": shown.kind,
+        "Name": shown.name,
+        "Enabled": True,
+        "Value": True,
+        TOPIC_PROPERTIES[shown.kind]: shown.topic,
+    }
+    if _POINT_SIZE in config:
+        config[_POINT_SIZE] *= pixel_ratio
     return config

@@ -1,81 +1,96 @@
-"""The node flatland_viz: opens rviz on the running world, or says that there is no display."""
+"""The node flatland_viz: opens the window on the world, or says that there is no display."""
 
 import ctypes
 import os
 import signal
 import sys
+import time
+import traceback
 from pathlib import Path
-from typing import List
+from typing import Any
 
 import rospkg
 import rospy
 import yaml
-from flatland_msgs.msg import DebugTopicList
-from visualization_msgs.msg import MarkerArray
 
-from flatland_viz.rviz_config import Bounds, for_world
-
-_SERVER = "flatland_server"
+_WAKE_PERIOD = 50  # ms
 
 
 def main() -> int:
-    """Replaces this process by rviz; without a display, waits idly to be ended.
+    """Shows the window until it is closed; without a display, waits idly to be ended.
 
     It does not just exit, because the launch ends with this node: closing the window is meant to.
     """
-    rospy.init_node("flatland_viz")
     if not _has_display():
+        rospy.init_node("flatland_viz")
         rospy.logwarn("no display: going on without a window (show_viz:=false avoids this line)")
         rospy.spin()
         return 0
-    try:
-        config = _config()
-    except rospy.ROSException:  # the launch ends before the server has told what there is
-        return 0
-    rospy.signal_shutdown("rviz takes over")
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    rviz = ["rviz", "-d", config, *(arg for arg in sys.argv[1:] if ":=" in arg)]
-    os.execvp("rviz", rviz)
+    rospy.init_node("flatland_viz", disable_signals=True)
+    return _show_window()
 
 
 def _has_display() -> bool:
-    """Whether the X server that DISPLAY names lets us in."""
+    """Whether the X server that DISPLAY names lets us in.
+
+    A server without clients, such as Xvfb, starts anew when the last one leaves, and refuses others
+    for that moment: so this asks again for a second, and its connection stays open until Qt's is.
+    """
     try:
         x11 = ctypes.CDLL("libX11.so.6")
     except OSError:
         return False
     x11.XOpenDisplay.restype = ctypes.c_void_p
-    x11.XCloseDisplay.argtypes = [ctypes.c_void_p]
-    display = x11.XOpenDisplay(None)
-    if display:
-        x11.XCloseDisplay(display)
-    return bool(display)
+    for _ in range(10 if os.environ.get("DISPLAY") else 0):
+        if x11.XOpenDisplay(None):
+            return True
+        time.sleep(0.1)
+    return False
 
 
-def _config() -> str:
-    """The path of an rviz configuration for the world, made now."""
-    debug = rospy.resolve_name(f"{_SERVER}/debug")
-    listed = rospy.wait_for_message(f"{debug}/topics", DebugTopicList)
-    scans = [
-        topic for topic, kind in rospy.get_published_topics() if kind == "sensor_msgs/LaserScan"
-    ]
-    layers = [f"{debug}/{topic}" for topic in listed.topics if topic.startswith("layer/")]
-    markers = [*layers, f"{debug}/models"]  # all models, also those that are spawned later
-    base = Path(rospkg.RosPack().get_path("flatland_viz")) / "rviz" / "flatland.rviz"
-    config = for_world(yaml.safe_load(base.read_text()), markers, sorted(scans), _bounds(layers))
-    path = Path(rospkg.get_ros_home()) / "flatland_viz.rviz"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(yaml.safe_dump(config, sort_keys=False))
-    return str(path)
+def _show_window() -> int:
+    # Imported here: without a display there need not be Qt or rviz.
+    from python_qt_binding.QtCore import Qt, QTimer
+    from python_qt_binding.QtWidgets import QApplication
+
+    from flatland_viz.scene import Scene
+    from flatland_viz.server import Server
+    from flatland_viz.window import Window
+
+    QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
+    QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
+    application = QApplication(["flatland_viz"])
+    application.setApplicationDisplayName("")  # it would be appended to the window's title
+    sys.excepthook = _report  # PyQt aborts the process otherwise
+
+    server = Server()
+    window = Window(server, Scene(_base_config()))
+    server.start()
+    window.show()
+    window.activateWindow()  # without a window manager nobody else gives it the keyboard
+
+    # rviz has put roscpp's handler in place. Python's run only when Python does: now and then.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: application.quit())
+    wake = QTimer(application)
+    wake.timeout.connect(lambda: application.quit() if rospy.is_shutdown() else None)
+    wake.start(_WAKE_PERIOD)
+    application.exec_()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the end
+    window.hide()  # at once; the rest takes rospy a second
+    server.close()
+    rospy.signal_shutdown("the window is closed")
+    return 0
 
 
-def _bounds(layer_topics: List[str]) -> Bounds:
-    """The box around all walls; 10 x 10 m about the origin if there are none."""
-    points = []
-    for topic in layer_topics:
-        for marker in rospy.wait_for_message(topic, MarkerArray).markers:
-            points.extend(marker.points)
-    if not points:
-        return Bounds(-5.0, -5.0, 5.0, 5.0)
-    xs, ys = [point.x for point in points], [point.y for point in points]
-    return Bounds(min(xs), min(ys), max(xs), max(ys))
+def _base_config() -> Any:
+    """The rviz configuration that the window starts from."""
+    path = Path(rospkg.RosPack().get_path("flatland_viz")) / "rviz" / "flatland.rviz"
+    return yaml.safe_load(path.read_text())
+
+
+def _report(*error: Any) -> None:
+    """Says what went wrong in one of the window's actions; the others go on."""
+    rospy.logerr("%s", "".join(traceback.format_exception(*error)).rstrip())

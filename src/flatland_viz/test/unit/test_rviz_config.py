@@ -1,4 +1,4 @@
-"""The rviz configuration that is made for a world."""
+"""The rviz configuration of the window, and of the displays that are made for a world."""
 
 from copy import deepcopy
 from pathlib import Path
@@ -7,12 +7,10 @@ from typing import Any, Dict, List
 import pytest
 import yaml
 
-from flatland_viz.rviz_config import Bounds, for_world
+from flatland_viz.displays import Shown
+from flatland_viz.rviz_config import for_display, for_window
 
 RVIZ = Path(__file__).resolve().parents[2] / "rviz" / "flatland.rviz"
-MARKERS = ["/flatland_server/debug/layer/walls", "/flatland_server/debug/model/fleet/robot"]
-SCANS = ["/front/scan", "/scan"]
-BOUNDS = Bounds(-10.0, -5.0, 30.0, 15.0)
 
 
 @pytest.fixture
@@ -22,96 +20,98 @@ def base() -> Dict[str, Any]:
     return config
 
 
-def displays(config: Dict[str, Any], kind: str) -> List[Dict[str, Any]]:
-    """The displays of a kind."""
-    return [d for d in config["Visualization Manager"]["Displays"] if d["Class"] == kind]
+def displays(config: Dict[str, Any]) -> List[Dict[str, Any]]:
+    """All displays."""
+    shown: List[Dict[str, Any]] = config["Visualization Manager"]["Displays"]
+    return shown
 
 
-def test_each_topic_of_markers_has_a_display_like_the_pattern(base):
-    [pattern, *_] = displays(base, "rviz/MarkerArray")
+def tools(config: Dict[str, Any]) -> List[str]:
+    """The classes of the tools."""
+    return [tool["Class"] for tool in config["Visualization Manager"]["Tools"]]
 
-    shown = displays(for_world(base, MARKERS, SCANS, BOUNDS), "rviz/MarkerArray")
 
-    assert [(d["Name"], d["Marker Topic"]) for d in shown] == [
-        ("layer/walls", MARKERS[0]),
-        ("model/fleet/robot", MARKERS[1]),
+def test_the_window_starts_without_displays_of_a_world(base):
+    kinds = [display["Class"] for display in displays(for_window(base))]
+
+    assert kinds == ["rviz/Grid", "rviz/TF"]
+
+
+def test_the_window_looks_from_above(base):
+    manager = for_window(base)["Visualization Manager"]
+
+    assert manager["Views"]["Current"]["Class"] == "rviz/TopDownOrtho"
+    assert manager["Global Options"] == base["Visualization Manager"]["Global Options"]
+
+
+def test_the_window_has_tools_to_touch_the_world(base):
+    assert tools(for_window(base)) == [
+        "rviz/Interact",
+        "rviz/MoveCamera",
+        "rviz/Measure",
+        "rviz/SetInitialPose",
+        "rviz/SetGoal",
+        "flatland_viz/SpawnModel",
+        "flatland_viz/PauseSim",
+        "flatland_viz/ChangeRate",
     ]
-    for display in shown:
-        assert {**display, "Name": "", "Marker Topic": ""} == {
-            **pattern,
-            "Name": "",
-            "Marker Topic": "",
-        }
 
 
-def test_each_topic_of_scans_has_a_display_like_the_pattern(base):
-    [pattern, *_] = displays(base, "rviz/LaserScan")
-
-    shown = displays(for_world(base, MARKERS, SCANS, BOUNDS), "rviz/LaserScan")
-
-    assert [(d["Name"], d["Topic"]) for d in shown] == [
-        ("front/scan", "/front/scan"),
-        ("scan", "/scan"),
-    ]
-    for display in shown:
-        assert {**display, "Name": "", "Topic": ""} == {**pattern, "Name": "", "Topic": ""}
-
-
-def test_a_world_without_scans_has_no_display_for_them(base):
-    config = for_world(base, [], [], BOUNDS)
-
-    assert displays(config, "rviz/LaserScan") == []
-    assert displays(config, "rviz/MarkerArray") == []
-
-
-def test_all_other_displays_stay(base):
-    kinds = [d["Class"] for d in base["Visualization Manager"]["Displays"]]
-    others = [kind for kind in kinds if kind not in ("rviz/MarkerArray", "rviz/LaserScan")]
-
-    config = for_world(base, MARKERS, SCANS, BOUNDS)
-
-    shown = [d["Class"] for d in config["Visualization Manager"]["Displays"]]
-    assert len(others) > 1
-    assert shown[: len(others)] == others
+def test_the_window_places_itself(base):
+    assert "Window Geometry" in base
+    assert "Window Geometry" not in for_window(base)
 
 
 @pytest.mark.parametrize(
-    "bounds",
+    ("kind", "topic_property"),
     [
-        pytest.param(Bounds(-10.0, -1.0, 90.0, 1.0), id="wide"),
-        pytest.param(Bounds(-1.0, -10.0, 1.0, 90.0), id="high"),
-        pytest.param(Bounds(-30.0, -12.5, 35.0, 12.5), id="the office"),
-        pytest.param(Bounds(100.0, 100.0, 100.5, 100.5), id="small and far away"),
+        ("rviz/MarkerArray", "Marker Topic"),
+        ("rviz/InteractiveMarkers", "Update Topic"),
+        ("rviz/LaserScan", "Topic"),
     ],
 )
-def test_the_view_is_framed_on_the_bounds(base, bounds):
-    config = for_world(base, MARKERS, SCANS, bounds)
+def test_a_display_is_like_the_pattern_but_for_its_name_and_topic(base, kind, topic_property):
+    pattern = next(display for display in displays(base) if display["Class"] == kind)
 
-    view, window = config["Visualization Manager"]["Views"]["Current"], config["Window Geometry"]
-    assert view["X"] == pytest.approx((bounds.min_x + bounds.max_x) / 2)
-    assert view["Y"] == pytest.approx((bounds.min_y + bounds.max_y) / 2)
-    # The scale is in pixels a metre. Panels take some of the window, and the rest is well used.
-    across = view["Scale"] * (bounds.max_x - bounds.min_x) / window["Width"]
-    along = view["Scale"] * (bounds.max_y - bounds.min_y) / window["Height"]
-    assert across < 0.8
-    assert along < 0.9
-    assert across > 0.5 or along > 0.5
+    config = for_display(base, Shown("front", kind, "/front/topic"))
+
+    assert config == {**pattern, "Name": "front", topic_property: "/front/topic"}
 
 
-@pytest.mark.parametrize("bounds", [Bounds(3.0, 4.0, 3.0, 4.0), Bounds(0.0, 4.0, 6.0, 4.0)])
-def test_bounds_without_an_area_leave_the_scale_as_it_was(base, bounds):
-    config = for_world(base, MARKERS, SCANS, bounds)
+def test_a_display_needs_no_pattern(base):
+    base["Visualization Manager"]["Displays"] = []
 
-    view = config["Visualization Manager"]["Views"]["Current"]
-    assert (view["X"], view["Y"]) == (3.0, 4.0)
-    assert view["Scale"] == base["Visualization Manager"]["Views"]["Current"]["Scale"]
+    config = for_display(base, Shown("drag", "rviz/InteractiveMarkers", "/handles/update"))
+
+    assert config == {
+        "Class": "rviz/InteractiveMarkers",
+        "Name": "drag",
+        "Enabled": True,
+        "Value": True,
+        "Update Topic": "/handles/update",
+    }
+
+
+def test_a_display_is_shown_even_if_the_pattern_is_not(base):
+    for display in displays(base):
+        display.update(Enabled=False, Value=False)
+
+    config = for_display(base, Shown("scan", "rviz/LaserScan", "/scan"))
+
+    assert config["Enabled"] is config["Value"] is True
+
+
+def test_points_of_a_scan_are_as_large_on_a_screen_with_smaller_pixels(base):
+    scan = Shown("scan", "rviz/LaserScan", "/scan")
+
+    assert for_display(base, scan)["Size (Pixels)"] == 3
+    assert for_display(base, scan, pixel_ratio=2.0)["Size (Pixels)"] == 6
 
 
 def test_the_configuration_it_starts_from_is_not_changed(base):
     before = deepcopy(base)
 
-    config = for_world(base, MARKERS, SCANS, BOUNDS)
-    config["Visualization Manager"]["Displays"][-1]["Name"] = "changed afterwards"
-    config["Window Geometry"]["Width"] = 1
+    for_window(base)["Visualization Manager"]["Tools"][0]["Class"] = "changed afterwards"
+    for_display(base, Shown("scan", "rviz/LaserScan", "/scan"), 2.0)["Name"] = "changed"
 
     assert base == before

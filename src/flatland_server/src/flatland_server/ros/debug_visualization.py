@@ -11,6 +11,7 @@ from typing import Dict
 
 import rospy
 from flatland_msgs.msg import DebugTopicList
+from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.layer import Layer
@@ -25,7 +26,8 @@ FRAME_ID = "map"
 _FULL_PERIOD = 1.0
 """Seconds of real time after which models that rest are published again."""
 
-_DELETE_ALL = serialized([Marker(action=Marker.DELETEALL)])
+# With a frame, or rviz would not wait its turn behind the markers that it is to delete.
+_DELETE_ALL = serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=FRAME_ID))])
 
 
 class DebugVisualization:

@@ -164,7 +164,7 @@ def _interactive_marker(model: Model, frame_id: str) -> InteractiveMarker:
         markers=shapes or [_disc(marker.scale / 2.5)],
     )
     turn = InteractiveMarkerControl(
-        name="turn", interaction_mode=InteractiveMarkerControl.MOVE_ROTATE
+        name="turn", interaction_mode=InteractiveMarkerControl.ROTATE_AXIS
     )
     for control in (drag, turn):  # their axis, x, points up
         control.orientation.w = control.orientation.y = math.sqrt(0.5)

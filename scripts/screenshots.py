@@ -1,0 +1,154 @@
+"""The pictures of docs/images: a simulator and its window under Xvfb, a mouse, and a camera."""
+
+import io
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+ROOT = Path(sys.argv[1])
+IMAGES = ROOT / "docs" / "images"
+BOX = ROOT / "src" / "flatland_server" / "worlds" / "office" / "box.model.yaml"
+SIZE = (1280, 800)
+TOOLBAR = 62  # rows
+PORT = 11399
+ROBOT, SCAN = (51, 128, 204), (204, 0, 0)
+LIMIT = 60.0  # s
+ZOOM_CLICKS = 11
+
+
+class Screen:
+    """An X server with a window that fills it."""
+
+    def __init__(self):
+        read, write = os.pipe()
+        size = "x".join(map(str, (*SIZE, 24)))
+        self._server = subprocess.Popen(
+            [
+                "Xvfb",
+                "-displayfd",
+                str(write),
+                "-screen",
+                "0",
+                size,
+                "-noreset",
+                "-nolisten",
+                "tcp",
+            ],
+            pass_fds=[write],
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(write)
+        with os.fdopen(read) as pipe:
+            display = f":{pipe.readline().strip()}"
+        self.environment = {
+            **os.environ,
+            "DISPLAY": display,
+            "LIBGL_ALWAYS_SOFTWARE": "1",
+            "ROS_MASTER_URI": f"http://127.0.0.1:{PORT}",
+            "ROS_IP": "127.0.0.1",
+        }
+
+    def close(self):
+        """Ends it."""
+        self._server.terminate()
+        self._server.wait()
+
+    def picture(self):
+        """What is on the screen."""
+        raw = subprocess.run(
+            ["import", "-window", "root", "png:-"],
+            env=self.environment,
+            check=True,
+            stdout=subprocess.PIPE,
+        )
+        return Image.open(io.BytesIO(raw.stdout)).convert("RGB")
+
+    def save(self, name):
+        """Keeps a picture."""
+        path = IMAGES / f"{name}.png"
+        self.picture().save(path, optimize=True)
+        print(path.relative_to(ROOT))
+
+    def xdotool(self, *arguments):
+        """Does something with the mouse or the keyboard."""
+        subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, check=True)
+
+    def move(self, x, y):
+        """In two steps: rviz finds out what is under the mouse when it moves."""
+        self.xdotool("mousemove", x - 3, y, "sleep", 0.3, "mousemove", x, y, "sleep", 0.5)
+
+    def find(self, color):
+        """The middle of what has this colour below the toolbar, and how many pixels have it."""
+        difference = np.abs(np.asarray(self.picture()).astype(int) - color).max(axis=2)
+        ys, xs = np.nonzero(difference[TOOLBAR:] <= 45)
+        return (round(xs.mean()), round(ys.mean()) + TOOLBAR) if len(xs) else None, len(xs)
+
+    def wait_for(self, color, least):
+        """Waits until so many pixels have a colour; their middle."""
+        deadline = time.monotonic() + LIMIT
+        while time.monotonic() < deadline:
+            middle, count = self.find(color)
+            if count >= least:
+                return middle
+            time.sleep(0.2)
+        path = ROOT / "build" / "screenshots" / "failed.png"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.picture().save(path)
+        sys.exit(f"screenshots: waited {LIMIT:g} s for the colour {color}; see {path}")
+
+
+def main():
+    """Makes them all."""
+    screen = Screen()
+    launch = subprocess.Popen(
+        ["roslaunch", "-p", str(PORT), "flatland_server", "server.launch"],
+        env=screen.environment,
+        stdout=subprocess.DEVNULL,
+    )
+    try:
+        screen.wait_for(SCAN, 200)
+        time.sleep(2)  # the first figures of the real-time factor
+        screen.save("office")
+        take_spawning(screen)
+        take_handles(screen)
+    finally:
+        launch.terminate()
+        launch.wait()
+        screen.close()
+
+
+def take_spawning(screen):
+    """A box at the cursor, being turned."""
+    robot = screen.wait_for(ROBOT, 5)
+    screen.move(*robot)
+    screen.xdotool("click", "--repeat", ZOOM_CLICKS, "--delay", 50, 4, "sleep", 1)
+    x, y = screen.wait_for(ROBOT, 100)
+    screen.xdotool("key", "a", "sleep", 1.5, "key", "alt+f", "sleep", 0.2, "key", "ctrl+a")
+    screen.xdotool("type", "--delay", 5, BOX)
+    screen.xdotool("key", "Return", "sleep", 1.5)
+    screen.move(x + 120, y - 60)
+    screen.xdotool("click", 1)
+    screen.move(x + 160, y - 100)
+    screen.save("spawn")
+    screen.xdotool("click", 1, "sleep", 1.5)
+
+
+def take_handles(screen):
+    """The ring around the robot, and its menu."""
+    x, y = screen.wait_for(ROBOT, 100)
+    screen.move(x, y)
+    screen.xdotool("mousedown", 1, "sleep", 0.3)
+    for step in range(1, 11):
+        screen.xdotool("mousemove", x - 4 * step, y + 2 * step, "sleep", 0.05)
+    screen.xdotool("sleep", 0.3, "mouseup", 1, "sleep", 1)
+    screen.move(x - 42, y + 22)
+    screen.xdotool("click", 3, "sleep", 1)
+    screen.save("handles")
+
+
+main()

@@ -1,0 +1,142 @@
+#!/usr/bin/python3
+"""Dragging, turning and deleting by interactive markers, as rviz does it, but without rviz."""
+
+import math
+import sys
+import unittest
+
+import rospkg
+import rospy
+from flatland_msgs.msg import DebugTopicList, SimulationState
+from flatland_msgs.srv import ChangeRate, GetModelMarkers
+from rostest_tools import Recorder, wait_until
+from std_srvs.srv import Empty
+from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
+from visualization_msgs.msg import InteractiveMarkerInit, MarkerArray
+
+BOX = "box_1"
+BOX_FILE = rospkg.RosPack().get_path("flatland_server") + "/worlds/office/box.model.yaml"
+
+
+def handles():
+    topic = "/interactive_model_markers/update_full"
+    return rospy.wait_for_message(topic, InteractiveMarkerInit, 20).markers
+
+
+class InteractiveMarkers(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.state = Recorder("/flatland_server/state", SimulationState)
+        cls.markers = Recorder(f"/flatland_server/debug/model/{BOX}", MarkerArray)
+        cls.mouse = rospy.Publisher("/interactive_model_markers/feedback", Feedback, queue_size=100)
+        for service in ("/resume", "/pause", "/change_rate", "/get_model_markers"):
+            rospy.wait_for_service(service, 20)
+        wait_until(cls.mouse.get_num_connections, "the server to listen to the mouse")
+        wait_until(lambda: BOX in [handle.name for handle in handles()], "the handles")
+        cls.markers.next()
+
+    def setUp(self):
+        rospy.ServiceProxy("/resume", Empty)()
+        self.wait_for_state(paused=False)
+
+    def wait_for_state(self, paused, limit=20.0):
+        wait_until(
+            lambda: self.state.messages and self.state.messages[-1].paused == paused,
+            f"paused: {paused}",
+            limit,
+        )
+
+    def send(self, event, x=0.0, y=0.0, yaw=0.0, model=BOX, entry=0):
+        feedback = Feedback(
+            client_id="test", marker_name=model, event_type=event, menu_entry_id=entry
+        )
+        feedback.header.frame_id = "map"
+        feedback.pose.position.x, feedback.pose.position.y = x, y
+        feedback.pose.orientation.z = math.sin(yaw / 2)
+        feedback.pose.orientation.w = math.cos(yaw / 2)
+        self.mouse.publish(feedback)
+
+    def wait_for_pose(self, x, y, yaw):
+        def is_there():
+            pose = self.markers.messages[-1].markers[0].pose
+            turn = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
+            return math.dist((pose.position.x, pose.position.y, turn), (x, y, yaw)) < 0.001
+
+        wait_until(is_there, f"{BOX} to be at {x}, {y}, {yaw}")
+
+    def test_a_drag_moves_the_model_while_the_simulation_waits(self):
+        self.send(Feedback.MOUSE_DOWN, 6.0, -0.2, 0.3)
+        self.wait_for_state(paused=True)
+        for x in (5.5, 5.0, 4.5):
+            self.send(Feedback.POSE_UPDATE, x, -0.2, 0.8)
+            self.wait_for_pose(x, -0.2, 0.8)
+        self.assertTrue(self.state.messages[-1].paused)
+        self.send(Feedback.MOUSE_UP, 4.0, -0.2, 1.0)
+        self.wait_for_state(paused=False)
+        self.wait_for_pose(4.0, -0.2, 1.0)
+
+    def test_a_drag_in_a_pause_does_not_end_it(self):
+        rospy.ServiceProxy("/pause", Empty)()
+        self.wait_for_state(paused=True)
+        self.send(Feedback.MOUSE_DOWN, 4.0, -0.2)
+        self.send(Feedback.MOUSE_UP, 5.0, -0.2)
+        self.wait_for_pose(5.0, -0.2, 0.0)
+        after = len(self.state.messages)
+        self.state.next(3)
+        self.assertTrue(all(state.paused for state in self.state.messages[after:]))
+
+    def test_a_mouse_that_vanishes_is_given_up_after_three_seconds(self):
+        begin = rospy.get_rostime()
+        self.send(Feedback.MOUSE_DOWN, 5.0, 0.0)
+        self.wait_for_state(paused=True)
+        self.wait_for_state(paused=False, limit=10.0)
+        waited = (rospy.get_rostime() - begin).to_sec()
+        self.assertGreater(waited, 2.8)
+        self.assertLess(waited, 8.0)  # a busy machine may take its time
+
+    def test_a_mouse_that_holds_still_is_waited_for(self):
+        self.send(Feedback.MOUSE_DOWN, 5.0, 0.0)
+        self.wait_for_state(paused=True)
+        for _ in range(16):
+            self.send(Feedback.KEEP_ALIVE, 5.0, 0.0)
+            rospy.rostime.wallsleep(0.25)
+        self.assertTrue(self.state.messages[-1].paused)
+        self.send(Feedback.MOUSE_UP, 5.0, 0.0)
+        self.wait_for_state(paused=False)
+
+    def test_the_menu_deletes_a_model(self):
+        topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
+        [handle] = [handle for handle in handles() if handle.name == "box_5"]
+        [entry] = handle.menu_entries
+        self.assertIn("Delete", entry.title)
+        self.send(Feedback.MENU_SELECT, model="box_5", entry=entry.id)
+        wait_until(
+            lambda: topics.messages and "model/box_5" not in topics.messages[-1].topics,
+            "box_5 to be deleted",
+        )
+
+    def test_the_rate_is_changed_and_a_wrong_one_refused(self):
+        change = rospy.ServiceProxy("/change_rate", ChangeRate)
+        self.assertTrue(change(0.5).success)
+        wait_until(lambda: self.state.messages[-1].rate == 0.5, "the rate")
+        answer = change(-1.0)
+        self.assertFalse(answer.success)
+        self.assertTrue(answer.message)
+        self.assertTrue(change(1.0).success)
+        wait_until(lambda: self.state.messages[-1].rate == 1.0, "the rate")
+
+    def test_markers_of_a_model_file_are_told_and_a_wrong_file_refused(self):
+        ask = rospy.ServiceProxy("/get_model_markers", GetModelMarkers)
+        answer = ask(BOX_FILE)
+        self.assertTrue(answer.success, answer.message)
+        self.assertTrue(answer.markers.markers)
+        answer = ask("/nowhere/at_all.yaml")
+        self.assertFalse(answer.success)
+        self.assertIn("/nowhere/at_all.yaml", answer.message)
+
+
+if __name__ == "__main__":
+    import rostest
+
+    rospy.init_node("interactive_markers_rostest", disable_rostime=True)
+    rostest.rosrun("flatland_server", "interactive_markers", InteractiveMarkers, sys.argv)

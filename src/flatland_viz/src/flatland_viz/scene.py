@@ -1,0 +1,180 @@
+"""rviz in the window: its frame without its menus, the displays, the view and the tools."""
+
+import tempfile
+from typing import Any, Dict, List, Optional
+
+import yaml
+from python_qt_binding.QtCore import QObject, Qt
+from python_qt_binding.QtGui import QColor, QKeySequence
+from python_qt_binding.QtWidgets import QDockWidget, QMenu, QToolBar, QWidget, QWidgetAction
+from rviz import bindings as rviz
+
+from flatland_viz.bounds import EMPTY_WORLD, Bounds, framed, grid_around
+from flatland_viz.displays import Shown, changes
+from flatland_viz.rviz_config import Config, for_display, for_window
+
+BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
+"""Colours behind the world, and how opaque the grid is: less than grey walls on either."""
+_VIEW = ("X", "Y", "Scale", "Angle")
+SPAWN_TOOL = "flatland_viz/SpawnModel"
+
+
+class Scene(QObject):
+    """What is seen of the world.
+
+    Args:
+        base: the rviz configuration to start from.
+    """
+
+    def __init__(self, base: Config) -> None:
+        super().__init__()
+        self._base = base
+        self._displays: Dict[Shown, Any] = {}
+        self._bounds = EMPTY_WORLD
+        self._framed: Optional[List[float]] = None
+        self.frame = rviz.VisualizationFrame()
+        self.frame.setSplashPath("")
+        with tempfile.NamedTemporaryFile("w", suffix=".rviz") as file:
+            yaml.safe_dump(for_window(base), file)
+            file.flush()
+            self.frame.initialize(file.name)
+        self._manager = self.frame.getManager()
+        self._tools = self._manager.getToolManager()
+        self.panel = next(
+            widget
+            for widget in self.frame.findChildren(QWidget)
+            if widget.metaObject().className() == "rviz::RenderPanel"
+        )
+        self.hints = self._manager.statusUpdate  # what the tools say about the mouse
+        self._strip()
+
+    def _strip(self) -> None:
+        """Leaves the toolbar and the view of rviz's own window."""
+        self.frame.setWindowFlags(Qt.Widget)
+        self.frame.menuBar().hide()
+        for menu in self.frame.menuBar().findChildren(QMenu):
+            for action in menu.actions():
+                action.setShortcut(QKeySequence())  # the window has its own
+        self.frame.statusBar().hide()
+        self.frame.setHideButtonVisibility(False)
+        self.panel.setObjectName("view")
+        self.panel.setMinimumSize(300, 200)
+        for dock in self.docks:
+            dock.setObjectName(f"panel_{dock.windowTitle().lower().replace(' ', '_')}")
+            dock.hide()
+        [toolbar] = self.frame.findChildren(QToolBar)
+        toolbar.setMovable(False)
+        toolbar.setContextMenuPolicy(Qt.PreventContextMenu)
+        for action in toolbar.actions():
+            # They add and remove tools, which nobody would save. Tools that come later have no
+            # separator or widget of their own.
+            if action.isSeparator() or isinstance(action, QWidgetAction):
+                action.setVisible(False)
+
+    @property
+    def docks(self) -> List[QDockWidget]:
+        """The panels of rviz, hidden at first."""
+        docks: List[QDockWidget] = self.frame.findChildren(QDockWidget)
+        return docks
+
+    def show_displays(self, wanted: List[Shown]) -> None:
+        """Makes and removes displays so that these are shown. The others stay untouched."""
+        gone, new = changes(self._displays, wanted)
+        root = self._manager.getRootDisplayGroup()
+        for shown in gone:
+            display = self._displays.pop(shown)
+            display.setEnabled(False)
+            root.takeDisplay(display).deleteLater()
+        for shown in new:
+            display = self._manager.createDisplay(shown.kind, shown.name, False)
+            ratio = self.panel.devicePixelRatioF()
+            display.load(_rviz_config(for_display(self._base, shown, ratio)))
+            self._displays[shown] = display
+
+    def begin_again(self) -> None:
+        """Forgets what was shown of a run that has ended, and asks for all of it anew."""
+        self._manager.resetTime()
+        for display in self._displays.values():
+            if display.isEnabled():
+                display.setEnabled(False)
+                display.setEnabled(True)
+
+    def set_bounds(self, bounds: Bounds) -> None:
+        """Tells where the world is. The view follows, unless somebody has moved it."""
+        if bounds == self._bounds:
+            return
+        self._bounds = bounds
+        self._place_grid()
+        self.follow_size()
+
+    def follow_size(self) -> None:
+        """Frames the world again after the panel has got another size, as `set_bounds` does."""
+        if self._framed is None or self._view() == self._framed:
+            self.reset_view()
+
+    def reset_view(self) -> None:
+        """Frames the world."""
+        ratio = self.panel.devicePixelRatioF()
+        view = framed(self._bounds, ratio * self.panel.width(), ratio * self.panel.height())
+        controller = self._manager.getViewManager().getCurrent()
+        for name, value in zip(_VIEW, (view.x, view.y, view.scale, 0.0)):
+            controller.subProp(name).setValue(value)
+        self._framed = self._view()
+        self._manager.queueRender()
+
+    def _view(self) -> List[float]:
+        """How the view is now, in rviz's single precision."""
+        controller = self._manager.getViewManager().getCurrent()
+        return [controller.subProp(name).getValue() for name in _VIEW]
+
+    def _place_grid(self) -> None:
+        grid = grid_around(self._bounds)
+        for display in self._grids():
+            display.subProp("Cell Size").setValue(grid.cell_size)
+            display.subProp("Plane Cell Count").setValue(grid.cells)
+            display.subProp("Offset").subProp("X").setValue(grid.x)
+            display.subProp("Offset").subProp("Y").setValue(grid.y)
+
+    def _grids(self) -> List[Any]:
+        root = self._manager.getRootDisplayGroup()
+        displays = [root.getDisplayAt(index) for index in range(root.numDisplays())]
+        return [display for display in displays if display.getClassId() == "rviz/Grid"]
+
+    def set_background(self, name: str) -> None:
+        """Colours what is behind the world: one of `BACKGROUNDS`."""
+        color, grid_alpha = BACKGROUNDS[name]
+        options = self._manager.getRootDisplayGroup().subProp("Global Options")
+        options.subProp("Background Color").setValue(QColor(color))
+        for grid in self._grids():
+            grid.subProp("Alpha").setValue(grid_alpha)
+
+    def _tool(self, class_id: str) -> Any:
+        tools = [self._tools.getTool(index) for index in range(self._tools.numTools())]
+        return next((tool for tool in tools if tool.getClassId() == class_id), None)
+
+    @property
+    def can_spawn(self) -> bool:
+        """Whether the tool that spawns models is there."""
+        tool = self._tool(SPAWN_TOOL)
+        return tool is not None and _child(tool.getPropertyContainer(), "Model File") is not None
+
+    def spawn(self, model: str) -> None:
+        """Starts the tool that spawns models, with this file."""
+        tool = self._tool(SPAWN_TOOL)
+        self._tools.setCurrentTool(self._tools.getDefaultTool())  # ends a spawn that is going on
+        properties = tool.getPropertyContainer()
+        properties.subProp("Model File").setValue(model)
+        properties.subProp("Name").setValue("")  # it follows from the file
+        self._tools.setCurrentTool(tool)
+
+
+def _child(parent: Any, name: str) -> Any:
+    """A property by name; subProp would complain about one that is not there."""
+    children = [parent.childAt(index) for index in range(parent.numChildren())]
+    return next((child for child in children if child.getName() == name), None)
+
+
+def _rviz_config(values: Config) -> Any:
+    config = rviz.Config()
+    rviz.YamlConfigReader().readString(config, yaml.safe_dump(values))
+    return config

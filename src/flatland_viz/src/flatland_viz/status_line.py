@@ -1,0 +1,48 @@
+"""The status line: what the tools say about the mouse, and how the simulation goes."""
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QLabel, QSizePolicy, QStatusBar
+
+from flatland_viz.status import Status
+
+_STYLE = {
+    "running": "color: #1a7f37",
+    "paused": "background: #f0c419; color: black",
+    "no server": "background: #c62828; color: white",
+}
+
+
+class StatusLine(QStatusBar):
+    """Hints at the left; at the right simulated time, speed and state."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("status")
+        self._hint = QLabel(objectName="status_hint")
+        # A long hint is cut off; it must not widen the window.
+        self._hint.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
+        self.addWidget(self._hint, 1)
+        self._time = self._field("status_time", "simulated time", "100000.0 s")
+        self._speed = self._field("status_speed", "simulated per real time", "1.00 x real time")
+        self._state = self._field("status_state", "the simulation", "waiting for the server")
+        self._state.setAlignment(Qt.AlignCenter)
+
+    def _field(self, name: str, meaning: str, widest: str) -> QLabel:
+        """A label that does not jump while its text changes."""
+        field = QLabel(objectName=name, toolTip=meaning)
+        field.setAlignment(Qt.AlignRight | Qt.AlignVCenter)
+        field.setMinimumWidth(self.fontMetrics().horizontalAdvance(widest) + 12)
+        self.addPermanentWidget(field)
+        return field
+
+    def show_status(self, status: Status) -> None:
+        """Shows how the simulation goes."""
+        self._time.setText(status.time)
+        self._speed.setText(status.speed)
+        if status.state != self._state.text():
+            self._state.setText(status.state)
+            self._state.setStyleSheet(_STYLE.get(status.state, ""))
+
+    def show_hint(self, hint: str) -> None:
+        """Shows a hint; rviz's tools write it in rich text."""
+        self._hint.setText(" ".join(hint.split()))

@@ -1,0 +1,146 @@
+"""The window: menus, rviz's toolbar and view, and a status line."""
+
+import time
+from pathlib import Path
+from typing import Dict, List, Optional
+
+from python_qt_binding.QtCore import QEvent, QObject, QSize, QTimer
+from python_qt_binding.QtWidgets import QApplication, QFileDialog, QMainWindow, QMessageBox
+
+from flatland_viz.bounds import Bounds, around
+from flatland_viz.displays import wanted
+from flatland_viz.menus import Menus
+from flatland_viz.scene import Scene
+from flatland_viz.server import Server
+from flatland_viz.status import Simulation, has_restarted, is_gone, status
+from flatland_viz.status_line import StatusLine
+from flatland_viz.world_files import title
+
+_LOOK_PERIOD = 200  # ms: how often the status line notices silence
+_MENU_GONE = 200  # ms: until a menu is off the screen
+_UNTIL_RVIZ_KNOWS = (200, 3000)
+"""Milliseconds after the start of a new run: rviz throws away all it has when it notices that time
+went back, also what the new server has said only once. It notices soon, but nobody knows when."""
+
+
+class Window(QMainWindow):
+    """Shows the world of a server, whether it is there or not.
+
+    Args:
+        server: what is followed.
+        scene: rviz.
+    """
+
+    def __init__(self, server: Server, scene: Scene) -> None:
+        super().__init__()
+        self._server = server
+        self._scene = scene
+        self._world = ""
+        self._walls: Dict[str, Bounds] = {}
+        self._simulation: Optional[Simulation] = None
+        self._heard = time.monotonic()
+        self.setObjectName("flatland")
+        self.setWindowTitle(title(""))
+        self.setCentralWidget(scene.frame)
+        self._line = StatusLine()
+        self.setStatusBar(self._line)
+        self._menus = Menus(self.menuBar(), scene.docks)
+        self._menus.enable_spawning(scene.can_spawn)
+        self._connect()
+        self._look()
+        scene.panel.installEventFilter(self)
+        self.resize(QSize(1280, 800).boundedTo(QApplication.primaryScreen().availableSize()))
+
+    def _connect(self) -> None:
+        server, scene, menus = self._server, self._scene, self._menus
+        server.simulation_changed.connect(self._on_simulation)
+        server.topics_changed.connect(self._on_topics)
+        server.walls_changed.connect(self._on_walls)
+        server.world_changed.connect(self._on_world)
+        server.failed.connect(self._line.show_hint)
+        scene.hints.connect(self._line.show_hint)
+        menus.model_chosen.connect(scene.spawn)
+        menus.other_model_asked.connect(self._spawn_other)
+        menus.screenshot_asked.connect(self._take_screenshot)
+        menus.reset_asked.connect(scene.reset_view)
+        menus.quit_asked.connect(self.close)
+        menus.pause_asked.connect(lambda on: server.pause() if on else server.resume())
+        menus.rate_chosen.connect(server.change_rate)
+        menus.background_chosen.connect(scene.set_background)
+        self._clock = QTimer(self)
+        self._clock.timeout.connect(self._look)
+        self._clock.start(_LOOK_PERIOD)
+
+    def _on_simulation(self, simulation: Simulation) -> None:
+        if has_restarted(self._simulation, self._silence(), simulation):
+            for delay in _UNTIL_RVIZ_KNOWS:
+                QTimer.singleShot(delay, self._scene.begin_again)
+        self._simulation = simulation
+        self._heard = time.monotonic()
+        self._look()
+
+    def _silence(self) -> float:
+        return time.monotonic() - self._heard
+
+    def _look(self) -> None:
+        """Brings the status line and the menus up to date."""
+        silence = self._silence()
+        self._line.show_status(status(self._simulation, silence))
+        self._menus.show_simulation(None if is_gone(silence) else self._simulation)
+
+    def _on_topics(self, listed: List[str], scans: List[str]) -> None:
+        server = self._server
+        self._scene.show_displays(wanted(server.debug, server.handles, listed, scans))
+
+    def _on_walls(self, topic: str, bounds: Optional[Bounds]) -> None:
+        if bounds is None:
+            self._walls.pop(topic, None)
+        else:
+            self._walls[topic] = bounds
+        self._scene.set_bounds(around(self._walls.values()))
+
+    def _on_world(self, path: str) -> None:
+        is_other = bool(self._world)
+        self._world = path
+        self.setWindowTitle(title(path))
+        self._menus.set_world(path)
+        if is_other:
+            self._scene.reset_view()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Keeps the world framed while the view gets another size."""
+        if event.type() == QEvent.Resize:
+            self._scene.follow_size()
+        return False
+
+    def closeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Ends the program, whatever dialogs are open."""
+        super().closeEvent(event)
+        QApplication.quit()
+
+    def _spawn_other(self) -> None:
+        folder = str(Path(self._world).parent) if self._world else ""
+        file, _ = QFileDialog.getOpenFileName(
+            self, "Spawn a model", folder, "Models (*.yaml *.yml);;All files (*)"
+        )
+        if file:
+            self._scene.spawn(file)
+
+    def _take_screenshot(self) -> None:
+        QTimer.singleShot(_MENU_GONE, self._save_screenshot)  # without the menu in it
+
+    def _save_screenshot(self) -> None:
+        panel = self._scene.panel
+        picture = panel.screen().grabWindow(panel.winId())
+        name = time.strftime("flatland_%Y-%m-%d_%H-%M-%S.png")
+        file, _ = QFileDialog.getSaveFileName(
+            self, "Save a screenshot", str(Path.home() / name), "PNG (*.png)"
+        )
+        if not file:
+            return
+        if not Path(file).suffix:
+            file += ".png"
+        if picture.save(file):
+            self._line.show_hint(f"Saved {file}")
+        else:
+            QMessageBox.warning(self, "Save a screenshot", f"{file} cannot be written.")

@@ -1,0 +1,54 @@
+"""The files of a world: which models can be spawned from its folder."""
+
+from pathlib import Path
+from typing import Any, List
+
+import yaml
+
+_SUFFIX = ".model.yaml"
+
+
+def model_files(world: Path) -> List[Path]:
+    """The models of a world: those beside its file and those that the file names; each once.
+
+    The server is who reads worlds. Here the names of models are picked out where they stand as they
+    are; a file that is not there or not plain YAML gives none.
+    """
+    try:
+        beside = sorted(world.parent.glob(f"*{_SUFFIX}"))
+        named = [(world.parent / name) for name in _named_models(world)]
+    except OSError:
+        return []
+    files: List[Path] = []
+    for file in [*beside, *named]:
+        path = file.resolve()
+        if path not in files and path.is_file():
+            files.append(path)
+    return files
+
+
+def _named_models(world: Path) -> List[str]:
+    try:
+        content: Any = yaml.load(world.read_text(), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except (yaml.YAMLError, UnicodeDecodeError):
+        return []
+    models = content.get("models") if isinstance(content, dict) else None
+    if not isinstance(models, list):
+        return []
+    names = [entry.get("model") for entry in models if isinstance(entry, dict)]
+    return [name for name in names if isinstance(name, str)]
+
+
+def label(model: Path) -> str:
+    """How a menu calls a model file."""
+    name = model.name
+    return name[: -len(_SUFFIX)] if name.endswith(_SUFFIX) else model.stem
+
+
+def title(world: str) -> str:
+    """The window's title: a world's file with its folder, for many are called world.yaml.
+
+    Args:
+        world: the path; empty if it is not known.
+    """
+    return f"Flatland - {'/'.join(Path(world).parts[-2:])}" if world else "Flatland"

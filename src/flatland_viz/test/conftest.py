@@ -1,0 +1,263 @@
+"""A screen with a mouse, a keyboard and a camera, and ROS programs that are looked at on it.
+
+One launch serves a module: starting rviz takes longer than most tests.
+"""
+
+import json
+import math
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[3]
+SHOTS = ROOT / "build" / "screenshots"
+OFFICE = ROOT / "src" / "flatland_server" / "worlds" / "office"
+LIMIT = 60.0  # s: what takes a second on an idle machine may take long on a busy one
+
+
+def wait_until(holds, what, limit=LIMIT):
+    """The first true value of `holds()`."""
+    deadline = time.monotonic() + limit
+    while True:
+        value = holds()
+        if value:
+            return value
+        assert time.monotonic() < deadline, f"waited {limit:g} s for {what}"
+        time.sleep(0.05)
+
+
+class Screen:
+    """An X server of our own, without a window manager."""
+
+    def __init__(self):
+        read, write = os.pipe()
+        self._server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x900x24", "-nolisten", "tcp"],
+            pass_fds=[write],
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(write)
+        with os.fdopen(read) as pipe:
+            name = f":{pipe.readline().strip()}"
+        self.environment = {**os.environ, "DISPLAY": name, "LIBGL_ALWAYS_SOFTWARE": "1"}
+
+    def close(self):
+        self._server.terminate()
+        self._server.wait(10)
+
+    def picture(self, name):
+        """The colours of the screen: shape (height, width, 3). The picture is kept."""
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        path = SHOTS / f"gui_{name}.png"
+        subprocess.run(["import", "-window", "root", path], env=self.environment, check=True)
+        return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+    def xdotool(self, *arguments):
+        """What xdotool prints; it is run to do something with mouse, keyboard or windows."""
+        command = ["xdotool", *map(str, arguments)]
+        return subprocess.run(
+            command, env=self.environment, stdout=subprocess.PIPE, text=True
+        ).stdout.split()
+
+    def windows(self, title):
+        """The visible windows whose title this is."""
+        return self.xdotool("search", "--onlyvisible", "--name", f"^{title}$")
+
+    def wait_for_window(self, title):
+        window = wait_until(lambda: self.windows(title), f"the window {title!r}")[-1]
+        self.focus(window)
+        return window
+
+    def wait_until_closed(self, title):
+        wait_until(lambda: not self.windows(title), f"the window {title!r} to close")
+
+    def focus(self, window):
+        """What a window manager does."""
+        self.xdotool("windowfocus", "--sync", window)
+
+    def key(self, *keys):
+        self.xdotool("key", "--delay", 40, *keys)
+
+    def type(self, text):
+        self.xdotool("type", "--delay", 3, text)
+
+    def click(self, pixel, button=1):
+        self.move(pixel)
+        self.xdotool("click", button)
+        time.sleep(0.2)
+
+    def move(self, pixel):
+        """In two steps: what is under the mouse is found out when it moves."""
+        x, y = map(int, pixel)
+        self.xdotool("mousemove", x - 2, y, "sleep", 0.1, "mousemove", x, y, "sleep", 0.1)
+
+    def drag(self, pixels, while_held=lambda: None):
+        """With the left button, along some pixels."""
+        self.move(pixels[0])
+        time.sleep(0.3)
+        self.xdotool("mousedown", 1)
+        for x, y in pixels:
+            self.xdotool("mousemove", round(x), round(y), "sleep", 0.05)
+        try:
+            while_held()
+        finally:
+            self.xdotool("mouseup", 1)
+
+
+class Ros:
+    """A ROS master of our own, programs that use it, and a node that asks them."""
+
+    def __init__(self, environment, logs):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        self._logs = logs
+        self._programs = []
+        self.environment = {
+            **environment,
+            "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+            "ROS_IP": "127.0.0.1",
+        }
+        self.start("rosmaster", "--core", "-p", port)
+        # Before any node is there: a node that finds it unset lives in real time.
+        wait_until(
+            lambda: self._run("rosparam", "set", "/use_sim_time", "true").returncode == 0,
+            "the master",
+        )
+        self._probe = subprocess.Popen(
+            [sys.executable, Path(__file__).with_name("ros_probe.py")],
+            env=self.environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert self._probe.stdout.readline() == "ready\n"
+
+    def _run(self, *command):
+        return subprocess.run(
+            command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+
+    def close(self):
+        self._probe.kill()
+        self._probe.wait()
+        for program in reversed(self._programs):
+            self.end(program)
+
+    def start(self, *command):
+        """Start a program; what it prints is kept."""
+        log = self._logs / f"{len(self._programs)}_{Path(command[0]).name}.log"
+        with log.open("w") as file:
+            program = subprocess.Popen(
+                list(map(str, command)),
+                env=self.environment,
+                stdin=subprocess.DEVNULL,
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                # A shell that starts us in the background has SIGINT ignored; a user's has not.
+                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            )
+        self._programs.append(program)
+        return program
+
+    def launch_server(self, world, *arguments):
+        """server.launch; returns when the simulation runs."""
+        program = self.start(
+            *("roslaunch", "--sigint-timeout=1.5", "--sigterm-timeout=0.3", "--skip-log-check"),
+            *("flatland_server", "server.launch", f"world_path:={world}", *arguments),
+        )
+        self.wait_for_clock(program)
+        return program
+
+    def wait_for_clock(self, program):
+        """Wait until a simulation runs, which is the program's or a part of it."""
+
+        def has_come():
+            assert program.poll() is None, [log.read_text() for log in self._logs.iterdir()]
+            return self.message("/clock", "rosgraph_msgs/Clock", timeout=1)
+
+        wait_until(has_come, "the server to run")
+
+    def end(self, program, number=signal.SIGINT):
+        if program.poll() is None:
+            os.killpg(program.pid, number)
+            try:
+                program.wait(15)
+            except subprocess.TimeoutExpired:
+                os.killpg(program.pid, signal.SIGKILL)
+                program.wait()
+
+    def _ask(self, *request):
+        self._probe.stdin.write(json.dumps(request) + "\n")
+        self._probe.stdin.flush()
+        return json.loads(self._probe.stdout.readline())
+
+    def message(self, topic, kind, timeout=5):
+        """The next message of a topic, or its latched one; None if there is none."""
+        return self._ask("message", topic, kind, timeout)
+
+    def call(self, service, **arguments):
+        return self._ask("call", service, [arguments] if arguments else [])
+
+    def state(self):
+        return self.message("/flatland_server/state", "flatland_msgs/SimulationState")
+
+    def clock(self):
+        """Simulated time [s]."""
+        return self.message("/clock", "rosgraph_msgs/Clock")["clock"]
+
+    def models(self):
+        """The names of the models that are shown."""
+        topics = self.message("/flatland_server/debug/topics", "flatland_msgs/DebugTopicList")
+        return [topic[6:] for topic in topics["topics"] if topic.startswith("model/")]
+
+    def pose(self, model):
+        """Position [m] and yaw [rad] of the model's first marker."""
+        topic = f"/flatland_server/debug/model/{model}"
+        markers = self.message(topic, "visualization_msgs/MarkerArray")
+        pose = next(m for m in markers["markers"] if m["action"] == 0)["pose"]
+        turn = pose["orientation"]
+        return pose["position"]["x"], pose["position"]["y"], 2 * math.atan2(turn["z"], turn["w"])
+
+    def spawn(self, file, name, x, y, theta=0.0):
+        pose = {"x": x, "y": y, "theta": theta}
+        answer = self.call("/spawn_model", yaml_path=str(file), name=name, ns="", pose=pose)
+        assert answer["success"], answer["message"]
+
+
+@pytest.fixture(scope="module")
+def screen():
+    if not shutil.which("Xvfb"):
+        pytest.skip("Xvfb is not installed")
+    screen = Screen()
+    yield screen
+    screen.close()
+
+
+@pytest.fixture(scope="module")
+def ros(screen, tmp_path_factory):
+    ros = Ros(screen.environment, tmp_path_factory.mktemp("ros"))
+    yield ros
+    ros.close()
+
+
+@pytest.fixture(scope="module")
+def waiting():
+    """`wait_until`; helpers cannot be imported from one file of tests into another."""
+    return wait_until
+
+
+@pytest.fixture(scope="module")
+def office():
+    """The folder of the office world."""
+    return OFFICE

@@ -1,0 +1,58 @@
+"""What the status line says of the simulation."""
+
+import math
+
+import pytest
+
+from flatland_viz.status import Simulation, has_restarted, status
+
+RUNNING = Simulation(time=12.345, is_paused=False, rate=1.0, real_time_factor=0.999)
+
+
+def test_a_simulation_that_runs():
+    assert status(RUNNING, silence=0.2) == ("12.3 s", "1.00 x real time", "running")
+
+
+def test_a_paused_simulation_has_no_speed():
+    paused = RUNNING._replace(is_paused=True, real_time_factor=0.0)
+
+    assert status(paused, silence=0.2) == ("12.3 s", "", "paused")
+
+
+@pytest.mark.parametrize(
+    ("rate", "factor", "speed"),
+    [
+        (1.0, 0.91, "0.91 x real time"),
+        (1.0, 0.5, "0.50 x real time (asked: 1 x)"),
+        (10.0, 4.321, "4.32 x real time (asked: 10 x)"),
+        (0.1, 0.1, "0.10 x real time"),
+        (math.inf, 87.6, "87.60 x real time"),
+    ],
+)
+def test_the_speed_asked_for_is_told_when_it_is_not_reached(rate, factor, speed):
+    simulation = RUNNING._replace(rate=rate, real_time_factor=factor)
+
+    assert status(simulation, silence=0.0).speed == speed
+
+
+def test_a_server_that_is_silent_for_two_seconds_is_gone():
+    assert status(RUNNING, silence=1.9).state == "running"
+    assert status(RUNNING, silence=2.1) == ("12.3 s", "", "no server")
+
+
+def test_before_the_first_word_the_window_waits():
+    assert status(None, silence=100.0) == ("", "", "waiting for the server")
+
+
+@pytest.mark.parametrize(
+    ("before", "silence", "time", "is_other_run"),
+    [
+        pytest.param(None, 0.1, 0.0, False, id="the first word"),
+        pytest.param(RUNNING, 0.2, 12.5, False, id="it goes on"),
+        pytest.param(RUNNING, 0.2, 12.345, False, id="paused"),
+        pytest.param(RUNNING, 0.2, 0.1, True, id="time went back"),
+        pytest.param(RUNNING, 2.5, 50.0, True, id="after silence"),
+    ],
+)
+def test_another_run_is_noticed(before, silence, time, is_other_run):
+    assert has_restarted(before, silence, RUNNING._replace(time=time)) is is_other_run
