@@ -10,7 +10,7 @@
 ///
 /// Threads. A world is used by one thread at a time. Step and Scan may run while Python does
 /// something else; whoever touches the world meanwhile gets a std::logic_error. A contact listener
-/// may, on the stepping thread: it may ask anything, set velocities and apply forces.
+/// may, on the stepping thread: it may ask about bodies, set velocities and apply forces.
 
 #include <box2d/box2d.h>
 

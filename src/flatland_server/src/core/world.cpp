@@ -13,10 +13,10 @@ namespace flatland {
 namespace {
 
 constexpr char kBusy[] = "the world is in use by another thread";
+constexpr char kLayerStays[] = "a layer stays where it is";
 constexpr char kLocked[] =
-    "nothing is added, removed or put elsewhere while contacts are told of; wait for the end of "
-    "the "
-    "step";
+    "nothing is added, removed, put elsewhere or scanned while contacts are told of; wait for the "
+    "end of the step";
 
 /// Box2D counts a body's turns in single precision: after an hour of spinning, a step's turn would
 /// be lost in rounding. This takes whole turns off a body, and off all whose angle a joint compares

@@ -2,31 +2,18 @@
 
 import struct
 from io import BytesIO
-from typing import Any, Iterable, List, NamedTuple
+from typing import Iterable, List, NamedTuple
 
 from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.geometry import Pose, quaternion
+from flatland_server.ros.prepared_message import PreparedMessage
 
 _POSE = struct.Struct("<7d")
 
 
-class SerializedMarkerArray(MarkerArray):
-    """A MarkerArray that rospy sends as it is.
-
-    Args:
-        data: the serialised message.
-    """
-
-    __slots__ = ["_data"]
-
-    def __init__(self, data: bytes) -> None:
-        super().__init__()
-        self._data = data
-
-    def serialize(self, buff: Any) -> None:
-        """Writes the bytes."""
-        buff.write(self._data)
+class SerializedMarkerArray(PreparedMessage, MarkerArray):
+    """A MarkerArray that rospy sends as it is."""
 
 
 class MarkerBytes(NamedTuple):

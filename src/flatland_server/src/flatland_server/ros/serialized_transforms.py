@@ -1,11 +1,12 @@
 """The /tf message of a step, its bytes written at once."""
 
 import struct
-from typing import Any, Dict, Iterable, Tuple
+from typing import Dict, Iterable, Tuple
 
 from tf2_msgs.msg import TFMessage
 
 from flatland_server.geometry import Transform, quaternion
+from flatland_server.ros.prepared_message import PreparedMessage
 
 _HEADER = struct.Struct("<III")  # seq, secs, nsecs
 _PLACE = struct.Struct("<7d")
@@ -39,19 +40,5 @@ class TransformSerializer:
         return names
 
 
-class SerializedTFMessage(TFMessage):
-    """A TFMessage that rospy sends as it is.
-
-    Args:
-        data: the serialised message.
-    """
-
-    __slots__ = ["_data"]
-
-    def __init__(self, data: bytes) -> None:
-        super().__init__()
-        self._data = data
-
-    def serialize(self, buff: Any) -> None:
-        """Writes the bytes."""
-        buff.write(self._data)
+class SerializedTFMessage(PreparedMessage, TFMessage):
+    """A TFMessage that rospy sends as it is."""
