@@ -114,8 +114,7 @@ def main():
         screen.wait_for(SCAN, 200)
         time.sleep(2)  # the first figures of the real-time factor
         screen.save("office")
-        take_spawning(screen)
-        take_handles(screen)
+        take_handles(screen, *take_spawning(screen))
     finally:
         launch.terminate()
         launch.wait()
@@ -123,7 +122,7 @@ def main():
 
 
 def take_spawning(screen):
-    """A box at the cursor, being turned."""
+    """A box at the cursor, being turned. Returns where it is put."""
     screen.move(20, TOOLBAR + 20)  # where no model takes the mouse
     screen.xdotool("click", "--repeat", ZOOM_CLICKS, "--delay", 50, 4, "sleep", 1)
     x, y = screen.wait_for(ROBOT, 100)
@@ -135,17 +134,17 @@ def take_spawning(screen):
     screen.move(x + 160, y - 100)
     screen.save("spawn")
     screen.xdotool("click", 1, "sleep", 1.5)
+    return x + 120, y - 60
 
 
-def take_handles(screen):
-    """The ring around the robot, and its menu."""
-    x, y = screen.wait_for(ROBOT, 100)
+def take_handles(screen, x, y):
+    """The rings around models, and the menu of one that is dragged from here."""
     screen.move(x, y)
     screen.xdotool("mousedown", 1, "sleep", 0.3)
     for step in range(1, 11):
-        screen.xdotool("mousemove", x - 4 * step, y + 2 * step, "sleep", 0.05)
+        screen.xdotool("mousemove", x + 4 * step, y - 10 * step, "sleep", 0.05)
     screen.xdotool("sleep", 0.3, "mouseup", 1, "sleep", 1)
-    screen.move(x - 42, y + 22)
+    screen.move(x + 45, y - 95)
     screen.xdotool("click", 3, "sleep", 1)
     screen.save("handles")
 

@@ -78,6 +78,13 @@ def test_a_display_is_like_the_pattern_but_for_its_name_and_topic(base, kind, to
     assert config == {**pattern, "Name": "front", topic_property: "/front/topic"}
 
 
+def test_the_first_of_several_patterns_counts(base):
+    pattern = next(display for display in displays(base) if display["Class"] == "rviz/LaserScan")
+    displays(base).append({**pattern, "Color": "0; 0; 0"})
+
+    assert for_display(base, Shown("scan", "rviz/LaserScan", "/scan")) == pattern
+
+
 def test_a_display_needs_no_pattern(base):
     base["Visualization Manager"]["Displays"] = []
 
