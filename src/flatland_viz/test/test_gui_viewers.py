@@ -124,6 +124,30 @@ class Viewer:
     def picture(self, name):
         return self.screen.picture(f"{self.kind}_{name}")
 
+    def hint(self):
+        """The line in which rviz says what the mouse would do where it is."""
+        shell = self.screen.xdotool("getwindowgeometry", "--shell", self.window)
+        place = {key: int(value) for key, value in (word.split("=") for word in shell)}
+        bottom, left = place["Y"] + place["HEIGHT"], place["X"] + 75
+        return self.picture("hint")[bottom - 28 : bottom - 6, left : left + 500]
+
+    def take_hold(self, pixel):
+        """Moves the mouse onto a handle, and waits until rviz has found what is under it."""
+        self.screen.focus(self.window)
+        self.screen.move((self.view.columns.stop - 12, self.view.rows.stop - 12))
+        beside = self.hint()
+
+        def is_found():
+            self.screen.move(pixel)
+            return (self.hint() != beside).any()
+
+        self.waiting(is_found, "the handle under the mouse", 20)
+
+    def drag(self, pixels, while_held=lambda: None):
+        """A handle, along some pixels."""
+        self.take_hold(pixels[0])
+        self.screen.drag(pixels, while_held)
+
     def shows_office(self):
         """Whether all is there, by the least number of pixels of each colour."""
         pixels = self.picture("office")
@@ -301,7 +325,7 @@ def test_a_model_is_dragged_while_the_simulation_waits(viewer, crate):
         assert viewer.ros.state()["stamp"] == clock
         assert math.dist(viewer.ros.pose(crate)[:2], (0.5, 1.5)) < 0.1
 
-    viewer.screen.drag(straight(begin, end), while_held)
+    viewer.drag(straight(begin, end), while_held)
     viewer.wait_until_paused(False)
     x, y, yaw = viewer.ros.pose(crate)
     by = np.subtract(viewer.view.world(end), viewer.view.world(begin))
@@ -316,7 +340,7 @@ def test_a_model_is_turned_by_its_ring(viewer, crate):
     ]
     viewer.screen.move(along[0])
     viewer.picture("ring")
-    viewer.screen.drag(along, lambda: viewer.wait_until_paused(True))
+    viewer.drag(along, lambda: viewer.wait_until_paused(True))
     viewer.wait_until_paused(False)
     x, y, yaw = viewer.ros.pose(crate)
     assert (x, y) == pytest.approx((2.0, 3.0), abs=0.05)
@@ -326,7 +350,7 @@ def test_a_model_is_turned_by_its_ring(viewer, crate):
 def test_a_drag_in_a_pause_does_not_end_it(viewer, crate):
     viewer.ros.call("/pause")
     viewer.wait_until_paused(True)
-    viewer.screen.drag(straight(viewer.view.pixel(2.0, 3.0), viewer.view.pixel(1.0, 2.0)))
+    viewer.drag(straight(viewer.view.pixel(2.0, 3.0), viewer.view.pixel(1.0, 2.0)))
     viewer.waiting(
         lambda: math.dist(viewer.ros.pose(crate)[:2], (1.0, 2.0)) < 0.1, "the drag", limit=15
     )
@@ -338,8 +362,7 @@ def test_a_drag_in_a_pause_does_not_end_it(viewer, crate):
 
 def test_a_model_is_deleted_by_its_menu(viewer, crate):
     at = viewer.view.pixel(2.0, 3.0)
-    viewer.screen.move(at)
-    time.sleep(0.3)
+    viewer.take_hold(at)
     viewer.screen.click(at, button=3)
     time.sleep(0.5)
     viewer.picture("menu")

@@ -22,6 +22,9 @@ from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.simulation_manager import SimulationManager
 
 _DELETE = 1
+_HANDLE_Z = 0.05
+"""Above the outlines of models [m]: the mouse takes what is on top."""
+
 _DRAG_TIMEOUT = 3.0
 """Real seconds without a word from whoever drags: rviz sends one every quarter of a second."""
 
@@ -156,6 +159,7 @@ def _interactive_marker(model: Model, frame_id: str) -> InteractiveMarker:
     shapes = [shape for shape in preview(model.config) if shape.type == Marker.TRIANGLE_LIST]
     for shape in shapes:
         shape.color.a = 0.01  # the model itself is shown by others; this is to be hit by the mouse
+        shape.pose.position.z = _HANDLE_Z
     marker.scale = 2.5 * max(0.2, _radius(model))
     drag = InteractiveMarkerControl(
         name="drag",
