@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import Dict, Tuple
+from typing import Dict, List, Tuple
 
 import rospy
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
@@ -56,6 +56,7 @@ class InteractiveMarkerManager:
         ] = {}  # and where its base is
         self._drags: Dict[str, float] = {}  # by model, when the mouse was last heard of
         self._resumes = False
+        self._new: List[str] = []
 
     def update(self) -> None:
         """Follows the models if it is time to; to be called often."""
@@ -70,6 +71,9 @@ class InteractiveMarkerManager:
             has_changed |= self._follow_poses()
         if has_changed:
             self._server.applyChanges()
+            for name in self._new:
+                self._let_anybody_drag(name)
+            self._new.clear()
 
     def _follow_models(self) -> bool:
         models = self._world.models
@@ -80,6 +84,7 @@ class InteractiveMarkerManager:
             if name in self._drags:
                 self._end_drag(name)
         new = [model for name, model in models.items() if name not in self._shown]
+        self._new += [model.name for model in new]
         for model in new:
             self._shown[model.name] = (model, model.base.physics_body.pose)
             self._server.insert(
@@ -137,12 +142,18 @@ class InteractiveMarkerManager:
     def _end_drag(self, name: str) -> None:
         if self._drags.pop(name, None) is None:
             return
-        context = self._server.marker_contexts.get(name)
-        if context is not None:
-            # For a second of simulated time nobody else could drag it: for ever, in a pause.
-            context.last_feedback = rospy.Time()
+        self._let_anybody_drag(name)
         if not self._drags and self._resumes:
             self._manager.resume()
+
+    def _let_anybody_drag(self, name: str) -> None:
+        """Undoes what the library does for a second of simulated time: for ever, in a pause.
+
+        It lets nobody else drag a marker that somebody has dragged, or that is new.
+        """
+        context = self._server.marker_contexts.get(name)
+        if context is not None:
+            context.last_feedback = rospy.Time()
 
 
 def _pose_message(pose: Pose) -> object:
