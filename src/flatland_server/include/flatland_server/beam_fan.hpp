@@ -1,12 +1,21 @@
 #pragma once
 
-/// The directions of a lidar's beams, in its own frame, with their cosines and sines.
+/// The directions of a lidar's beams, in its own frame, sorted once so that the beams between two
+/// directions are found without trying them all.
 
+#include <array>
 #include <vector>
 
 #include "flatland_server/geometry.hpp"
 
 namespace flatland {
+
+/// Orders directions as their angles do, without a trigonometric function: from -2 (-x, where the
+/// angle jumps) over -1 (-y), 0 (+x) and 1 (+y) to 2. Not a number for a vector of no length.
+inline double DiamondAngle(Vec2 v) {
+  const double slant = v.y / (std::abs(v.x) + std::abs(v.y));
+  return v.x >= 0.0 ? slant : std::copysign(2.0, v.y) - slant;
+}
 
 class BeamFan {
  public:
@@ -14,39 +23,65 @@ class BeamFan {
   /// increment turns clockwise. Throws std::invalid_argument on a value that is not finite, on no
   /// beams, and on an increment of zero with more than one beam.
   BeamFan(double angle_min, double increment, int count);
+  /// Beams along unit vectors, in any order. Throws std::invalid_argument if there are none.
+  explicit BeamFan(std::vector<Vec2> directions);
 
   int size() const { return static_cast<int>(directions_.size()); }
   Vec2 direction(int beam) const { return directions_[beam]; }
-  double angle_min() const { return angle_min_; }
-  double increment() const { return increment_; }
 
-  /// Calls `visit(beam)` for every beam within `half_width` of `bearing` [rad], and perhaps for its
-  /// neighbours.
-  template <class Visit>
-  void ForEachBeamNear(double bearing, double half_width, Visit visit) const;
+  // From here on beams are counted by rank: in the order of their diamond angles. A fan of more
+  // than a turn is no special case then, nor is one that turns clockwise.
+
+  /// Ranks are rounded up to a multiple of this where beams are handled several at a time.
+  static constexpr int kGroup = 4;
+  /// How many ranks there are room for: a multiple of kGroup.
+  int padded_size() const { return static_cast<int>(xs_.size()); }
+  /// The directions by rank; beyond size() they are zero.
+  const double* xs() const { return xs_.data(); }
+  const double* ys() const { return ys_.data(); }
+  /// The beam of each rank.
+  const std::vector<int>& beams() const { return beams_; }
+
+  /// Consecutive ranks from `begin` to before `end`.
+  struct Run {
+    int begin;
+    int end;
+  };
+  /// The beams from a direction counter-clockwise to another, half a turn further at most, and
+  /// perhaps their neighbours: one run, and a second one if it goes round behind.
+  std::array<Run, 2> BeamsBetween(Vec2 from, Vec2 to) const {
+    return BeamsBetween(DiamondAngle(from), DiamondAngle(to));
+  }
+  std::array<Run, 2> BeamsBetween(double from, double to) const;
 
  private:
-  double angle_min_;
-  double increment_;
+  /// Much more than the rounding of a diamond angle, much less than the angle between beams.
+  static constexpr double kSlack = 1e-6;
+
+  void Sort();
+  int Bucket(double diamond_angle) const {
+    return static_cast<int>((diamond_angle + 2.0) * buckets_per_unit_);
+  }
+
   std::vector<Vec2> directions_;
+  std::vector<double> xs_;
+  std::vector<double> ys_;
+  std::vector<int> beams_;
+  // Diamond angles are sorted into buckets of equal width; this says how many beams lie before
+  // each.
+  std::vector<int> before_bucket_;
+  double buckets_per_unit_ = 0.0;
 };
 
-template <class Visit>
-void BeamFan::ForEachBeamNear(double bearing, double half_width, Visit visit) const {
-  constexpr double kTurn = 2.0 * M_PI;
-  if (half_width >= M_PI || size() == 1 || std::abs(increment_) * size() > 4.0 * kTurn) {
-    for (int beam = 0; beam < size(); ++beam) visit(beam);
-    return;
-  }
-  // The same bearing recurs every turn; the fan spans the beams 0 to size() - 1.
-  const double turn = kTurn / std::abs(increment_);
-  const double middle = std::remainder((bearing - angle_min_) / increment_, turn);
-  const double reach = half_width / std::abs(increment_) + 1.0;
-  for (double center = middle - turn; center - reach < size(); center += turn) {
-    const int first = static_cast<int>(std::max(0.0, std::ceil(center - reach)));
-    const int last = static_cast<int>(std::min(size() - 1.0, std::floor(center + reach)));
-    for (int beam = first; beam <= last; ++beam) visit(beam);
-  }
+inline std::array<BeamFan::Run, 2> BeamFan::BeamsBetween(double from, double to) const {
+  from -= kSlack;
+  to += kSlack;
+  if (from < -2.0) from += 4.0;
+  if (to > 2.0) to -= 4.0;
+  const int begin = before_bucket_[Bucket(from)];
+  const int end = before_bucket_[Bucket(to) + 1];
+  if (from <= to) return {{{begin, end}, {0, 0}}};
+  return {{{begin, size()}, {0, end}}};
 }
 
 }  // namespace flatland

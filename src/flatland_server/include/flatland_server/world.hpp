@@ -27,7 +27,8 @@
 #include "flatland_server/body_tween.hpp"
 #include "flatland_server/contact.hpp"
 #include "flatland_server/geometry.hpp"
-#include "flatland_server/segment_grid.hpp"
+#include "flatland_server/mover.hpp"
+#include "flatland_server/segment_tree.hpp"
 #include "flatland_server/slot_map.hpp"
 #include "flatland_server/tricycle_drive.hpp"
 
@@ -81,6 +82,7 @@ struct BodyRecord {
   struct FixtureRecord {
     b2Fixture* fixture = nullptr;
     bool visible = true;
+    double reach = 0.0;  // of its shape, for Mover
   };
 
   b2Body* body = nullptr;
@@ -205,7 +207,7 @@ class World : private b2DestructionListener, private b2ContactListener {
 
  private:
   struct Layer {
-    std::shared_ptr<const SegmentGrid> grid;
+    std::shared_ptr<const SegmentTree> walls;
     LayerBits bits;
   };
 
@@ -238,6 +240,11 @@ class World : private b2DestructionListener, private b2ContactListener {
   Joint AddJoint(const b2JointDef& definition);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
   void ApplyLateForces();
+  void RefreshMovers() const;
+  /// Draws the layers and movers that the lidar sees and whose layers `choose` says yes to.
+  template <class Choose>
+  void DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
+              Choose choose) const;
   static void Place(b2Body& body, const Pose& pose);
   /// Box2D does not look at what touches a static body while both rest.
   void WakeThoseNear(const b2Body& body);
@@ -264,6 +271,9 @@ class World : private b2DestructionListener, private b2ContactListener {
   SlotMap<Moved<TricycleDrive>> tricycles_{"drive"};
   SlotMap<Moved<BodyTween>> tweens_{"tween"};
   std::vector<Layer> layers_;
+  mutable std::vector<Mover> movers_;  // what moves and can be seen, if they are current
+  mutable bool movers_are_current_ = false;
+  mutable DepthBuffer buffer_;
   std::vector<LateForce> late_forces_;
   ContactListener* listener_ = nullptr;
   mutable std::atomic<bool> busy_{false};

@@ -1,22 +1,17 @@
 #include "flatland_server/world.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "box2d_limits.hpp"
-#include "mover_scan.hpp"
+#include "busy_guard.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
 
-constexpr char kBusy[] = "the world is in use by another thread";
 constexpr char kLayerStays[] = "a layer stays where it is";
-constexpr char kLocked[] =
-    "nothing is added, removed, put elsewhere or scanned while contacts are told of; wait for the "
-    "end of the step";
 
 /// Box2D counts a body's turns in single precision: after an hour of spinning, a step's turn would
 /// be lost in rounding. This takes whole turns off a body, and off all whose angle a joint compares
@@ -37,20 +32,6 @@ void Unwind(b2Body& body) {
     }
   }
 }
-
-/// Marks the world as in use for as long as it lives.
-class BusyGuard {
- public:
-  BusyGuard(std::atomic<bool>& busy, bool is_listening) : busy_(busy) {
-    if (busy_.exchange(true)) throw std::logic_error(is_listening ? kLocked : kBusy);
-  }
-  ~BusyGuard() { busy_ = false; }
-  BusyGuard(const BusyGuard&) = delete;
-  BusyGuard& operator=(const BusyGuard&) = delete;
-
- private:
-  std::atomic<bool>& busy_;
-};
 
 }  // namespace
 
@@ -99,9 +80,9 @@ World::Body World::AddLayer(const std::vector<Segment>& segments, LayerBits laye
     edge.SetTwoSided(ToBox2D(segment.a), ToBox2D(segment.b));
     fixture.shape = &edge;
     fixture.userData.pointer = record.fixtures.size();
-    record.fixtures.push_back({record.body->CreateFixture(&fixture), true});
+    record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
   }
-  layers_.push_back({std::make_shared<const SegmentGrid>(segments), layers});
+  layers_.push_back({SegmentTree::Share(segments), layers});
   b2Body* body = record.body;
   const Body handle = bodies_.Add(std::move(record));
   body->GetUserData().pointer = handle.index;
@@ -139,6 +120,7 @@ void World::RemoveBody(Body body) {
   remove_from(drives_);
   remove_from(tricycles_);
   remove_from(tweens_);
+  movers_are_current_ = false;
   world_.DestroyBody(record.body);  // its contacts end, which the listener hears of
   bodies_.Remove(body);
   ApplyLateForces();
@@ -172,7 +154,8 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   definition.isSensor = settings.sensor;
   definition.filter.categoryBits = settings.layers;
   definition.filter.maskBits = settings.collides ? settings.layers : 0;
-  fixtures.push_back({body.CreateFixture(&definition), settings.visible});
+  fixtures.push_back({body.CreateFixture(&definition), settings.visible, ReachOf(shape)});
+  movers_are_current_ = false;
   return {handle, static_cast<uint32_t>(fixtures.size() - 1)};
 }
 
@@ -282,6 +265,7 @@ void World::Place(b2Body& body, const Pose& pose) {
 void World::Step(double dt) {
   Require(IsUsable(dt) && dt >= kLeastStep, "a step must be finite and longer than zero");
   const BusyGuard guard(busy_, IsListening());
+  movers_are_current_ = false;
   const auto for_each = [this](auto& map, auto visit) {
     map.ForEach([&](auto, auto& moved) { visit(moved.mechanism, *bodies_.Get(moved.body).body); });
   };
@@ -313,50 +297,6 @@ void World::Step(double dt) {
   });
   bodies_.ForEach([](Body, BodyRecord& record) { Unwind(*record.body); });
   ApplyLateForces();
-}
-
-void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
-                 float* intensities) const {
-  Require(IsUsable(pose), "a lidar's pose must be finite");
-  Require(IsUsable(settings.range) && settings.range > 0.0,
-          "a lidar's range must be finite and above zero");
-  const BusyGuard guard(busy_, IsListening());
-  const Vec2 origin{pose.x, pose.y};
-  const Rotation rotation(pose.yaw);
-  std::fill_n(ranges, fan.size(), std::numeric_limits<float>::infinity());
-  std::fill_n(intensities, fan.size(), 0.0f);
-  const auto intensity = [&](LayerBits layers) {
-    return (layers & settings.reflectance_layers) != 0 ? 255.0f : 0.0f;
-  };
-
-  for (const Layer& layer : layers_) {
-    if ((layer.bits & settings.layers) == 0) continue;
-    for (int beam = 0; beam < fan.size(); ++beam) {
-      const double limit = std::min<double>(ranges[beam], settings.range);
-      const double distance = layer.grid->Cast(origin, rotation.Apply(fan.direction(beam)), limit);
-      if (distance < ranges[beam]) {
-        ranges[beam] = static_cast<float>(distance);
-        intensities[beam] = intensity(layer.bits);
-      }
-    }
-  }
-
-  bodies_.ForEach([&](Body, const BodyRecord& record) {
-    if (record.is_layer) return;
-    for (const auto& [f, is_visible] : record.fixtures) {
-      const LayerBits layers = f->GetFilterData().categoryBits;
-      if (!is_visible || f->IsSensor() || (layers & settings.layers) == 0) continue;
-      const Mover mover(*f, pose);
-      if (mover.distance() > settings.range) continue;
-      fan.ForEachBeamNear(mover.bearing(), mover.half_width(), [&](int beam) {
-        const double distance = mover.Cast(fan.direction(beam));
-        if (distance <= settings.range && distance < ranges[beam]) {
-          ranges[beam] = static_cast<float>(distance);
-          intensities[beam] = intensity(layers);
-        }
-      });
-    }
-  });
 }
 
 }  // namespace flatland

@@ -31,6 +31,7 @@ void World::SetPose(Body body, const Pose& pose) {
   RequireIdle();
   Require(!bodies_.Get(body).is_layer, "a layer stays where it is");
   const Twist velocity = GetVelocity(body);
+  movers_are_current_ = false;
   WakeThoseNear(found);
   Place(found, pose);
   WakeThoseNear(found);

@@ -1,0 +1,58 @@
+#include "flatland_server/mover.hpp"
+
+#include <algorithm>
+
+namespace flatland {
+namespace {
+
+b2Vec2 MiddleOf(const b2Shape& shape) {
+  return shape.GetType() == b2Shape::e_circle
+             ? static_cast<const b2CircleShape&>(shape).m_p
+             : static_cast<const b2PolygonShape&>(shape).m_centroid;
+}
+
+Vec2 ToWorld(const b2Transform& body, b2Vec2 local) {
+  return {body.p.x + double{body.q.c} * local.x - double{body.q.s} * local.y,
+          body.p.y + double{body.q.s} * local.x + double{body.q.c} * local.y};
+}
+
+}  // namespace
+
+double ReachOf(const b2Shape& shape) {
+  if (shape.GetType() == b2Shape::e_circle) return shape.m_radius;
+  const auto& polygon = static_cast<const b2PolygonShape&>(shape);
+  double reach = 0.0;
+  for (int i = 0; i < polygon.m_count; ++i) {
+    const Vec2 arm{double{polygon.m_vertices[i].x} - polygon.m_centroid.x,
+                   double{polygon.m_vertices[i].y} - polygon.m_centroid.y};
+    reach = std::max(reach, std::sqrt(Dot(arm, arm)));
+  }
+  return reach;
+}
+
+Mover::Mover(const b2Fixture& fixture, double reach)
+    : fixture(&fixture),
+      layers(fixture.GetFilterData().categoryBits),
+      middle(ToWorld(fixture.GetBody()->GetTransform(), MiddleOf(*fixture.GetShape()))),
+      reach(reach) {}
+
+void Mover::DrawOn(DepthBuffer& buffer, Vec2 origin, const Rotation& rotation, double range) const {
+  const Vec2 way = middle - origin;
+  const double farthest = range + reach;
+  if (Dot(way, way) > farthest * farthest) return;
+  const Vec2 center = rotation.ApplyInverse(way);
+  if (buffer.IsHidden(center, reach)) return;
+  if (fixture->GetType() == b2Shape::e_circle) {
+    buffer.DrawCircle(center, reach);
+    return;
+  }
+  const auto& polygon = static_cast<const b2PolygonShape&>(*fixture->GetShape());
+  const b2Transform& body = fixture->GetBody()->GetTransform();
+  Vec2 corners[b2_maxPolygonVertices];
+  for (int i = 0; i < polygon.m_count; ++i) {
+    corners[i] = rotation.ApplyInverse(ToWorld(body, polygon.m_vertices[i]) - origin);
+  }
+  buffer.DrawPolygon(corners, polygon.m_count);
+}
+
+}  // namespace flatland
