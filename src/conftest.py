@@ -1,6 +1,7 @@
 """What tests of several packages share: `scripts/run` as a user starts it, and a screen."""
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -88,9 +89,11 @@ def run(tmp_path):
                 os.killpg(launch.process.pid, signal.SIGKILL)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def display():
-    """Name of an X server of our own."""
+    """Name of an X server of our own, without a window manager; all tests share its screen."""
+    if not shutil.which("Xvfb"):
+        pytest.skip("Xvfb is not installed")
     read, write = os.pipe()
     server = subprocess.Popen(
         [

@@ -6,7 +6,6 @@ One launch serves a module: starting rviz takes longer than most tests.
 import json
 import math
 import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -36,33 +35,14 @@ def wait_until(holds, what, limit=LIMIT):
 
 
 class Screen:
-    """An X server of our own, without a window manager."""
+    """A display on which we see, point and type.
 
-    def __init__(self):
-        read, write = os.pipe()
-        self._server = subprocess.Popen(
-            [
-                "Xvfb",
-                "-displayfd",
-                str(write),
-                "-screen",
-                "0",
-                "1400x900x24",
-                "-nolisten",
-                "tcp",
-                "-noreset",
-            ],
-            pass_fds=[write],
-            stderr=subprocess.DEVNULL,
-        )
-        os.close(write)
-        with os.fdopen(read) as pipe:
-            name = f":{pipe.readline().strip()}"
-        self.environment = {**os.environ, "DISPLAY": name, "LIBGL_ALWAYS_SOFTWARE": "1"}
+    Args:
+        display: its name.
+    """
 
-    def close(self):
-        self._server.terminate()
-        self._server.wait(10)
+    def __init__(self, display):
+        self.environment = {**os.environ, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}
 
     def picture(self, name):
         """The colours of the screen: shape (height, width, 3). The picture is kept."""
@@ -246,12 +226,8 @@ class Ros:
 
 
 @pytest.fixture(scope="module")
-def screen():
-    if not shutil.which("Xvfb"):
-        pytest.skip("Xvfb is not installed")
-    screen = Screen()
-    yield screen
-    screen.close()
+def screen(display):
+    return Screen(display)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The real rviz under Xvfb: does it show walls, robot, boxes and scan? Its picture is kept."""
 
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -12,10 +11,7 @@ ROOT = Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
 BOX = ROOT / "src" / "flatland_server" / "worlds" / "office" / "box.model.yaml"
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not shutil.which("Xvfb"), reason="Xvfb is not installed"),
-]
+pytestmark = pytest.mark.slow
 
 
 def screenshot(launch, name):

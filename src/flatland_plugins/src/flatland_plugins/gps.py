@@ -4,7 +4,8 @@ from sensor_msgs.msg import NavSatFix, NavSatStatus
 
 from flatland_plugins.geodesy import TangentPlane
 from flatland_plugins.messages import header
-from flatland_server.geometry import Pose, Transform
+from flatland_plugins.sensor_frame import SensorFrame
+from flatland_server.geometry import Pose
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
@@ -24,7 +25,7 @@ class Gps(ModelPlugin):
         self._body = self.get_body(config)
         topic = config.get_string("topic", "gps/fix")
         update_rate = config.get_rate("update_rate", 10.0)
-        self._broadcast_tf = config.get_bool("broadcast_tf", True)
+        broadcast_tf = config.get_bool("broadcast_tf", True)
         frame = config.get_string("frame", self.name)
         latitude = _read_degrees(config, "ref_lat", 90.0)
         longitude = _read_degrees(config, "ref_lon", 180.0)
@@ -32,18 +33,14 @@ class Gps(ModelPlugin):
         config.finish()
 
         self._plane = TangentPlane(latitude, longitude)
-        self._frame = self.name_space_tf(frame)
-        self._body_frame = self.name_space_tf(self._body.name)
+        self._frame = SensorFrame(self, self._body, frame, broadcast_tf, self._origin)
         self.update_timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, NavSatFix)
-        if self._broadcast_tf:
-            self.node.claim_frame(self._body_frame, self._frame)
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and the fix."""
         now = timekeeper.nanoseconds
-        if self._broadcast_tf and self.node.transforms_are_watched:
-            self.node.send_transform(Transform(now, self._body_frame, self._frame, self._origin))
+        self._frame.publish(now)
         if self._publisher.is_watched:
             self._publisher.publish(self._fix(now))
 
@@ -51,7 +48,7 @@ class Gps(ModelPlugin):
         antenna = self._body.pose.compose(self._origin)
         place = self._plane.to_geodetic(antenna.x, antenna.y)
         return NavSatFix(
-            header=header(nanoseconds, self._frame),
+            header=header(nanoseconds, self._frame.name),
             status=NavSatStatus(NavSatStatus.STATUS_FIX, NavSatStatus.SERVICE_GPS),
             latitude=place.latitude,
             longitude=place.longitude,

@@ -9,7 +9,9 @@ from geometry_msgs.msg import Quaternion, Vector3
 from sensor_msgs.msg import Imu as ImuMessage
 
 from flatland_plugins.messages import header
-from flatland_server.geometry import Pose, Transform, quaternion, wrap_angle
+from flatland_plugins.sensor_frame import SensorFrame
+from flatland_plugins.timed_noise import TimedNoise
+from flatland_server.geometry import quaternion, wrap_angle
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
@@ -84,16 +86,15 @@ class Imu(ModelPlugin):
         self._body = self.get_body(config)
         imu = self._config = ImuConfig.read(config)
         self._deviations = np.sqrt(imu.noises).ravel()
-        self._noise_key = int(self.rng.integers(2**63))
-        self._frame = self.name_space_tf(imu.imu_frame_id)
-        self._body_frame = self.name_space_tf(self._body.name)
+        self._noise = TimedNoise(self.rng)
         # Measured in the body's own frame, under its name, there is nothing to transform.
-        self._broadcast_tf = imu.broadcast_tf and self._frame != self._body_frame
+        is_own = self.name_space_tf(imu.imu_frame_id) == self.name_space_tf(self._body.name)
+        self._frame = SensorFrame(
+            self, self._body, imu.imu_frame_id, imu.broadcast_tf and not is_own
+        )
         self.update_timer = UpdateTimer(imu.pub_rate)
         topics = (imu.imu_pub, imu.ground_truth_pub) if imu.enable_imu_pub else ()
         self._publishers = [self.node.advertise(topic, ImuMessage) for topic in topics]
-        if self._broadcast_tf:
-            self.node.claim_frame(self._body_frame, self._frame)
         self._start: Optional[Motion] = None
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
@@ -104,8 +105,7 @@ class Imu(ModelPlugin):
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and what is measured."""
         now = timekeeper.nanoseconds
-        if self._broadcast_tf and self.node.transforms_are_watched:
-            self.node.send_transform(Transform(now, self._body_frame, self._frame, Pose()))
+        self._frame.publish(now)
         if self._start is None:
             return
         end = self._motion()
@@ -115,16 +115,14 @@ class Imu(ModelPlugin):
             if publisher.is_watched:
                 values = truth
                 if deviations.any():
-                    # It depends on the seed and the time alone, not on who has listened so far.
-                    rng = np.random.default_rng([self._noise_key, now])
-                    values = truth + rng.standard_normal(9) * deviations
+                    values = truth + self._noise.at(now).standard_normal(9) * deviations
                 publisher.publish(self._message(now, values.tolist()))
 
     def _motion(self) -> Motion:
         return Motion(*self._body.physics_body.velocity, self._body.pose.yaw)
 
     def _message(self, nanoseconds: int, values: Sequence[float]) -> ImuMessage:
-        message = ImuMessage(header=header(nanoseconds, self._frame))
+        message = ImuMessage(header=header(nanoseconds, self._frame.name))
         roll, pitch, yaw = values[:3]
         message.orientation = Quaternion(*quaternion(yaw, roll, pitch))
         message.angular_velocity = Vector3(*values[3:6])

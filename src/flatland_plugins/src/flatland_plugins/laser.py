@@ -8,9 +8,11 @@ import numpy as np
 from sensor_msgs.msg import LaserScan
 
 from flatland_plugins.messages import ArrayLaserScan, header
+from flatland_plugins.sensor_frame import SensorFrame
+from flatland_plugins.timed_noise import TimedNoise
 from flatland_server._core import BeamFan
 from flatland_server.arrays import Float32Array
-from flatland_server.geometry import Pose, Transform
+from flatland_server.geometry import Pose
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
@@ -98,27 +100,21 @@ class Laser(ModelPlugin):
             raise config.error(str(error), "layers") from None
         has_reflectance = REFLECTANCE_LAYER in registry.names
         self._reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
-        # A scan's noise depends on the seed and the time alone, not on who has listened so far.
-        self._noise_key = int(self.rng.integers(2**63))
+        self._noise = TimedNoise(self.rng)
         # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
         handedness = -1.0 if laser.upside_down else 1.0
         self._fan = BeamFan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
-        self._frame = self.name_space_tf(laser.frame)
-        self._body_frame = self.name_space_tf(self._body.name)
+        roll = math.pi if laser.upside_down else 0.0
+        self._frame = SensorFrame(
+            self, self._body, laser.frame, laser.broadcast_tf, laser.origin, roll
+        )
         self.update_timer = UpdateTimer(laser.update_rate)
         self._publisher = self.node.advertise(laser.topic, LaserScan)
-        if laser.broadcast_tf:
-            self.node.claim_frame(self._body_frame, self._frame)
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and the scan."""
-        laser = self._config
-        if laser.broadcast_tf and self.node.transforms_are_watched:
-            roll = math.pi if laser.upside_down else 0.0
-            self.node.send_transform(
-                Transform(timekeeper.nanoseconds, self._body_frame, self._frame, laser.origin, roll)
-            )
-        if laser.always_publish or self._publisher.is_watched:
+        self._frame.publish(timekeeper.nanoseconds)
+        if self._config.always_publish or self._publisher.is_watched:
             self._publisher.publish(self._scan(timekeeper.nanoseconds))
 
     def _scan(self, nanoseconds: int) -> LaserScan:
@@ -128,10 +124,10 @@ class Laser(ModelPlugin):
             self._fan, pose, laser.range, self._layers, self._reflectance
         )
         if laser.noise_std_dev > 0.0:
-            rng = np.random.default_rng([self._noise_key, nanoseconds])
-            ranges = add_noise(ranges, laser.noise_std_dev, laser.range, rng)
+            noise = self._noise.at(nanoseconds)
+            ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)
         return ArrayLaserScan(
-            header=header(nanoseconds, self._frame),
+            header=header(nanoseconds, self._frame.name),
             angle_min=laser.angle_min,
             angle_max=laser.angle_min + (laser.beams - 1) * laser.increment,
             angle_increment=laser.increment,

@@ -1,36 +1,14 @@
-"""ROS messages from Flatland's values. Message classes need no ROS master."""
+"""ROS messages from Flatland's values, and a scan that is quick to send."""
 
 import struct
 from typing import Any
 
 import numpy as np
-from genpy import Time
 from sensor_msgs.msg import LaserScan
-from std_msgs.msg import Header
 
-from flatland_server.geometry import Pose, quaternion
+from flatland_server.messages import fill_pose, fill_twist, header, ros_time
 
-
-def ros_time(nanoseconds: int) -> Time:
-    """Simulated time as a ROS time."""
-    return Time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
-
-
-def header(nanoseconds: int, frame_id: str) -> Header:
-    """A header with stamp and frame."""
-    return Header(stamp=ros_time(nanoseconds), frame_id=frame_id)
-
-
-def fill_pose(message: Any, pose: Pose) -> None:
-    """Writes a pose into a geometry_msgs/Pose."""
-    message.position.x, message.position.y = pose.x, pose.y
-    orientation = message.orientation
-    orientation.x, orientation.y, orientation.z, orientation.w = quaternion(pose.yaw)
-
-
-def fill_twist(message: Any, vx: float, vy: float, omega: float) -> None:
-    """Writes a planar velocity into a geometry_msgs/Twist."""
-    message.linear.x, message.linear.y, message.angular.z = vx, vy, omega
+__all__ = ["ArrayLaserScan", "fill_pose", "fill_twist", "header", "ros_time"]
 
 
 class ArrayLaserScan(LaserScan):  # type: ignore[misc]

@@ -10,6 +10,7 @@ from nav_msgs.msg import Odometry
 
 from flatland_plugins.messages import fill_pose, fill_twist, header
 from flatland_plugins.odometry_drift import OdometryDrift
+from flatland_plugins.timed_noise import TimedNoise
 from flatland_server.geometry import Pose, Transform, wrap_angle
 from flatland_server.model_body import ModelBody
 from flatland_server.model_plugin import ModelPlugin
@@ -95,7 +96,7 @@ class OdometryPublisher:
         self._config = config
         self._body = body
         self._node = plugin.node
-        self._noise_key = int(plugin.rng.integers(2**63))
+        self._noise = TimedNoise(plugin.rng)
         self._drift: Optional[OdometryDrift] = None
         if any(config.drift):
             self._drift = OdometryDrift(config.drift, int(plugin.rng.integers(2**63)))
@@ -123,7 +124,7 @@ class OdometryPublisher:
         publishers = (self._odom, self._ground_truth, self._twist)
         if not with_tf and not any(p is not None and p.is_watched for p in publishers):
             return
-        noise = self._noise(nanoseconds)
+        noise = self._noise_at(nanoseconds)
         pose = self._body.pose
         x, y, yaw = pose if self._drift is None else self._drift.pose
         noisy_pose = Pose(x + noise[0], y + noise[1], wrap_angle(yaw + noise[2]))
@@ -147,12 +148,12 @@ class OdometryPublisher:
                 Transform(nanoseconds, config.odom_frame_id, self._base_frame, noisy_pose)
             )
 
-    def _noise(self, nanoseconds: int) -> List[float]:
-        """Of the pose and the velocity; depends on the seed and the time, not on who listened."""
+    def _noise_at(self, nanoseconds: int) -> List[float]:
+        """Of the pose and the velocity."""
         if not self._is_noisy:
             return [0.0] * 6
-        rng = np.random.default_rng([self._noise_key, nanoseconds])
-        noise: List[float] = (rng.standard_normal(6) * self._deviation).tolist()
+        normal = self._noise.at(nanoseconds).standard_normal(6)
+        noise: List[float] = (normal * self._deviation).tolist()
         return noise
 
     def _message(

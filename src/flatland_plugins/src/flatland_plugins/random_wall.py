@@ -1,14 +1,10 @@
 """RandomWall: walls that are not on the map."""
 
-import math
-
 import numpy as np
 
 from flatland_plugins.wall_grid import nearest
 from flatland_server.arrays import FloatArray, Segments
 from flatland_server.exceptions import FlatlandError
-from flatland_server.footprint import Circle
-from flatland_server.model import Model
 from flatland_server.world_plugin import WorldPlugin
 from flatland_server.yaml_reader import YamlReader
 
@@ -41,7 +37,7 @@ class RandomWall(WorldPlugin):
         place = np.array(robot.pose[:2])
         copies = copies_beside(layer.segments, place, distance, is_double)
         nearby = nearest(place[np.newaxis], copies.reshape(-1, 4)).distances
-        is_free = nearby.reshape(copies.shape[:2]).min(axis=1) > radius_of(robot)
+        is_free = nearby.reshape(copies.shape[:2]).min(axis=1) > robot.radius
         candidates = np.flatnonzero(is_free)
         if len(candidates) < count:
             raise config.error(
@@ -62,17 +58,3 @@ def copies_beside(walls: Segments, place: FloatArray, distance: float, is_double
     shift = np.tile(distance * side * left, 2)
     copies = [walls + shift, walls - shift] if is_double else [walls + shift]
     return np.stack(copies, axis=1)
-
-
-def radius_of(model: Model) -> float:
-    """How far a model's footprints reach from its origin [m]."""
-    origin = model.pose[:2]
-    reach = 0.0
-    for body in model.bodies.values():
-        for footprint in body.config.footprints:
-            shape = footprint.shape
-            radius = shape.radius if isinstance(shape, Circle) else 0.0
-            for point in [shape.center] if isinstance(shape, Circle) else shape.vertices:
-                place = body.physics_body.world_point(point)
-                reach = max(reach, math.dist(origin, place) + radius)
-    return reach

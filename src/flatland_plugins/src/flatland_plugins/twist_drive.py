@@ -3,6 +3,7 @@
 import contextlib
 import logging
 import math
+from abc import ABC, abstractmethod
 from operator import attrgetter
 from typing import Callable, ClassVar, Tuple
 
@@ -20,7 +21,7 @@ from flatland_server.yaml_reader import YamlReader
 logger = logging.getLogger(__name__)
 
 
-class TwistDrive(ModelPlugin):
+class TwistDrive(ModelPlugin, ABC):
     """Base of a drive: moves a body as the last Twist says, within limits, and has odometry.
 
     Attributes:
@@ -44,6 +45,7 @@ class TwistDrive(ModelPlugin):
         self.update_timer = UpdateTimer(pub_rate)
         self.node.subscribe(twist_sub, Twist, self._on_twist)
 
+    @abstractmethod
     def add_drive(self, config: YamlReader, body: ModelBody) -> Callable[..., None]:
         """Reads the other keys, finishes the configuration and lets the core drive the body.
 
@@ -51,7 +53,6 @@ class TwistDrive(ModelPlugin):
             What is to be called with the components of `obeys`; it raises ValueError for what it
             cannot obey.
         """
-        raise NotImplementedError
 
     def _on_twist(self, twist: Twist) -> None:
         told = {component: attrgetter(component)(twist) for component in self.obeys}

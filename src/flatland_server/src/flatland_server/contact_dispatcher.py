@@ -35,7 +35,6 @@ class ContactDispatcher:
     """
 
     def __init__(self, physics: _core.World, entities: Entities, call: Callable[..., None]) -> None:
-        self._physics = physics
         self._entities = entities
         self._call = call
         self._started = 0

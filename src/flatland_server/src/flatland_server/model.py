@@ -1,5 +1,6 @@
 """Models: robots, people, doors, boxes; collections of bodies, joints and plugins."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, List, Optional, Tuple
@@ -9,6 +10,7 @@ from flatland_server.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.enabled_entries import read_enabled
 from flatland_server.entity import Entities, Entity
 from flatland_server.exceptions import ModelError, suggestion
+from flatland_server.footprint import Circle
 from flatland_server.geometry import Pose
 from flatland_server.joint import Joint, JointConfig
 from flatland_server.model_body import BodyConfig, ModelBody
@@ -169,6 +171,20 @@ class Model(Entity):
     def pose(self) -> Pose:
         """Where its origin is now, going by its first body."""
         return self.base.pose.compose(self.base.config.pose.inverse()).wrapped()
+
+    @property
+    def radius(self) -> float:
+        """How far its footprints reach from its origin, with its joints as they are now [m]."""
+        origin = self.pose[:2]
+        reach = 0.0
+        for body in self.bodies.values():
+            for footprint in body.config.footprints:
+                shape = footprint.shape
+                radius = shape.radius if isinstance(shape, Circle) else 0.0
+                for point in [shape.center] if isinstance(shape, Circle) else shape.vertices:
+                    place = body.physics_body.world_point(point)
+                    reach = max(reach, math.dist(origin, place) + radius)
+        return reach
 
     def move(self, pose: Pose) -> None:
         """Puts it somewhere else as it is, its bodies as they stand to each other, at rest.

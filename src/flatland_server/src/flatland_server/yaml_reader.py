@@ -24,9 +24,12 @@ from flatland_server.yaml_values import (
     Unexpected,
     describe,
     is_null,
+    to_bool,
     to_float,
     to_floats,
+    to_int,
     to_string,
+    to_strings,
 )
 
 T = TypeVar("T")
@@ -35,9 +38,6 @@ Color = Tuple[float, float, float, float]
 
 REQUIRED: Any = object()
 """As a default: the key must be there."""
-
-_TRUE = {"true", "yes", "on", "y"}
-_FALSE = {"false", "no", "off", "n"}
 
 
 class YamlReader:
@@ -140,10 +140,7 @@ class YamlReader:
         """A whole number, at least `minimum` and at most `maximum`."""
 
         def convert(node: yaml.Node) -> int:
-            try:
-                value = int(to_string(node).replace("_", "?"))
-            except ValueError:
-                raise Unexpected("a whole number") from None
+            value = to_int(node)
             if minimum is not None and value < minimum:
                 raise Unexpected(f"a whole number of {minimum} or more")
             if maximum is not None and value > maximum:
@@ -154,14 +151,7 @@ class YamlReader:
 
     def get_bool(self, key: str, default: Any = REQUIRED) -> bool:
         """True or false, in any of YAML's spellings."""
-
-        def convert(node: yaml.Node) -> bool:
-            text = to_string(node).lower()
-            if text not in _TRUE | _FALSE:
-                raise Unexpected("true or false")
-            return text in _TRUE
-
-        return cast(bool, self._get(key, default, convert, True))
+        return cast(bool, self._get(key, default, to_bool, True))
 
     def get_choice(self, key: str, choices: Sequence[str], default: Any = REQUIRED) -> str:
         """One of some words. What else there must be hangs on it: a wrong one raises at once."""
@@ -213,13 +203,7 @@ class YamlReader:
 
     def get_strings(self, key: str, default: Any = REQUIRED) -> Tuple[str, ...]:
         """A list of texts; a single text is a list of one."""
-
-        def convert(node: yaml.Node) -> Tuple[str, ...]:
-            if isinstance(node, yaml.SequenceNode):
-                return tuple(to_string(item) for item in node.value)
-            return (to_string(node),)
-
-        return cast(Tuple[str, ...], self._get(key, default, convert, ()))
+        return cast(Tuple[str, ...], self._get(key, default, to_strings, ()))
 
     def get_path(self, key: str) -> Path:
         """A file that is there: absolute, or relative to the document or to where the key is.

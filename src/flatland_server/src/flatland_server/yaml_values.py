@@ -1,4 +1,4 @@
-"""What a YAML node says, as a text or as numbers, and how it looks to its author."""
+"""What a YAML node says, as text, truth or numbers, and how it looks to its author."""
 
 import math
 from typing import Tuple
@@ -9,6 +9,8 @@ LARGEST = 1e9
 """What physics can reckon with in single precision."""
 
 _INFINITE = {"inf", ".inf", "+inf", "+.inf"}
+_TRUE = {"true", "yes", "on", "y"}
+_FALSE = {"false", "no", "off", "n"}
 
 
 class Unexpected(Exception):
@@ -27,6 +29,28 @@ def to_string(node: yaml.Node) -> str:
     return str(node.value)
 
 
+def to_strings(node: yaml.Node) -> Tuple[str, ...]:
+    """The texts of a list; a single text is a list of one."""
+    items = node.value if isinstance(node, yaml.SequenceNode) else [node]
+    return tuple(to_string(item) for item in items)
+
+
+def to_bool(node: yaml.Node) -> bool:
+    """True or false, in any of YAML's spellings."""
+    text = to_string(node).lower()
+    if text not in _TRUE | _FALSE:
+        raise Unexpected("true or false")
+    return text in _TRUE
+
+
+def to_int(node: yaml.Node) -> int:
+    """A whole number."""
+    try:
+        return int(to_string(node).replace("_", "?"))  # in Python, 1_0 is a number
+    except ValueError:
+        raise Unexpected("a whole number") from None
+
+
 def to_float(node: yaml.Node) -> float:
     """A number or infinity, in YAML's spelling or Python's; not NaN."""
     text = node.value if isinstance(node, yaml.ScalarNode) else ""
@@ -35,7 +59,7 @@ def to_float(node: yaml.Node) -> float:
     if text.lower() in {"-inf", "-.inf"}:
         return -math.inf
     try:
-        value = float(text.replace("_", "?"))  # in Python, 1_0 is a number
+        value = float(text.replace("_", "?"))
     except ValueError:
         raise Unexpected("a number") from None
     if math.isnan(value):

@@ -17,6 +17,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from flatland_server.layer import Layer
 from flatland_server.model import Model
 from flatland_server.ros.model_markers import ModelMarkers
+from flatland_server.ros.real_time_timer import RealTimeTimer
 from flatland_server.ros.serialized_markers import MarkerBytes, array_of, serialized
 from flatland_server.ros.wall_markers import wall_markers
 from flatland_server.world import World
@@ -40,8 +41,8 @@ class DebugVisualization:
 
     def __init__(self, world: World, rate: float) -> None:
         self._world = world
-        self._period = 1.0 / rate
-        self._next = self._next_full = time.monotonic()
+        self._timer = RealTimeTimer(1.0 / rate)
+        self._next_full = 0.0
         self._listeners = 0
         self._layers = [_LayerDisplay(layer) for layer in world.layers]
         self._models: Dict[str, _ModelDisplay] = {}
@@ -52,10 +53,9 @@ class DebugVisualization:
 
     def update(self) -> None:
         """Publishes what is due. To be called often, on the simulation's thread."""
-        now = time.monotonic()
-        if now < self._next:
+        if not self._timer.check_update():
             return
-        self._next = max(self._next + self._period, now)
+        now = time.monotonic()
         for layer in self._layers:
             layer.update()
         has_changed = self._follow_models()

@@ -1,12 +1,12 @@
 """/diagnostics: how the simulation goes, and the plugins that have failed."""
 
-import time
 from typing import Any, Dict
 
 import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from flatland_server.plugin_manager import PluginFailure
+from flatland_server.ros.real_time_timer import RealTimeTimer
 from flatland_server.simulation_manager import SimulationManager
 
 _PERIOD = 1.0
@@ -29,16 +29,13 @@ class Diagnostics:
         self._updater.setHardwareID("none")
         self._updater.add("simulation", self._report_simulation)
         self._failures: Dict[str, PluginFailure] = {}
-        self._due = time.monotonic()
+        self._timer = RealTimeTimer(_PERIOD)
 
     def update(self) -> None:
         """Publishes if it is time to; to be called often."""
-        now = time.monotonic()
-        if now < self._due:
-            return
-        self._due = now + _PERIOD
-        self._follow_failures()
-        self._updater.force_update()
+        if self._timer.check_update():
+            self._follow_failures()
+            self._updater.force_update()
 
     def _follow_failures(self) -> None:
         failures = {f"plugin {each.label}": each for each in self._manager.world.plugin_failures}

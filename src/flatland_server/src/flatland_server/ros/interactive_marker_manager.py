@@ -16,8 +16,10 @@ from visualization_msgs.msg import (
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.messages import fill_pose
 from flatland_server.model import Model
-from flatland_server.ros.model_markers import preview, put_at
+from flatland_server.ros.model_markers import preview
+from flatland_server.ros.real_time_timer import RealTimeTimer
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.simulation_manager import SimulationManager
 
@@ -47,8 +49,7 @@ class InteractiveMarkerManager:
         self._manager = manager
         self._world = manager.world
         self._transport = transport
-        self._period = 1.0 / rate
-        self._next = 0.0
+        self._timer = RealTimeTimer(1.0 / rate)
         self._frame_id = frame_id
         self._server = InteractiveMarkerServer("interactive_model_markers")
         self._shown: Dict[
@@ -56,26 +57,23 @@ class InteractiveMarkerManager:
         ] = {}  # and where its base is
         self._drags: Dict[str, float] = {}  # by model, when the mouse was last heard of
         self._resumes = False
-        self._new: List[str] = []
 
     def update(self) -> None:
         """Follows the models if it is time to; to be called often."""
-        now = time.monotonic()
-        if now < self._next:
+        if not self._timer.check_update():
             return
-        self._next = max(self._next + self._period, now)
-        for name in [name for name, heard in self._drags.items() if heard < now - _DRAG_TIMEOUT]:
+        long_ago = time.monotonic() - _DRAG_TIMEOUT
+        for name in [name for name, heard in self._drags.items() if heard < long_ago]:
             self._end_drag(name)
-        has_changed = self._follow_models()
-        if self._server.update_pub.get_num_connections() > 0:
-            has_changed |= self._follow_poses()
-        if has_changed:
+        gone, new = self._follow_models()
+        has_moved = self._server.update_pub.get_num_connections() > 0 and self._follow_poses()
+        if gone or new or has_moved:
             self._server.applyChanges()
-            for name in self._new:
+            for name in new:
                 self._let_anybody_drag(name)
-            self._new.clear()
 
-    def _follow_models(self) -> bool:
+    def _follow_models(self) -> Tuple[List[str], List[str]]:
+        """Has markers made and removed; returns the names of models that are gone, and new."""
         models = self._world.models
         gone = [name for name, (model, _) in self._shown.items() if models.get(name) is not model]
         for name in gone:
@@ -83,15 +81,15 @@ class InteractiveMarkerManager:
             self._server.erase(name)
             if name in self._drags:
                 self._end_drag(name)
-        new = [model for name, model in models.items() if name not in self._shown]
-        self._new += [model.name for model in new]
-        for model in new:
-            self._shown[model.name] = (model, model.base.physics_body.pose)
+        new = [name for name in models if name not in self._shown]
+        for name in new:
+            model = models[name]
+            self._shown[name] = (model, model.base.physics_body.pose)
             self._server.insert(
                 _interactive_marker(model, self._frame_id),
                 lambda feedback: self._transport.post(lambda: self._on_feedback(feedback)),
             )
-        return bool(gone or new)
+        return gone, new
 
     def _follow_poses(self) -> bool:
         has_moved = False
@@ -158,7 +156,7 @@ class InteractiveMarkerManager:
 
 def _pose_message(pose: Pose) -> object:
     message = InteractiveMarker().pose
-    put_at(message, pose)
+    fill_pose(message, pose)
     return message
 
 
@@ -171,7 +169,7 @@ def _interactive_marker(model: Model, frame_id: str) -> InteractiveMarker:
     for shape in shapes:
         shape.color.a = 0.01  # the model itself is shown by others; this is to be hit by the mouse
         shape.pose.position.z = _HANDLE_Z
-    marker.scale = 2.5 * max(0.2, _radius(model))
+    marker.scale = 2.5 * max(0.2, model.radius)
     drag = InteractiveMarkerControl(
         name="drag",
         interaction_mode=InteractiveMarkerControl.MOVE_PLANE,
@@ -194,16 +192,3 @@ def _disc(radius: float) -> Marker:
     marker.scale.z = 0.01
     marker.color.a = 0.01
     return marker
-
-
-def _radius(model: Model) -> float:
-    """How far the model's footprints reach from its origin [m]."""
-    return max(
-        (
-            math.hypot(*body.pose.compose(Pose(x, y))[:2])
-            for body in model.config.bodies
-            for footprint in body.footprints
-            for x, y in footprint.shape.outline()
-        ),
-        default=0.0,
-    )

@@ -7,10 +7,11 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 from flatland_server.footprint import Circle
-from flatland_server.geometry import Pose, quaternion
+from flatland_server.geometry import Pose
 from flatland_server.joint import JointConfig
+from flatland_server.messages import fill_pose
 from flatland_server.model import Model, ModelConfig
-from flatland_server.model_body import BodyConfig, ModelBody
+from flatland_server.model_body import BodyConfig
 from flatland_server.ros.serialized_markers import MarkerBytes, MovingMarkers
 
 _OUTLINE_WIDTH = 0.01  # m
@@ -31,16 +32,9 @@ class ModelMarkers:
     """
 
     def __init__(self, model: Model, frame_id: str) -> None:
-        markers: List[Marker] = []
-        bodies: List[ModelBody] = []  # whose pose each of them has
-        for body in model.bodies.values():
-            for marker in body_markers(body.config, f"{model.name}/{body.name}"):
-                markers.append(marker)
-                bodies.append(body)
-        for joint in model.joints:
-            # In the frame of the first body, on which a hinge stays where it is.
-            markers.append(joint_marker(joint.config, f"{model.name}/{joint.name}"))
-            bodies.append(model.bodies[joint.config.bodies[0]])
+        placed = _markers_of(model.config, f"{model.name}/")
+        markers = [marker for marker, _ in placed]
+        bodies = [model.bodies[name] for _, name in placed]
         for marker in markers:
             marker.header.frame_id = frame_id
         self._markers = MovingMarkers(markers)
@@ -63,23 +57,24 @@ class ModelMarkers:
 def preview(config: ModelConfig) -> List[Marker]:
     """The markers of a model that is not in the world, about its origin, without a frame."""
     poses = {body.name: body.pose for body in config.bodies}
-    markers: List[Marker] = []
-    for body in config.bodies:
-        for marker in body_markers(body, body.name):
-            put_at(marker.pose, body.pose)
-            markers.append(marker)
-    for joint in config.joints:
-        marker = joint_marker(joint, joint.name)
-        put_at(marker.pose, poses[joint.bodies[0]])
-        markers.append(marker)
+    placed = _markers_of(config, "")
+    for marker, body in placed:
+        fill_pose(marker.pose, poses[body])
+    return [marker for marker, _ in placed]
+
+
+def _markers_of(config: ModelConfig, prefix: str) -> List[Tuple[Marker, str]]:
+    """All markers of a model, each with the body in whose frame it is; namespaces have a prefix."""
+    markers = [
+        (marker, body.name)
+        for body in config.bodies
+        for marker in body_markers(body, prefix + body.name)
+    ]
+    # In the frame of a joint's first body, on which a hinge stays where it is.
+    markers += [
+        (joint_marker(joint, prefix + joint.name), joint.bodies[0]) for joint in config.joints
+    ]
     return markers
-
-
-def put_at(pose_message: object, pose: Pose) -> None:
-    """Writes a pose into a geometry_msgs/Pose."""
-    position, turn = pose_message.position, pose_message.orientation
-    position.x, position.y = pose.x, pose.y
-    turn.x, turn.y, turn.z, turn.w = quaternion(pose.yaw)
 
 
 def body_markers(config: BodyConfig, namespace: str) -> List[Marker]:

@@ -5,6 +5,7 @@ import time
 import rospy
 from flatland_msgs.msg import SimulationState
 
+from flatland_server.messages import ros_time
 from flatland_server.simulation_manager import SimulationManager
 
 _PERIOD = 0.2
@@ -29,6 +30,6 @@ class StatePublisher:
             return
         self._due = now + _PERIOD
         self._told = asked
-        stamp = rospy.Time(*divmod(manager.timekeeper.nanoseconds, 1_000_000_000))
+        stamp = ros_time(manager.timekeeper.nanoseconds)
         paused, rate = asked
         self._publisher.publish(SimulationState(stamp, paused, rate, manager.real_time_factor))

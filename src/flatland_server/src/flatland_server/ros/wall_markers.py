@@ -1,16 +1,20 @@
 """The walls of a layer as one marker, serialised from an array: it may have a million points."""
 
 import struct
-from io import BytesIO
 
 import numpy as np
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import Marker
 
 from flatland_server.arrays import FloatArray
 from flatland_server.layer import Layer
-from flatland_server.ros.serialized_markers import SerializedMarkerArray
+from flatland_server.ros.serialized_markers import (
+    MarkerBytes,
+    SerializedMarkerArray,
+    array_of,
+    serialized,
+)
 
 _WALL_WIDTH = 0.05  # m
 
@@ -25,12 +29,13 @@ def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
     points = _lines(layer).astype("<f8")
     # The list of points begins with its length: where a message without points first differs from
     # one with a point.
-    empty = _serialize(marker)
+    empty = serialized([marker]).data
     marker.points = [Point()]
-    one_point = _serialize(marker)
+    one_point = serialized([marker]).data
     begin = next(i for i, (a, b) in enumerate(zip(empty, one_point)) if a != b)
     length = struct.pack("<I", len(points))
-    return SerializedMarkerArray(empty[:begin] + length + points.tobytes() + empty[begin + 4 :])
+    full = empty[:begin] + length + points.tobytes() + empty[begin + 4 :]
+    return array_of([MarkerBytes(1, full)])
 
 
 def _lines(layer: Layer) -> FloatArray:
@@ -44,9 +49,3 @@ def _lines(layer: Layer) -> FloatArray:
         return low
     upright = np.stack([low, high], axis=1).reshape(-1, 3)
     return np.concatenate([low, high, upright])
-
-
-def _serialize(marker: Marker) -> bytes:
-    buffer = BytesIO()
-    MarkerArray([marker]).serialize(buffer)
-    return buffer.getvalue()

@@ -1,0 +1,44 @@
+"""The frame of a sensor that is mounted on a body."""
+
+from flatland_server.geometry import Pose, Transform
+from flatland_server.model_body import ModelBody
+from flatland_server.model_plugin import ModelPlugin
+
+
+class SensorFrame:
+    """Publishes the transform from a body to a sensor on it, if it is wanted.
+
+    Args:
+        plugin: the sensor.
+        body: what it is mounted on.
+        frame: its frame, without the model's namespace.
+        broadcast: whether the transform is published.
+        pose: of the sensor, in the body's frame.
+        roll: of the sensor, about the body's x axis [rad].
+    """
+
+    def __init__(
+        self,
+        plugin: ModelPlugin,
+        body: ModelBody,
+        frame: str,
+        broadcast: bool,
+        pose: Pose = Pose(),  # noqa: B008 (immutable)
+        roll: float = 0.0,
+    ) -> None:
+        self.name = plugin.name_space_tf(frame)
+        """With the model's namespace."""
+        self._node = plugin.node
+        self._parent = plugin.name_space_tf(body.name)
+        self._broadcast = broadcast
+        self._pose = pose
+        self._roll = roll
+        if broadcast:
+            self._node.claim_frame(self._parent, self.name)
+
+    def publish(self, nanoseconds: int) -> None:
+        """Sends the transform, if anybody listens."""
+        if self._broadcast and self._node.transforms_are_watched:
+            self._node.send_transform(
+                Transform(nanoseconds, self._parent, self.name, self._pose, self._roll)
+            )
