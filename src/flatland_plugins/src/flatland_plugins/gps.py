@@ -37,6 +37,10 @@ class Gps(ModelPlugin):
         self.update_timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, NavSatFix)
 
+    def has_work(self) -> bool:
+        """Whether anybody listens."""
+        return self._publisher.is_watched or self._frame.is_watched
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and the fix."""
         now = timekeeper.nanoseconds

@@ -97,10 +97,13 @@ class Imu(ModelPlugin):
         self._publishers = [self.node.advertise(topic, ImuMessage) for topic in topics]
         self._start: Optional[Motion] = None
 
+    def has_work(self) -> bool:
+        """Whether anybody listens."""
+        return self._frame.is_watched or self._is_watched()
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Notes how the body moves, if somebody listens already."""
-        is_watched = any(publisher.is_watched for publisher in self._publishers)
-        self._start = self._motion() if is_watched else None
+        self._start = self._motion() if self._is_watched() else None
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and what is measured."""
@@ -117,6 +120,9 @@ class Imu(ModelPlugin):
                 if deviations.any():
                     values = truth + self._noise.at(now).standard_normal(9) * deviations
                 publisher.publish(self._message(now, values.tolist()))
+
+    def _is_watched(self) -> bool:
+        return any(publisher.is_watched for publisher in self._publishers)
 
     def _motion(self) -> Motion:
         return Motion(*self._body.physics_body.velocity, self._body.pose.yaw)

@@ -111,6 +111,11 @@ class Laser(ModelPlugin):
         self.update_timer = UpdateTimer(laser.update_rate)
         self._publisher = self.node.advertise(laser.topic, LaserScan)
 
+    def has_work(self) -> bool:
+        """Whether to scan, or to tell where the lidar is."""
+        laser = self._config
+        return laser.always_publish or self._publisher.is_watched or self._frame.is_watched
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)

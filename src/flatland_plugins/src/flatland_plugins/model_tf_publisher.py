@@ -34,10 +34,12 @@ class ModelTfPublisher(ModelPlugin):
         for body in self._bodies:
             self.node.claim_frame(self._frame, self.name_space_tf(body.name))
 
+    def has_work(self) -> bool:
+        """Whether anybody listens."""
+        return self.node.transforms_are_watched
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transforms of now."""
-        if not self.node.transforms_are_watched:
-            return
         now = timekeeper.nanoseconds
         pose = self._reference.pose
         if self._publish_tf_world:

@@ -112,6 +112,15 @@ class OdometryPublisher:
         if config.enable_odom_tf_pub:
             self._node.claim_frame(config.odom_frame_id, self._base_frame)
 
+    def has_work(self) -> bool:
+        """Whether `publish` does anything: somebody listens, or a drift gathers."""
+        publishers = (self._odom, self._ground_truth, self._twist)
+        return (
+            self._drift is not None
+            or (self._config.enable_odom_tf_pub and self._node.transforms_are_watched)
+            or any(publisher is not None and publisher.is_watched for publisher in publishers)
+        )
+
     def publish(self, nanoseconds: int) -> None:
         """Publishes what is listened to, for the present pose and velocity.
 

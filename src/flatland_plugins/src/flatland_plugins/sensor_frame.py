@@ -36,9 +36,14 @@ class SensorFrame:
         if broadcast:
             self._node.claim_frame(self._parent, self.name)
 
+    @property
+    def is_watched(self) -> bool:
+        """Whether the transform is published and anybody listens."""
+        return self._broadcast and self._node.transforms_are_watched
+
     def publish(self, nanoseconds: int) -> None:
         """Sends the transform, if anybody listens."""
-        if self._broadcast and self._node.transforms_are_watched:
+        if self.is_watched:
             self._node.send_transform(
                 Transform(nanoseconds, self._parent, self.name, self._pose, self._roll)
             )

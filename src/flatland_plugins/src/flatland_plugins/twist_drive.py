@@ -62,6 +62,10 @@ class TwistDrive(ModelPlugin, ABC):
             ignored = " ".join(f"{component}={value}" for component, value in told.items())
             logger.warning("%s: %s; ignored %s", self._topic, error, ignored)
 
+    def has_work(self) -> bool:
+        """Whether odometry is listened to, or drifts."""
+        return self._odometry.has_work()
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry; the core drives."""
         self._odometry.publish(timekeeper.nanoseconds)

@@ -29,7 +29,7 @@ class BodyDrive {
 
   /// Sets the body's velocity for the coming step of `dt` seconds.
   void BeginStep(b2Body& body, double dt);
-  void EndStep(b2Body& body) { motion_.End(body, velocity_); }
+  void EndStep(b2Body& body);
 
  private:
   DynamicsLimits linear_;
@@ -37,6 +37,7 @@ class BodyDrive {
   Twist target_;
   Twist velocity_;
   ArcMotion motion_;
+  bool is_asleep_ = false;  // with nothing to do, for this step
 };
 
 }  // namespace flatland

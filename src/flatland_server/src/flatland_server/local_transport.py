@@ -8,7 +8,7 @@ transport.last("/odometry/ground_truth")  # the newest message of a topic, or No
 """
 
 from collections import Counter, deque
-from typing import Any, Callable, Deque, Dict, List, Set, Tuple
+from typing import Any, Callable, Container, Deque, Dict, List, Optional, Set, Tuple
 from typing import Counter as CounterType
 
 from flatland_server.geometry import Transform
@@ -20,11 +20,19 @@ class LocalTransport(Transport):
 
     Args:
         params: parameters by absolute name.
+        watched: the topics that somebody listens to; all of them if None. What nobody listens to is
+            not computed, as with ROS, unless it is asked to be.
     """
 
-    def __init__(self, params: Dict[str, Any] = {}) -> None:  # noqa: B006 (only read)
+    def __init__(
+        self,
+        params: Dict[str, Any] = {},  # noqa: B006 (only read)
+        watched: Optional[Container[str]] = None,
+    ) -> None:
         self.transforms: Dict[str, Transform] = {}
         self._params = dict(params)
+        self._watched = watched
+        self._version = 0
         self._publishers: CounterType[str] = Counter()
         self._last: Dict[str, Any] = {}
         self._inbox: Deque[Tuple[str, Any]] = deque()
@@ -59,9 +67,22 @@ class LocalTransport(Transport):
         callbacks = self._callbacks.setdefault(_absolute(topic), [])
         return _LocalSubscription(callbacks, callback)
 
+    def watch(self, topics: Optional[Container[str]]) -> None:
+        """Says which topics somebody listens to from now on; all of them if None."""
+        self._watched = topics
+        self._version += 1
+
+    def is_watched(self, topic: str) -> bool:
+        """Whether somebody listens to a topic."""
+        return self._watched is None or _absolute(topic) in self._watched
+
     @property
     def transforms_are_watched(self) -> bool:
-        return True
+        return self.is_watched("/tf")
+
+    @property
+    def listeners_version(self) -> object:
+        return self._version
 
     def send_transform(self, transform: Transform) -> None:
         self.transforms[transform.child] = transform
@@ -88,7 +109,7 @@ class _LocalPublisher(Publisher):
 
     @property
     def is_watched(self) -> bool:
-        return True
+        return self._transport.is_watched(self._topic)
 
     def publish(self, message: Any) -> None:
         self._transport._last[self._topic] = message

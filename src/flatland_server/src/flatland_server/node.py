@@ -61,6 +61,14 @@ class Transport(ABC):
     def transforms_are_watched(self) -> bool:
         """Whether anybody listens to transforms."""
 
+    @property
+    def listeners_version(self) -> object:
+        """Another value than before if somebody has begun or ended to listen to something.
+
+        A transport that cannot tell says so always.
+        """
+        return object()
+
     @abstractmethod
     def send_transform(self, transform: Transform) -> None:
         """Takes a transform along with the others of this step."""
@@ -187,6 +195,11 @@ class Node:
     def transforms_are_watched(self) -> bool:
         """Whether anybody listens to transforms."""
         return self._transport.transforms_are_watched
+
+    @property
+    def listeners_version(self) -> object:
+        """Another value than before if somebody has begun or ended to listen to something."""
+        return self._transport.listeners_version
 
     def claim_frame(self, parent: str, child: str) -> None:
         """Says that this node will publish a frame; warns if somebody else does."""

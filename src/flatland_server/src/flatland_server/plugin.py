@@ -20,7 +20,7 @@ In a hook, models are spawned, moved and deleted as ever, which then happens at 
 In the hooks of contacts, velocities can be set and forces applied, but no body be put elsewhere.
 """
 
-from typing import Optional
+from typing import Callable, Optional
 
 import numpy as np
 
@@ -57,7 +57,20 @@ class Plugin:
         self.name = name
         self.node = node
         self.rng = rng
-        self.update_timer: Optional[UpdateTimer] = None
+        self._update_timer: Optional[UpdateTimer] = None
+        self.on_new_timer: Optional[Callable[[], None]] = None
+        """Called when the plugin gets another `update_timer`."""
+
+    @property
+    def update_timer(self) -> Optional[UpdateTimer]:
+        """When the hooks before and after a step are called; None: at every step."""
+        return self._update_timer
+
+    @update_timer.setter
+    def update_timer(self, timer: Optional[UpdateTimer]) -> None:
+        self._update_timer = timer
+        if self.on_new_timer is not None:
+            self.on_new_timer()
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the configuration and gets ready. Must be overridden.
@@ -66,6 +79,14 @@ class Plugin:
         model is then not spawned.
         """
         raise TypeError(f"{type(self).__name__} does not override on_initialize")
+
+    def has_work(self) -> bool:
+        """Whether there is something to do, once it is due; if not, it is not called.
+
+        To be overridden by plugins that do nothing but publish, to ask whether anybody listens. It
+        is asked again only when somebody begins or ends to listen to something.
+        """
+        return True
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Called before each step; the time is t."""

@@ -3,7 +3,7 @@
 import logging
 import sys
 import zlib
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Type, TypeVar
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Type, TypeVar
 
 import numpy as np
 
@@ -15,20 +15,13 @@ from flatland_server.node import Node
 from flatland_server.plugin import HOOKS, Plugin
 from flatland_server.plugin_config import PluginConfig
 from flatland_server.plugin_loader import PluginLoader
+from flatland_server.schedule import Entry, Schedule
 from flatland_server.timekeeper import Timekeeper
 
 logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
 Hook = Callable[..., None]
-
-
-class _Entry(NamedTuple):
-    """A plugin, and those of its hooks that it overrides."""
-
-    plugin: Plugin
-    before: Optional[Hook]
-    after: Optional[Hook]
 
 
 class PluginFailure(NamedTuple):
@@ -72,8 +65,8 @@ class PluginManager:
         self._contacts = ContactDispatcher(physics, entities, self._call)
         self._failures: Dict[Plugin, PluginFailure] = {}
         self._plugins: Dict[str, List[Plugin]] = {}
-        self._entries: List[_Entry] = []
-        self._due: List[_Entry] = []
+        self._schedule = Schedule(self._has_work)
+        self._due: List[Entry] = []
 
     def plugins_of(self, owner: str) -> List[Plugin]:
         """The living plugins of a model, or of the world, whose name is empty."""
@@ -126,7 +119,7 @@ class PluginManager:
             hooks = _overridden(plugin)
             before, after = hooks.get("before_physics_step"), hooks.get("after_physics_step")
             if before is not None or after is not None:
-                self._entries.append(_Entry(plugin, before, after))
+                self._schedule.add(Entry(plugin, before, after))
             self._contacts.add(plugin, entity, hooks)
         if entity is not None:
             self._contacts.refresh(entity)
@@ -179,20 +172,29 @@ class PluginManager:
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls the hook of every plugin that is due."""
-        self._due = [
-            entry
-            for entry in self._entries
-            if (timer := entry.plugin.update_timer) is None or timer.check_update(timekeeper)
-        ]
+        self._due = self._schedule.due(timekeeper, self._node.listeners_version)
         for entry in self._due:
-            if entry.before is not None:
-                self._call(entry.plugin, "before_physics_step", entry.before, timekeeper)
+            if entry.before is not None and not entry.is_gone:
+                try:
+                    entry.before(timekeeper)
+                except Exception:
+                    self._fail(entry.plugin, "before_physics_step")
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls the hook of every plugin that was due before the step."""
         for entry in self._due:
-            if entry.after is not None:
-                self._call(entry.plugin, "after_physics_step", entry.after, timekeeper)
+            if entry.after is not None and not entry.is_gone:
+                try:
+                    entry.after(timekeeper)
+                except Exception:
+                    self._fail(entry.plugin, "after_physics_step")
+
+    def _has_work(self, plugin: Plugin) -> bool:
+        try:
+            return plugin.has_work()
+        except Exception:
+            self._fail(plugin, "has_work")
+            return False
 
     def _call(self, plugin: Plugin, name: str, hook: Hook, *arguments: Any) -> None:
         try:
@@ -218,9 +220,7 @@ class PluginManager:
 
     def _call_no_more(self, plugins: Sequence[Plugin]) -> None:
         """Calls no more hooks of these plugins."""
-        gone = {id(plugin) for plugin in plugins}
-        self._entries = [entry for entry in self._entries if id(entry.plugin) not in gone]
-        self._due = [entry for entry in self._due if id(entry.plugin) not in gone]
+        self._schedule.remove(plugins)
         self._contacts.remove(plugins)
 
 

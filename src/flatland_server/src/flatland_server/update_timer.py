@@ -20,7 +20,8 @@ class UpdateTimer:
             raise ValueError(f"expected a rate above 0 Hz, found {rate}")
         self._period = 1e9 / rate  # ns
         self._start = 0
-        self._due: float = -1
+        self.due: float = -1
+        """The time [ns] from which on the next check says yes."""
 
     @property
     def period(self) -> float:
@@ -30,13 +31,13 @@ class UpdateTimer:
     def check_update(self, timekeeper: Timekeeper) -> bool:
         """Whether an update is due now. True only once for each."""
         now = timekeeper.nanoseconds
-        if now < self._due:
+        if now < self.due:
             return False
-        if self._due < 0:
+        if self.due < 0:
             self._start = now
         if math.isinf(self._period):
-            self._due = math.inf
+            self.due = math.inf
         elif self._period > 0:
             passed = round(math.floor((now - self._start + 0.5) / self._period) + 1)
-            self._due = self._start + round(passed * self._period)
+            self.due = self._start + round(passed * self._period)
         return True

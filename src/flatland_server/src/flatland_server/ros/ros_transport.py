@@ -4,6 +4,7 @@ rospy calls back on threads of its own. Here a callback is only queued; it runs 
 thread when that calls `process`, so that no plugin ever sees a half-stepped world or needs a lock.
 """
 
+import itertools
 import logging
 import threading
 import time
@@ -33,12 +34,15 @@ class RosTransport(Transport):
         self.is_ending = False
         self._transforms: List[Transform] = []
         self._serializer = TransformSerializer()
-        self._tf = rospy.Publisher("/tf", TFMessage, queue_size=100, tcp_nodelay=True)
+        self._listeners = _Listeners()
+        self._tf = rospy.Publisher(
+            "/tf", TFMessage, self._listeners, queue_size=100, tcp_nodelay=True
+        )
 
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        return _RosPublisher(topic, message_type, latch, queue_size)
+        return _RosPublisher(topic, message_type, latch, queue_size, self._listeners)
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
@@ -48,6 +52,10 @@ class RosTransport(Transport):
     @property
     def transforms_are_watched(self) -> bool:
         return self._tf.get_num_connections() > 0
+
+    @property
+    def listeners_version(self) -> object:
+        return self._listeners.version
 
     def send_transform(self, transform: Transform) -> None:
         self._transforms.append(transform)
@@ -123,10 +131,31 @@ class _Errand(Generic[T]):
         return value
 
 
+class _Listeners(rospy.SubscribeListener):  # type: ignore[misc]
+    """Counts how often listeners have come or gone. ROS's threads call it."""
+
+    def __init__(self) -> None:
+        self._counter = itertools.count(1)
+        self.version = 0
+
+    def peer_subscribe(self, *_: Any) -> None:
+        self.version = next(self._counter)
+
+    def peer_unsubscribe(self, *_: Any) -> None:
+        self.version = next(self._counter)
+
+
 class _RosPublisher(Publisher):
-    def __init__(self, topic: str, message_type: Any, latch: bool, queue_size: int) -> None:
+    def __init__(
+        self, topic: str, message_type: Any, latch: bool, queue_size: int, listeners: _Listeners
+    ) -> None:
         self._publisher = rospy.Publisher(
-            topic, message_type, latch=latch, queue_size=queue_size, tcp_nodelay=True
+            topic,
+            message_type,
+            listeners,
+            latch=latch,
+            queue_size=queue_size,
+            tcp_nodelay=True,
         )
 
     @property

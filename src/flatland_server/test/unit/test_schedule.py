@@ -1,0 +1,154 @@
+"""Plugins are called when they are due and have work, in their order; nobody is asked in vain."""
+
+from typing import Any, List
+
+import pytest
+
+from flatland_server.local_transport import LocalTransport
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation_manager import SimulationManager
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+
+BODY = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]\n"
+
+calls: List[Any] = []
+
+
+class Periodic(ModelPlugin):
+    """Notes when it is called; with a rate, or without."""
+
+    def on_initialize(self, config):
+        rate = config.get_float("rate", 0.0)
+        if rate > 0:
+            self.update_timer = UpdateTimer(rate)
+
+    def before_physics_step(self, timekeeper):
+        calls.append((timekeeper.nanoseconds // 5_000_000, self.name))
+
+
+class Speaker(Periodic):
+    """Has work only if somebody listens; counts how often it is asked."""
+
+    def on_initialize(self, config):
+        super().on_initialize(config)
+        self.publisher = self.node.advertise("speech", str)
+        self.asked = 0
+
+    def has_work(self):
+        self.asked += 1
+        return self.publisher.is_watched
+
+
+class Fickle(Periodic):
+    """Takes another rate at its third call."""
+
+    def before_physics_step(self, timekeeper):
+        super().before_physics_step(timekeeper)
+        if len(calls) == 3:
+            self.update_timer = UpdateTimer(100.0)
+
+
+class Silent(Periodic):
+    def has_work(self):
+        raise RuntimeError("no luck")
+
+
+@pytest.fixture
+def load(files):
+    """Loads a model with plugins, given as "type name, key: value"."""
+    calls.clear()
+    loader = PluginLoader(
+        PluginDeclaration(c.__name__, "test", f"{__name__}.{c.__name__}")
+        for c in (Periodic, Speaker, Fickle, Silent)
+    )
+
+    def load(*plugins: str, watched=None):
+        lines = "".join(f"\n  - {{{plugin}}}" for plugin in plugins)
+        files.write("robot.yaml", f"{BODY}plugins:{lines}\n")
+        transport = LocalTransport(watched=watched)
+        world = files.load(
+            "properties: {}\nlayers: []\nmodels: [{name: robot, model: robot.yaml}]",
+            transport=transport,
+            loader=loader,
+        )
+        return SimulationManager(world, Timekeeper(0.005)), transport
+
+    return load
+
+
+def run(manager, steps: int) -> List[Any]:
+    for _ in range(steps):
+        manager.step()
+    return calls
+
+
+def test_plugins_of_different_rates_are_called_in_their_order(load):
+    manager, _ = load(
+        "type: Periodic, name: slow, rate: 50",
+        "type: Periodic, name: always",
+        "type: Periodic, name: quick, rate: 100",
+    )
+
+    assert run(manager, 5) == [
+        *[(0, "slow"), (0, "always"), (0, "quick")],
+        (1, "always"),
+        *[(2, "always"), (2, "quick")],
+        (3, "always"),
+        *[(4, "slow"), (4, "always"), (4, "quick")],
+    ]
+
+
+def test_who_has_no_work_is_not_called(load):
+    manager, transport = load(
+        "type: Speaker, name: always", "type: Speaker, name: slow, rate: 50", watched=()
+    )
+
+    assert run(manager, 3) == []
+
+    transport.watch({"/speech"})
+    assert run(manager, 2) == [(3, "always"), *[(4, "always"), (4, "slow")]]
+
+    transport.watch(())
+    calls.clear()
+    assert run(manager, 20) == []
+
+
+def test_a_rate_goes_on_while_there_is_no_work(load):
+    manager, transport = load("type: Speaker, name: slow, rate: 50", watched=())
+    run(manager, 7)
+    transport.watch({"/speech"})
+
+    assert run(manager, 6) == [(8, "slow"), (12, "slow")]
+
+
+def test_nobody_is_asked_for_work_at_each_step(load):
+    manager, _ = load("type: Speaker, name: always")
+    [plugin] = manager.world._plugins.plugins_of("robot")
+
+    run(manager, 100)
+
+    assert plugin.asked == 1
+
+
+def test_a_plugin_may_take_another_rate(load):
+    manager, _ = load("type: Fickle, name: fickle")
+
+    assert [step for step, _ in run(manager, 9)] == [0, 1, 2, 3, 5, 7]
+
+
+def test_who_fails_to_say_whether_there_is_work_is_switched_off(load):
+    manager, _ = load("type: Silent, name: silent", "type: Periodic, name: other")
+
+    assert run(manager, 2) == [(0, "other"), (1, "other")]
+    assert [failure.name for failure in manager.world.plugin_failures] == ["silent"]
+
+
+def test_a_deleted_models_plugins_are_called_no_more(load):
+    manager, _ = load("type: Periodic, name: slow, rate: 50", "type: Periodic, name: always")
+    run(manager, 1)
+    manager.world.delete_model("robot")
+    calls.clear()
+
+    assert run(manager, 10) == []
