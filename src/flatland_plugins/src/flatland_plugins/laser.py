@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
 from sensor_msgs.msg import LaserScan
 
-from flatland_plugins.messages import ArrayLaserScan, header
+from flatland_plugins.scan_writer import ScanWriter
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
 from flatland_server._core import BeamFan
@@ -103,13 +104,22 @@ class Laser(ModelPlugin):
         self._noise = TimedNoise(self.rng)
         # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
         handedness = -1.0 if laser.upside_down else 1.0
-        self._fan = BeamFan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
+        self._fan = _fan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(
             self, self._body, laser.frame, laser.broadcast_tf, laser.origin, roll
         )
         self.update_timer = UpdateTimer(laser.update_rate)
         self._publisher = self.node.advertise(laser.topic, LaserScan)
+        self._writer = ScanWriter(
+            self._frame.name,
+            angle_min=laser.angle_min,
+            angle_max=laser.angle_min + (laser.beams - 1) * laser.increment,
+            angle_increment=laser.increment,
+            scan_time=self.update_timer.period,
+            range_min=0.0,
+            range_max=laser.range,
+        )
 
     def has_work(self) -> bool:
         """Whether to scan, or to tell where the lidar is."""
@@ -120,9 +130,10 @@ class Laser(ModelPlugin):
         """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)
         if self._config.always_publish or self._publisher.is_watched:
-            self._publisher.publish(self._scan(timekeeper.nanoseconds))
+            now = timekeeper.nanoseconds
+            self._publisher.write(self._writer, now, *self._scan(now))
 
-    def _scan(self, nanoseconds: int) -> LaserScan:
+    def _scan(self, nanoseconds: int) -> Tuple[Float32Array, Float32Array]:
         laser = self._config
         pose = self._body.pose.compose(laser.origin)
         ranges, intensities = self.model.physics.scan(
@@ -131,17 +142,13 @@ class Laser(ModelPlugin):
         if laser.noise_std_dev > 0.0:
             noise = self._noise.at(nanoseconds)
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)
-        return ArrayLaserScan(
-            header=header(nanoseconds, self._frame.name),
-            angle_min=laser.angle_min,
-            angle_max=laser.angle_min + (laser.beams - 1) * laser.increment,
-            angle_increment=laser.increment,
-            scan_time=self.update_timer.period if self.update_timer else 0.0,
-            range_min=0.0,
-            range_max=laser.range,
-            ranges=ranges,
-            intensities=intensities,
-        )
+        return ranges, intensities
+
+
+@lru_cache(maxsize=16)
+def _fan(angle_min: float, increment: float, count: int) -> BeamFan:
+    """A fan, the same for all lidars of a kind: its tables stay in the processor's cache."""
+    return BeamFan(angle_min, increment, count)
 
 
 def add_noise(

@@ -2,7 +2,7 @@
 
 import math
 
-from flatland_server.geometry import Transform
+from flatland_server._core import RelativePoses
 from flatland_server.model_plugin import ModelPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
@@ -15,8 +15,8 @@ class ModelTfPublisher(ModelPlugin):
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys."""
         self._reference = self.get_body(config, "reference", self.model.base.name)
-        self._publish_tf_world = config.get_bool("publish_tf_world", False)
-        self._world_frame_id = config.get_string("world_frame_id", "map")
+        publish_tf_world = config.get_bool("publish_tf_world", False)
+        world_frame_id = config.get_string("world_frame_id", "map")
         rate = config.get_rate("update_rate", math.inf)
         excluded = self.get_body_names(config, "exclude")
         config.finish()
@@ -27,12 +27,16 @@ class ModelTfPublisher(ModelPlugin):
             for body in self.model.bodies.values()
             if body is not self._reference and body.name not in excluded
         ]
-        self._publish_tf_world &= self._reference.name not in excluded
-        self._frame = self.name_space_tf(self._reference.name)
-        if self._publish_tf_world:
-            self.node.claim_frame(self._world_frame_id, self._frame)
-        for body in self._bodies:
-            self.node.claim_frame(self._frame, self.name_space_tf(body.name))
+        frame = self.name_space_tf(self._reference.name)
+        self._world_frame = None
+        if publish_tf_world and self._reference.name not in excluded:
+            self._world_frame = self.node.open_frames((world_frame_id, frame))
+        self._frames = self.node.open_frames(
+            *((frame, self.name_space_tf(body.name)) for body in self._bodies)
+        )
+        self._poses = RelativePoses(
+            self._reference.physics_body, [body.physics_body for body in self._bodies]
+        )
 
     def has_work(self) -> bool:
         """Whether anybody listens."""
@@ -41,11 +45,7 @@ class ModelTfPublisher(ModelPlugin):
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transforms of now."""
         now = timekeeper.nanoseconds
-        pose = self._reference.pose
-        if self._publish_tf_world:
-            self.node.send_transform(Transform(now, self._world_frame_id, self._frame, pose))
-        to_reference = pose.inverse()
-        for body in self._bodies:
-            child = self.name_space_tf(body.name)
-            relative = to_reference.compose(body.pose)
-            self.node.send_transform(Transform(now, self._frame, child, relative))
+        if self._world_frame is not None:
+            self._world_frame.send(now, [self._reference.pose])
+        if self._bodies:
+            self._frames.send(now, self._poses.read())

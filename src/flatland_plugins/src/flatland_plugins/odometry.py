@@ -8,12 +8,14 @@ import numpy as np
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 
-from flatland_plugins.messages import fill_pose, fill_twist, header
+from flatland_plugins.messages import fill_twist, header
 from flatland_plugins.odometry_drift import OdometryDrift
+from flatland_plugins.odometry_writer import OdometryWriter, Twist
 from flatland_plugins.timed_noise import TimedNoise
-from flatland_server.geometry import Pose, Transform, wrap_angle
+from flatland_server.geometry import Pose, wrap_angle
 from flatland_server.model_body import ModelBody
 from flatland_server.model_plugin import ModelPlugin
+from flatland_server.node import Frames, Publisher
 from flatland_server.yaml_reader import YamlReader
 
 Vector3 = Tuple[float, ...]
@@ -103,78 +105,81 @@ class OdometryPublisher:
         self._base_frame = plugin.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
-        self._odom = self._ground_truth = self._twist = None
+        self._odom: Optional[Publisher] = None
+        self._ground_truth: Optional[Publisher] = None
+        self._twist: Optional[Publisher] = None
         if config.enable_odom_pub:
             self._odom = self._node.advertise(config.odom_pub, Odometry)
             self._ground_truth = self._node.advertise(config.ground_truth_pub, Odometry)
         if config.enable_twist_pub:
             self._twist = self._node.advertise(config.twist_pub, TwistStamped)
+        self._odom_writer, self._ground_truth_writer = (
+            OdometryWriter(
+                frame_id, self._base_frame, config.pose_covariance, config.twist_covariance
+            )
+            for frame_id in (config.odom_frame_id, config.ground_truth_frame_id)
+        )
+        self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
-            self._node.claim_frame(config.odom_frame_id, self._base_frame)
+            self._frame = self._node.open_frames((config.odom_frame_id, self._base_frame))
 
     def has_work(self) -> bool:
         """Whether `publish` does anything: somebody listens, or a drift gathers."""
-        publishers = (self._odom, self._ground_truth, self._twist)
-        return (
-            self._drift is not None
-            or (self._config.enable_odom_tf_pub and self._node.transforms_are_watched)
-            or any(publisher is not None and publisher.is_watched for publisher in publishers)
-        )
+        return self._drift is not None or self._is_watched()
 
     def publish(self, nanoseconds: int) -> None:
         """Publishes what is listened to, for the present pose and velocity.
 
         To be called whenever odometry is due, heard or not: drift gathers from call to call.
         """
-        config = self._config
-        if self._drift is not None:
-            self._drift.advance(nanoseconds, self._body.pose)
-        with_tf = config.enable_odom_tf_pub and self._node.transforms_are_watched
-        publishers = (self._odom, self._ground_truth, self._twist)
-        if not with_tf and not any(p is not None and p.is_watched for p in publishers):
-            return
-        noise = self._noise_at(nanoseconds)
         pose = self._body.pose
-        x, y, yaw = pose if self._drift is None else self._drift.pose
-        noisy_pose = Pose(x + noise[0], y + noise[1], wrap_angle(yaw + noise[2]))
-        local = self._body.physics_body.local_velocity
-        noisy_local = (local[0] + noise[3], local[1] + noise[4], local[2] + noise[5])
+        if self._drift is not None:
+            self._drift.advance(nanoseconds, pose)
+            if not self._is_watched():
+                return
+        local: Twist = self._body.physics_body.local_velocity
+        believed = pose if self._drift is None else self._drift.pose
+        felt = local
+        if self._is_noisy:
+            noise = self._noise_at(nanoseconds)
+            x, y, yaw = (value + error for value, error in zip(believed, noise))
+            believed = Pose(x, y, wrap_angle(yaw))
+            vx, vy, omega = (value + error for value, error in zip(local, noise[3:]))
+            felt = (vx, vy, omega)
 
         if self._twist is not None and self._twist.is_watched:
             twist = TwistStamped(header=header(nanoseconds, self._base_frame))
-            fill_twist(twist.twist, *noisy_local)
+            fill_twist(twist.twist, *felt)
             self._twist.publish(twist)
         if self._odom is not None and self._odom.is_watched:
-            self._odom.publish(
-                self._message(nanoseconds, config.odom_frame_id, noisy_pose, noisy_local)
-            )
+            self._write(self._odom, self._odom_writer, nanoseconds, believed, felt)
         if self._ground_truth is not None and self._ground_truth.is_watched:
-            self._ground_truth.publish(
-                self._message(nanoseconds, config.ground_truth_frame_id, pose, local)
-            )
-        if with_tf:
-            self._node.send_transform(
-                Transform(nanoseconds, config.odom_frame_id, self._base_frame, noisy_pose)
-            )
+            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, pose, local)
+        if self._frame is not None and self._node.transforms_are_watched:
+            self._frame.send(nanoseconds, [believed])
+
+    def _is_watched(self) -> bool:
+        if self._frame is not None and self._node.transforms_are_watched:
+            return True
+        publishers = (self._twist, self._odom, self._ground_truth)
+        return any(publisher is not None and publisher.is_watched for publisher in publishers)
 
     def _noise_at(self, nanoseconds: int) -> List[float]:
         """Of the pose and the velocity."""
-        if not self._is_noisy:
-            return [0.0] * 6
         normal = self._noise.at(nanoseconds).standard_normal(6)
         noise: List[float] = (normal * self._deviation).tolist()
         return noise
 
-    def _message(
-        self, nanoseconds: int, frame_id: str, pose: Pose, local: Tuple[float, float, float]
-    ) -> Odometry:
-        message = Odometry(header=header(nanoseconds, frame_id), child_frame_id=self._base_frame)
-        fill_pose(message.pose.pose, pose)
-        message.pose.covariance = self._config.pose_covariance
-        vx, vy, omega = local
+    def _write(
+        self,
+        publisher: Publisher,
+        writer: OdometryWriter,
+        nanoseconds: int,
+        pose: Pose,
+        twist: Twist,
+    ) -> None:
         if not self._config.twist_in_local_frame:
+            vx, vy, omega = twist
             cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-            vx, vy = cos * vx - sin * vy, sin * vx + cos * vy
-        fill_twist(message.twist.twist, vx, vy, omega)
-        message.twist.covariance = self._config.twist_covariance
-        return message
+            twist = (cos * vx - sin * vy, sin * vx + cos * vy, omega)
+        publisher.write(writer, nanoseconds, pose, twist)

@@ -11,6 +11,7 @@ from geometry_msgs.msg import Twist
 from flatland_server.exceptions import FlatlandError
 from flatland_server.local_transport import LocalTransport
 from flatland_server.model import Model
+from flatland_server.node import Publisher
 from flatland_server.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world import World
@@ -152,17 +153,20 @@ class DeafTransport(LocalTransport):
         return object()  # tests let publishers be watched without a word
 
 
-class _DeafPublisher:
+class _DeafPublisher(Publisher):
+    is_watched = False
+
     def __init__(self, transport: DeafTransport, topic: str, publisher: Any) -> None:
-        self.is_watched = False
         self._transport = transport
         self._topic = topic
         self._publisher = publisher
-        self.close = publisher.close
 
     def publish(self, message: Any) -> None:
         self._transport.published.append(self._topic)
         self._publisher.publish(message)
+
+    def close(self) -> None:
+        self._publisher.close()
 
 
 @pytest.fixture(scope="session")

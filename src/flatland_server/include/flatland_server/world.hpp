@@ -151,6 +151,9 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   /// The yaw counts whole turns, as joints do.
   Pose GetPose(Body body) const;
+  /// Of a body's origin in another's frame: the yaw is the difference of the two bodies' own, which
+  /// lie within [-pi, pi].
+  Pose GetPoseIn(Body reference, Body body) const;
   /// Puts the body there at once, awake; its velocity stays. Not while contacts are told of.
   void SetPose(Body body, const Pose& pose);
   /// Velocity of the body's origin, in the world's frame.

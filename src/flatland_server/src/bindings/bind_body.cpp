@@ -205,6 +205,28 @@ void BindMechanics(py::class_<PyBody>& body) {
 
 }  // namespace
 
+RelativePoses::RelativePoses(const PyBody& reference, const std::vector<PyBody>& bodies)
+    : world(reference.world), reference(reference.handle) {
+  for (const PyBody& body : bodies) {
+    if (body.world != world) throw std::invalid_argument("the bodies are of different worlds");
+    this->bodies.push_back(body.handle);
+  }
+}
+
+std::vector<Triple> RelativePoses::Read() const {
+  std::vector<Triple> poses;
+  for (const World::Body& body : bodies)
+    poses.push_back(ToTuple(world->GetPoseIn(reference, body)));
+  return poses;
+}
+
+void BindRelativePoses(py::module_& m) {
+  py::class_<RelativePoses>(m, "RelativePoses")
+      .def(py::init<const PyBody&, const std::vector<PyBody>&>(), py::arg("reference"),
+           py::arg("bodies"))
+      .def("read", &RelativePoses::Read);
+}
+
 void BindBody(py::class_<PyBody>& body) {
   body.def_property_readonly("id", [](const PyBody& self) { return IdOf(self.handle); })
       .def(

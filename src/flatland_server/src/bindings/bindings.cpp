@@ -106,6 +106,7 @@ PYBIND11_MODULE(_core, m) {
   BindMechanisms(m);
   BindBody(body);
   BindFixture(fixture);
+  BindRelativePoses(m);
   BindContacts(m);
   BindWorld(m);
 }

@@ -85,7 +85,18 @@ inline uint64_t IdOf(World::Body body) {
   return static_cast<uint64_t>(body.generation) << 32 | body.index;
 }
 
+/// Bodies of one world, and the one in whose frame their poses are asked for.
+struct RelativePoses {
+  RelativePoses(const PyBody& reference, const std::vector<PyBody>& bodies);
+  std::vector<Triple> Read() const;
+
+  std::shared_ptr<World> world;
+  World::Body reference;
+  std::vector<World::Body> bodies;
+};
+
 void BindBody(py::class_<PyBody>& body);
+void BindRelativePoses(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindMechanisms(py::module_& m);
 void BindContacts(py::module_& m);

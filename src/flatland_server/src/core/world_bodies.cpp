@@ -24,6 +24,14 @@ Pose World::GetPose(Body body) const {
   return {position.x, position.y, found.GetAngle()};
 }
 
+Pose World::GetPoseIn(Body reference, Body body) const {
+  const Pose from = GetPose(reference);
+  const Pose to = GetPose(body);
+  const double yaw = std::remainder(from.yaw, 2.0 * M_PI);
+  const Vec2 place = Rotation(yaw).ApplyInverse(Vec2{to.x, to.y} - Vec2{from.x, from.y});
+  return {place.x, place.y, std::remainder(to.yaw, 2.0 * M_PI) - yaw};
+}
+
 void World::SetPose(Body body, const Pose& pose) {
   RequirePlace({pose.x, pose.y});
   Require(IsUsable(pose.yaw), "a heading must be finite");

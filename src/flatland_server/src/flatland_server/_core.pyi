@@ -177,6 +177,13 @@ class Body:
     def listen_to_contacts(self, hooks: int) -> None:
         """Of which moments of its contacts the world's listener hears: BEGIN_CONTACT | ..."""
 
+class RelativePoses:
+    """The poses of bodies in the frame of another one, all in one call."""
+
+    def __init__(self, reference: Body, bodies: Sequence[Body]) -> None: ...
+    def read(self) -> list[_Triple]:
+        """By body [m, m, rad]: the difference of two yaws that lie within [-pi, pi]."""
+
 class Fixture:
     """A shape of a body, or a wall of a layer."""
 

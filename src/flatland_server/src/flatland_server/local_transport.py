@@ -12,6 +12,7 @@ from typing import Any, Callable, Container, Deque, Dict, List, Optional, Set, T
 from typing import Counter as CounterType
 
 from flatland_server.geometry import Transform
+from flatland_server.message_writer import MessageWriter
 from flatland_server.node import Publisher, Subscription, Transport
 
 
@@ -113,6 +114,10 @@ class _LocalPublisher(Publisher):
 
     def publish(self, message: Any) -> None:
         self._transport._last[self._topic] = message
+
+    def write(self, writer: MessageWriter, *values: Any) -> None:
+        if self.is_watched:
+            self.publish(writer.message(*values))
 
     def close(self) -> None:
         if self._is_closed:

@@ -9,7 +9,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.ros.serialized_markers import MovingMarkers, array_of, serialized
-from flatland_server.ros.serialized_transforms import TransformSerializer
+from flatland_server.ros.serialized_transforms import SerializedFrames, TransformQueue
 
 
 def sent(message) -> bytes:
@@ -51,11 +51,14 @@ def test_transforms_are_a_tf_message():
         Transform(3_000_000_005, "odom", "robot1_base", Pose(1.0, -2.0, 2.5)),
         Transform(7, "base", "läser", Pose(0.1, 0.2, -0.5), 3.0),
     ]
-    serializer = TransformSerializer()
+    queue = TransformQueue()
 
     for _ in range(2):  # the second time with the names that it remembers
-        received = TFMessage().deserialize(sent(serializer.message_of(transforms)))
+        for transform in transforms:
+            queue.add(transform)
+        received = TFMessage().deserialize(queue.take())
 
+        assert queue.take() == b""
         assert len(received.transforms) == 2
         for one, transform in zip(received.transforms, transforms):
             assert one.header.stamp.to_nsec() == transform.nanoseconds
@@ -64,3 +67,19 @@ def test_transforms_are_a_tf_message():
             assert (place.x, place.y, place.z) == (*transform.pose[:2], 0.0)
             expected = quaternion(transform.pose.yaw, transform.roll)
             assert (turn.x, turn.y, turn.z, turn.w) == expected
+
+
+def test_frames_that_are_open_send_what_single_transforms_say():
+    names = [("map", "läser"), ("odom", "robot1_base")]
+    poses = [(1.0, -2.0, 2.5), (0.1, 0.2, -0.5)]
+    quick, plain = TransformQueue(), TransformQueue()
+    frames = SerializedFrames(quick, names)
+
+    for nanoseconds in (7, 3_000_000_005):
+        frames.send(nanoseconds, poses)
+        quick.add(Transform(nanoseconds, "odom", "other", Pose()))
+        for (parent, child), pose in zip(names, poses):
+            plain.add(Transform(nanoseconds, parent, child, Pose(*pose)))
+        plain.add(Transform(nanoseconds, "odom", "other", Pose()))
+
+        assert quick.take() == plain.take()

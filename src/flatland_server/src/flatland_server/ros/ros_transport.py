@@ -9,14 +9,16 @@ import logging
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Generic, List, TypeVar
+from typing import Any, Callable, Deque, Generic, List, Sequence, Tuple, TypeVar
 
 import rospy
 from tf2_msgs.msg import TFMessage
 
 from flatland_server.geometry import Transform
-from flatland_server.node import Publisher, Subscription, Transport
-from flatland_server.ros.serialized_transforms import TransformSerializer
+from flatland_server.message_writer import MessageWriter
+from flatland_server.node import Frames, Publisher, Subscription, Transport
+from flatland_server.ros.prompt_connection import send_bytes
+from flatland_server.ros.serialized_transforms import SerializedFrames, TransformQueue
 
 logger = logging.getLogger(__name__)
 
@@ -32,8 +34,7 @@ class RosTransport(Transport):
         self.has_started = False
         """Whether the simulation runs, and so comes by to look at `is_ending`."""
         self.is_ending = False
-        self._transforms: List[Transform] = []
-        self._serializer = TransformSerializer()
+        self._transforms = TransformQueue()
         self._listeners = _Listeners()
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._listeners, queue_size=100, tcp_nodelay=True
@@ -58,7 +59,10 @@ class RosTransport(Transport):
         return self._listeners.version
 
     def send_transform(self, transform: Transform) -> None:
-        self._transforms.append(transform)
+        self._transforms.add(transform)
+
+    def open_frames(self, names: Sequence[Tuple[str, str]]) -> Frames:
+        return SerializedFrames(self._transforms, names)
 
     def get_param(self, name: str, default: Any = None) -> Any:
         return rospy.get_param(name, default)
@@ -101,9 +105,9 @@ class RosTransport(Transport):
         return errand.result()
 
     def flush(self) -> None:
-        if self._transforms:
-            self._tf.publish(self._serializer.message_of(self._transforms))
-            self._transforms.clear()
+        message = self._transforms.take()
+        if message:
+            send_bytes(self._tf, message)
 
 
 class _Errand(Generic[T]):
@@ -164,6 +168,10 @@ class _RosPublisher(Publisher):
 
     def publish(self, message: Any) -> None:
         self._publisher.publish(message)
+
+    def write(self, writer: MessageWriter, *values: Any) -> None:
+        if self.is_watched:
+            send_bytes(self._publisher, writer.data(*values))
 
     def close(self) -> None:
         self._publisher.unregister()

@@ -1,0 +1,70 @@
+"""Odometry messages, many a second."""
+
+import struct
+from io import BytesIO
+from typing import Any, Sequence, Tuple
+
+from nav_msgs.msg import Odometry
+
+from flatland_plugins.messages import fill_pose, fill_twist, header
+from flatland_server.geometry import Pose, quaternion
+from flatland_server.message_writer import MessageWriter
+
+Twist = Tuple[float, float, float]
+
+_HEADER = struct.Struct("<3I")  # seq, secs, nsecs
+_POSE = struct.Struct("<7d")
+_TWIST = struct.Struct("<6d")
+_COVARIANCE = struct.calcsize("<36d")
+
+
+class OdometryWriter(MessageWriter):
+    """Makes Odometry messages that differ in their times, poses and twists alone.
+
+    Args:
+        frame_id: of the pose.
+        child_frame_id: of the twist.
+        pose_covariance: 6 x 6, row by row.
+        twist_covariance: the same.
+    """
+
+    def __init__(
+        self,
+        frame_id: str,
+        child_frame_id: str,
+        pose_covariance: Sequence[float],
+        twist_covariance: Sequence[float],
+    ) -> None:
+        self._frame_id = frame_id
+        self._child_frame_id = child_frame_id
+        self._pose_covariance = pose_covariance
+        self._twist_covariance = twist_covariance
+        self._sequence = 0
+        buffer = BytesIO()
+        self.message(0, Pose(), (0.0, 0.0, 0.0)).serialize(buffer)
+        self._data = bytearray(buffer.getvalue())
+        # Each with its length before it, the frames' names come between the header and the pose.
+        names = len(frame_id.encode()) + len(child_frame_id.encode())
+        self._pose_at = _HEADER.size + 4 + 4 + names
+        self._twist_at = self._pose_at + _POSE.size + _COVARIANCE
+
+    def message(self, nanoseconds: int, pose: Pose, twist: Twist) -> Any:
+        """The message as an object."""
+        message = Odometry(
+            header=header(nanoseconds, self._frame_id), child_frame_id=self._child_frame_id
+        )
+        fill_pose(message.pose.pose, pose)
+        message.pose.covariance = self._pose_covariance
+        fill_twist(message.twist.twist, *twist)
+        message.twist.covariance = self._twist_covariance
+        return message
+
+    def data(self, nanoseconds: int, pose: Pose, twist: Twist) -> bytes:
+        """The message as bytes."""
+        self._sequence += 1
+        data = self._data
+        _HEADER.pack_into(data, 0, self._sequence, *divmod(nanoseconds, 1_000_000_000))
+        _POSE.pack_into(data, self._pose_at, pose.x, pose.y, 0.0, *quaternion(pose.yaw))
+        vx, vy, omega = twist
+        _TWIST.pack_into(data, self._twist_at, vx, vy, 0.0, 0.0, 0.0, omega)
+        return bytes(data)
