@@ -41,23 +41,39 @@ class BeamFan {
   const double* ys() const { return ys_.data(); }
   /// The beam of each rank.
   const std::vector<int>& beams() const { return beams_; }
+  /// Whether the beams are in the order of their ranks.
+  bool is_sorted() const { return is_sorted_; }
 
   /// Consecutive ranks from `begin` to before `end`.
   struct Run {
     int begin;
     int end;
   };
-  /// The beams from a direction counter-clockwise to another, half a turn further at most, and
-  /// perhaps their neighbours: one run, and a second one if it goes round behind.
-  std::array<Run, 2> BeamsBetween(Vec2 from, Vec2 to) const {
-    return BeamsBetween(DiamondAngle(from), DiamondAngle(to));
-  }
-  std::array<Run, 2> BeamsBetween(double from, double to) const;
-
- private:
+  /// The directions from one diamond angle counter-clockwise to another, half a turn further at
+  /// most; widened by kSlack on both sides, and again within -2 and 2.
+  struct Wedge {
+    double from;
+    double to;
+  };
   /// Much more than the rounding of a diamond angle, much less than the angle between beams.
   static constexpr double kSlack = 1e-6;
 
+  /// The beams in a wedge, and perhaps their neighbours: one run, and if it goes round behind, a
+  /// second one.
+  std::array<Run, 2> BeamsIn(const Wedge& wedge) const {
+    const int begin = before_bucket_[Bucket(wedge.from)];
+    const int end = before_bucket_[Bucket(wedge.to) + 1];
+    if (wedge.from <= wedge.to) return {{{begin, end}, {0, 0}}};
+    return {{{begin, size()}, {0, end}}};
+  }
+  /// The same for two directions.
+  std::array<Run, 2> BeamsBetween(Vec2 from, Vec2 to) const {
+    const double right = DiamondAngle(from) - kSlack;
+    const double left = DiamondAngle(to) + kSlack;
+    return BeamsIn({right < -2.0 ? right + 4.0 : right, left > 2.0 ? left - 4.0 : left});
+  }
+
+ private:
   void Sort();
   int Bucket(double diamond_angle) const {
     return static_cast<int>((diamond_angle + 2.0) * buckets_per_unit_);
@@ -67,21 +83,11 @@ class BeamFan {
   std::vector<double> xs_;
   std::vector<double> ys_;
   std::vector<int> beams_;
+  bool is_sorted_ = false;
   // Diamond angles are sorted into buckets of equal width; this says how many beams lie before
   // each.
   std::vector<int> before_bucket_;
   double buckets_per_unit_ = 0.0;
 };
-
-inline std::array<BeamFan::Run, 2> BeamFan::BeamsBetween(double from, double to) const {
-  from -= kSlack;
-  to += kSlack;
-  if (from < -2.0) from += 4.0;
-  if (to > 2.0) to -= 4.0;
-  const int begin = before_bucket_[Bucket(from)];
-  const int end = before_bucket_[Bucket(to) + 1];
-  if (from <= to) return {{{begin, end}, {0, 0}}};
-  return {{{begin, size()}, {0, end}}};
-}
 
 }  // namespace flatland

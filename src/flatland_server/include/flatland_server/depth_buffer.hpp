@@ -30,6 +30,18 @@
 
 namespace flatland {
 
+/// Bounding circles in the world, coordinate by coordinate: centres and radii [m]. There is room
+/// for a multiple of BeamFan::kGroup.
+struct Discs {
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> radius;
+  int count = 0;
+
+  void Clear() { count = 0; }
+  void Add(Vec2 center, double radius);
+};
+
 class DepthBuffer {
  public:
   /// Forgets all; sees nothing beyond `range` [m]. The fan must live as long as it is drawn on.
@@ -38,12 +50,14 @@ class DepthBuffer {
   /// Walls, seen from a lidar in their frame.
   void Draw(const SegmentTree& walls, const Pose& lidar);
 
+  /// Appends the places in `discs` of those of which something may be seen: they are in range, and
+  /// not all beams towards them end before.
+  void FindSeen(const Discs& discs, const Pose& lidar, std::vector<int>* seen) const;
+
   // Shapes in the lidar's frame. One that is around the lidar is not seen from within.
   void DrawCircle(Vec2 center, double radius);
   /// Convex, counter-clockwise.
   void DrawPolygon(const Vec2* corners, int count);
-  /// Whether nothing of a disc can be seen, or has to be drawn: all beams towards it end before.
-  bool IsHidden(Vec2 center, double radius) const;
 
   /// What is drawn from now on reflects, and wins from what is equally far.
   void BeginReflecting();

@@ -1,7 +1,7 @@
 #pragma once
 
-/// A body's fixture as a lidar sees it. What moves is not indexed: it is brought into the lidar's
-/// frame for each scan, unless its bounding circle is out of range or behind something.
+/// A body's fixture as a lidar sees it. What moves is not indexed: its bounding circle is looked at
+/// in each scan, and unless that is out of range or behind something, it is drawn.
 
 #include <box2d/box2d.h>
 
@@ -17,8 +17,8 @@ struct Mover {
   /// `reach` is that of the fixture's shape.
   Mover(const b2Fixture& fixture, double reach);
 
-  /// Draws it as seen from a lidar at `origin`, turned by `rotation`, that sees as far as `range`.
-  void DrawOn(DepthBuffer& buffer, Vec2 origin, const Rotation& rotation, double range) const;
+  /// Draws it as seen from a lidar at `origin`, turned by `rotation`.
+  void DrawOn(DepthBuffer& buffer, Vec2 origin, const Rotation& rotation) const;
 
   const b2Fixture* fixture;
   uint16_t layers;

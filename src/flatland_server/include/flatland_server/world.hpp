@@ -275,6 +275,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   SlotMap<Moved<BodyTween>> tweens_{"tween"};
   std::vector<Layer> layers_;
   mutable std::vector<Mover> movers_;  // what moves and can be seen, if they are current
+  mutable Discs discs_;                // their bounding circles
+  mutable std::vector<int> seen_;      // of these, in a scan
   mutable bool movers_are_current_ = false;
   mutable DepthBuffer buffer_;
   std::vector<LateForce> late_forces_;

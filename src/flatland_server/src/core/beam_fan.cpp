@@ -42,6 +42,8 @@ void BeamFan::Sort() {
   std::stable_sort(beams_.begin(), beams_.end(),
                    [&](int a, int b) { return angles[a] < angles[b]; });
 
+  is_sorted_ = std::is_sorted(beams_.begin(), beams_.end());
+
   const size_t padded = (directions_.size() + kGroup - 1) / kGroup * kGroup;
   xs_.assign(padded, 0.0);
   ys_.assign(padded, 0.0);

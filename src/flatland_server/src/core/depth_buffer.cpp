@@ -1,6 +1,7 @@
 #include "flatland_server/depth_buffer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -46,6 +47,12 @@ FLATLAND_INLINE void Store(const Doubles& stored, double* values) {
   std::memcpy(values, &stored, sizeof(stored));
 }
 
+FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
+  Doubles roots;
+  for (int k = 0; k < kGroup; ++k) roots[k] = std::sqrt(values[k]);
+  return roots;
+}
+
 FLATLAND_INLINE Doubles DiamondAngles(const Doubles& x, const Doubles& y) {
   const Doubles slant = y / ((x < 0.0 ? -x : x) + (y < 0.0 ? -y : y));
   return x >= 0.0 ? slant : (y >= 0.0 ? 2.0 - slant : -2.0 - slant);
@@ -59,11 +66,17 @@ struct View {
   Rotation rotation;
 };
 
-/// Whether all beams of a run end at least as near as this.
-FLATLAND_INLINE bool EndBefore(const double* inverse, BeamFan::Run run, double least) {
-  const Doubles limit = Fill(least);
+/// The beams towards something, and how near the nearest of it is.
+struct Outlook {
+  std::array<BeamFan::Run, 2> runs;
+  double square_distance;  // 0 for what is around the lidar
+};
+
+/// Whether all beams of a run end before something at a distance begins.
+FLATLAND_INLINE bool EndBefore(const double* inverse, BeamFan::Run run, double square_distance) {
   for (int group = run.begin / kGroup * kGroup; group < run.end; group += kGroup) {
-    const Mask reaches = Load(inverse + group) < limit;
+    const Doubles nearest = Load(inverse + group);
+    const Mask reaches = nearest * nearest * square_distance < 1.0;
     if ((reaches[0] | reaches[1] | reaches[2] | reaches[3]) == 0) continue;
     for (int k = 0; k < kGroup; ++k) {
       if (reaches[k] != 0 && group + k >= run.begin && group + k < run.end) return false;
@@ -72,13 +85,20 @@ FLATLAND_INLINE bool EndBefore(const double* inverse, BeamFan::Run run, double l
   return true;
 }
 
-FLATLAND_INLINE bool IsHiddenBetween(const BeamFan& fan, const double* inverse, Vec2 from, Vec2 to,
-                                     double distance) {
-  const double least = 1.0 / distance;
-  for (const BeamFan::Run& run : fan.BeamsBetween(from, to)) {
-    if (!EndBefore(inverse, run, least)) return false;
-  }
-  return true;
+FLATLAND_INLINE bool IsHidden(const double* inverse, const Outlook& outlook) {
+  if (!(outlook.square_distance > 0.0)) return false;
+  return EndBefore(inverse, outlook.runs[0], outlook.square_distance) &&
+         EndBefore(inverse, outlook.runs[1], outlook.square_distance);
+}
+
+/// Moves diamond angles apart by the slack of BeamFan, and back to where they are defined.
+FLATLAND_INLINE Doubles WidenedRight(const Doubles& diamond_angles) {
+  const Doubles moved = diamond_angles - BeamFan::kSlack;
+  return moved < -2.0 ? moved + 4.0 : moved;
+}
+FLATLAND_INLINE Doubles WidenedLeft(const Doubles& diamond_angles) {
+  const Doubles moved = diamond_angles + BeamFan::kSlack;
+  return moved > 2.0 ? moved - 4.0 : moved;
 }
 
 /// Draws the wall from a to b, which is counter-clockwise of a, on a run of beams.
@@ -131,61 +151,76 @@ FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
     Store(left_y, by + lane);
     Store(size, crosses + lane);
     Store(1.0 / size, inverse_crosses + lane);
-    Store(DiamondAngles(right_x, right_y), from + lane);
-    Store(DiamondAngles(left_x, left_y), to + lane);
+    Store(WidenedRight(DiamondAngles(right_x, right_y)), from + lane);
+    Store(WidenedLeft(DiamondAngles(left_x, left_y)), to + lane);
   }
   for (int lane = 0; lane < kLeafSize; ++lane) {
     const Vec2 a{ax[lane], ay[lane]};
     const Vec2 b{bx[lane], by[lane]};
     if (crosses[lane] > 0.0) {
-      for (const BeamFan::Run& run : view.fan.BeamsBetween(from[lane], to[lane])) {
-        DrawOn(view.fan, view.inverse, run, a, b, inverse_crosses[lane]);
-      }
+      const std::array<BeamFan::Run, 2> runs = view.fan.BeamsIn({from[lane], to[lane]});
+      DrawOn(view.fan, view.inverse, runs[0], a, b, inverse_crosses[lane]);
+      if (from[lane] > to[lane])
+        DrawOn(view.fan, view.inverse, runs[1], a, b, inverse_crosses[lane]);
     } else if (crosses[lane] == 0.0 && Dot(a, b) <= 0.0) {
       DrawUnderfoot(view.fan, view.inverse, b - a);
     }
   }
 }
 
-/// Square of the distance from a point to the nearest of a box.
-FLATLAND_INLINE double SquareDistance(Vec2 point, const Box& box) {
-  const double x = std::max(std::max(box.low.x - point.x, point.x - box.high.x), 0.0);
-  const double y = std::max(std::max(box.low.y - point.y, point.y - box.high.y), 0.0);
-  return x * x + y * y;
-}
-
-/// The corners of a box that are farthest to the right and to the left, as seen from outside.
+/// The corners of a box that are farthest to the right and to the left, as seen from outside: the
+/// places of their coordinates in low x, low y, high x, high y.
 struct Silhouette {
-  bool right_is_high_x, right_is_high_y, left_is_high_x, left_is_high_y;
+  int right_x, right_y, left_x, left_y;
 };
 /// By where one looks from: below, beside or above it, and there left of, beside or right of it.
 constexpr Silhouette kSilhouettes[3][3] = {
-    {{true, false, false, true}, {true, false, false, false}, {true, true, false, false}},
-    {{false, false, false, true}, {false, false, false, false}, {true, true, true, false}},
-    {{false, false, true, true}, {false, true, true, true}, {false, true, true, false}},
+    {{2, 1, 0, 3}, {2, 1, 0, 1}, {2, 3, 0, 1}},
+    {{0, 1, 0, 3}, {0, 1, 0, 1}, {2, 3, 2, 1}},
+    {{0, 1, 2, 3}, {0, 3, 2, 3}, {0, 3, 2, 1}},
 };
 
-FLATLAND_INLINE bool IsHidden(const Box& box, double square_distance, const View& view) {
-  if (!(square_distance > 0.0)) return false;  // the lidar is within
+/// What a node's two boxes look like.
+FLATLAND_INLINE void LookAt(const SegmentTree::Node& node, const View& view, Outlook* outlooks) {
   const auto side = [](double place, double low, double high) {
-    return place < low ? 0 : (place > high ? 2 : 1);
+    return (place >= low) + (place > high);
   };
-  const Silhouette& seen = kSilhouettes[side(view.origin.y, box.low.y, box.high.y)]
-                                       [side(view.origin.x, box.low.x, box.high.x)];
-  const Vec2 right{seen.right_is_high_x ? box.high.x : box.low.x,
-                   seen.right_is_high_y ? box.high.y : box.low.y};
-  const Vec2 left{seen.left_is_high_x ? box.high.x : box.low.x,
-                  seen.left_is_high_y ? box.high.y : box.low.y};
-  return IsHiddenBetween(view.fan, view.inverse, view.rotation.ApplyInverse(right - view.origin),
-                         view.rotation.ApplyInverse(left - view.origin),
-                         std::sqrt(square_distance));
+  double xs[kGroup], ys[kGroup];  // right and left corner of the one, and of the other
+  for (int k = 0; k < 2; ++k) {
+    const Box& box = node.children[k].box;
+    const Vec2 origin = view.origin;
+    const double x = std::max(std::max(box.low.x - origin.x, origin.x - box.high.x), 0.0);
+    const double y = std::max(std::max(box.low.y - origin.y, origin.y - box.high.y), 0.0);
+    outlooks[k].square_distance = x * x + y * y;
+    const Silhouette& seen =
+        kSilhouettes[side(origin.y, box.low.y, box.high.y)][side(origin.x, box.low.x, box.high.x)];
+    const double edges[] = {box.low.x, box.low.y, box.high.x, box.high.y};
+    xs[2 * k] = edges[seen.right_x];
+    ys[2 * k] = edges[seen.right_y];
+    xs[2 * k + 1] = edges[seen.left_x];
+    ys[2 * k + 1] = edges[seen.left_y];
+  }
+  const Doubles world_x = Load(xs) - view.origin.x;
+  const Doubles world_y = Load(ys) - view.origin.y;
+  const Doubles x = view.rotation.cos * world_x + view.rotation.sin * world_y;
+  const Doubles y = view.rotation.cos * world_y - view.rotation.sin * world_x;
+  const Doubles diamond_angles = DiamondAngles(x, y);
+  double rights[kGroup], lefts[kGroup];
+  Store(WidenedRight(diamond_angles), rights);
+  Store(WidenedLeft(diamond_angles), lefts);
+  for (int k = 0; k < 2; ++k) {
+    if (!(outlooks[k].square_distance > 0.0)) continue;
+    outlooks[k].runs = view.fan.BeamsIn({rights[2 * k], lefts[2 * k + 1]});
+  }
 }
 
 /// Which of a node's children to draw first: the nearer one, and of those that the lidar is in, the
 /// one whose middle is nearer.
-FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const double* square_distances,
+FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const Outlook* outlooks,
                                     Vec2 origin) {
-  if (square_distances[0] != square_distances[1]) return square_distances[1] < square_distances[0];
+  if (outlooks[0].square_distance != outlooks[1].square_distance) {
+    return outlooks[1].square_distance < outlooks[0].square_distance;
+  }
   const auto to_middle = [&](const Box& box) {
     const Vec2 way = 0.5 * (box.low + box.high) - origin;
     return Dot(way, way);
@@ -194,58 +229,75 @@ FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const double*
 }
 
 FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
-  const SegmentTree::Child* waiting[SegmentTree::kMostDepth];
+  struct Waiting {
+    const SegmentTree::Child* child;
+    Outlook outlook;
+  };
+  Waiting waiting[SegmentTree::kMostDepth];
   int count = 0;
   const SegmentTree::Child* child = &walls.root();
-  if (IsHidden(child->box, SquareDistance(view.origin, child->box), view)) return;
   while (true) {
     const SegmentTree::Child* next = nullptr;
     if (child->is_leaf()) {
       DrawLeaf(walls.leaf(*child), view);
     } else {
       const SegmentTree::Node& node = walls.node(*child);
-      double square_distances[2];
-      bool are_hidden[2];
-      for (int k = 0; k < 2; ++k) {
-        square_distances[k] = SquareDistance(view.origin, node.children[k].box);
-        are_hidden[k] = IsHidden(node.children[k].box, square_distances[k], view);
-      }
-      if (!are_hidden[0] && !are_hidden[1]) {
-        const int first = IsSecondNearer(node, square_distances, view.origin) ? 1 : 0;
-        next = &node.children[first];
-        waiting[count++] = &node.children[1 - first];
-      } else if (!are_hidden[0]) {
-        next = &node.children[0];
-      } else if (!are_hidden[1]) {
-        next = &node.children[1];
-      }
+      Outlook outlooks[2];
+      LookAt(node, view, outlooks);
+      const int first = IsSecondNearer(node, outlooks, view.origin) ? 1 : 0;
+      // The farther one waits: the nearer one may hide it meanwhile.
+      waiting[count++] = {&node.children[1 - first], outlooks[1 - first]};
+      if (!IsHidden(view.inverse, outlooks[first])) next = &node.children[first];
     }
-    // What has waited may have been hidden meanwhile.
     while (next == nullptr && count > 0) {
-      next = waiting[--count];
-      if (IsHidden(next->box, SquareDistance(view.origin, next->box), view)) next = nullptr;
+      --count;
+      if (!IsHidden(view.inverse, waiting[count].outlook)) next = waiting[count].child;
     }
     if (next == nullptr) return;
     child = next;
   }
 }
 
-/// The two tangents from the lidar to a circle that it is outside of, as vectors of no certain
-/// length: to its right and to its left.
-FLATLAND_INLINE void FindTangents(Vec2 center, double radius, double square_distance, Vec2* right,
-                                  Vec2* left) {
-  const double along = std::sqrt(square_distance - radius * radius);
-  *right = {along * center.x + radius * center.y, along * center.y - radius * center.x};
-  *left = {along * center.x - radius * center.y, along * center.y + radius * center.x};
+FLATLAND_CLONES void FindSeenIn(const Discs& discs, const View& view, double range,
+                                std::vector<int>* seen) {
+  const Doubles cos = Fill(view.rotation.cos), sin = Fill(view.rotation.sin);
+  for (int group = 0; group < discs.count; group += kGroup) {
+    const Doubles world_x = Load(&discs.x[group]) - view.origin.x;
+    const Doubles world_y = Load(&discs.y[group]) - view.origin.y;
+    const Doubles radius = Load(&discs.radius[group]);
+    const Doubles square_distance = world_x * world_x + world_y * world_y;
+    const Doubles nearest = Sqrt(square_distance) - radius;
+    double distances[kGroup];
+    Store(nearest, distances);
+    const Mask may_be_seen = nearest <= range;
+    if ((may_be_seen[0] | may_be_seen[1] | may_be_seen[2] | may_be_seen[3]) == 0) continue;
+    // The tangents, as vectors of no certain length: to the right and to the left of the disc.
+    const Doubles x = cos * world_x + sin * world_y;
+    const Doubles y = cos * world_y - sin * world_x;
+    const Doubles along = Sqrt(square_distance - radius * radius);
+    double from[kGroup], to[kGroup];
+    Store(WidenedRight(DiamondAngles(along * x + radius * y, along * y - radius * x)), from);
+    Store(WidenedLeft(DiamondAngles(along * x - radius * y, along * y + radius * x)), to);
+    for (int k = 0; k < kGroup && group + k < discs.count; ++k) {
+      if (distances[k] > range) continue;
+      const bool is_around = !(distances[k] > 0.0);
+      if (is_around || !IsHidden(view.inverse, {view.fan.BeamsIn({from[k], to[k]}),
+                                                distances[k] * distances[k]})) {
+        seen->push_back(group + k);
+      }
+    }
+  }
 }
 
 FLATLAND_CLONES void DrawCircleOn(const BeamFan& fan, double* inverse, Vec2 center, double radius,
                                   double square_distance) {
-  Vec2 right, left;
-  FindTangents(center, radius, square_distance, &right, &left);
+  const double square_radius = radius * radius;
+  const double to_touch = std::sqrt(square_distance - square_radius);
+  const Vec2 right{to_touch * center.x + radius * center.y,
+                   to_touch * center.y - radius * center.x};
+  const Vec2 left{to_touch * center.x - radius * center.y, to_touch * center.y + radius * center.x};
   // From the distance t of the nearer intersection, t = along - sqrt(r^2 - across^2), and from
   // along^2 + across^2 = |c|^2:  1 / t = (along + sqrt(r^2 - across^2)) / (|c|^2 - r^2).
-  const double square_radius = radius * radius;
   const double scale = 1.0 / (square_distance - square_radius);
   for (const BeamFan::Run& run : fan.BeamsBetween(right, left)) {
     for (int rank = run.begin; rank < run.end; ++rank) {
@@ -266,7 +318,26 @@ FLATLAND_CLONES void DrawSide(const BeamFan& fan, double* inverse, Vec2 a, Vec2 
   }
 }
 
+/// The distances that the greater of two inverse distances make.
+FLATLAND_CLONES void Invert(const double* inverse, const double* other, int count, double beyond,
+                            float* ranges) {
+  for (int i = 0; i < count; ++i) {
+    const double nearest = std::max(inverse[i], other[i]);
+    ranges[i] = static_cast<float>(nearest > beyond ? 1.0 / nearest : kInfinity);
+  }
+}
+
 }  // namespace
+
+void Discs::Add(Vec2 center, double radius_of_it) {
+  if (count == static_cast<int>(x.size())) {
+    for (std::vector<double>* values : {&x, &y, &radius}) values->resize(count + kGroup, 0.0);
+  }
+  x[count] = center.x;
+  y[count] = center.y;
+  radius[count] = radius_of_it;
+  ++count;
+}
 
 void DepthBuffer::Begin(const BeamFan& fan, double range) {
   fan_ = &fan;
@@ -296,14 +367,10 @@ void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
   }
 }
 
-bool DepthBuffer::IsHidden(Vec2 center, double radius) const {
-  const double square_distance = Dot(center, center);
-  const double nearest = std::sqrt(square_distance) - radius;
-  if (!(nearest > 0.0)) return false;
-  if (nearest > range_) return true;
-  Vec2 right, left;
-  FindTangents(center, radius, square_distance, &right, &left);
-  return IsHiddenBetween(*fan_, inverse_.data(), right, left, nearest);
+void DepthBuffer::FindSeen(const Discs& discs, const Pose& lidar, std::vector<int>* seen) const {
+  // It only reads what others draw on.
+  double* inverse = const_cast<double*>(inverse_.data());
+  FindSeenIn(discs, {*fan_, inverse, {lidar.x, lidar.y}, Rotation(lidar.yaw)}, range_, seen);
 }
 
 void DepthBuffer::BeginReflecting() {
@@ -313,15 +380,20 @@ void DepthBuffer::BeginReflecting() {
 
 void DepthBuffer::GetRanges(float* ranges) const {
   const double beyond = (1.0 - kRangeTolerance) / range_;
+  const double* dull = dull_.empty() ? inverse_.data() : dull_.data();
+  if (fan_->is_sorted()) {
+    Invert(inverse_.data(), dull, fan_->size(), beyond, ranges);
+    return;
+  }
   for (int rank = 0; rank < fan_->size(); ++rank) {
-    const double inverse = dull_.empty() ? inverse_[rank] : std::max(inverse_[rank], dull_[rank]);
-    ranges[fan_->beams()[rank]] = static_cast<float>(inverse > beyond ? 1.0 / inverse : kInfinity);
+    Invert(&inverse_[rank], &dull[rank], 1, beyond, &ranges[fan_->beams()[rank]]);
   }
 }
 
 void DepthBuffer::GetIntensities(float* intensities) const {
-  for (int rank = 0; rank < fan_->size(); ++rank) {
-    const bool reflects = !dull_.empty() && inverse_[rank] > dull_[rank] * (1.0 - kTie);
+  std::fill_n(intensities, fan_->size(), 0.0f);
+  for (int rank = 0; rank < fan_->size() && !dull_.empty(); ++rank) {
+    const bool reflects = inverse_[rank] > dull_[rank] * (1.0 - kTie);
     intensities[fan_->beams()[rank]] = reflects ? 255.0f : 0.0f;
   }
 }

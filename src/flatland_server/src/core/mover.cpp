@@ -36,14 +36,9 @@ Mover::Mover(const b2Fixture& fixture, double reach)
       middle(ToWorld(fixture.GetBody()->GetTransform(), MiddleOf(*fixture.GetShape()))),
       reach(reach) {}
 
-void Mover::DrawOn(DepthBuffer& buffer, Vec2 origin, const Rotation& rotation, double range) const {
-  const Vec2 way = middle - origin;
-  const double farthest = range + reach;
-  if (Dot(way, way) > farthest * farthest) return;
-  const Vec2 center = rotation.ApplyInverse(way);
-  if (buffer.IsHidden(center, reach)) return;
+void Mover::DrawOn(DepthBuffer& buffer, Vec2 origin, const Rotation& rotation) const {
   if (fixture->GetType() == b2Shape::e_circle) {
-    buffer.DrawCircle(center, reach);
+    buffer.DrawCircle(rotation.ApplyInverse(middle - origin), reach);
     return;
   }
   const auto& polygon = static_cast<const b2PolygonShape&>(*fixture->GetShape());

@@ -36,9 +36,12 @@ void World::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& se
   }
   const Vec2 origin{pose.x, pose.y};
   const Rotation rotation(pose.yaw);
-  for (const Mover& mover : movers_) {
+  seen_.clear();
+  buffer.FindSeen(discs_, pose, &seen_);
+  for (const int place : seen_) {
+    const Mover& mover = movers_[place];
     if ((mover.layers & settings.layers) == 0 || !choose(mover.layers)) continue;
-    mover.DrawOn(buffer, origin, rotation, settings.range);
+    mover.DrawOn(buffer, origin, rotation);
   }
 }
 
@@ -46,11 +49,14 @@ void World::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& se
 void World::RefreshMovers() const {
   if (movers_are_current_) return;
   movers_.clear();
+  discs_.Clear();
   bodies_.ForEach([this](Body, const BodyRecord& record) {
     if (record.is_layer) return;
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
-      if (each.visible && !each.fixture->IsSensor())
-        movers_.emplace_back(*each.fixture, each.reach);
+      const bool is_on_a_layer = each.fixture->GetFilterData().categoryBits != 0;
+      if (!each.visible || !is_on_a_layer || each.fixture->IsSensor()) continue;
+      const Mover& mover = movers_.emplace_back(*each.fixture, each.reach);
+      discs_.Add(mover.middle, mover.reach);
     }
   });
   movers_are_current_ = true;

@@ -758,7 +758,11 @@ void ExpectAsBox2D(const b2Fixture& fixture, std::mt19937& random) {
   DepthBuffer buffer;
   buffer.Begin(fan, 100.0);
   const Mover mover(fixture, ReachOf(*fixture.GetShape()));
-  mover.DrawOn(buffer, at, Rotation(lidar.yaw), 100.0);
+  Discs discs;
+  discs.Add(mover.middle, mover.reach);
+  std::vector<int> seen;
+  buffer.FindSeen(discs, lidar, &seen);
+  mover.DrawOn(buffer, at, Rotation(lidar.yaw));
   std::vector<float> ranges(fan.size());
   buffer.GetRanges(ranges.data());
   for (int beam = 0; beam < fan.size(); ++beam) {
@@ -771,6 +775,7 @@ void ExpectAsBox2D(const b2Fixture& fixture, std::mt19937& random) {
       continue;
     }
     ASSERT_NEAR(distance, *expected, 1e-4) << "towards " << angle;
+    ASSERT_EQ(seen.size(), 1u) << "what is hit must be looked at";
   }
 }
 
