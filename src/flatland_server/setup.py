@@ -3,6 +3,7 @@ from setuptools import setup
 
 setup(
     **generate_distutils_setup(
-        packages=["flatland_server", "flatland_server.ros"], package_dir={"": "src"}
+        packages=["flatland_server", "flatland_server.benchmark", "flatland_server.ros"],
+        package_dir={"": "src"},
     )
 )

@@ -1,0 +1,145 @@
+"""A program that is started, looked at from outside, and ended."""
+
+import ctypes
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import Any, Callable, Dict, List, TypeVar
+
+from flatland_server.exceptions import FlatlandError
+
+T = TypeVar("T")
+
+_TICKS = os.sysconf("SC_CLK_TCK")
+_PR_SET_PDEATHSIG = 1
+_libc = ctypes.CDLL(None)
+
+
+class Process:
+    """A program with its output in files. Should this process die, so does the program.
+
+    Args:
+        name: of the files, and of the program in errors.
+        command: what is run.
+        folder: where the files go.
+        environment: the program's.
+    """
+
+    def __init__(
+        self, name: str, command: List[str], folder: Path, environment: Dict[str, str]
+    ) -> None:
+        self.name = name
+        self._output = folder / f"{name}.out"
+        self._errors = folder / f"{name}.err"
+        self._read = 0
+        with self._output.open("w") as output, self._errors.open("w") as errors:
+            self._popen = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=errors,
+                env=environment,
+                start_new_session=True,  # Ctrl-C is for us; we end it in order
+                preexec_fn=_die_with_parent,
+            )
+
+    @property
+    def output(self) -> str:
+        """What it has said so far."""
+        return self._output.read_text()
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether it runs no more."""
+        return self._popen.poll() is not None
+
+    @property
+    def cpu_seconds(self) -> float:
+        """Processor time that it has used, on all cores."""
+        stat = Path(f"/proc/{self._popen.pid}/stat").read_text()
+        user, system = stat.rpartition(")")[2].split()[11:13]
+        return (int(user) + int(system)) / _TICKS
+
+    @property
+    def memory(self) -> float:
+        """Main memory that it holds now [MB]."""
+        status = Path(f"/proc/{self._popen.pid}/status").read_text()
+        kilobytes = next(line for line in status.splitlines() if line.startswith("VmRSS:"))
+        return int(kilobytes.split()[1]) / 1024
+
+    def new_lines(self) -> List[Any]:
+        """What its lines of JSON say that have come since the last call."""
+        with self._output.open() as file:
+            file.seek(self._read)
+            whole, newline, _ = file.read().rpartition("\n")
+        self._read += len((whole + newline).encode())
+        return [json.loads(line) for line in whole.splitlines() if line.startswith("{")]
+
+    def stop(self) -> None:
+        """Takes the processor away from it: it neither reads nor answers."""
+        self._popen.send_signal(signal.SIGSTOP)
+
+    def resume(self) -> None:
+        """Lets it go on after `stop`."""
+        self._popen.send_signal(signal.SIGCONT)
+
+    def wait(self, limit: float) -> None:
+        """Waits for its end.
+
+        Raises:
+            FlatlandError: it has not ended in time, or not well.
+        """
+        try:
+            code = self._popen.wait(limit)
+        except subprocess.TimeoutExpired:
+            raise FlatlandError(f"{self.name} has not ended within {limit:g} s") from None
+        if code:
+            raise FlatlandError(f"{self.name} has ended with {code}\n{self.report()}")
+
+    def end(self) -> None:
+        """Ends it, politely at first."""
+        if self.has_ended:
+            return
+        self._popen.terminate()
+        self.resume()
+        try:
+            self._popen.wait(5)
+        except subprocess.TimeoutExpired:
+            self._popen.kill()
+            self._popen.wait()
+
+    def report(self) -> str:
+        """The last of what it has said, for errors."""
+        lines = [
+            *self._output.read_text(errors="replace").splitlines()[-5:],
+            *self._errors.read_text(errors="replace").splitlines()[-20:],
+        ]
+        return "\n".join(f"{self.name}: {line}" for line in lines)
+
+
+def _die_with_parent() -> None:
+    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def wait_until(
+    holds: Callable[[], T], what: str, processes: List[Process], limit: float = 60.0
+) -> T:
+    """The first true value of `holds()`.
+
+    Raises:
+        FlatlandError: it takes too long, or one of the processes has ended before.
+    """
+    deadline = time.monotonic() + limit
+    while True:
+        value = holds()
+        if value:
+            return value
+        ended = [process.name for process in processes if process.has_ended]
+        if ended or time.monotonic() > deadline:
+            why = f"{ended[0]} has ended" if ended else f"waited {limit:g} s"
+            reports = "\n".join(process.report() for process in processes)
+            raise FlatlandError(f"{why}; waited for {what}\n{reports}")
+        time.sleep(0.01)
