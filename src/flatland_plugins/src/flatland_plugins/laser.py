@@ -92,23 +92,24 @@ class Laser(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
-        self._body = self.get_body(config)
+        body = self.get_body(config)
         laser = self._config = LaserConfig.read(config, self.name)
         registry = self.model.registry
         try:
-            self._layers = registry.bits(laser.layers)
+            layers = registry.bits(laser.layers)
         except ValueError as error:
             raise config.error(str(error), "layers") from None
         has_reflectance = REFLECTANCE_LAYER in registry.names
-        self._reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
+        reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
         self._noise = TimedNoise(self.rng)
         # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
         handedness = -1.0 if laser.upside_down else 1.0
-        self._fan = _fan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
-        roll = math.pi if laser.upside_down else 0.0
-        self._frame = SensorFrame(
-            self, self._body, laser.frame, laser.broadcast_tf, laser.origin, roll
+        fan = _fan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
+        self._lidar = body.physics_body.add_lidar(
+            fan, laser.origin, laser.range, layers, reflectance
         )
+        roll = math.pi if laser.upside_down else 0.0
+        self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
         self.update_timer = UpdateTimer(laser.update_rate)
         self._publisher = self.node.advertise(laser.topic, LaserScan)
         self._writer = ScanWriter(
@@ -126,6 +127,11 @@ class Laser(ModelPlugin):
         laser = self._config
         return laser.always_publish or self._publisher.is_watched or self._frame.is_watched
 
+    def prepare_step(self, timekeeper: Timekeeper) -> None:
+        """Has the lidars that are due scan together."""
+        if self._config.always_publish or self._publisher.is_watched:
+            self._lidar.expect_scan()
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)
@@ -135,10 +141,7 @@ class Laser(ModelPlugin):
 
     def _scan(self, nanoseconds: int) -> Tuple[Float32Array, Float32Array]:
         laser = self._config
-        pose = self._body.pose.compose(laser.origin)
-        ranges, intensities = self.model.physics.scan(
-            self._fan, pose, laser.range, self._layers, self._reflectance
-        )
+        ranges, intensities = self.model.physics.scan(self._lidar)
         if laser.noise_std_dev > 0.0:
             noise = self._noise.at(nanoseconds)
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)

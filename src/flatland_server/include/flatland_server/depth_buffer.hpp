@@ -50,9 +50,9 @@ class DepthBuffer {
   /// Walls, seen from a lidar in their frame.
   void Draw(const SegmentTree& walls, const Pose& lidar);
 
-  /// Appends the places in `discs` of those of which something may be seen: they are in range, and
-  /// not all beams towards them end before.
-  void FindSeen(const Discs& discs, const Pose& lidar, std::vector<int>* seen) const;
+  /// The places in `discs` of those of which something may be seen: they are in range, and not all
+  /// beams towards them end before. Valid until the next call.
+  const std::vector<int>& FindSeen(const Discs& discs, const Pose& lidar);
 
   // Shapes in the lidar's frame. One that is around the lidar is not seen from within.
   void DrawCircle(Vec2 center, double radius);
@@ -73,6 +73,7 @@ class DepthBuffer {
   // By rank: inverse distances [1/m]; what ends a beam at its range is a little less than there.
   std::vector<double> inverse_;
   std::vector<double> dull_;  // of what does not reflect; empty until something does
+  std::vector<int> seen_;     // what FindSeen has found
 };
 
 }  // namespace flatland

@@ -27,14 +27,13 @@
 #include "flatland_server/body_tween.hpp"
 #include "flatland_server/contact.hpp"
 #include "flatland_server/geometry.hpp"
+#include "flatland_server/lidar.hpp"
 #include "flatland_server/mover.hpp"
 #include "flatland_server/segment_tree.hpp"
 #include "flatland_server/slot_map.hpp"
 #include "flatland_server/tricycle_drive.hpp"
 
 namespace flatland {
-
-using LayerBits = uint16_t;
 
 struct BodySettings {
   b2BodyType type = b2_dynamicBody;
@@ -70,13 +69,6 @@ struct WeldSettings : JointSettings {
   double damping = 0.0;    ///< ratio, 1 is critical
 };
 
-/// What a lidar looks for.
-struct ScanSettings {
-  double range = 0.0;                ///< farthest return [m]
-  LayerBits layers = 0xFFFF;         ///< what it sees
-  LayerBits reflectance_layers = 0;  ///< what returns intensity 255 instead of 0
-};
-
 /// What the world keeps about a body, or about the static body of a layer.
 struct BodyRecord {
   struct FixtureRecord {
@@ -91,7 +83,7 @@ struct BodyRecord {
   std::vector<FixtureRecord> fixtures;  // by index
 };
 
-/// Something that moves a body at every step: a drive or a tween.
+/// Something on a body: a drive or a tween, which moves it at every step, or a lidar.
 template <class Mechanism>
 struct Moved {
   Handle<BodyRecord> body;
@@ -105,6 +97,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   using Drive = Handle<Moved<BodyDrive>>;
   using Tricycle = Handle<Moved<TricycleDrive>>;
   using Tween = Handle<Moved<BodyTween>>;
+  using LidarHandle = Handle<Moved<Lidar>>;
 
   /// Solver iterations per step, 1 or more each.
   World(int velocity_iterations, int position_iterations);
@@ -205,6 +198,13 @@ class World : private b2DestructionListener, private b2ContactListener {
   void Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
             float* intensities) const;
 
+  /// The lidar is there as long as its body.
+  LidarHandle AddLidar(Body body, const LidarSettings& settings);
+  /// Says that Scan will be asked for soon: then all that are expected scan together, on all cores.
+  void ExpectScan(LidarHandle lidar);
+  /// What a lidar sees now. The values are valid until the world changes.
+  const Lidar& Scan(LidarHandle lidar);
+
   int body_count() const { return world_.GetBodyCount(); }
   int joint_count() const { return world_.GetJointCount(); }
 
@@ -244,6 +244,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
   void ApplyLateForces();
   void RefreshMovers() const;
+  void ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
+                float* intensities) const;
   /// Draws the layers and movers that the lidar sees and whose layers `choose` says yes to.
   template <class Choose>
   void DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
@@ -273,12 +275,14 @@ class World : private b2DestructionListener, private b2ContactListener {
   SlotMap<Moved<BodyDrive>> drives_{"drive"};
   SlotMap<Moved<TricycleDrive>> tricycles_{"drive"};
   SlotMap<Moved<BodyTween>> tweens_{"tween"};
+  SlotMap<Moved<Lidar>> lidars_{"lidar"};
+  std::vector<LidarHandle> expected_;         // to scan soon
+  std::vector<std::pair<Lidar*, Pose>> due_;  // those that scan now, and where they are
+  uint64_t state_ = 1;  // another number whenever something has come, gone or moved
   std::vector<Layer> layers_;
-  mutable std::vector<Mover> movers_;  // what moves and can be seen, if they are current
+  mutable std::vector<Mover> movers_;  // what moves and can be seen
   mutable Discs discs_;                // their bounding circles
-  mutable std::vector<int> seen_;      // of these, in a scan
-  mutable bool movers_are_current_ = false;
-  mutable DepthBuffer buffer_;
+  mutable uint64_t movers_state_ = 0;  // of which state_ they are
   std::vector<LateForce> late_forces_;
   ContactListener* listener_ = nullptr;
   mutable std::atomic<bool> busy_{false};

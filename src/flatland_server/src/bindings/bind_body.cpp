@@ -101,6 +101,18 @@ void BindJoints(py::class_<PyBody>& body) {
           py::arg("damping") = 0.0);
 }
 
+void BindLidar(py::class_<PyBody>& body) {
+  body.def(
+      "add_lidar",
+      [](PyBody& self, const std::shared_ptr<BeamFan>& fan, const Triple& pose, double range,
+         LayerBits layers, LayerBits reflectance_layers) {
+        const LidarSettings settings{fan, ToPose(pose), {range, layers, reflectance_layers}};
+        return PyLidar{self.world, self.world->AddLidar(self.handle, settings)};
+      },
+      py::arg("fan"), py::arg("pose"), py::arg("range"), py::arg("layers") = 0xFFFF,
+      py::arg("reflectance_layers") = 0);
+}
+
 void BindMotion(py::class_<PyBody>& body) {
   body.def_property(
           "pose", [](const PyBody& self) { return ToTuple(self.world->GetPose(self.handle)); },
@@ -250,6 +262,7 @@ void BindBody(py::class_<PyBody>& body) {
   BindShapes(body);
   BindJoints(body);
   BindMotion(body);
+  BindLidar(body);
   BindMechanics(body);
 }
 

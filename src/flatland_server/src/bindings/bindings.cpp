@@ -44,6 +44,19 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
   return py::make_tuple(ranges, intensities);
 }
 
+py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
+  if (lidar.world != self.world) throw std::invalid_argument("the lidar is of another world");
+  const Lidar* seen = nullptr;
+  {
+    const py::gil_scoped_release release;
+    seen = &self.world->Scan(lidar.handle);
+  }
+  const auto copy = [](const std::vector<float>& values) {
+    return py::array_t<float>(static_cast<py::ssize_t>(values.size()), values.data());
+  };
+  return py::make_tuple(copy(seen->ranges), copy(seen->intensities));
+}
+
 void Step(PyWorld& self, double dt) {
   {
     const py::gil_scoped_release release;
@@ -83,6 +96,7 @@ void BindWorld(py::module_& m) {
       .def("step", &Step, py::arg("dt"))
       .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
            py::arg("layers") = 0xFFFF, py::arg("reflectance_layers") = 0)
+      .def("scan", &ScanLidar, py::arg("lidar"))
       .def("set_contact_listener", &SetContactListener, py::arg("listener"))
       .def_property_readonly("body_count",
                              [](const PyWorld& self) { return self.world->body_count(); })
@@ -96,10 +110,13 @@ PYBIND11_MODULE(_core, m) {
   m.doc() = "Flatland's physics and ray casting on Box2D.";
   py::register_exception<GoneError>(m, "GoneError", PyExc_ReferenceError);
 
-  py::class_<BeamFan>(m, "BeamFan")
+  py::class_<BeamFan, std::shared_ptr<BeamFan>>(m, "BeamFan")
       .def(py::init<double, double, int>(), py::arg("angle_min"), py::arg("increment"),
            py::arg("count"))
       .def("__len__", &BeamFan::size);
+  py::class_<PyLidar>(m, "Lidar").def("expect_scan", [](PyLidar& self) {
+    self.world->ExpectScan(self.handle);
+  });
   // Both before their functions, whose signatures name them.
   py::class_<PyBody> body(m, "Body");
   py::class_<PyFixture> fixture(m, "Fixture");

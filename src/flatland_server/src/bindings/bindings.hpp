@@ -79,6 +79,7 @@ using PyJoint = Owned<World::Joint>;
 using PyDrive = Owned<World::Drive>;
 using PyTricycle = Owned<World::Tricycle>;
 using PyTween = Owned<World::Tween>;
+using PyLidar = Owned<World::LidarHandle>;
 
 /// Unique among the bodies that a world has ever had.
 inline uint64_t IdOf(World::Body body) {

@@ -367,10 +367,11 @@ void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
   }
 }
 
-void DepthBuffer::FindSeen(const Discs& discs, const Pose& lidar, std::vector<int>* seen) const {
-  // It only reads what others draw on.
-  double* inverse = const_cast<double*>(inverse_.data());
-  FindSeenIn(discs, {*fan_, inverse, {lidar.x, lidar.y}, Rotation(lidar.yaw)}, range_, seen);
+const std::vector<int>& DepthBuffer::FindSeen(const Discs& discs, const Pose& lidar) {
+  seen_.clear();
+  FindSeenIn(discs, {*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)}, range_,
+             &seen_);
+  return seen_;
 }
 
 void DepthBuffer::BeginReflecting() {

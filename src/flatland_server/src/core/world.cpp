@@ -83,6 +83,7 @@ World::Body World::AddLayer(const std::vector<Segment>& segments, LayerBits laye
     record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
   }
   layers_.push_back({SegmentTree::Share(segments), layers});
+  ++state_;
   b2Body* body = record.body;
   const Body handle = bodies_.Add(std::move(record));
   body->GetUserData().pointer = handle.index;
@@ -120,7 +121,8 @@ void World::RemoveBody(Body body) {
   remove_from(drives_);
   remove_from(tricycles_);
   remove_from(tweens_);
-  movers_are_current_ = false;
+  remove_from(lidars_);
+  ++state_;
   world_.DestroyBody(record.body);  // its contacts end, which the listener hears of
   bodies_.Remove(body);
   ApplyLateForces();
@@ -155,7 +157,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   definition.filter.categoryBits = settings.layers;
   definition.filter.maskBits = settings.collides ? settings.layers : 0;
   fixtures.push_back({body.CreateFixture(&definition), settings.visible, ReachOf(shape)});
-  movers_are_current_ = false;
+  ++state_;
   return {handle, static_cast<uint32_t>(fixtures.size() - 1)};
 }
 
@@ -265,7 +267,7 @@ void World::Place(b2Body& body, const Pose& pose) {
 void World::Step(double dt) {
   Require(IsUsable(dt) && dt >= kLeastStep, "a step must be finite and longer than zero");
   const BusyGuard guard(busy_, IsListening());
-  movers_are_current_ = false;
+  ++state_;
   const auto for_each = [this](auto& map, auto visit) {
     map.ForEach([&](auto, auto& moved) { visit(moved.mechanism, *bodies_.Get(moved.body).body); });
   };

@@ -39,7 +39,7 @@ void World::SetPose(Body body, const Pose& pose) {
   RequireIdle();
   Require(!bodies_.Get(body).is_layer, "a layer stays where it is");
   const Twist velocity = GetVelocity(body);
-  movers_are_current_ = false;
+  ++state_;
   WakeThoseNear(found);
   Place(found, pose);
   WakeThoseNear(found);

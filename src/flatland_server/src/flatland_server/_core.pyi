@@ -4,7 +4,7 @@ Using a handle whose object was deleted raises GoneError; a value that Box2D cou
 ValueError; using the world while another thread does raises RuntimeError.
 """
 
-from typing import Callable, Sequence
+from typing import Callable, Sequence, overload
 
 from flatland_server.arrays import Float32Array, Segments
 
@@ -17,6 +17,15 @@ class BeamFan:
     def __init__(self, angle_min: float, increment: float, count: int) -> None: ...
     def __len__(self) -> int: ...
 
+class Lidar:
+    """A lidar on a body; it goes with the body."""
+
+    def expect_scan(self) -> None:
+        """Says that `World.scan` will be asked for it soon.
+
+        All that are expected scan together, on all processor cores, when the first is asked for.
+        """
+
 class World:
     def __init__(self, velocity_iterations: int = 10, position_iterations: int = 10) -> None: ...
     def add_layer(self, segments: Segments, layers: int) -> Body: ...
@@ -28,6 +37,7 @@ class World:
         angular_damping: float = 0.0,
     ) -> Body: ...
     def step(self, dt: float) -> None: ...
+    @overload
     def scan(
         self,
         fan: BeamFan,
@@ -36,6 +46,8 @@ class World:
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
     ) -> tuple[Float32Array, Float32Array]: ...
+    @overload
+    def scan(self, lidar: Lidar) -> tuple[Float32Array, Float32Array]: ...
     def set_contact_listener(self, listener: Callable[..., None] | None) -> None:
         """`listener(moment, id_a, id_b, contact, ...)` hears of contacts; see `listen_to_contacts`.
 
@@ -121,6 +133,15 @@ class Body:
         steering_limits: _Triple = (0.0, 0.0, 0.0),
     ) -> Tricycle:
         """`front_wheel` is a revolute joint of this body, `rear_axle` the axle's middle [m]."""
+    def add_lidar(
+        self,
+        fan: BeamFan,
+        pose: _Triple,
+        range: float,
+        layers: int = 0xFFFF,
+        reflectance_layers: int = 0,
+    ) -> Lidar:
+        """At a pose in this body's frame."""
     def add_tween(
         self, delta: _Triple, duration: float, mode: str = "yoyo", easing: str = "linear"
     ) -> Tween:

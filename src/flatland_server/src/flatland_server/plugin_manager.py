@@ -117,9 +117,14 @@ class PluginManager:
         entity = subject if isinstance(subject, Entity) else None
         for plugin in self._plugins[owner]:
             hooks = _overridden(plugin)
-            before, after = hooks.get("before_physics_step"), hooks.get("after_physics_step")
-            if before is not None or after is not None:
-                self._schedule.add(Entry(plugin, before, after))
+            entry = Entry(
+                plugin,
+                prepare=hooks.get("prepare_step"),
+                before=hooks.get("before_physics_step"),
+                after=hooks.get("after_physics_step"),
+            )
+            if any((entry.prepare, entry.before, entry.after)):
+                self._schedule.add(entry)
             self._contacts.add(plugin, entity, hooks)
         if entity is not None:
             self._contacts.refresh(entity)
@@ -172,7 +177,13 @@ class PluginManager:
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls the hook of every plugin that is due."""
-        self._due = self._schedule.due(timekeeper, self._node.listeners_version)
+        self._due, preparing = self._schedule.due(timekeeper, self._node.listeners_version)
+        for entry in preparing:
+            if entry.prepare is not None and not entry.is_gone:
+                try:
+                    entry.prepare(timekeeper)
+                except Exception:
+                    self._fail(entry.plugin, "prepare_step")
         for entry in self._due:
             if entry.before is not None and not entry.is_gone:
                 try:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from operator import attrgetter
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 from flatland_server.plugin import Plugin
 from flatland_server.timekeeper import Timekeeper
@@ -17,11 +17,25 @@ class Entry:
     """A plugin, and its hooks around a step; None for one that it does not override."""
 
     plugin: Plugin
+    prepare: Optional[Hook]
     before: Optional[Hook]
     after: Optional[Hook]
     order: int = 0
     timer: Optional[UpdateTimer] = None
     is_gone: bool = False
+
+
+class Due(NamedTuple):
+    """The plugins of a step, in the order of their hooks."""
+
+    entries: List[Entry]
+    preparing: List[Entry]
+    """Those that override `prepare_step`."""
+
+    @classmethod
+    def of(cls, entries: List[Entry]) -> "Due":
+        """Finds those that prepare."""
+        return cls(entries, [entry for entry in entries if entry.prepare is not None])
 
 
 class Schedule:
@@ -39,7 +53,7 @@ class Schedule:
         self._has_work = has_work
         self._entries: List[Entry] = []  # in the order of their hooks
         self._count = 0
-        self._steady: List[Entry] = []  # those that are due at every step, and have work
+        self._steady = Due([], [])  # those that are due at every step, and have work
         self._waiting: List[Tuple[float, int, Entry]] = []  # a heap by time [ns]
         self._version: object = None
         self._is_stale = False
@@ -64,7 +78,7 @@ class Schedule:
         heapify(self._waiting)
         self._is_stale = True
 
-    def due(self, timekeeper: Timekeeper, listeners_version: object) -> List[Entry]:
+    def due(self, timekeeper: Timekeeper, listeners_version: object) -> Due:
         """The entries whose hooks are to be called in this step, in their order.
 
         Args:
@@ -74,9 +88,9 @@ class Schedule:
         if self._is_stale or listeners_version != self._version:
             self._version = listeners_version
             self._is_stale = False
-            self._steady = [
-                entry for entry in self._entries if entry.timer is None and self._works(entry)
-            ]
+            self._steady = Due.of(
+                [entry for entry in self._entries if entry.timer is None and self._works(entry)]
+            )
         now = timekeeper.nanoseconds
         if not self._waiting or self._waiting[0][0] > now:
             return self._steady
@@ -87,9 +101,9 @@ class Schedule:
         for entry in awake:
             self._wait(entry)
         at_work = [entry for entry in timed if self._works(entry)]
-        return (
-            sorted([*self._steady, *at_work], key=attrgetter("order")) if at_work else self._steady
-        )
+        if not at_work:
+            return self._steady
+        return Due.of(sorted([*self._steady.entries, *at_work], key=attrgetter("order")))
 
     def _works(self, entry: Entry) -> bool:
         return self._has_work(entry.plugin) and not entry.is_gone

@@ -760,8 +760,7 @@ void ExpectAsBox2D(const b2Fixture& fixture, std::mt19937& random) {
   const Mover mover(fixture, ReachOf(*fixture.GetShape()));
   Discs discs;
   discs.Add(mover.middle, mover.reach);
-  std::vector<int> seen;
-  buffer.FindSeen(discs, lidar, &seen);
+  const std::vector<int> seen = buffer.FindSeen(discs, lidar);
   mover.DrawOn(buffer, at, Rotation(lidar.yaw));
   std::vector<float> ranges(fan.size());
   buffer.GetRanges(ranges.data());

@@ -131,6 +131,7 @@ CALLS = {
         "listen_to_contacts": (1,),
         "add_drive": (),
         "add_tween": ((1, 0, 0), 1),
+        "add_lidar": (_core.BeamFan(0, 0.1, 3), (0, 0, 0), 5.0),
     },
     "fixture": {
         "density": (),
@@ -146,6 +147,7 @@ CALLS = {
     "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},
     "tricycle": {"command": (0, 0), "speed": (), "steer_angle": ()},
     "tween": {"trigger": (True,), "progress": ()},
+    "lidar": {"expect_scan": ()},
 }
 """What is done with handles, and with which arguments."""
 
@@ -172,6 +174,7 @@ def handles_of(world) -> dict:
         "drive": base.add_drive(),
         "tricycle": base.add_tricycle(joint, (-0.5, 0)),
         "tween": wheel.add_tween((1, 0, 0), 1.0),
+        "lidar": base.add_lidar(_core.BeamFan(0, 0.1, 3), (0, 0, 0), 5.0),
     }
 
 

@@ -50,6 +50,11 @@ class Fickle(Periodic):
             self.update_timer = UpdateTimer(100.0)
 
 
+class Preparing(Periodic):
+    def prepare_step(self, timekeeper):
+        calls.append((timekeeper.nanoseconds // 5_000_000, f"{self.name} prepares"))
+
+
 class Silent(Periodic):
     def has_work(self):
         raise RuntimeError("no luck")
@@ -61,7 +66,7 @@ def load(files):
     calls.clear()
     loader = PluginLoader(
         PluginDeclaration(c.__name__, "test", f"{__name__}.{c.__name__}")
-        for c in (Periodic, Speaker, Fickle, Silent)
+        for c in (Periodic, Speaker, Fickle, Preparing, Silent)
     )
 
     def load(*plugins: str, watched=None):
@@ -152,3 +157,17 @@ def test_a_deleted_models_plugins_are_called_no_more(load):
     calls.clear()
 
     assert run(manager, 10) == []
+
+
+def test_those_that_are_due_prepare_before_the_first_of_all_is_called(load):
+    manager, _ = load(
+        "type: Preparing, name: slow, rate: 100",
+        "type: Periodic, name: other",
+        "type: Preparing, name: always",
+    )
+
+    assert run(manager, 2) == [
+        *[(0, "slow prepares"), (0, "always prepares")],
+        *[(0, "slow"), (0, "other"), (0, "always")],
+        *[(1, "always prepares"), (1, "other"), (1, "always")],
+    ]

@@ -1,0 +1,103 @@
+#include "flatland_server/parallel.hpp"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+namespace flatland {
+namespace {
+
+/// To wake a thread takes as long as a few pieces of work.
+constexpr int kFewest = 4;
+constexpr unsigned kMostThreads = 16;
+
+class Pool {
+ public:
+  explicit Pool(unsigned helpers) {
+    for (unsigned i = 0; i < helpers; ++i) std::thread([this] { Help(); }).detach();
+  }
+
+  /// Whether it was free to do the work.
+  bool TryRun(int count, const std::function<void(int)>& work) {
+    const std::unique_lock<std::mutex> turn(turn_, std::try_to_lock);
+    if (!turn.owns_lock()) return false;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      work_ = &work;
+      count_ = count;
+      next_ = 0;
+    }
+    wake_.notify_all();
+    Work(work, count);
+    std::unique_lock<std::mutex> lock(mutex_);
+    work_ = nullptr;  // who wakes up only now finds nothing
+    done_.wait(lock, [this] { return helping_ == 0; });
+    return true;
+  }
+
+ private:
+  void Work(const std::function<void(int)>& work, int count) {
+    for (int i = next_++; i < count; i = next_++) work(i);
+  }
+
+  void Help() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (true) {
+      wake_.wait(lock, [this] { return work_ != nullptr && next_ < count_; });
+      const std::function<void(int)>& work = *work_;
+      const int count = count_;
+      ++helping_;
+      lock.unlock();
+      Work(work, count);
+      lock.lock();
+      if (--helping_ == 0) done_.notify_one();
+    }
+  }
+
+  std::mutex turn_;   // held by whom it works for
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable wake_;
+  std::condition_variable done_;
+  const std::function<void(int)>* work_ = nullptr;
+  int count_ = 0;
+  int helping_ = 0;
+  std::atomic<int> next_{0};
+};
+
+/// Never deleted: its threads wait until the process ends. A child process has none of them, and
+/// starts its own.
+std::atomic<Pool*> the_pool{nullptr};
+std::mutex starting;
+
+Pool* GetPool() {
+  Pool* pool = the_pool;
+  if (pool != nullptr) return pool;
+  const std::lock_guard<std::mutex> lock(starting);
+  if (the_pool == nullptr) {
+    static const int forks = pthread_atfork([] { starting.lock(); }, [] { starting.unlock(); },
+                                            [] {
+                                              the_pool = nullptr;
+                                              starting.unlock();
+                                            });
+    static_cast<void>(forks);
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    the_pool = new Pool(std::min(cores, kMostThreads) - 1);
+  }
+  return the_pool;
+}
+
+}  // namespace
+
+void ForEachInParallel(int count, const std::function<void(int)>& work) {
+  if (count >= kFewest && std::thread::hardware_concurrency() > 1 &&
+      GetPool()->TryRun(count, work)) {
+    return;
+  }
+  for (int i = 0; i < count; ++i) work(i);
+}
+
+}  // namespace flatland
