@@ -12,7 +12,7 @@ from flatland_msgs.srv import ChangeRate, GetModelMarkers
 from rostest_tools import Recorder, wait_until
 from std_srvs.srv import Empty
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
-from visualization_msgs.msg import InteractiveMarkerInit, MarkerArray
+from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate, MarkerArray
 
 BOX = "box_1"
 BOX_FILE = rospkg.RosPack().get_path("flatland_server") + "/worlds/office/box.model.yaml"
@@ -103,6 +103,19 @@ class InteractiveMarkers(unittest.TestCase):
         self.assertTrue(self.state.messages[-1].paused)
         self.send(Feedback.MOUSE_UP, 5.0, 0.0)
         self.wait_for_state(paused=False)
+
+    def test_rviz_is_told_twice_a_simulated_second_that_the_handles_live(self):
+        updates = Recorder("/interactive_model_markers/update", InteractiveMarkerUpdate)
+
+        def alive(update):
+            return update.type == InteractiveMarkerUpdate.KEEP_ALIVE
+
+        updates.next(holds=alive)
+        begin, heard = self.state.next().stamp, len(updates.messages)
+        end = self.state.next(15).stamp
+        count = len([update for update in updates.messages[heard:] if alive(update)])
+        self.assertAlmostEqual(count, 2.0 * (end - begin).to_sec(), delta=1.5)
+        updates.close()
 
     def test_the_menu_deletes_a_model(self):
         topics = Recorder("/flatland_server/debug/topics", DebugTopicList)

@@ -88,6 +88,14 @@ def test_without_being_asked_nobody_listens_to_clock(server):
     assert server.listeners("/clock") == {"/rosout"}
 
 
+def test_a_listener_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
+    with ServerProcess(write_world(tmp_path, WORLDS, 100)) as server:
+        listener = server.listen("listener", "--robots")
+        server.wait_until(
+            lambda: listener.next_reading().is_connected, "a connection to each topic", limit=15.0
+        )
+
+
 def test_the_intervals_of_clock_are_those_of_steps(server):
     listener = server.listen("listener", "--clock")
     listener.next_reading(after=listener.next_reading().real + 1.0)

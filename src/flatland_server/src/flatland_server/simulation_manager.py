@@ -12,6 +12,9 @@ _LONGEST_BACKLOG = 0.25
 _LONGEST_TURN = 0.02
 """How long it waits at most for the next step before it lets listeners have a turn [s]."""
 
+_SHORTEST_TURN = 0.001
+"""How long it makes steps without waiting before it lets listeners have a turn [s]."""
+
 _METERING_TIME = 1.0
 """Real time over which the rate is measured [s]."""
 
@@ -40,7 +43,7 @@ class SimulationManager:
         self.after_step: List[Callable[[], None]] = []
         """Called after each step."""
         self.each_turn: List[Callable[[], None]] = []
-        """Called often, also while the simulation is paused or waits."""
+        """Called before each wait and every now and then, also while the simulation is paused."""
 
     @property
     def rate(self) -> float:
@@ -81,22 +84,28 @@ class SimulationManager:
 
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Runs until `goes_on()` is false; asks before each step."""
-        due = now = time.monotonic()
+        due = turn = now = time.monotonic()
         metered = (now, self.timekeeper.seconds)
         while goes_on():
-            self.world.transport.process(min(max(0.0, due - now), _LONGEST_TURN))
+            wait = max(0.0, due - now)
+            self.world.transport.process(min(wait, _LONGEST_TURN))
             if not goes_on():
                 return
-            now = time.monotonic()
+            if wait > 0.0:
+                now = time.monotonic()
             if now >= due:
                 last = max(due, now - _LONGEST_BACKLOG)
                 if not self.is_paused:
                     self._step()
-            for listener in self.each_turn:
-                listener()
+                    now = time.monotonic()
             period = 1.0 / self.update_rate  # it may have been changed
             due = last + (max(period, _LONGEST_TURN) if self.is_paused else period)
+            if due <= now < turn:
+                continue
+            for listener in self.each_turn:
+                listener()
             now = time.monotonic()
+            turn = now + _SHORTEST_TURN
             if now - metered[0] >= _METERING_TIME:
                 seconds = self.timekeeper.seconds
                 self.real_time_factor = (seconds - metered[1]) / (now - metered[0])

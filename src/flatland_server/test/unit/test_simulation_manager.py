@@ -202,6 +202,27 @@ def test_what_is_due_at_each_turn_happens_in_a_pause_too(make_manager):
     assert happened == ["step", "turn", "step", "turn", "turn", "turn", "turn"]
 
 
+def test_at_full_speed_listeners_have_a_turn_every_millisecond(make_manager, clock):
+    manager = make_manager(math.inf)
+    happened: List[int] = []
+    manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.0003))
+    manager.each_turn.append(lambda: happened.append(steps(manager)))
+
+    manager.run(turns(13))
+
+    assert happened == [1, 5, 9, 13]
+
+
+def test_listeners_have_a_turn_before_each_wait_however_short(make_manager, clock):
+    manager = make_manager(10_000.0)
+    happened: List[int] = []
+    manager.each_turn.append(lambda: happened.append(steps(manager)))
+
+    manager.run(turns(5))
+
+    assert happened[:3] == [1, 2, 3]
+
+
 def test_one_step_can_be_made_in_a_pause(make_manager):
     manager = make_manager()
     manager.pause()

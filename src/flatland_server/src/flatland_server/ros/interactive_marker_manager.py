@@ -1,6 +1,7 @@
 """Interactive markers: models that are dragged, turned and deleted by mouse, in rviz."""
 
 import math
+import threading
 import time
 from typing import Dict, List, Tuple
 
@@ -30,6 +31,9 @@ _HANDLE_Z = 0.05
 _DRAG_TIMEOUT = 3.0
 """Real seconds without a word from whoever drags: rviz sends one every quarter of a second."""
 
+_KEEP_ALIVE_PERIOD = rospy.Duration(0.5)
+"""Of ROS time, which is simulated or not: rviz measures in it when it has heard of us last."""
+
 
 class InteractiveMarkerManager:
     """Offers an interactive marker for each model at `interactive_model_markers`.
@@ -51,7 +55,8 @@ class InteractiveMarkerManager:
         self._transport = transport
         self._timer = RealTimeTimer(1.0 / rate)
         self._frame_id = frame_id
-        self._server = InteractiveMarkerServer("interactive_model_markers")
+        self._server = _server_without_timer("interactive_model_markers")
+        self._keep_alive_due = rospy.Time()
         self._shown: Dict[
             str, Tuple[Model, Tuple[float, float, float]]
         ] = {}  # and where its base is
@@ -60,6 +65,7 @@ class InteractiveMarkerManager:
 
     def update(self) -> None:
         """Follows the models if it is time to; to be called often."""
+        self._keep_alive()
         if not self._timer.check_update():
             return
         long_ago = time.monotonic() - _DRAG_TIMEOUT
@@ -71,6 +77,12 @@ class InteractiveMarkerManager:
             self._server.applyChanges()
             for name in new:
                 self._let_anybody_drag(name)
+
+    def _keep_alive(self) -> None:
+        now = rospy.get_rostime()
+        if now >= self._keep_alive_due and self._server.update_pub.get_num_connections() > 0:
+            self._keep_alive_due = now + _KEEP_ALIVE_PERIOD
+            self._server.keepAlive(None)
 
     def _follow_models(self) -> Tuple[List[str], List[str]]:
         """Has markers made and removed; returns the names of models that are gone, and new."""
@@ -152,6 +164,19 @@ class InteractiveMarkerManager:
         context = self._server.marker_contexts.get(name)
         if context is not None:
             context.last_feedback = rospy.Time()
+
+
+def _server_without_timer(topic_namespace: str) -> InteractiveMarkerServer:
+    """The library's server, but for the thread that calls `keepAlive`.
+
+    It would wake up at every step of simulated time.
+    """
+    others = set(threading.enumerate())
+    server = InteractiveMarkerServer(topic_namespace)
+    for thread in threading.enumerate():
+        if thread not in others and isinstance(thread, rospy.Timer):
+            thread.shutdown()
+    return server
 
 
 def _pose_message(pose: Pose) -> object:

@@ -25,10 +25,14 @@ def send_promptly() -> None:
 
 def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
     """Publishes a serialised message, without the detour over an object. Not for latched topics."""
+    send_framed(publisher, _LENGTH.pack(len(data)) + data)
+
+
+def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
+    """The same with one message or several that have their lengths before them."""
     topic = publisher.impl
     if topic is None or topic.closed:
         return
-    framed = _LENGTH.pack(len(data)) + data
     for connection in topic.connections:
         try:
             connection.write_data(framed)

@@ -34,6 +34,8 @@ class RosTransport(Transport):
         self.has_started = False
         """Whether the simulation runs, and so comes by to look at `is_ending`."""
         self.is_ending = False
+        self.before_sending: Callable[[], None] = lambda: None
+        """Called before anything is sent, and before callbacks: by what has to arrive first."""
         self._transforms = TransformQueue()
         self._listeners = _Listeners()
         self._tf = rospy.Publisher(
@@ -43,7 +45,7 @@ class RosTransport(Transport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        return _RosPublisher(topic, message_type, latch, queue_size, self._listeners)
+        return _RosPublisher(self, topic, message_type, latch, queue_size, self._listeners)
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
@@ -69,18 +71,17 @@ class RosTransport(Transport):
 
     def process(self, timeout: float = 0.0) -> None:
         self.has_started = True
+        if self._waiting:
+            self._run_callbacks()
+        if timeout <= 0.0:
+            return  # as quickly as can be: at full speed it comes by at each step
         deadline = time.monotonic() + timeout
-        while not self.is_ending:
-            while self._waiting:
-                try:
-                    self._waiting.popleft()()
-                except Exception:
-                    logger.exception("a callback failed")
-            remaining = deadline - time.monotonic()
-            if remaining <= 0:
-                return
+        remaining = timeout
+        while remaining > 0.0 and not self.is_ending:
             self._arrival.wait(remaining)
             self._arrival.clear()
+            self._run_callbacks()
+            remaining = deadline - time.monotonic()
 
     def end(self) -> None:
         """Lets `process` return at once; may be called from a signal handler or another thread."""
@@ -107,7 +108,16 @@ class RosTransport(Transport):
     def flush(self) -> None:
         message = self._transforms.take()
         if message:
+            self.before_sending()
             send_bytes(self._tf, message)
+
+    def _run_callbacks(self) -> None:
+        self.before_sending()
+        while self._waiting and not self.is_ending:
+            try:
+                self._waiting.popleft()()
+            except Exception:
+                logger.exception("a callback failed")
 
 
 class _Errand(Generic[T]):
@@ -151,8 +161,15 @@ class _Listeners(rospy.SubscribeListener):  # type: ignore[misc]
 
 class _RosPublisher(Publisher):
     def __init__(
-        self, topic: str, message_type: Any, latch: bool, queue_size: int, listeners: _Listeners
+        self,
+        transport: RosTransport,
+        topic: str,
+        message_type: Any,
+        latch: bool,
+        queue_size: int,
+        listeners: _Listeners,
     ) -> None:
+        self._transport = transport
         self._publisher = rospy.Publisher(
             topic,
             message_type,
@@ -167,10 +184,12 @@ class _RosPublisher(Publisher):
         return self._publisher.get_num_connections() > 0
 
     def publish(self, message: Any) -> None:
+        self._transport.before_sending()
         self._publisher.publish(message)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
         if self.is_watched:
+            self._transport.before_sending()
             send_bytes(self._publisher, writer.data(*values))
 
     def close(self) -> None:

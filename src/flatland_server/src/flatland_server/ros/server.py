@@ -1,5 +1,6 @@
 """The node flatland_server: reads its parameters, loads the world and runs it."""
 
+import gc
 import logging
 import math
 import os
@@ -15,6 +16,8 @@ from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
+from flatland_server.ros.joint_registration import joint_registration
+from flatland_server.ros.listen_backlog import make_room_for_listeners
 from flatland_server.ros.prompt_connection import send_promptly
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.service_manager import ServiceManager
@@ -92,6 +95,7 @@ def main() -> int:
     send_promptly()
     rospy.init_node("flatland_server", disable_signals=True)
     logging.getLogger().addHandler(_RosLogHandler())
+    make_room_for_listeners()
     try:
         _run(ServerConfig.read())
     except rospy.ROSInterruptException:
@@ -110,18 +114,13 @@ def _run(config: ServerConfig) -> None:
         raise FlatlandError(f"~step_size: {error}") from None
     transport = RosTransport()
     _end_on_signals(transport)
-    world = World.from_file(
-        config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
-    )
-    manager = SimulationManager(world, timekeeper, config.update_rate)
-    manager.after_step.append(ClockPublisher(timekeeper).publish)
-    if config.show_viz:
-        manager.each_turn.append(DebugVisualization(world, config.viz_pub_rate).update)
-        handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
-        manager.each_turn.append(handles.update)
-    manager.each_turn.append(Diagnostics(manager).update)
-    manager.each_turn.append(StatePublisher(manager).update)
-    ServiceManager(manager, transport)
+    with joint_registration():
+        world = World.from_file(
+            config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
+        )
+        manager = SimulationManager(world, timekeeper, config.update_rate)
+        _connect(manager, transport, config)
+    _spare_from_garbage_collection()
     rospy.loginfo(
         "%s: %d layers, %d models; running",
         *(config.world_path, len(world.layers), len(world.models)),
@@ -131,6 +130,32 @@ def _run(config: ServerConfig) -> None:
     finally:
         world.close()
         rospy.signal_shutdown("the simulation has ended")
+
+
+def _connect(manager: SimulationManager, transport: RosTransport, config: ServerConfig) -> None:
+    """Opens the topics and services that are not a plugin's."""
+    clock = ClockPublisher(manager.timekeeper)
+    manager.after_step.append(clock.tick)
+    manager.each_turn.append(clock.flush)
+    transport.before_sending = clock.flush
+    if config.show_viz:
+        manager.each_turn.append(DebugVisualization(manager.world, config.viz_pub_rate).update)
+        handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
+        manager.each_turn.append(handles.update)
+    manager.each_turn.append(Diagnostics(manager).update)
+    manager.each_turn.append(StatePublisher(manager).update)
+    ServiceManager(manager, transport)
+
+
+def _spare_from_garbage_collection() -> None:
+    """Lets the garbage collector leave alone what there is now: libraries and the loaded world.
+
+    It would walk all of that now and again, when models are spawned above all, which holds a step
+    up for longer than steps are apart. By that, a model that was loaded with the world may keep
+    some memory when it is deleted; one that was spawned does not.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 def _end_on_signals(transport: RosTransport) -> None:
