@@ -22,6 +22,7 @@ from flatland_server.ros.prompt_connection import send_promptly
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.service_manager import ServiceManager
 from flatland_server.ros.state_publisher import StatePublisher
+from flatland_server.ros.thread_priority import ThreadPriority
 from flatland_server.simplify_outlines import TOLERANCES
 from flatland_server.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
@@ -38,6 +39,7 @@ class ServerConfig(NamedTuple):
     viz_pub_rate: float
     seed: int
     simplify_map: int
+    realtime_priority: bool
 
     @classmethod
     def read(cls) -> "ServerConfig":
@@ -55,18 +57,23 @@ class ServerConfig(NamedTuple):
         simplify_map = rospy.get_param("~simplify_map", 0)
         if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
-        show_viz = rospy.get_param("~show_viz", True)
-        if not isinstance(show_viz, bool):
-            raise FlatlandError(f"~show_viz: expected true or false, found {show_viz}")
         return cls(
             world_path=Path(str(world_path)).absolute(),
             update_rate=_positive("~update_rate", 200.0, allow_infinity=True),
             step_size=_positive("~step_size", 0.005),
-            show_viz=show_viz,
+            show_viz=_flag("~show_viz", True),
             viz_pub_rate=_positive("~viz_pub_rate", 30.0),
             seed=seed,
             simplify_map=simplify_map,
+            realtime_priority=_flag("~realtime_priority", True),
         )
+
+
+def _flag(name: str, default: bool) -> bool:
+    value = rospy.get_param(name, default)
+    if not isinstance(value, bool):
+        raise FlatlandError(f"{name}: expected true or false, found {value}")
+    return value
 
 
 def _positive(name: str, default: float, *, allow_infinity: bool = False) -> float:
@@ -144,6 +151,8 @@ def _connect(manager: SimulationManager, transport: RosTransport, config: Server
         manager.each_turn.append(handles.update)
     manager.each_turn.append(Diagnostics(manager).update)
     manager.each_turn.append(StatePublisher(manager).update)
+    if config.realtime_priority:
+        manager.each_turn.append(ThreadPriority().update)
     ServiceManager(manager, transport)
 
 
