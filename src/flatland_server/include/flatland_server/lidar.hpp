@@ -32,6 +32,7 @@ struct Lidar {
   std::vector<float> ranges;
   std::vector<float> intensities;
   uint64_t seen_at = 0;
+  bool is_expected = false;  // to scan soon
 };
 
 }  // namespace flatland

@@ -46,15 +46,16 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
 
 py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
   if (lidar.world != self.world) throw std::invalid_argument("the lidar is of another world");
-  const Lidar* seen = nullptr;
   {
     const py::gil_scoped_release release;
-    seen = &self.world->Scan(lidar.handle);
+    self.world->Scan(lidar.handle);
   }
+  // Asked again with the GIL: another thread may have changed the world since.
+  const Lidar& seen = self.world->Scan(lidar.handle);
   const auto copy = [](const std::vector<float>& values) {
     return py::array_t<float>(static_cast<py::ssize_t>(values.size()), values.data());
   };
-  return py::make_tuple(copy(seen->ranges), copy(seen->intensities));
+  return py::make_tuple(copy(seen.ranges), copy(seen.intensities));
 }
 
 void Step(PyWorld& self, double dt) {

@@ -21,6 +21,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// How far past its ends a wall still stops a beam, as a fraction of its length: two walls that
 /// share a corner leave no gap between them.
 constexpr double kEndTolerance = 1e-9;
+/// A wall whose ends are seen less than this angle [rad] apart, or less than this from opposite, is
+/// seen edge-on: its distance would be a quotient of two roundings.
+constexpr double kEdgeOn = 1e-14;
 /// What is at the range itself is seen; so this much more than the range counts as within it.
 constexpr double kRangeTolerance = 1e-12;
 /// How much farther something that reflects may be than what does not, and still be seen.
@@ -53,8 +56,14 @@ FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
   return roots;
 }
 
+/// Not less than the vectors' lengths.
+FLATLAND_INLINE Doubles Sizes(const Doubles& x, const Doubles& y) {
+  return (x < 0.0 ? -x : x) + (y < 0.0 ? -y : y);
+}
+double Size(Vec2 v) { return std::abs(v.x) + std::abs(v.y); }
+
 FLATLAND_INLINE Doubles DiamondAngles(const Doubles& x, const Doubles& y) {
-  const Doubles slant = y / ((x < 0.0 ? -x : x) + (y < 0.0 ? -y : y));
+  const Doubles slant = y / Sizes(x, y);
   return x >= 0.0 ? slant : (y >= 0.0 ? 2.0 - slant : -2.0 - slant);
 }
 
@@ -123,7 +132,8 @@ FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run ru
 /// The lidar stands on the wall itself: every beam but the two along it ends at once.
 void DrawUnderfoot(const BeamFan& fan, double* inverse, Vec2 along) {
   for (int rank = 0; rank < fan.size(); ++rank) {
-    if (Cross({fan.xs()[rank], fan.ys()[rank]}, along) != 0.0) inverse[rank] = kInfinity;
+    const double across = Cross({fan.xs()[rank], fan.ys()[rank]}, along);
+    if (std::abs(across) > kEdgeOn * Size(along)) inverse[rank] = kInfinity;
   }
 }
 
@@ -145,11 +155,12 @@ FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
     const Doubles right_x = swap ? second_x : first_x, right_y = swap ? second_y : first_y;
     const Doubles left_x = swap ? first_x : second_x, left_y = swap ? first_y : second_y;
     const Doubles size = swap ? -cross : cross;
+    const Mask is_edge_on = size <= kEdgeOn * Sizes(right_x, right_y) * Sizes(left_x, left_y);
     Store(right_x, ax + lane);
     Store(right_y, ay + lane);
     Store(left_x, bx + lane);
     Store(left_y, by + lane);
-    Store(size, crosses + lane);
+    Store(is_edge_on ? Fill(0.0) : size, crosses + lane);
     Store(1.0 / size, inverse_crosses + lane);
     Store(WidenedRight(DiamondAngles(right_x, right_y)), from + lane);
     Store(WidenedLeft(DiamondAngles(left_x, left_y)), to + lane);
@@ -353,8 +364,8 @@ void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar) {
 
 void DepthBuffer::DrawCircle(Vec2 center, double radius) {
   const double square_distance = Dot(center, center);
-  if (square_distance <= radius * radius) return;
-  DrawCircleOn(*fan_, inverse_.data(), center, radius, square_distance);
+  const bool is_outside = square_distance > radius * radius;
+  if (is_outside) DrawCircleOn(*fan_, inverse_.data(), center, radius, square_distance);
 }
 
 void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
@@ -363,7 +374,8 @@ void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
     const Vec2 corner = corners[i];
     const Vec2 next = corners[i + 1 < count ? i + 1 : 0];
     const double cross = Cross(next, corner);
-    if (cross > 0.0) DrawSide(*fan_, inverse_.data(), next, corner, cross);
+    const bool faces_lidar = cross > kEdgeOn * Size(next) * Size(corner);
+    if (faces_lidar) DrawSide(*fan_, inverse_.data(), next, corner, cross);
   }
 }
 
@@ -392,9 +404,11 @@ void DepthBuffer::GetRanges(float* ranges) const {
 }
 
 void DepthBuffer::GetIntensities(float* intensities) const {
+  const double beyond = (1.0 - kRangeTolerance) / range_;
   std::fill_n(intensities, fan_->size(), 0.0f);
   for (int rank = 0; rank < fan_->size() && !dull_.empty(); ++rank) {
-    const bool reflects = inverse_[rank] > dull_[rank] * (1.0 - kTie);
+    const bool is_in_range = std::max(inverse_[rank], dull_[rank]) > beyond;
+    const bool reflects = is_in_range && inverse_[rank] > dull_[rank] * (1.0 - kTie);
     intensities[fan_->beams()[rank]] = reflects ? 255.0f : 0.0f;
   }
 }

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 namespace flatland {
@@ -17,8 +18,12 @@ constexpr unsigned kMostThreads = 16;
 
 class Pool {
  public:
+  /// Makes do with fewer threads, or none, where the system grants no more.
   explicit Pool(unsigned helpers) {
-    for (unsigned i = 0; i < helpers; ++i) std::thread([this] { Help(); }).detach();
+    try {
+      for (unsigned i = 0; i < helpers; ++i) std::thread([this] { Help(); }).detach();
+    } catch (const std::system_error&) {
+    }
   }
 
   /// Whether it was free to do the work.

@@ -48,11 +48,13 @@ std::shared_ptr<const SegmentTree> SegmentTree::Share(const std::vector<Segment>
   static std::unordered_multimap<size_t, std::weak_ptr<const SegmentTree>> trees;
   const std::lock_guard lock(mutex);
   const size_t hash = HashOf(segments);
-  auto [begin, end] = trees.equal_range(hash);
-  while (begin != end) {
-    const std::shared_ptr<const SegmentTree> tree = begin->second.lock();
+  for (auto [i, end] = trees.equal_range(hash); i != end; ++i) {
+    const std::shared_ptr<const SegmentTree> tree = i->second.lock();
     if (tree && AreEqual(tree->segments_, segments)) return tree;
-    begin = tree ? std::next(begin) : trees.erase(begin);
+  }
+  // A new one takes long anyway: a good time to forget those that nobody uses any more.
+  for (auto i = trees.begin(); i != trees.end();) {
+    i = i->second.expired() ? trees.erase(i) : std::next(i);
   }
   auto tree = std::make_shared<const SegmentTree>(segments);
   trees.emplace(hash, tree);

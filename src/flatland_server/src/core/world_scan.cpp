@@ -39,8 +39,10 @@ World::LidarHandle World::AddLidar(Body body, const LidarSettings& settings) {
 
 void World::ExpectScan(LidarHandle lidar) {
   RequireIdle();
-  lidars_.Get(lidar);
+  Lidar& expected = lidars_.Get(lidar).mechanism;
+  if (expected.is_expected) return;
   expected_.push_back(lidar);
+  expected.is_expected = true;
 }
 
 const Lidar& World::Scan(LidarHandle handle) {
@@ -51,20 +53,21 @@ const Lidar& World::Scan(LidarHandle handle) {
   RefreshMovers();
   due_.clear();
   const auto add = [&](Moved<Lidar>& mounted) {
+    mounted.mechanism.is_expected = false;
     if (mounted.mechanism.seen_at == state_) return;
-    mounted.mechanism.seen_at = state_;
     const b2Body& body = *bodies_.Get(mounted.body).body;
     const Pose& mount = mounted.mechanism.settings.pose;
     const double yaw = std::remainder(double{body.GetAngle()}, 2.0 * M_PI);
     const Vec2 place = FromBox2D(body.GetPosition()) + Rotation(yaw).Apply({mount.x, mount.y});
     due_.push_back({&mounted.mechanism, {place.x, place.y, yaw + mount.yaw}});
+    mounted.mechanism.seen_at = state_;
   };
   add(lidars_.Get(handle));
   for (const LidarHandle& each : expected_) {
     if (lidars_.Contains(each)) add(lidars_.Get(each));
   }
   expected_.clear();
-  ForEachInParallel(static_cast<int>(due_.size()), [&](int i) {
+  ForEachInParallel(static_cast<int>(due_.size()), [&](int i) noexcept {
     Lidar& lidar = *due_[i].first;
     ScanInto(*lidar.settings.fan, due_[i].second, lidar.settings.scan, lidar.ranges.data(),
              lidar.intensities.data());

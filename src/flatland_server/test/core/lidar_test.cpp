@@ -1,8 +1,13 @@
 #include "flatland_server/lidar.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cstdlib>
 #include <future>
 #include <memory>
 #include <set>
@@ -74,6 +79,31 @@ TEST_F(LidarOnABody, SeesTheSameTogetherAsAlone) {
   }
 }
 
+// Those that are expected are all as new as the one that is asked for; the others are left alone.
+TEST_F(LidarOnABody, ScansTogetherWithAllThatAreExpected) {
+  std::vector<World::LidarHandle> lidars;
+  for (int i = 0; i < 3; ++i) lidars.push_back(AddLidar(AddRobot({3.0 + i, 3, 0})));
+  const Lidar* const asked = &world_.Scan(lidars[0]);
+  const Lidar* const expected = &world_.Scan(lidars[1]);
+  const Lidar* const other = &world_.Scan(lidars[2]);
+
+  for (int step = 0; step < 3; ++step) {
+    world_.Step(0.1);
+    const uint64_t before = other->seen_at;
+    world_.ExpectScan(lidars[1]);
+    world_.ExpectScan(lidars[1]);
+    world_.Scan(lidars[0]);
+    EXPECT_GT(asked->seen_at, before);
+    EXPECT_EQ(expected->seen_at, asked->seen_at) << "step " << step;
+    EXPECT_EQ(other->seen_at, before);
+
+    world_.Step(0.1);
+    world_.Scan(lidars[0]);
+    EXPECT_LT(expected->seen_at, asked->seen_at) << "it is expected no more";
+    world_.Scan(lidars[2]);
+  }
+}
+
 TEST_F(LidarOnABody, SeesWhatHasChangedSinceTheOthersHaveScanned) {
   const World::Body robot = AddRobot({3, 2, 0});
   const World::LidarHandle first = AddLidar(AddRobot({1, 1, 0}));
@@ -83,7 +113,8 @@ TEST_F(LidarOnABody, SeesWhatHasChangedSinceTheOthersHaveScanned) {
   const std::vector<float> before = world_.Scan(first).ranges;
 
   world_.SetPose(robot, {4, 3, 1});
-  EXPECT_EQ(world_.Scan(second).ranges, Expected(robot));
+  const std::vector<float> seen = world_.Scan(second).ranges;  // before anything else scans
+  EXPECT_EQ(seen, Expected(robot));
   EXPECT_NE(world_.Scan(first).ranges, before) << "the robot stands elsewhere";
 
   const World::Body box = AddRobot({5, 3, 0});
@@ -105,6 +136,17 @@ TEST_F(LidarOnABody, GoesWithItsBody) {
   EXPECT_THROW(world_.Scan(lidar), GoneError);
   EXPECT_THROW(world_.ExpectScan(lidar), GoneError);
   EXPECT_NO_THROW(world_.Scan(other));
+}
+
+TEST_F(LidarOnABody, IsForgottenWithItsBodyWhenItHasScanned) {
+  const World::Body robot = AddRobot({3, 2, 0});
+  const World::LidarHandle other = AddLidar(AddRobot({1, 1, 0}));
+  world_.Scan(AddLidar(robot));
+
+  world_.RemoveBody(robot);
+
+  const std::vector<float> seen = world_.Scan(other).ranges;
+  EXPECT_LT(*std::max_element(seen.begin(), seen.end()), 20.0f);
 }
 
 TEST_F(LidarOnABody, RefusesWhatIsNoLidar) {
@@ -139,17 +181,46 @@ TEST(ForEachInParallel, ServesSeveralAtATime) {
   for (auto& thread : threads) EXPECT_TRUE(thread.get());
 }
 
-// Those that wait for each other are done at a time, if there is more than one core.
-TEST(ForEachInParallel, UsesAnotherThread) {
-  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "there is one core only";
-  std::atomic<int> arrived{0};
+TEST(ForEachInParallel, WaitsForAllPieces) {
+  const std::thread::id here = std::this_thread::get_id();
+  for (int round = 0; round < 20; ++round) {
+    std::atomic<int> done{0};
+    ForEachInParallel(8, [&](int) {
+      const bool is_slow = std::this_thread::get_id() != here;
+      std::this_thread::sleep_for(std::chrono::milliseconds(is_slow ? 5 : 1));
+      ++done;
+    });
+    ASSERT_EQ(done, 8);
+  }
+}
 
+// Whether two pieces are done at a time: each waits for the other, but not for ever.
+bool UsesSeveralThreads() {
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  std::atomic<int> arrived{0};
   ForEachInParallel(8, [&](int) {
     ++arrived;
-    while (arrived < 2) std::this_thread::yield();
+    while (arrived < 2 && std::chrono::steady_clock::now() < limit) std::this_thread::yield();
   });
+  return std::chrono::steady_clock::now() < limit;
+}
 
-  EXPECT_EQ(arrived, 8);
+TEST(ForEachInParallel, UsesAnotherThread) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "there is one core only";
+
+  EXPECT_TRUE(UsesSeveralThreads());
+}
+
+TEST(ForEachInParallel, StartsThreadsOfItsOwnInAChildProcess) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "there is one core only";
+  ForEachInParallel(8, [](int) {});
+
+  const pid_t child = fork();
+  if (child == 0) std::_Exit(UsesSeveralThreads() ? 0 : 1);
+
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 }  // namespace
