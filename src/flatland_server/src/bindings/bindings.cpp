@@ -6,6 +6,8 @@
 
 #include "bindings.hpp"
 
+#include <algorithm>
+
 namespace flatland {
 namespace {
 
@@ -53,7 +55,9 @@ py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
   // Asked again with the GIL: another thread may have changed the world since.
   const Lidar& seen = self.world->Scan(lidar.handle);
   const auto copy = [](const std::vector<float>& values) {
-    return py::array_t<float>(static_cast<py::ssize_t>(values.size()), values.data());
+    py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
+    std::copy(values.begin(), values.end(), array.mutable_data());  // NumPy would let the GIL go
+    return array;
   };
   return py::make_tuple(copy(seen.ranges), copy(seen.intensities));
 }

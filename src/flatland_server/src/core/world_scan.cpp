@@ -26,7 +26,7 @@ void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& setti
 
 World::LidarHandle World::AddLidar(Body body, const LidarSettings& settings) {
   Find(body);
-  RequireIdle();
+  const BusyGuard guard(busy_, IsListening());
   Require(settings.fan != nullptr, "a lidar needs beams");
   Require(IsUsable(settings.pose), "a lidar's pose must be finite");
   RequireRange(settings.scan.range);
@@ -38,7 +38,7 @@ World::LidarHandle World::AddLidar(Body body, const LidarSettings& settings) {
 }
 
 void World::ExpectScan(LidarHandle lidar) {
-  RequireIdle();
+  const BusyGuard guard(busy_, IsListening());
   Lidar& expected = lidars_.Get(lidar).mechanism;
   if (expected.is_expected) return;
   expected_.push_back(lidar);
@@ -46,10 +46,9 @@ void World::ExpectScan(LidarHandle lidar) {
 }
 
 const Lidar& World::Scan(LidarHandle handle) {
-  RequireIdle();
+  const BusyGuard guard(busy_, IsListening());
   Lidar& asked = lidars_.Get(handle).mechanism;
   if (asked.seen_at == state_) return asked;
-  const BusyGuard guard(busy_, false);
   RefreshMovers();
   due_.clear();
   const auto add = [&](Moved<Lidar>& mounted) {

@@ -2,7 +2,10 @@
 
 import gc
 import logging
+import sys
+import threading
 import weakref
+from contextlib import suppress
 from typing import Any, Iterator, List
 
 import numpy as np
@@ -401,3 +404,38 @@ def test_a_world_whose_step_was_interrupted_is_collected(files, simulate):
     gc.collect()
 
     assert trace() is None
+
+
+def test_a_lidar_whose_body_another_thread_removes_meanwhile():
+    """It tells what it saw, or raises; what has been freed is not read."""
+    world = _core.World()
+    world.add_layer([[3, -9, 3, 9]], 0xFFFF)
+    fan = _core.BeamFan(-0.5, 2e-5, 50000)
+    body = world.add_body("dynamic", (0, 0, 0))
+    lidar = body.add_lidar(fan, (0, 0, 0), 20.0)
+    is_over = threading.Event()
+
+    def renew():
+        nonlocal body, lidar
+        while not is_over.is_set():
+            with suppress(ReferenceError, RuntimeError):  # gone, or in use by the other thread
+                body.remove()
+                body = world.add_body("dynamic", (0, 0, 0))
+                lidar = body.add_lidar(fan, (0, 0, 0), 20.0)
+                np.full(50000, 77.0, np.float32)  # where the other's values were, perhaps
+
+    switch_interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    thread = threading.Thread(target=renew)
+    thread.start()
+    try:
+        for _ in range(2000):
+            with suppress(ReferenceError, RuntimeError):
+                ranges, _ = world.scan(lidar)
+                assert ranges.shape == (50000,)
+                assert ranges.min() == 3.0
+                assert ranges.max() < 3.5
+    finally:
+        is_over.set()
+        thread.join()
+        sys.setswitchinterval(switch_interval)
