@@ -51,6 +51,8 @@ class Diagnostics(unittest.TestCase):
         now = last.header.stamp.to_sec()
         self.assertAlmostEqual(float(values["simulated time [s]"]), now, delta=0.006)
         self.assertAlmostEqual(float(values["times real time"]), 1.0, delta=0.05)
+        self.assertAlmostEqual(float(values["step period, median [ms]"]), 5.0, delta=0.5)
+        self.assertGreater(float(values["step period, 99th percentile [ms]"]), 4.9)
         self.assertEqual(values["models"], "1")
         self.assertEqual(values["plugins"], "3")
         self.assertEqual(values["plugins that failed"], "0")

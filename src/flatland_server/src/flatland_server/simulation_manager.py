@@ -1,7 +1,8 @@
 """Progresses the world through time, as fast as asked for."""
 
 import time
-from typing import Callable, List
+from collections import deque
+from typing import Callable, Deque, List
 
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world import World
@@ -14,6 +15,9 @@ _LONGEST_TURN = 0.02
 
 _SHORTEST_TURN = 0.001
 """How long it makes steps without waiting before it lets listeners have a turn [s]."""
+
+_REMEMBERED_STEPS = 1001
+"""Whose times are kept, to tell how punctual they are."""
 
 _METERING_TIME = 1.0
 """Real time over which the rate is measured [s]."""
@@ -40,6 +44,7 @@ class SimulationManager:
         self.is_paused = False
         self.real_time_factor = 0.0
         """Simulated seconds per second of real time, in the last second or so of `run`."""
+        self._step_times: Deque[float] = deque(maxlen=_REMEMBERED_STEPS)
         self.after_step: List[Callable[[], None]] = []
         """Called after each step."""
         self.each_turn: List[Callable[[], None]] = []
@@ -59,6 +64,12 @@ class SimulationManager:
         if not rate > 0:
             raise ValueError(f"expected a rate above 0, found {rate}")
         self.update_rate = rate / self.timekeeper.step_size
+
+    @property
+    def step_periods(self) -> List[float]:
+        """Real time from each of the latest steps of `run` to the next, without a pause [s]."""
+        times = list(self._step_times)
+        return [later - earlier for earlier, later in zip(times, times[1:])]
 
     def pause(self) -> None:
         """Stops time."""
@@ -95,7 +106,10 @@ class SimulationManager:
                 now = time.monotonic()
             if now >= due:
                 last = max(due, now - _LONGEST_BACKLOG)
-                if not self.is_paused:
+                if self.is_paused:
+                    self._step_times.clear()
+                else:
+                    self._step_times.append(now)
                     self._step()
                     now = time.monotonic()
             period = 1.0 / self.update_rate  # it may have been changed

@@ -81,6 +81,26 @@ def test_steps_keep_the_update_rate(make_manager, clock, transport):
     assert transport.waits[1:] == pytest.approx([0.01] * 100)
 
 
+def test_it_knows_how_punctual_its_steps_are(make_manager, clock):
+    manager = make_manager(100.0)
+
+    def be_slow_once() -> None:
+        if steps(manager) == 5:
+            clock.now += 0.015
+
+    manager.after_step.append(be_slow_once)
+    manager.run(turns(10))
+
+    late = [0.01] * 4 + [0.015, 0.005] + [0.01] * 3
+    assert manager.step_periods == pytest.approx(late)
+
+    manager.pause()
+    manager.run(turns(3))
+    manager.resume()
+    manager.run(turns(3))
+    assert manager.step_periods == pytest.approx([0.01] * 2)
+
+
 def test_the_time_that_a_step_takes_is_not_waited_for(make_manager, clock, transport):
     manager = make_manager(100.0)
     manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.004))

@@ -155,9 +155,12 @@ def _real_time_figures(server: ServerProcess) -> Figures:
     listener.next_reading()
     interval = server.measure(MEASURING)
     clock = listener.end()
+    diagnosis = server.diagnosis()
     return {
         "times real time": interval.times_real_time,
         "server [% of a core]": 100.0 * interval.cores,
+        "step p50 [ms]": float(diagnosis["step period, median [ms]"]),
+        "step p99 [ms]": float(diagnosis["step period, 99th percentile [ms]"]),
         "/clock p50 [ms]": clock["p50"] * 1e3,
         "/clock p99 [ms]": clock["p99"] * 1e3,
         "/clock worst [ms]": clock["worst"] * 1e3,

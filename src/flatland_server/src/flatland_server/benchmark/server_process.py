@@ -12,6 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Dict, List, NamedTuple, Optional, Set, Type
 
+import yaml
+
 from flatland_server.benchmark.process import Process, wait_until
 
 _NAME = "/flatland_benchmark"  # who we are to the master
@@ -215,6 +217,13 @@ class ServerProcess:
     def settle(self, seconds: float) -> None:
         """Lets some seconds of real time go by."""
         self.observer.next_reading(time.monotonic() + seconds)
+
+    def diagnosis(self) -> Dict[str, str]:
+        """What the server says of its simulation on /diagnostics."""
+        text = self.call("rostopic", ["rostopic", "echo", "-n", "1", "/diagnostics"])
+        [message] = yaml.safe_load_all(text.replace("\n---", ""))
+        [status] = [s for s in message["status"] if s["name"].endswith(": simulation")]
+        return {pair["key"]: pair["value"] for pair in status["values"]}
 
     def _has_master(self) -> bool:
         try:

@@ -1,6 +1,6 @@
 """/diagnostics: how the simulation goes, and the plugins that have failed."""
 
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -59,7 +59,16 @@ class Diagnostics:
         status.summary(DiagnosticStatus.OK, "paused" if manager.is_paused else "running")
         status.add("simulated time [s]", f"{manager.timekeeper.seconds:.3f}")
         status.add("times real time", f"{manager.real_time_factor:.2f}")
+        periods = sorted(manager.step_periods)
+        if periods:
+            status.add("step period, median [ms]", f"{_percentile(periods, 50) * 1e3:.3f}")
+            status.add("step period, 99th percentile [ms]", f"{_percentile(periods, 99) * 1e3:.3f}")
         status.add("models", len(world.models))
         status.add("plugins", world.plugin_count)
         status.add("plugins that failed", len(world.plugin_failures))
         return status
+
+
+def _percentile(values: List[float], percent: int) -> float:
+    """Of sorted values."""
+    return values[(len(values) - 1) * percent // 100]
