@@ -1,6 +1,7 @@
 """The window and the server, each started by itself: neither needs the other to live."""
 
 import signal
+import time
 
 import numpy as np
 import pytest
@@ -20,6 +21,19 @@ def shows_office(screen, name):
     pixels = screen.picture(name)[70:750, :1280]  # without menus, tools and status line
     least = {WALLS: 3000, ROBOT: 6, BOX: 100, SCAN: 200}
     return all(count(pixels, color) >= number for color, number in least.items())
+
+
+def settled_count(screen, name, color, waiting):
+    """How much there is of a colour once that stays the same: a world does not come all at once."""
+    seen = []
+
+    def is_settled():
+        seen.append((time.monotonic(), count(screen.picture(name), color)))
+        latest = [number for when, number in seen if when > seen[-1][0] - 2.0]
+        return len(latest) < len(seen) and len(latest) > 2 and len(set(latest)) == 1
+
+    waiting(is_settled, "a picture that stays the same")
+    return seen[-1][1]
 
 
 def says_no_server(screen, name):
@@ -68,7 +82,7 @@ def test_a_window_outlives_servers_and_a_server_windows(
     server = start_server()
     waiting(lambda: not says_no_server(screen, "life_after"), "the status line to recover")
     waiting(lambda: shows_office(screen, "life_after"), "the office again")
-    boxes = count(screen.picture("life_after"), BOX)
+    boxes = settled_count(screen, "life_after", BOX, waiting)
     ros.spawn(office / "box.model.yaml", "crate", 2.0, 3.0)
     waiting(lambda: count(screen.picture("life_crate"), BOX) > boxes + 20, "a new model")
     assert ros.call("/delete_model", name="crate")["success"]
