@@ -3,11 +3,12 @@
 import socket
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 from rospy.exceptions import TransportTerminated
 
-from flatland_server.ros.prompt_connection import PromptConnection
+from flatland_server.ros.prompt_connection import PromptConnection, send_bytes
 
 LIMIT = 10.0  # s
 
@@ -103,3 +104,39 @@ def test_a_listener_that_is_gone_is_said_to_be(listener):
         connection.write_data(b"hello")
 
     assert transport.done
+
+
+class Topic:
+    """What rospy knows of a publisher's topic."""
+
+    closed = False
+
+    def __init__(self, connections) -> None:
+        self.connections = connections
+
+    def remove_connection(self, connection) -> None:
+        self.connections = [each for each in self.connections if each is not connection]
+
+
+class Broken:
+    """A connection over which nothing can be sent, for whatever reason."""
+
+    is_closed = False
+
+    def write_data(self, data: bytes) -> None:
+        raise RuntimeError("no luck")
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+def test_who_cannot_be_sent_to_is_left_out_and_the_others_are_not(listener):
+    theirs, _, connection = listener
+    broken = Broken()
+    publisher = SimpleNamespace(impl=Topic([broken, connection]))
+
+    send_bytes(publisher, b"hello")
+
+    assert receive(theirs, 9) == b"\x05\0\0\0hello"
+    assert publisher.impl.connections == [connection]
+    assert broken.is_closed

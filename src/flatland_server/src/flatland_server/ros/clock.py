@@ -40,12 +40,12 @@ class ClockPublisher:
         """Takes note of the time of now. To be called after each step."""
         seconds, nanoseconds = divmod(self._timekeeper.nanoseconds, 1_000_000_000)
         self._ticks.append(_TICK.pack(8, seconds, nanoseconds))
-        if len(self._ticks) == _MOST_TICKS:
-            self.flush()
         if self._tell_rospy:
             now = rospy.Time.__new__(rospy.Time)  # its __init__ takes longer than all of this
             now.secs, now.nsecs = seconds, nanoseconds
             rostime._rostime_current = now
+        if len(self._ticks) == _MOST_TICKS:
+            self.flush()
 
     def flush(self) -> None:
         """Sends what has been noted, and wakes the threads of this process that wait for a time.

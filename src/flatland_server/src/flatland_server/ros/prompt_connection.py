@@ -36,7 +36,8 @@ def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
     for connection in topic.connections:
         try:
             connection.write_data(framed)
-        except TransportTerminated:
+        except Exception:  # as rospy's own publish: who cannot be sent to is listened to no more
+            connection.close()
             topic.remove_connection(connection)
 
 
