@@ -70,7 +70,9 @@ class DepthBuffer {
  private:
   const BeamFan* fan_ = nullptr;
   double range_ = 0.0;
-  // By rank: inverse distances [1/m]; what ends a beam at its range is a little less than there.
+  double beyond_ = 0.0;  // the inverse distance [1/m] of a beam that meets nothing: a little less
+                         // than at its range
+  // By rank: inverse distances [1/m].
   std::vector<double> inverse_;
   std::vector<double> dull_;  // of what does not reflect; empty until something does
   std::vector<int> seen_;     // what FindSeen has found

@@ -42,7 +42,7 @@ FLATLAND_INLINE bool EndBefore(const double* inverse, BeamFan::Run run, double s
   for (int group = run.begin / kGroup * kGroup; group < run.end; group += kGroup) {
     const Doubles nearest = Load(inverse + group);
     const Mask reaches = nearest * nearest * square_distance < 1.0;
-    if ((reaches[0] | reaches[1] | reaches[2] | reaches[3]) == 0) continue;
+    if (!Any(reaches)) continue;
     for (int k = 0; k < kGroup; ++k) {
       if (reaches[k] != 0 && group + k >= run.begin && group + k < run.end) return false;
     }
@@ -127,8 +127,9 @@ FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
     if (crosses[lane] > 0.0) {
       const std::array<BeamFan::Run, 2> runs = view.fan.BeamsIn({from[lane], to[lane]});
       DrawOn(view.fan, view.inverse, runs[0], a, b, inverse_crosses[lane]);
-      if (from[lane] > to[lane])
+      if (from[lane] > to[lane]) {
         DrawOn(view.fan, view.inverse, runs[1], a, b, inverse_crosses[lane]);
+      }
     } else if (crosses[lane] == 0.0 && Dot(a, b) <= 0.0) {
       DrawUnderfoot(view.fan, view.inverse, b - a);
     }
@@ -236,8 +237,7 @@ FLATLAND_CLONES void FindSeenIn(const Discs& discs, const View& view, double ran
     const Doubles nearest = Sqrt(square_distance) - radius;
     double distances[kGroup];
     Store(nearest, distances);
-    const Mask may_be_seen = nearest <= range;
-    if ((may_be_seen[0] | may_be_seen[1] | may_be_seen[2] | may_be_seen[3]) == 0) continue;
+    if (!Any(nearest <= range)) continue;
     // The tangents, as vectors of no certain length: to the right and to the left of the disc.
     const Doubles x = cos * world_x + sin * world_y;
     const Doubles y = cos * world_y - sin * world_x;
@@ -309,7 +309,8 @@ void Discs::Add(Vec2 center, double radius_of_it) {
 void DepthBuffer::Begin(const BeamFan& fan, double range) {
   fan_ = &fan;
   range_ = range;
-  inverse_.assign(fan.padded_size(), (1.0 - kRangeTolerance) / range);
+  beyond_ = (1.0 - kRangeTolerance) / range;
+  inverse_.assign(fan.padded_size(), beyond_);
   dull_.clear();
 }
 
@@ -348,22 +349,20 @@ void DepthBuffer::BeginReflecting() {
 }
 
 void DepthBuffer::GetRanges(float* ranges) const {
-  const double beyond = (1.0 - kRangeTolerance) / range_;
   const double* dull = dull_.empty() ? inverse_.data() : dull_.data();
   if (fan_->is_sorted()) {
-    Invert(inverse_.data(), dull, fan_->size(), beyond, ranges);
+    Invert(inverse_.data(), dull, fan_->size(), beyond_, ranges);
     return;
   }
   for (int rank = 0; rank < fan_->size(); ++rank) {
-    Invert(&inverse_[rank], &dull[rank], 1, beyond, &ranges[fan_->beams()[rank]]);
+    Invert(&inverse_[rank], &dull[rank], 1, beyond_, &ranges[fan_->beams()[rank]]);
   }
 }
 
 void DepthBuffer::GetIntensities(float* intensities) const {
-  const double beyond = (1.0 - kRangeTolerance) / range_;
   std::fill_n(intensities, fan_->size(), 0.0f);
   for (int rank = 0; rank < fan_->size() && !dull_.empty(); ++rank) {
-    const bool is_in_range = std::max(inverse_[rank], dull_[rank]) > beyond;
+    const bool is_in_range = std::max(inverse_[rank], dull_[rank]) > beyond_;
     const bool reflects = is_in_range && inverse_[rank] > dull_[rank] * (1.0 - kTie);
     intensities[fan_->beams()[rank]] = reflects ? 255.0f : 0.0f;
   }

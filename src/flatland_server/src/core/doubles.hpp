@@ -39,6 +39,8 @@ FLATLAND_INLINE void Store(const Doubles& stored, double* values) {
   std::memcpy(values, &stored, sizeof(stored));
 }
 
+FLATLAND_INLINE bool Any(const Mask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+
 FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
   Doubles roots;
   for (int k = 0; k < kGroup; ++k) roots[k] = std::sqrt(values[k]);

@@ -39,7 +39,10 @@ CONTACT_HOOKS = {
 }
 """The hooks of contacts, and the moments of the core at which they are called."""
 
-HOOKS = ("prepare_step", "before_physics_step", *CONTACT_HOOKS, "after_physics_step")
+STEP_HOOKS = ("prepare_step", "before_physics_step", "after_physics_step")
+"""The hooks around a step."""
+
+HOOKS = (*STEP_HOOKS, *CONTACT_HOOKS)
 """All hooks of a step."""
 
 

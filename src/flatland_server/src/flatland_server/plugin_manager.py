@@ -12,10 +12,10 @@ from flatland_server.contact_dispatcher import ContactDispatcher
 from flatland_server.entity import Entities, Entity
 from flatland_server.exceptions import FlatlandError, PluginError, Problem, YamlError
 from flatland_server.node import Node
-from flatland_server.plugin import HOOKS, Plugin
+from flatland_server.plugin import HOOKS, STEP_HOOKS, Plugin
 from flatland_server.plugin_config import PluginConfig
 from flatland_server.plugin_loader import PluginLoader
-from flatland_server.schedule import Entry, Schedule
+from flatland_server.schedule import Due, Entry, Schedule
 from flatland_server.timekeeper import Timekeeper
 
 logger = logging.getLogger(__name__)
@@ -66,7 +66,7 @@ class PluginManager:
         self._failures: Dict[Plugin, PluginFailure] = {}
         self._plugins: Dict[str, List[Plugin]] = {}
         self._schedule = Schedule(self._has_work)
-        self._due: List[Entry] = []
+        self._due = Due([])
 
     def plugins_of(self, owner: str) -> List[Plugin]:
         """The living plugins of a model, or of the world, whose name is empty."""
@@ -117,14 +117,9 @@ class PluginManager:
         entity = subject if isinstance(subject, Entity) else None
         for plugin in self._plugins[owner]:
             hooks = _overridden(plugin)
-            entry = Entry(
-                plugin,
-                prepare=hooks.get("prepare_step"),
-                before=hooks.get("before_physics_step"),
-                after=hooks.get("after_physics_step"),
-            )
-            if any((entry.prepare, entry.before, entry.after)):
-                self._schedule.add(entry)
+            around = {name: hooks[name] for name in STEP_HOOKS if name in hooks}
+            if around:
+                self._schedule.add(Entry(plugin, around))
             self._contacts.add(plugin, entity, hooks)
         if entity is not None:
             self._contacts.refresh(entity)
@@ -177,28 +172,18 @@ class PluginManager:
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls the hook of every plugin that is due."""
-        self._due, preparing = self._schedule.due(timekeeper, self._node.listeners_version)
-        for entry in preparing:
-            if entry.prepare is not None and not entry.is_gone:
-                try:
-                    entry.prepare(timekeeper)
-                except Exception:
-                    self._fail(entry.plugin, "prepare_step")
-        for entry in self._due:
-            if entry.before is not None and not entry.is_gone:
-                try:
-                    entry.before(timekeeper)
-                except Exception:
-                    self._fail(entry.plugin, "before_physics_step")
+        self._due = self._schedule.due(timekeeper, self._node.listeners_version)
+        self._call_due("prepare_step", timekeeper)
+        self._call_due("before_physics_step", timekeeper)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls the hook of every plugin that was due before the step."""
-        for entry in self._due:
-            if entry.after is not None and not entry.is_gone:
-                try:
-                    entry.after(timekeeper)
-                except Exception:
-                    self._fail(entry.plugin, "after_physics_step")
+        self._call_due("after_physics_step", timekeeper)
+
+    def _call_due(self, name: str, timekeeper: Timekeeper) -> None:
+        for entry, hook in self._due.calls[name]:
+            if not entry.is_gone:
+                self._call(entry.plugin, name, hook, timekeeper)
 
     def _has_work(self, plugin: Plugin) -> bool:
         try:

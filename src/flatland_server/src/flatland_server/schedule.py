@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from operator import attrgetter
-from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from flatland_server.plugin import Plugin
+from flatland_server.plugin import STEP_HOOKS, Plugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.update_timer import UpdateTimer
 
@@ -14,28 +14,25 @@ Hook = Callable[[Timekeeper], None]
 
 @dataclass(eq=False)
 class Entry:
-    """A plugin, and its hooks around a step; None for one that it does not override."""
+    """A plugin, and those of the hooks around a step that it overrides, by name."""
 
     plugin: Plugin
-    prepare: Optional[Hook]
-    before: Optional[Hook]
-    after: Optional[Hook]
+    hooks: Dict[str, Hook]
     order: int = 0
     timer: Optional[UpdateTimer] = None
     is_gone: bool = False
 
 
-class Due(NamedTuple):
-    """The plugins of a step, in the order of their hooks."""
+class Due:
+    """The plugins of a step, and what is to be called of them, in their order."""
 
-    entries: List[Entry]
-    preparing: List[Entry]
-    """Those that override `prepare_step`."""
-
-    @classmethod
-    def of(cls, entries: List[Entry]) -> "Due":
-        """Finds those that prepare."""
-        return cls(entries, [entry for entry in entries if entry.prepare is not None])
+    def __init__(self, entries: List[Entry]) -> None:
+        self.entries = entries
+        self.calls: Dict[str, List[Tuple[Entry, Hook]]] = {
+            name: [(entry, entry.hooks[name]) for entry in entries if name in entry.hooks]
+            for name in STEP_HOOKS
+        }
+        """By the hooks' names."""
 
 
 class Schedule:
@@ -53,7 +50,7 @@ class Schedule:
         self._has_work = has_work
         self._entries: List[Entry] = []  # in the order of their hooks
         self._count = 0
-        self._steady = Due([], [])  # those that are due at every step, and have work
+        self._steady = Due([])  # those that are due at every step, and have work
         self._waiting: List[Tuple[float, int, Entry]] = []  # a heap by time [ns]
         self._version: object = None
         self._is_stale = False
@@ -79,7 +76,7 @@ class Schedule:
         self._is_stale = True
 
     def due(self, timekeeper: Timekeeper, listeners_version: object) -> Due:
-        """The entries whose hooks are to be called in this step, in their order.
+        """Whose hooks are to be called in this step.
 
         Args:
             timekeeper: which step it is.
@@ -88,7 +85,7 @@ class Schedule:
         if self._is_stale or listeners_version != self._version:
             self._version = listeners_version
             self._is_stale = False
-            self._steady = Due.of(
+            self._steady = Due(
                 [entry for entry in self._entries if entry.timer is None and self._works(entry)]
             )
         now = timekeeper.nanoseconds
@@ -103,7 +100,7 @@ class Schedule:
         at_work = [entry for entry in timed if self._works(entry)]
         if not at_work:
             return self._steady
-        return Due.of(sorted([*self._steady.entries, *at_work], key=attrgetter("order")))
+        return Due(sorted([*self._steady.entries, *at_work], key=attrgetter("order")))
 
     def _works(self, entry: Entry) -> bool:
         return self._has_work(entry.plugin) and not entry.is_gone
