@@ -128,8 +128,10 @@ def test_a_listener_that_is_stopped_does_not_hold_the_simulation_up(server):
 
 def test_all_ends_with_the_server(tmp_path):
     with ServerProcess(write_world(tmp_path, WORLDS, 1)) as server:
-        server.listen("listener", "--robots").process.stop()
-        assert len(processes_of(server.uri)) == 5  # master, rosout, server, two listeners
+        listener = server.listen("listener", "--robots")
+        # master, rosout, server, two listeners, once rosrun has become them
+        server.wait_until(lambda: len(processes_of(server.uri)) == 5, "all five to run")
+        listener.process.stop()
 
     assert processes_of(server.uri) == []
 
