@@ -84,9 +84,12 @@ class RosTransport(Transport):
             remaining = deadline - time.monotonic()
 
     def end(self) -> None:
-        """Lets `process` return at once; may be called from a signal handler or another thread."""
+        """Lets the simulation end as soon as `process` has waited; may be called from anywhere.
+
+        That is from a signal handler, too. It takes no lock, hence does not wake `process`: the
+        handler may have interrupted this very thread while it holds the lock.
+        """
         self.is_ending = True
-        self._arrival.set()
 
     def post(self, callback: Callable[[], None]) -> None:
         """Has a callback run on the simulation's thread, between steps. For ROS's threads."""
