@@ -1,8 +1,9 @@
 """What the unit tests of the plugins share: a robot in a world, and simulated time."""
 
+import sys
 import textwrap
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple, Type
+from typing import Any, Callable, Dict, List, Optional, Tuple, Type
 
 import hypothesis
 import pytest
@@ -15,6 +16,10 @@ from flatland_server.node import Publisher
 from flatland_server.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world import World
+
+# Tests import the modules beside this file; pytest's import mode does not see to that.
+sys.path.append(str(Path(__file__).resolve().parent))
+pytest.register_assert_rewrite("bumping", "forklift", "readings")
 
 # Equal cases in every run, and no files left behind.
 hypothesis.settings.register_profile("flatland", derandomize=True, database=None, deadline=None)
@@ -189,6 +194,35 @@ def deaf_transport() -> DeafTransport:
 def simulate() -> Type[Simulation]:
     """Makes a `Simulation` of a world."""
     return Simulation
+
+
+@pytest.fixture
+def town(files, simulate) -> Callable[..., Any]:
+    """Makes a world of people, the first one on line 8 of its file."""
+
+    def load(
+        *people: str,
+        keys: str = "",
+        walls: Tuple[str, ...] = (),
+        robots: Dict[str, str] = {},  # noqa: B006 (only read)
+        **options: Any,
+    ) -> Any:
+        layer = f"{{name: map, map: {files.walls('map', *walls)}}}" if walls else "{name: map}"
+        lines = [
+            "properties: {}",
+            f"layers: [{layer}, {{name: other}}]",
+            f"models: [{', '.join(f'{{name: {n}, {entry}}}' for n, entry in robots.items())}]",
+            "plugins:",
+            "  - type: Crowd",
+            f"    <<: {{{keys}}}",
+            "    pedestrians:" + (" []" if not people else ""),
+            *(f"      - {{{person}}}" for person in people),
+            "    name: people",
+        ]
+        path = files.write("world.yaml", "\n".join(lines))
+        return simulate(World.from_file(path, **{"loader": files._loader, **options}))
+
+    return load
 
 
 @pytest.fixture

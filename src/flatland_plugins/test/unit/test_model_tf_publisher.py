@@ -1,10 +1,10 @@
 """ModelTfPublisher: the frames of a model's bodies."""
 
-import logging
 import math
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, Tuple
 
 import pytest
+from readings import warnings
 
 TF = "type: ModelTfPublisher, name: tf"
 MODEL = """
@@ -41,11 +41,6 @@ def seen_from(
         -math.sin(yaw) * dx + math.cos(yaw) * dy,
         pose[2] - yaw,
     )
-
-
-def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """What was warned of so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
 @pytest.mark.parametrize("reference", ["base", "arm", "hand"])

@@ -5,6 +5,7 @@ from typing import Any, List, Tuple
 
 import numpy as np
 import pytest
+from readings import FILTERED, GROUND_TRUTH, TWIST
 
 from flatland_server.geometry import Pose
 from flatland_server.timekeeper import Timekeeper
@@ -13,7 +14,6 @@ DRIVE = "type: DiffDrive, name: drive, body: base"
 NOISE = "odom_pose_noise: [0.1, 0.2, 0.3], odom_twist_noise: [0.4, 0.5, 0.6]"
 DRIFT = "odom_drift: [0.04, 0.01, 0.0025]"
 GHOST = "{type: circle, radius: 0.2, density: 10, layers: []}"
-FILTERED, GROUND_TRUTH, TWIST = "/odometry/filtered", "/odometry/ground_truth", "/twist"
 
 
 def pose_of(odometry: Any) -> Pose:

@@ -7,9 +7,9 @@ from typing import Any, List, Tuple
 import numpy as np
 import pytest
 from geometry_msgs.msg import Twist
+from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of
 
 DRIVE = "type: OmniDrive, name: drive, body: base"
-FILTERED, GROUND_TRUTH, TWIST = "/odometry/filtered", "/odometry/ground_truth", "/twist"
 
 
 def command(robot, vx: float, vy: float, omega: float = 0.0, topic: str = "/cmd_vel"):
@@ -18,17 +18,6 @@ def command(robot, vx: float, vy: float, omega: float = 0.0, topic: str = "/cmd_
     twist.linear.x, twist.linear.y, twist.angular.z = vx, vy, omega
     robot.transport.send(topic, twist)
     return robot
-
-
-def pose_of(odometry: Any) -> Tuple[float, float, float]:
-    position, q = odometry.pose.pose.position, odometry.pose.pose.orientation
-    return position.x, position.y, 2.0 * math.atan2(q.z, q.w)
-
-
-def twist_of(stamped: Any) -> Tuple[float, float, float]:
-    """The velocity in an Odometry or a TwistStamped."""
-    twist = getattr(stamped.twist, "twist", stamped.twist)
-    return twist.linear.x, twist.linear.y, twist.angular.z
 
 
 def exponential(vx: float, vy: float, omega: float, time: float) -> Tuple[float, float, float]:

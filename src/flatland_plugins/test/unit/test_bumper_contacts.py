@@ -1,0 +1,229 @@
+"""Bumper: who collides with whom, where and in which direction; and which bodies it ignores."""
+
+import math
+
+import pytest
+from bumping import (
+    BOX,
+    BUMPER,
+    DISC,
+    MASS,
+    RADIUS,
+    SKIN,
+    impulse,
+    names,
+    now,
+    press,
+    record,
+    throw,
+    vectors,
+    wall,
+)
+
+from flatland_server.geometry import Pose
+
+# What collides, and where
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.7, math.pi / 2, -3.0])
+def test_at_a_wall_it_tells_where_and_that_the_normal_goes_into_the_wall(files, heading):
+    across = Pose(0.0, 0.0, heading)
+    (x1, y1), (x2, y2) = across.apply(1.0, -3.0), across.apply(1.0, 3.0)
+    robot = files.robot(BUMPER, layers=wall(files, f"{x1} {y1} {x2} {y2}"))
+
+    throw(robot, math.cos(heading), math.sin(heading)).run(1.0)
+
+    [collision] = now(robot)
+    assert names(collision) == ("robot", "base", "walls", "walls")
+    [point], [normal] = vectors(collision.contact_positions), vectors(collision.contact_normals)
+    assert point == pytest.approx(across.apply(1.0, 0.0), abs=SKIN)
+    assert normal == pytest.approx((math.cos(heading), math.sin(heading)), abs=1e-3)
+    assert len(collision.magnitude_forces) == 1
+
+
+@pytest.mark.parametrize("mine", [DISC, BOX])
+@pytest.mark.parametrize("others", [DISC, BOX])
+@pytest.mark.parametrize("is_first", [True, False])
+def test_normals_go_from_the_robot_to_the_other_whichever_box2d_calls_the_first(
+    files, mine: str, others: str, is_first: bool
+):
+    # Box2D sorts the two by their shapes, and shapes of a kind by their age.
+    obstacle = files.model("obstacle", footprint=others, body="type: static,")
+    robot_file = files.model("robot", BUMPER, footprint=mine)
+    robot = {"robot": f"model: {robot_file}, pose: [3, 1, 0]"}
+    post = {"post": f"model: {obstacle}, pose: [3, 2, 0]"}
+    world = files.load({**robot, **post} if is_first else {**post, **robot})
+
+    throw(world, 0.0, 1.0).run(1.0)
+
+    [collision] = now(world)
+    assert names(collision) == ("robot", "base", "post", "base")
+    reach = 0.25 if others == BOX else 0.2
+    for x, y in vectors(collision.contact_positions):
+        assert y == pytest.approx(2.0 - reach, abs=SKIN)
+        assert x == pytest.approx(3.0, abs=0.25 + SKIN if mine == others == BOX else 1e-3)
+    for normal in vectors(collision.contact_normals):
+        assert normal == pytest.approx((0.0, 1.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("is_first", [True, False])
+def test_two_robots_that_collide_tell_of_the_same_from_either_side(files, is_first):
+    robot_file = files.model("robot", BUMPER)
+    left = {"left": f"model: {robot_file}, pose: [-0.3, 0, 0], namespace: l"}
+    right = {"right": f"model: {robot_file}, pose: [0.3, 0, 0], namespace: r"}
+    world = files.load({**left, **right} if is_first else {**right, **left})
+    throw(world, 1.0, name="left")
+
+    seen = {topic: [] for topic in ("/l/collisions", "/r/collisions")}
+    for _ in range(100):
+        world.run()
+        for topic in seen:
+            seen[topic].append(now(world, topic))
+
+    # Without restitution both go on at half the speed, side by side: one gives, one takes m v / 2.
+    for ours, theirs in zip(*seen.values()):
+        for mine, other in zip(ours, theirs):
+            assert names(mine) == ("left", "base", "right", "base")
+            assert names(other) == ("right", "base", "left", "base")
+            assert vectors(mine.contact_normals) == [pytest.approx((1.0, 0.0), abs=1e-3)]
+            assert vectors(other.contact_normals) == [pytest.approx((-1.0, 0.0), abs=1e-3)]
+            assert mine.contact_positions == other.contact_positions
+            assert mine.magnitude_forces == other.magnitude_forces
+    assert [len(each) for each in seen["/l/collisions"]] == [len(e) for e in seen["/r/collisions"]]
+    total = impulse([each for step in seen["/l/collisions"] for each in step])
+    assert total == pytest.approx(MASS * 0.5, rel=1e-3)
+
+
+def test_bodies_and_layers_are_named_as_in_their_files(files):
+    two_bodies = """
+        bodies:
+          - {name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}
+          - {name: fender, pose: [0.5, 0, 0],
+             footprints: [{type: circle, radius: 0.1, density: 1}]}
+        joints:
+          - {type: weld, name: arm, bodies: [{name: base, anchor: [0.5, 0]},
+             {name: fender, anchor: [0, 0]}]}
+        plugins: [{type: Bumper, name: bumper}]
+        """
+    files.write("long.model.yaml", two_bodies)
+    leaf = f"bodies: [{{name: leaf, type: static, footprints: [{DISC}]}}]"
+    files.write("door.model.yaml", leaf)
+    world = files.load(
+        {
+            "robot": "model: long.model.yaml, pose: [0.36, 0, 0], namespace: robot1",
+            "door": "model: door.model.yaml, pose: [0.36, 0.35, 0]",
+        },
+        wall(files, name="[bricks, stones]"),
+    )
+
+    throw(world, 1.0, 1.0).run(0.5)
+
+    told = {names(each) for each in now(world, "/robot1/collisions")}
+    assert told == {("robot", "base", "door", "leaf"), ("robot", "fender", "bricks", "bricks")}
+
+
+def test_flat_faces_touch_at_two_points(files):
+    robot = throw(files.robot(BUMPER, footprint=BOX, layers=wall(files)), 1.0)
+
+    press(robot, (2.0, 0.0), 1.0)
+
+    [collision] = now(robot)
+    points = sorted(vectors(collision.contact_positions), key=lambda point: point[1])
+    assert points[0] == pytest.approx((1.0, -0.25), abs=SKIN)
+    assert points[1] == pytest.approx((1.0, 0.25), abs=SKIN)
+    assert vectors(collision.contact_normals) == [pytest.approx((1.0, 0.0), abs=1e-3)] * 2
+    assert len(collision.magnitude_forces) == 2
+
+
+def test_in_a_corner_each_wall_is_a_collision_of_its_own(files):
+    walls = ("1 -3 1 1", "1 1 -3 1")
+    robot = files.robot(BUMPER, pose="[0.75, 0.75, 0]", layers=wall(files, *walls))
+
+    press(robot, (3.0, 2.0), 1.0)
+
+    # Each wall bears its part of the push.
+    east, north = sorted(now(robot), key=lambda collision: collision.contact_normals[0].y)
+    assert vectors(east.contact_normals) == [pytest.approx((1.0, 0.0), abs=1e-3)]
+    assert vectors(north.contact_normals) == [pytest.approx((0.0, 1.0), abs=1e-3)]
+    assert east.magnitude_forces == [pytest.approx(3.0, rel=1e-2)]
+    assert north.magnitude_forces == [pytest.approx(2.0, rel=1e-2)]
+
+
+@pytest.mark.parametrize("is_sensor", ["mine", "the other's"])
+def test_what_a_sensor_notices_is_no_collision(files, is_sensor):
+    sensor = f"{{type: circle, radius: {RADIUS}, density: 10, sensor: true}}"
+    mine, others = (sensor, DISC) if is_sensor == "mine" else (DISC, sensor)
+    post = files.model("post", footprint=others, body="type: static,")
+    robot = files.robot(BUMPER, footprint=mine, others={"post": f"model: {post}, pose: [1, 0, 0]"})
+
+    assert record(throw(robot, 1.0), 2.0) == []
+    assert robot.model().pose.x == pytest.approx(2.0, abs=1e-3)  # it went through
+
+
+def test_footprints_of_other_layers_do_not_collide(files):
+    footprint = f"{{type: circle, radius: {RADIUS}, density: 10, layers: [other]}}"
+    robot = files.robot(BUMPER, footprint=footprint, layers=(*wall(files), "name: other"))
+
+    assert record(throw(robot, 1.0), 2.0) == []
+
+
+# Bodies to ignore
+
+
+def clapper(files, *plugins: str):
+    """A robot whose two arms fall together: joined, they may collide with each other."""
+    lines = "".join(f"\n          - {{{plugin}}}" for plugin in plugins)
+    text = f"""
+        bodies:
+          - {{name: base, type: static, pose: [5, 5, 0],
+             footprints: [{{type: circle, radius: 0.1, density: 1}}]}}
+          - {{name: left, pose: [-0.5, 0, 0], footprints: [{DISC}]}}
+          - {{name: right, pose: [0.5, 0, 0], footprints: [{DISC}]}}
+        plugins:{lines}
+        """
+    files.write("clapper.model.yaml", text)
+    world = files.load({"robot": "model: clapper.model.yaml"})
+    world.model().get_body("left").physics_body.velocity = (1.0, 0.0, 0.0)
+    world.model().get_body("right").physics_body.velocity = (-1.0, 0.0, 0.0)
+    return world
+
+
+def test_bodies_of_one_model_collide_with_each_other(files):
+    [collision] = now(clapper(files, BUMPER).run(1.0))
+
+    assert collision.entity_A == collision.entity_B == "robot"
+    a_to_b = 1.0 if collision.body_A == "left" else -1.0
+    assert {collision.body_A, collision.body_B} == {"left", "right"}
+    assert vectors(collision.contact_normals) == [pytest.approx((a_to_b, 0.0), abs=1e-3)]
+
+
+@pytest.mark.parametrize(
+    ("exclude", "is_told"),
+    [("[]", True), ("[base]", True), ("[left]", False), ("[right]", False), ("right", False)],
+)
+def test_collisions_of_an_ignored_body_are_not_told_on_whichever_side_it_is(
+    files, exclude: str, is_told: bool
+):
+    world = clapper(files, f"{BUMPER}, exclude: {exclude}")
+
+    assert bool(record(world, 1.0)) == is_told
+
+
+def test_what_an_ignored_body_hits_is_not_told_but_what_the_others_hit(files):
+    text = """
+        bodies:
+          - {name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}
+          - {name: wheel, pose: [0, 0.5, 0], footprints: [{type: circle, radius: 0.1, density: 1}]}
+        plugins:
+          - {type: Bumper, name: all, topic: all}
+          - {type: Bumper, name: some, topic: some, exclude: [wheel]}
+        """
+    files.write("robot.model.yaml", text)
+    world = files.load({"robot": "model: robot.model.yaml"}, wall(files))
+    for body in world.model().bodies.values():
+        body.physics_body.velocity = (1.0, 0.0, 0.0)
+
+    world.run(1.5)
+
+    assert {each.body_A for each in now(world, "/all")} == {"base", "wheel"}
+    assert {each.body_A for each in now(world, "/some")} == {"base"}

@@ -1,0 +1,245 @@
+"""Crowd: people among each other, walls and robots."""
+
+import math
+from typing import Tuple
+
+import numpy as np
+import pytest
+from townspeople import (
+    CALM,
+    RADIUS,
+    ROOM,
+    SPEED,
+    TAU,
+    TOWARDS_EACH_OTHER,
+    position,
+    robot,
+    velocity,
+    walk,
+)
+
+from flatland_server.world import World
+
+DRIVE = "type: DiffDrive, name: drive, body: base"
+BLIND = "force: {noise: 0, repulsion: 0, evasion: 0}"
+
+
+def least_distance(path: np.ndarray, point: Tuple[float, float]) -> float:
+    return float(np.linalg.norm(path - np.array(point), axis=-1).min())
+
+
+# Each other
+
+
+@pytest.mark.parametrize(("side", "sign"), [("right", -1.0), ("left", 1.0)])
+def test_two_who_walk_towards_each_other_pass_on_the_preferred_side(town, side, sign):
+    keys = f"force: {{noise: 0, side: {side}}}"
+    people = town(*TOWARDS_EACH_OTHER, keys=keys)
+
+    path = walk(people, 7.0, "people_0", "people_1")
+
+    apart = np.linalg.norm(path[:, 0] - path[:, 1], axis=1)
+    assert apart.min() > 2 * RADIUS + 0.05
+    assert path[apart.argmin(), 0, 1] * sign > RADIUS
+    assert path[apart.argmin(), 1, 1] * sign < -RADIUS
+    # 8 m at 1.34 m/s, and some seconds to speed up and to pass
+    assert path[-1, 0, 0] > 3.7
+    assert path[-1, 1, 0] < -3.7
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_whatever_the_chance_the_two_do_not_touch(town, seed):
+    people = town(*TOWARDS_EACH_OTHER, seed=seed)
+
+    path = walk(people, 8.0, "people_0", "people_1")
+
+    assert np.linalg.norm(path[:, 0] - path[:, 1], axis=1).min() > 2 * RADIUS
+    assert path[-1, 0, 0] > 3.7
+    assert path[-1, 1, 0] < -3.7
+
+
+def test_twenty_who_cross_a_square_all_at_once_get_there(town):
+    angles = [math.tau * i / 20 for i in range(20)]
+    spots = [(5 * math.cos(a), 5 * math.sin(a)) for a in angles]
+    people = town(*(f"pose: [{x}, {y}, 0], goals: [[{-x}, {-y}]]" for x, y in spots))
+    names = [f"people_{i}" for i in range(20)]
+
+    path = walk(people, 30.0, *names)
+
+    offsets = path[:, :, np.newaxis] - path[:, np.newaxis]
+    apart = np.linalg.norm(offsets, axis=-1) + np.where(np.eye(20, dtype=bool), np.inf, 0.0)
+    assert apart.min() > 2 * RADIUS - 0.02  # bodies are hard
+    for (x, y), arrived in zip(spots, path[-1]):
+        assert arrived == pytest.approx((-x, -y), abs=0.1)
+
+
+def test_two_crowds_give_way_to_each_other(town, files):
+    people = town(TOWARDS_EACH_OTHER[0], keys=CALM)
+    text = (files.folder / "world.yaml").read_text()
+    second = (
+        f"  - {{type: Crowd, name: others, {CALM}, pedestrians: [{{{TOWARDS_EACH_OTHER[1]}}}]}}\n"
+    )
+    path = files.write("world.yaml", f"{text}\n{second}")
+    people.world = World.from_file(path, loader=files._loader)
+
+    way = walk(people, 7.0, "people_0", "others_0")
+
+    assert np.linalg.norm(way[:, 0] - way[:, 1], axis=1).min() > 2 * RADIUS + 0.05
+    assert way[-1, 0, 0] > 3.7
+    assert way[-1, 1, 0] < -3.7
+
+
+def test_two_who_stand_close_move_apart_until_they_feel_at_ease(town):
+    keys = "force: {noise: 0, evasion: 0}"
+    people = town("pose: [0, 0, 0]", "pose: [0.55, 0, 0]", keys=keys).run(20.0)
+
+    # Each is drawn back to its place, half of what the gap has grown by: A exp(-gap / B) is the
+    # driving force way / (2 tau) / tau, where way = (gap - 0.05) / 2.
+    gap = math.dist(position(people, "people_0"), position(people, "people_1")) - 2 * RADIUS
+    assert 25.0 * math.exp(-gap / 0.08) == pytest.approx((gap - 0.05) / 4 / TAU**2, rel=0.02)
+    assert gap > 0.15
+
+
+def test_however_large_the_force_nobody_runs_faster_than_people_do(town):
+    keys = "force: {noise: 0, repulsion: 10000}"
+    people = town("pose: [0.25, 0, 0], speed: 1.2", keys=keys, walls=("0 -9 0 9",)).run()
+
+    assert velocity(people) == pytest.approx((1.3 * 1.2, 0.0), abs=1e-5)
+
+
+# Walls
+
+
+@pytest.mark.parametrize("radius", [0.2, 0.3])
+def test_before_a_wall_they_stop_where_the_wall_repels_as_the_goal_attracts(town, radius):
+    person = f"pose: [0, 0, 0], goals: [[9, 0], [9, 9]], radius: {radius}, speed: 1.2"
+    people = town(person, keys=CALM, walls=("2 -9 2 9",))
+
+    people.run(10.0)
+
+    # A exp(-gap / B) = v0 / tau, with 25 m/s^2 and 8 cm
+    gap = 0.08 * math.log(25.0 * TAU / 1.2)
+    assert position(people) == pytest.approx((2.0 - radius - gap, 0.0), abs=2e-3)
+
+
+def test_through_a_door_but_not_through_the_wall(town):
+    door = ("0 -3 0 -0.45", "0 0.45 0 3")
+    people = town(
+        "pose: [-3, 1.5, 0], goals: [[3, -1.5], [-3, 1.5]]",
+        "pose: [-3, -1.5, 0], goals: [[3, 1.5], [-3, -1.5]]",
+        walls=(*ROOM, *door),
+    )
+
+    path = walk(people, 60.0, "people_0", "people_1")
+
+    for person in range(2):
+        x, y = path[:, person].T
+        at_the_wall = np.abs(x) < RADIUS - 0.02
+        assert (np.abs(y[at_the_wall]) < 0.45).all()
+        assert (np.diff(np.sign(x)) != 0).sum() >= 3
+        assert np.abs(x).max() < 5 - RADIUS
+        assert np.abs(y).max() < 3 - RADIUS
+
+
+def test_a_wall_that_is_put_up_later_holds_them_too(town):
+    people = town("pose: [0, 0, 0], goals: [[9, 0], [9, 9]]", keys=CALM).run(1.0)
+
+    people.world.add_walls("map", np.array([[4.0, -9.0, 4.0, 9.0]]))
+    people.run(8.0)
+
+    gap = 0.08 * math.log(25.0 * TAU / SPEED)
+    assert position(people) == pytest.approx((4.0 - RADIUS - gap, 0.0), abs=2e-3)
+
+
+def test_walls_of_other_layers_do_not_count(town):
+    people = town("pose: [0, 0, 0], goals: [[9, 0]]", keys="layers: [other]", walls=("2 -9 2 9",))
+
+    people.run(10.0)
+
+    assert position(people) == pytest.approx((9.0, 0.0), abs=0.05)
+
+
+# Robots
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, -0.1])
+def test_a_robot_in_the_way_is_passed_at_a_distance(town, files, offset):
+    person = f"pose: [-4, {offset}, 0], goals: [[4, {offset}], [9, 0]]"
+    people = town(person, robots=robot(files))
+
+    path = walk(people, 8.0)
+
+    assert least_distance(path, (0.0, 0.0)) > 0.2 + RADIUS + 0.1
+    assert path[-1, 0, 0] > 3.7
+    assert people.model("robot").pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_of_a_long_robot_its_outline_counts(town, files):
+    beam = (
+        "{type: polygon, points: [[-1.5, -0.1], [1.5, -0.1], [1.5, 0.1], [-1.5, 0.1]], density: 99}"
+    )
+    aisle = ("-9 1 9 1", "-9 -0.6 9 -0.6")
+    people = town(
+        "pose: [-5, 0.5, 0], goals: [[5, 0.5], [-5, 0.5]]",
+        walls=aisle,
+        robots=robot(files, footprint=beam, pose="[0, -0.2, 0]"),
+    )
+
+    path = walk(people, 12.0)[:, 0]
+
+    beside = path[np.abs(path[:, 0]) < 1.5]
+    assert len(beside) > 0
+    assert beside[:, 1].min() > -0.1 + RADIUS
+    assert path[:, 0].max() > 4.7
+
+
+@pytest.mark.parametrize("footprint", ["collision: false", "sensor: true", "layers: [other]"])
+def test_what_cannot_be_touched_is_not_avoided(town, files, footprint):
+    disc = f"{{type: circle, radius: 0.2, density: 10, {footprint}}}"
+    keys = f"layers: [map], {CALM}"
+    people = town(
+        "pose: [-4, 0, 0], goals: [[4, 0]]", keys=keys, robots=robot(files, footprint=disc)
+    )
+
+    path = walk(people, 8.0)
+
+    assert least_distance(path, (0.0, 0.0)) < 0.01
+
+
+def test_who_stands_makes_room_for_a_robot_and_comes_back(town, files):
+    people = town("pose: [1, 0, 0]", keys=CALM, robots=robot(files, DRIVE)).drive(0.5)
+
+    gaps = []
+    for _ in range(40):
+        people.run(0.1)
+        gaps.append(math.dist(position(people), position(people, "robot")) - 0.2 - RADIUS)
+    away = position(people)
+    people.drive(-1.0).run(6.0)
+
+    assert math.dist(away, (1.0, 0.0)) > 0.5
+    assert min(gaps) > 0.0
+    assert position(people) == pytest.approx((1.0, 0.0), abs=0.02)
+
+
+def test_a_heavy_robot_pushes_who_does_not_make_room(town, files):
+    tank = "{type: circle, radius: 0.2, density: 100000}"
+    robots = robot(files, DRIVE, footprint=tank)
+    people = town("pose: [1, 0, 0]", keys=BLIND, robots=robots).drive(0.5).run(4.0)
+
+    assert people.model("robot").pose.x == pytest.approx(2.0, abs=0.05)
+    assert position(people)[0] == pytest.approx(people.model("robot").pose.x + 0.45, abs=0.03)
+
+
+def test_who_walks_pushes_a_light_box_along(town, files):
+    people = town("pose: [-2, 0, 0], goals: [[9, 0]]", keys=BLIND, robots=robot(files)).run(4.0)
+
+    assert position(people)[0] > 1.0
+    assert people.model("robot").pose.x == pytest.approx(position(people)[0] + 0.45, abs=0.1)
+
+
+def test_a_person_weighs_80_kg_whatever_its_size(town):
+    people = town("pose: [0, 0, 0]", "pose: [2, 0, 0], radius: 0.35, legs: true")
+
+    masses = [people.model(f"people_{i}").base.physics_body.mass for i in range(2)]
+
+    assert masses == pytest.approx([80.0, 80.0], rel=1e-5)

@@ -1,0 +1,251 @@
+"""DiffDrive: motion by command and within limits."""
+
+import math
+from typing import Any, Callable, Dict, List, Tuple
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import Twist
+from readings import GROUND_TRUTH, pose_of, twist_of, warnings
+
+from flatland_server.timekeeper import Timekeeper
+
+DRIVE = "type: DiffDrive, name: drive, body: base"
+
+
+def arc(linear: float, angular: float, time: float) -> Tuple[float, float, float]:
+    """Where a constant velocity leads from the origin, in closed form."""
+    turned = angular * time
+    if angular == 0.0:
+        return linear * time, 0.0, 0.0
+    radius = linear / angular
+    heading = math.remainder(turned, math.tau)
+    return radius * math.sin(turned), radius * (1 - math.cos(turned)), heading
+
+
+def path_of(speed: Dict[float, float], turn: Dict[float, float], duration: float) -> np.ndarray:
+    """Time, x, y and yaw of a body whose speed and yaw rate change evenly between given times."""
+    grid, h = np.linspace(0.0, duration, 100_001, retstep=True)
+    v, omega = (np.interp(grid, list(curve), list(curve.values())) for curve in (speed, turn))
+    # The trapezoidal rule: exact for the yaw, and within h^2 of the position.
+    yaw = np.append(0.0, np.cumsum(omega[1:] + omega[:-1]) * h / 2)
+    velocity = v * np.exp(1j * yaw)
+    position = np.append(0.0, np.cumsum(velocity[1:] + velocity[:-1]) * h / 2)
+    return np.array([grid, position.real, position.imag, yaw])
+
+
+def test_the_turtlebot_in_the_office_drives_an_arc(office):
+    office.drive(0.5, 0.2)
+
+    for second in range(1, 11):
+        office.run(1.0)
+        assert office.model("turtlebot").pose == pytest.approx(arc(0.5, 0.2, second), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular"), [(0.3, 0.0), (0.5, 0.4), (-0.3, 0.3), (0.4, -0.5), (0.0, 2.0)]
+)
+def test_the_last_command_holds_and_leads_along_its_arc(empty_room, linear, angular):
+    empty_room.drive(linear, angular)
+
+    truth = empty_room.record(GROUND_TRUTH, 10.0)
+
+    for message in truth[1:]:
+        time = message.header.stamp.to_sec()
+        x, y, yaw = arc(linear, angular, time)
+        assert pose_of(message)[:2] == pytest.approx((x, y), abs=1e-3)
+        assert math.remainder(pose_of(message)[2] - yaw, math.tau) == pytest.approx(0.0, abs=1e-3)
+        assert twist_of(message) == pytest.approx((linear, 0.0, angular), abs=1e-3)
+
+
+def test_a_body_turns_about_its_origin_not_about_its_middle(files):
+    footprint = "{type: circle, center: [0.7, 0.3], radius: 0.2, density: 10}"
+    robot = files.robot(DRIVE, footprint=footprint).drive(0.0, 1.0)
+
+    robot.run(3.0)
+
+    assert robot.model().pose == pytest.approx((0.0, 0.0, 3.0), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("key", "command", "component"),
+    [("linear_dynamics", (2.0, 0.0), 0), ("angular_dynamics", (0.0, -2.0), 2)],
+)
+@pytest.mark.parametrize(
+    ("limits", "speed_at"),
+    [
+        # Commanded for a second, and then to stop.
+        pytest.param(
+            "{acceleration_limit: 1}",
+            lambda t: t if t <= 1 else max(0.0, 2 - t),
+            id="acceleration",
+        ),
+        pytest.param(
+            "{acceleration_limit: 1, deceleration_limit: 4}",
+            lambda t: t if t <= 1 else max(0.0, 1 - 4 * (t - 1)),
+            id="deceleration",
+        ),
+        pytest.param("{velocity_limit: 0.5}", lambda t: 0.5 if 0 < t <= 1 else 0.0, id="velocity"),
+        pytest.param(
+            "{acceleration_limit: 2, velocity_limit: 0.5}",
+            lambda t: min(0.5, 2 * t) if t <= 1 else max(0.0, 0.5 - 2 * (t - 1)),
+            id="all",
+        ),
+        pytest.param("{}", lambda t: 2.0 if 0 < t <= 1 else 0.0, id="none"),
+    ],
+)
+def test_dynamics_limits_bound_the_velocity(
+    files, key: str, command: Tuple[float, float], component: int, limits: str,
+    speed_at: Callable[[float], float],
+):  # fmt: skip
+    robot = files.robot(f"{DRIVE}, {key}: {limits}").drive(*command)
+    sign = math.copysign(1.0, sum(command))
+
+    messages = robot.record(GROUND_TRUTH, 1.0)
+    robot.drive(0.0, 0.0)
+    messages += robot.record(GROUND_TRUTH, 1.5)
+
+    speeds = [sign * twist_of(message)[component] for message in messages]
+    expected = [speed_at(message.header.stamp.to_sec()) for message in messages]
+    assert speeds == pytest.approx(expected, abs=1e-3)
+
+
+V_CURVE = {0: 0.0, 2: 1.0, 5: 1.0, 6.25: 0.0}
+OMEGA_CURVE = {0: 0.0, 3: 0.9, 5: 0.9, 6.5: 0.0}
+
+
+@pytest.mark.parametrize(
+    ("limits", "commands", "speed", "turn"),
+    [
+        # Commands (linear, angular) by time; the speed and the yaw rate at their curves' corners.
+        pytest.param(
+            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}",
+            {0: (1.0, 0.0), 5: (0.0, 0.0)},
+            V_CURVE,
+            {0: 0.0},
+            id="straight",
+        ),
+        pytest.param(
+            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}",
+            {0: (1.0, 0.7), 5: (0.0, 0.7)},
+            V_CURVE,
+            {0: 0.7},
+            id="a speed that changes in a turn",
+        ),
+        pytest.param(
+            "angular_dynamics: {acceleration_limit: 0.3, deceleration_limit: 0.6}",
+            {0: (0.8, 0.9), 5: (0.8, 0.0)},
+            {0: 0.8},
+            OMEGA_CURVE,
+            id="clothoids",
+        ),
+        pytest.param(
+            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}, "
+            "angular_dynamics: {acceleration_limit: 0.3, deceleration_limit: 0.6}",
+            {0: (1.0, 0.9), 5: (0.0, 0.0)},
+            V_CURVE,
+            OMEGA_CURVE,
+            id="both",
+        ),
+        pytest.param(
+            "linear_dynamics: {acceleration_limit: 0.5, velocity_limit: 0.6}, "
+            "angular_dynamics: {acceleration_limit: 0.3, velocity_limit: 0.7}",
+            {0: (9.0, -9.0), 5: (0.0, 0.0)},
+            {0: 0.0, 1.2: 0.6, 5: 0.6, 6.2: 0.0},
+            {0: 0.0, 7 / 3: -0.7, 5: -0.7, 22 / 3: 0.0},
+            id="both up to their velocity limits",
+        ),
+        pytest.param(
+            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}, "
+            "angular_dynamics: {acceleration_limit: 0.3, deceleration_limit: 0.6}",
+            {0: (1.0, 0.9), 5: (-1.0, -0.9)},
+            {**V_CURVE, 8.25: -1.0},
+            {**OMEGA_CURVE, 9.5: -0.9},
+            id="both reversed",
+        ),
+    ],
+)
+@pytest.mark.parametrize("step", [0.005, 0.02])
+def test_limited_drives_follow_the_integral_of_their_exact_velocity(
+    files, limits: str, commands: Dict[float, Tuple[float, float]], speed: Dict[float, float],
+    turn: Dict[float, float], step: float,
+):  # fmt: skip
+    footprint = "{type: circle, center: [0.2, 0.1], radius: 0.2, density: 10}"
+    robot = files.robot(f"{DRIVE}, {limits}", footprint=footprint)
+    robot.timekeeper = Timekeeper(step)
+
+    truth: List[Any] = []
+    starts = list(commands)
+    for start, end in zip(starts, [*starts[1:], 10]):
+        robot.drive(*commands[start])
+        truth += robot.record(GROUND_TRUTH, end - start)
+
+    times = np.array([message.header.stamp.to_sec() for message in truth])
+    grid, x, y, yaw = path_of(speed, turn, 10.0)
+    measured = np.array([pose_of(message) for message in truth])
+    assert np.abs(measured[:, 0] - np.interp(times, grid, x)).max() < 1e-3
+    assert np.abs(measured[:, 1] - np.interp(times, grid, y)).max() < 1e-3
+    turned = np.exp(1j * (measured[:, 2] - np.interp(times, grid, yaw)))
+    assert np.abs(np.angle(turned)).max() < 1e-3
+    twists = np.array([twist_of(message) for message in truth[1:]])  # the first is at rest
+    for axis, curve in ((0, speed), (1, {0: 0.0}), (2, turn)):
+        expected = np.interp(times[1:], list(curve), list(curve.values()))
+        assert np.abs(twists[:, axis] - expected).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular"),
+    [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)],
+)
+def test_a_command_that_is_no_velocity_is_ignored_with_a_warning(files, caplog, linear, angular):
+    robot = files.robot(DRIVE, namespace="robot1").drive(0.5, topic="/robot1/cmd_vel").run(1.0)
+
+    robot.drive(linear, angular, topic="/robot1/cmd_vel").run(1.0)
+
+    [message] = warnings(caplog)
+    assert "robot1/cmd_vel" in message
+    assert f"linear.x={linear}" in message
+    assert f"angular.z={angular}" in message
+    assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
+
+
+def test_what_a_differential_drive_cannot_do_is_not_looked_at(files, caplog):
+    robot = files.robot(DRIVE)
+    twist = Twist()
+    twist.linear.x, twist.linear.y, twist.angular.x = 0.5, math.nan, math.inf
+
+    robot.transport.send("/cmd_vel", twist)
+    robot.run(1.0)
+
+    assert warnings(caplog) == []
+    assert robot.model().pose == pytest.approx((0.5, 0.0, 0.0), abs=1e-3)
+
+
+def test_the_drive_stops_when_it_ends_before_its_body(files):
+    robot = files.robot(f"{DRIVE}, linear_dynamics: {{deceleration_limit: 1}}").drive(0.5)
+    robot.run(1.0)
+
+    robot.world.close()
+    robot.run(5.0)
+
+    # It rolls out over v^2 / 2a.
+    assert robot.model().pose == pytest.approx((0.5 + 0.125, 0.0, 0.0), abs=1e-3)
+
+
+def test_a_drive_ends_in_peace_after_its_body(files, caplog):
+    robot = files.robot(DRIVE).drive(0.5).run(1.0)
+
+    robot.model().base.physics_body.remove()
+    robot.world.close()
+
+    assert warnings(caplog) == []
+
+
+@pytest.mark.parametrize(("linear", "angular"), [(1e39, 0.0), (0.0, 1e300), (-1e300, 1.0)])
+def test_a_command_beyond_single_precision_does_not_stall_the_robot(files, linear, angular):
+    robot = files.robot(DRIVE).drive(linear, angular).run(0.1)
+
+    robot.world.move_model("robot", robot.model().pose._replace(x=0.0, y=0.0, yaw=0.0))
+    robot.drive(1.0).run(1.0)
+
+    assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-2)

@@ -1,0 +1,114 @@
+"""DiffDrive: odometry with noise and without, its covariances, transform and stamps."""
+
+import math
+
+import numpy as np
+import pytest
+from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of
+
+DRIVE = "type: DiffDrive, name: drive, body: base"
+
+
+def test_noise_has_the_configured_variances_about_the_truth(files):
+    pose_noise, twist_noise = [0.04, 0.01, 0.0025], [0.09, 0.0004, 0.16]
+    robot = files.robot(
+        f"{DRIVE}, odom_pose_noise: {pose_noise}, odom_twist_noise: {twist_noise}",
+        pose="[3, -2, 1]",
+        seed=7,
+    )
+
+    messages = robot.record(FILTERED, 10.0)
+
+    noise = np.array([[*pose_of(m), *twist_of(m)] for m in messages]) - [3, -2, 1, 0, 0, 0]
+    scaled = noise / np.sqrt([*pose_noise, *twist_noise])
+    count = len(scaled)
+    assert count == 2000
+    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared).
+    assert np.abs((scaled**2).sum(axis=0) - count).max() < 4 * math.sqrt(2 * count)
+    assert np.abs(scaled.sum(axis=0)).max() < 4 * math.sqrt(count)
+    # The components do not know of each other, nor does one message of the one before.
+    correlation = scaled.T @ scaled / count - np.diag((scaled**2).mean(axis=0))
+    assert np.abs(correlation).max() < 4 / math.sqrt(count)
+    assert np.abs((scaled[1:] * scaled[:-1]).mean(axis=0)).max() < 4 / math.sqrt(count)
+
+
+def test_ground_truth_has_no_noise(files):
+    noise = "odom_pose_noise: [1, 1, 1], odom_twist_noise: [1, 1, 1]"
+    robot = files.robot(f"{DRIVE}, {noise}", pose="[3, -2, 1]").run()
+
+    truth = robot.last(GROUND_TRUTH)
+
+    assert pose_of(truth) == pytest.approx((3.0, -2.0, 1.0), abs=1e-6)
+    assert twist_of(truth) == (0.0, 0.0, 0.0)
+
+
+def test_the_twist_topic_has_the_noise_of_the_odometry(files):
+    robot = files.robot(f"{DRIVE}, odom_twist_noise: [0.1, 0.2, 0.3]").drive(1.0)
+
+    robot.run(0.1)
+
+    assert twist_of(robot.last(TWIST)) == pytest.approx(twist_of(robot.last(FILTERED)), abs=1e-12)
+    assert twist_of(robot.last(TWIST)) != twist_of(robot.last(GROUND_TRUTH))
+
+
+def test_covariances_are_by_default_the_variances_on_the_diagonal(files):
+    robot = files.robot(f"{DRIVE}, odom_pose_noise: [1, 2, 3], odom_twist_noise: [4, 5, 6]").run()
+
+    # x, y, z, roll, pitch, yaw
+    for topic in (FILTERED, GROUND_TRUTH):
+        message = robot.last(topic)
+        assert list(message.pose.covariance) == np.diag([1.0, 2, 0, 0, 0, 3]).ravel().tolist()
+        assert list(message.twist.covariance) == np.diag([4.0, 5, 0, 0, 0, 6]).ravel().tolist()
+
+
+def test_given_covariances_are_sent_as_they_are(files):
+    pose, twist = [i / 2 for i in range(36)], [i / 4 for i in range(36)]
+    given = f"odom_pose_covariance: {pose}, odom_twist_covariance: {twist}"
+    robot = files.robot(f"{DRIVE}, odom_pose_noise: [1, 2, 3], {given}").run()
+
+    message = robot.last(FILTERED)
+
+    assert list(message.pose.covariance) == pose
+    assert list(message.twist.covariance) == twist
+
+
+@pytest.mark.parametrize(("local", "expected"), [("true", (1.0, 0.0)), ("false", (0.6, 0.8))])
+def test_odometry_gives_its_twist_in_the_local_frame_or_the_worlds(files, local, expected):
+    heading = math.atan2(0.8, 0.6)
+    drive = f"{DRIVE}, twist_in_local_frame: {local}"
+    robot = files.robot(drive, pose=f"[0, 0, {heading}]").drive(1.0).run(0.1)
+
+    for topic in (FILTERED, GROUND_TRUTH):
+        assert twist_of(robot.last(topic))[:2] == pytest.approx(expected, abs=1e-4)
+    assert twist_of(robot.last(TWIST))[:2] == pytest.approx((1.0, 0.0), abs=1e-4)
+
+
+def test_the_transform_is_the_filtered_odometry(files):
+    robot = files.robot(f"{DRIVE}, odom_pose_noise: [1, 1, 1]", pose="[3, -2, 1]").drive(1.0, 1.0)
+
+    robot.run(0.5)
+
+    odometry, transform = robot.last(FILTERED), robot.transport.transforms["base"]
+    assert tuple(transform.pose) == pytest.approx(pose_of(odometry), abs=1e-9)
+    assert (transform.parent, transform.roll) == (odometry.header.frame_id, 0.0)
+    assert transform.nanoseconds == odometry.header.stamp.to_nsec()
+
+
+@pytest.mark.parametrize(
+    ("rate", "period"), [("", 5_000_000), (", pub_rate: inf", 5_000_000), (", pub_rate: 50", 2e7)]
+)
+def test_odometry_comes_at_its_rate_stamped_with_simulated_time(files, rate, period):
+    robot = files.robot(DRIVE + rate)
+
+    messages = robot.record(FILTERED, 1.0)
+
+    stamps = [message.header.stamp.to_nsec() for message in messages]
+    assert stamps == [round(i * period) for i in range(round(1e9 / period))]
+
+
+def test_all_that_is_published_together_has_one_stamp(files):
+    robot = files.robot(f"{DRIVE}, pub_rate: 30").run(0.99)
+
+    stamps = {robot.last(topic).header.stamp.to_nsec() for topic in (FILTERED, GROUND_TRUTH, TWIST)}
+
+    assert stamps == {robot.transport.transforms["base"].nanoseconds}

@@ -1,0 +1,230 @@
+"""TricycleDrive: motion about the turning centre without limits, and what commands do to it."""
+
+import math
+
+import numpy as np
+import pytest
+from forklift import (
+    FRONT,
+    FRONT_REVERSED,
+    HALF_TRACK,
+    LINEAR,
+    STEERING,
+    WHEELBASE,
+    forklift,
+    steer_angle,
+    twist_at,
+)
+from geometry_msgs.msg import Twist
+from readings import GROUND_TRUTH, pose_of, twist_of, warnings
+
+from flatland_server.geometry import Pose
+
+either_way_round = pytest.mark.parametrize(
+    "front", [FRONT, FRONT_REVERSED], ids=["wheel first", "body first"]
+)
+
+
+# Without limits
+
+
+@pytest.mark.parametrize(
+    ("speed", "angle"),
+    [
+        (0.5, 0.3),
+        (1.5, -0.7),
+        (-0.8, 0.5),
+        (2.0, 1.2),
+        (0.7, math.pi / 2),
+        (0.6, -2.0),
+        (1.0, 1e-3),
+    ],
+)
+@either_way_round
+def test_the_front_wheel_and_the_rear_axle_follow_circles_about_one_centre(
+    files, speed: float, angle: float, front: str
+):
+    robot = forklift(files, front=front).drive(speed, angle)
+
+    truth = robot.record(GROUND_TRUTH, 10.005)
+
+    # The centre is where the wheels' axles meet, beside the rear axle by L / tan a.
+    centre = complex(-WHEELBASE, WHEELBASE / math.tan(angle))
+    yaw_rate = speed * math.sin(angle) / WHEELBASE
+    assert truth[-1].header.stamp.to_sec() == 10.0
+    for message in truth:
+        x, y, yaw = pose_of(message)
+        turned = np.exp(1j * yaw_rate * message.header.stamp.to_sec())
+        wheel = centre + (0 - centre) * turned
+        axle = centre + (-WHEELBASE - centre) * turned
+        assert (x, y) == pytest.approx((wheel.real, wheel.imag), abs=1e-3)
+        behind = Pose(x, y, yaw).apply(-WHEELBASE, 0.0)
+        assert behind == pytest.approx((axle.real, axle.imag), abs=1e-3)
+        assert math.remainder(yaw - np.angle(turned), math.tau) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("speed", [0.5, -1.5])
+def test_steered_straight_it_goes_straight_on(files, speed):
+    robot = forklift(files).drive(speed, 0.0).run(10.0)
+
+    assert robot.model().pose == pytest.approx((10.0 * speed, 0.0, 0.0), abs=1e-3)
+
+
+def test_the_rear_wheels_stay_where_they_are_welded(files):
+    robot = forklift(files).drive(1.5, 0.6)
+
+    for _ in range(100):
+        base = robot.run(0.1).model().pose
+        for name, side in (("left_wheel", HALF_TRACK), ("right_wheel", -HALF_TRACK)):
+            wheel = robot.model().get_body(name).pose
+            assert wheel[:2] == pytest.approx(base.apply(-WHEELBASE, side), abs=1e-3)
+            assert math.remainder(wheel.yaw - base.yaw, math.tau) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.5, math.pi / 2, math.pi])
+def test_ahead_is_from_the_rear_axle_to_the_front_wheel(files, ahead):
+    behind = Pose(0.0, 0.0, ahead)
+    robot = forklift(
+        files,
+        left=behind.apply(-WHEELBASE, HALF_TRACK),
+        right=behind.apply(-WHEELBASE, -HALF_TRACK),
+    ).drive(1.0, 0.4)
+
+    robot.run(0.5)
+
+    omega = math.sin(0.4) / WHEELBASE
+    assert robot.model().pose.yaw == pytest.approx(0.5 * omega, abs=1e-3)
+    # The chord of an arc is its length by the sinc of half the turn, in the middle direction.
+    half_turn = 0.25 * omega
+    chord = 0.5 * math.sin(half_turn) / half_turn
+    direction = ahead + 0.4 + half_turn
+    expected = chord * math.cos(direction), chord * math.sin(direction)
+    assert robot.model().pose[:2] == pytest.approx(expected, abs=1e-3)
+    assert steer_angle(robot) == pytest.approx(math.remainder(ahead + 0.4, math.tau), abs=1e-3)
+
+
+@either_way_round
+@pytest.mark.parametrize("heading", [0.0, 2.5])
+def test_the_front_wheels_body_is_turned_by_the_steering_angle(files, front, heading):
+    robot = forklift(files, front=front, entry=f", pose: [2, 3, {heading}]")
+    for speed, angle in ((0.0, 0.5), (1.0, 0.5), (1.0, -0.8), (0.0, 0.0)):
+        robot.drive(speed, angle).run(0.5)
+
+        assert steer_angle(robot) == pytest.approx(angle, abs=1e-3)
+        wheel, base = (robot.model().get_body(name).pose for name in ("front_wheel", "base"))
+        assert wheel[:2] == pytest.approx(base[:2], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("front", "angle", "seen"),
+    [
+        # The joint's limits are of the second body's angle less the first one's.
+        (FRONT, 0.6, 0.2),
+        (FRONT, -0.6, -0.1),
+        (FRONT_REVERSED, 0.6, 0.1),
+        (FRONT_REVERSED, -0.6, -0.2),
+    ],
+)
+def test_how_far_the_front_wheels_joint_turns_is_only_a_matter_of_what_is_seen(
+    files, front: str, angle: float, seen: float
+):
+    robot = forklift(files, front=f"{front}, limits: [-0.2, 0.1]").drive(1.0, angle).run(10.0)
+
+    assert steer_angle(robot) == pytest.approx(seen, abs=1e-3)
+    centre = complex(-WHEELBASE, WHEELBASE / math.tan(angle))
+    wheel = centre - centre * np.exp(10j * math.sin(angle) / WHEELBASE)
+    assert robot.model().pose[:2] == pytest.approx((wheel.real, wheel.imag), abs=1e-3)
+
+
+def test_standing_it_steers_on_the_spot(files):
+    robot = forklift(files).drive(0.0, 0.7).run(1.0)
+
+    assert steer_angle(robot) == pytest.approx(0.7, abs=1e-3)
+    assert robot.model().pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("asked", "steered"), [(0.3, 0.3), (0.5, 0.5), (0.9, 0.5), (9.0, 0.5)])
+def test_it_steers_no_further_than_the_largest_angle(files, sign, asked, steered):
+    robot = forklift(files, "max_steer_angle: 0.5").drive(1.0, sign * asked).run(0.1)
+
+    assert steer_angle(robot) == pytest.approx(sign * steered, abs=1e-3)
+    expected = twist_at(1.0, sign * steered)
+    assert twist_of(robot.last(GROUND_TRUTH)) == pytest.approx(expected, abs=1e-3)
+
+
+# Commands
+
+
+@pytest.mark.parametrize(
+    ("speed", "angle"),
+    [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)],
+)
+def test_a_command_that_cannot_be_obeyed_is_ignored_with_a_warning(files, caplog, speed, angle):
+    robot = forklift(files, entry=", namespace: robot1")
+    robot.drive(0.5, topic="/robot1/cmd_vel").run(1.0)
+
+    robot.drive(speed, angle, topic="/robot1/cmd_vel").run(1.0)
+
+    [message] = warnings(caplog)
+    assert "robot1/cmd_vel" in message
+    assert f"linear.x={speed}" in message
+    assert f"angular.z={angle}" in message
+    assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
+
+
+def test_what_a_tricycle_cannot_do_is_not_looked_at(files, caplog):
+    robot = forklift(files)
+    twist = Twist()
+    twist.linear.x, twist.linear.y, twist.angular.x = 0.5, math.nan, math.inf
+
+    robot.transport.send("/cmd_vel", twist)
+    robot.run(1.0)
+
+    assert warnings(caplog) == []
+    assert robot.model().pose == pytest.approx((0.5, 0.0, 0.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("limits", [(), (STEERING, LINEAR)])
+def test_a_tricycle_that_is_moved_stands_still_as_it_is_steered(files, limits):
+    robot = forklift(files, *limits).drive(1.0, 0.6).run(1.2)
+    steered = steer_angle(robot)
+
+    robot.world.move_model("robot", Pose(3.0, -2.0, 2.0))
+
+    for _ in range(30):
+        robot.run(0.1)
+        assert robot.model().pose == pytest.approx((3.0, -2.0, 2.0), abs=1e-3)
+        assert twist_of(robot.last(GROUND_TRUTH)) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+        assert steer_angle(robot) == pytest.approx(steered, abs=1e-3)
+    for name, side in (("left_wheel", HALF_TRACK), ("right_wheel", -HALF_TRACK)):
+        expected = Pose(3.0, -2.0, 2.0).apply(-WHEELBASE, side)
+        assert robot.model().get_body(name).pose[:2] == pytest.approx(expected, abs=1e-3)
+
+
+def test_a_tricycle_that_was_moved_drives_on_from_there_when_it_is_told(files):
+    robot = forklift(files, LINEAR).drive(1.0, 0.0).run(3.0)
+    robot.world.move_model("robot", Pose(3.0, -2.0, math.pi / 2))
+
+    robot.run(1.0).drive(1.0, 0.0).run(2.0)
+
+    # From rest: 1 m in 2 s at 0.5 m/s^2.
+    assert robot.model().pose == pytest.approx((3.0, -1.0, math.pi / 2), abs=1e-3)
+
+
+def test_a_wall_stops_it(files):
+    wall = f"name: walls, map: {files.walls('wall', '2 -3 2 3')}"
+    robot = forklift(files, layers=(wall,)).drive(0.5, 0.0).run(6.0)
+
+    assert robot.model().pose.x == pytest.approx(2.0 - 0.2, abs=0.02)
+    assert twist_of(robot.last(GROUND_TRUTH))[0] == pytest.approx(0.0, abs=0.02)
+
+
+def test_it_can_be_deleted_in_mid_drive(files, caplog):
+    robot = forklift(files).drive(1.0, 0.6).run(1.0)
+
+    robot.world.delete_model("robot")
+    robot.drive(1.0, 0.6).run(0.1)
+
+    assert (robot.transport.topics, robot.transport.subscribed) == (set(), set())
+    assert warnings(caplog) == []

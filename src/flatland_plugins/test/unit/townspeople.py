@@ -1,0 +1,36 @@
+"""What the tests of Crowd share: people in the `town` of conftest.py, where they are and go."""
+
+from typing import Any, Dict, Tuple
+
+import numpy as np
+
+SPEED, RADIUS, TAU = 1.34, 0.25, 0.5
+UPDATE = 0.05
+CALM = "force: {noise: 0}"
+TOWARDS_EACH_OTHER = (
+    "pose: [-4, 0, 0], goals: [[4, 0], [9, 0]]",
+    "pose: [4, 0, 3.14], goals: [[-4, 0], [-9, 0]]",
+)
+ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
+
+
+def robot(files, *plugins: str, pose: str = "[0, 0, 0]", **options: Any) -> Dict[str, str]:
+    """A disc of 0.2 m, if not told otherwise, for `town`."""
+    return {"robot": f"model: {files.model('robot', *plugins, **options)}, pose: {pose}"}
+
+
+def position(town: Any, name: str = "people_0") -> Tuple[float, float]:
+    return tuple(town.model(name).pose[:2])
+
+
+def velocity(town: Any, name: str = "people_0") -> Tuple[float, float]:
+    return tuple(town.model(name).base.physics_body.velocity[:2])
+
+
+def walk(town: Any, seconds: float, *names: str) -> np.ndarray:
+    """Where people go meanwhile: shape (steps, persons, 2)."""
+    path = []
+    for _ in range(round(seconds / 0.005)):
+        town.run()
+        path.append([position(town, name) for name in names or ("people_0",)])
+    return np.array(path)
