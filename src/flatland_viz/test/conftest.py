@@ -239,7 +239,7 @@ def ros(screen, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def waiting():
-    """`wait_until`; helpers cannot be imported from one file of tests into another."""
+    """`wait_until`, as tests use it."""
     return wait_until
 
 

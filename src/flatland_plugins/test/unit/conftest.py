@@ -1,6 +1,5 @@
 """What the unit tests of the plugins share: a robot in a world, and simulated time."""
 
-import sys
 import textwrap
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple, Type
@@ -17,8 +16,6 @@ from flatland_server.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world import World
 
-# Tests import the modules beside this file; pytest's import mode does not see to that.
-sys.path.append(str(Path(__file__).resolve().parent))
 pytest.register_assert_rewrite("bumping", "forklift", "readings")
 
 # Equal cases in every run, and no files left behind.

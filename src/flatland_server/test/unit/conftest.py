@@ -13,6 +13,10 @@ from flatland_server.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.world import World
 
+pytest.register_assert_rewrite(
+    "deferred.stage", "plugin_manager.recorders", "world.parts", "yaml_reader.reading"
+)
+
 # Equal cases in every run, and no files left behind.
 hypothesis.settings.register_profile("flatland", derandomize=True, database=None, deadline=None)
 hypothesis.settings.load_profile("flatland")

@@ -1,29 +1,16 @@
-"""YamlReader: values are read as what is asked for; whatever is wrong has a file and a line."""
+"""YamlReader: values are read as what is asked for; a wrong one has a file and a line."""
 
-import contextlib
 import math
-import subprocess
-import sys
-import textwrap
-from pathlib import Path
-from typing import Any, Callable, Dict
+from typing import Any, Dict
 
 import pytest
-import yaml
-from hypothesis import given
-from hypothesis import strategies as st
+from yaml_reader.reading import SHAPES, nothing, read, refusal
 
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
 from flatland_server.yaml_reader import YamlReader
 
-Read = Callable[[YamlReader], Any]
-SHAPES = ["circle", "polygon"]
 TYPES = ["static", "kinematic", "dynamic"]
-
-
-def nothing(section: YamlReader) -> None:
-    """Reads nothing of a section."""
 
 
 WRONG_VALUES: Dict[str, Any] = {
@@ -256,19 +243,6 @@ WRONG_VALUES: Dict[str, Any] = {
     ),
 }
 
-WRONG_STRUCTURES = {
-    "a key given twice": ("mass: 1\nmass: 2", '2: the key "mass" is given twice'),
-    "a list as a key": ("[a]: 1", '1: expected a key, found ["a"]'),
-    "a list for the whole": ("# robots\n- a\n- b", '2: expected a map, found ["a", "b"]'),
-    "a text for the whole": ("hello", '1: expected a map, found "hello"'),
-}
-
-NOT_YAML = {
-    "a tab": (b"models:\n\t- name: a", 2),
-    "an open bracket": (b"a: 1\npose: [0, 0\nname: x", 3),
-    "an unknown alias": (b"a: *robot", 1),
-    "bad indentation": (b"a:\n    b: 1\n  c: 2", 3),
-}
 
 READINGS: Dict[str, Any] = {
     "1e3": (lambda r: r.get_float("v"), 1000.0),
@@ -299,78 +273,11 @@ READINGS: Dict[str, Any] = {
 }
 
 
-def read(folder: Path, text: str) -> YamlReader:
-    """A reader of a file with this text."""
-    path = folder / "file.yaml"
-    path.write_text(text, encoding="utf-8")
-    return YamlReader.from_file(path)
-
-
-def refusal(folder: Path, text: str, getter: Read) -> str:
-    """What is wrong with a file's text, without the folder's name."""
-
-    def read_all() -> None:
-        reader = read(folder, text)
-        getter(reader)
-        reader.raise_problems()
-
-    with pytest.raises(YamlError) as caught:
-        read_all()
-    message = str(caught.value).replace(f"{folder}/", "")
-    assert caught.value.line == int(message.split(":")[1])
-    return message
-
-
 @pytest.mark.parametrize("case", WRONG_VALUES)
 def test_a_wrong_value_is_named_with_its_place(tmp_path, case):
     text, getter, message = WRONG_VALUES[case]
 
     assert refusal(tmp_path, text, getter) == f"file.yaml:{message}"
-
-
-@pytest.mark.parametrize("case", WRONG_STRUCTURES)
-def test_a_wrong_structure_is_named_with_its_line(tmp_path, case):
-    text, message = WRONG_STRUCTURES[case]
-
-    assert refusal(tmp_path, text, nothing) == f"file.yaml:{message}"
-
-
-def test_all_that_is_wrong_is_said_at_once_in_the_order_of_reading(tmp_path):
-    text = """\
-properties: {gravity: heavy}
-name: [a]
-models:
-  - {name: a, pose: foo, model: a.yaml}
-  - {name: b, model: b.yaml}
-  - {name: c}
-  - d
-weight: 1
-"""
-
-    def read_model(section: YamlReader) -> None:
-        section.get_string("name")
-        section.get_string("model")
-        section.get_pose("pose", Pose())
-        section.finish()
-
-    def read_all(reader: YamlReader) -> None:
-        properties = reader.get_section("properties")
-        properties.get_float("gravity")
-        properties.get_float("mass")
-        properties.finish()
-        reader.get_string("name")
-        reader.get_sections("models", read_model)
-        reader.finish()
-
-    assert refusal(tmp_path, text, read_all).splitlines() == [
-        'file.yaml:1: properties.gravity: expected a number, found "heavy"',
-        'file.yaml:1: properties: the required key "mass" is missing',
-        'file.yaml:2: name: expected a text, found ["a"]',
-        'file.yaml:4: models[0].pose: expected [x, y, yaw], found "foo"',
-        'file.yaml:6: models[2] "c": the required key "model" is missing',
-        'file.yaml:7: models[3]: expected a map, found "d"',
-        'file.yaml:8: unknown key "weight"',
-    ]
 
 
 @pytest.mark.parametrize(
@@ -402,204 +309,8 @@ def test_a_wrong_value_is_replaced_by_a_harmless_one_until_all_is_read(tmp_path,
                 reader.finish()
 
 
-def test_a_wrong_choice_is_said_at_once_with_all_before_it(tmp_path):
-    def read_both(reader: YamlReader) -> None:
-        reader.get_string("name")
-        reader.get_choice("type", SHAPES)
-
-    assert refusal(tmp_path, "type: cube", read_both).splitlines() == [
-        'file.yaml:1: the required key "name" is missing',
-        'file.yaml:1: type: expected circle or polygon, found "cube"',
-    ]
-
-
-@pytest.mark.parametrize("case", NOT_YAML)
-def test_what_is_not_yaml_is_refused_at_its_line(tmp_path, case):
-    content, line = NOT_YAML[case]
-    path = tmp_path / "file.yaml"
-    path.write_bytes(content)
-
-    with pytest.raises(YamlError) as caught:
-        YamlReader.from_file(path)
-
-    assert str(caught.value).startswith(f"{path}:{line}: is not valid YAML: ")
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        pytest.param(None, "cannot be read: No such file or directory", id="missing"),
-        pytest.param(b"", "expected a map, found an empty file", id="empty"),
-        pytest.param(b"# nothing\n", "expected a map, found an empty file", id="a comment"),
-        pytest.param(b"name: M\xfcller", "is not UTF-8 text: byte 7 is wrong", id="Latin-1"),
-    ],
-)
-def test_an_unusable_file_is_named(tmp_path, content, message):
-    path = tmp_path / "file.yaml"
-    if content is not None:
-        path.write_bytes(content)
-
-    with pytest.raises(YamlError) as caught:
-        YamlReader.from_file(path)
-
-    assert str(caught.value) == f"{path}: {message}"
-
-
-def test_a_second_document_is_refused_at_its_line(tmp_path):
-    message = refusal(tmp_path, "a: 1\n---\nb: 2", nothing)
-
-    assert message == "file.yaml:3: expected one document, found another one"
-
-
-def test_a_directory_is_not_read(tmp_path):
-    with pytest.raises(YamlError) as caught:
-        YamlReader.from_file(tmp_path)
-
-    assert str(caught.value) == f"{tmp_path}: cannot be read: Is a directory"
-
-
-def test_a_control_character_is_refused(tmp_path):
-    with pytest.raises(YamlError, match="is not valid YAML"):
-        read(tmp_path, "name: \x07")
-
-
 @pytest.mark.parametrize("text", READINGS)
 def test_a_value_is_read_as_what_is_asked_for(tmp_path, text):
     getter, expected = READINGS[text]
 
     assert getter(read(tmp_path, f"v: {text}\n")) == expected
-
-
-def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(tmp_path):
-    (tmp_path / "file.yaml").write_bytes(b"\xef\xbb\xbfa: 1\r\nb: two\r\n")
-
-    reader = YamlReader.from_file(tmp_path / "file.yaml")
-
-    assert (reader.get_int("a"), reader.get_string("b")) == (1, "two")
-
-
-def test_an_alias_stands_for_its_anchor(tmp_path):
-    reader = read(tmp_path, "a: &start [1, 2, 3]\nb: *start")
-
-    assert tuple(reader.get_pose("b")) == (1.0, 2.0, 3.0)
-
-
-def test_keys_that_were_asked_for_are_known_though_they_are_not_given(tmp_path):
-    reader = read(tmp_path, "a: 1\nb:\n  - c: 2")
-    reader.get_int("a")
-    reader.get_string("other", "")
-
-    counts = reader.get_sections("b", lambda section: (section.get_int("c"), section.finish())[0])
-
-    reader.finish()
-    assert counts == [2]
-
-
-def test_an_unknown_key_has_the_line_of_the_key_not_of_its_value(tmp_path):
-    def read_models(reader: YamlReader) -> None:
-        reader.get_sections("models", nothing)
-        reader.finish()
-
-    message = refusal(tmp_path, "modles:\n  - name: robot\n", read_models)
-
-    assert message == 'file.yaml:1: unknown key "modles" (did you mean "models"?)'
-
-
-def test_whoever_knows_more_than_the_reader_names_problems_at_its_places(tmp_path):
-    def read_model(section: YamlReader) -> None:
-        section.problem("there is no such body", "body")
-        section.problem("is too heavy")
-        section.raise_problems()
-
-    text = "models:\n  - name: a\n    body: base"
-    message = refusal(tmp_path, text, lambda reader: reader.get_sections("models", read_model))
-
-    assert message.splitlines() == [
-        "file.yaml:3: models[0].body: there is no such body",
-        'file.yaml:2: models[0] "a": is too heavy',
-    ]
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        pytest.param("pose: &pose [*pose]", id="a list that contains itself"),
-        pytest.param(f"pose: {'[' * 400}{']' * 400}", id="lists in lists in lists"),
-        pytest.param(f"pose: {'[' * 5000}{']' * 5000}", id="lists in lists in ..."),
-    ],
-)
-def test_an_endless_list_is_refused(tmp_path, text):
-    (tmp_path / "file.yaml").write_text(text)
-
-    def read_all() -> None:
-        reader = YamlReader.from_file(tmp_path / "file.yaml")
-        reader.get_pose("pose")
-        reader.finish()
-
-    with pytest.raises(YamlError):
-        read_all()
-
-
-def test_a_file_that_nests_too_deeply_does_not_end_the_process(tmp_path):
-    program = """
-        import sys
-        from pathlib import Path
-        from flatland_server.exceptions import YamlError
-        from flatland_server.yaml_reader import YamlReader
-        try:
-            YamlReader.from_file(Path(sys.argv[1])).finish()
-        except YamlError:
-            print("refused")
-    """
-    path = tmp_path / "file.yaml"
-    path.write_text(f"pose: {'[' * 50_000}{']' * 50_000}")
-
-    result = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(program), str(path)], stdout=subprocess.PIPE
-    )
-
-    assert (result.returncode, result.stdout) == (0, b"refused\n")
-
-
-GETTERS: Dict[str, Read] = {
-    "get_string": lambda r: r.get_string("key"),
-    "get_float": lambda r: r.get_float("key", minimum=0.0),
-    "get_rate": lambda r: r.get_rate("key"),
-    "get_int": lambda r: r.get_int("key"),
-    "get_bool": lambda r: r.get_bool("key"),
-    "get_choice": lambda r: r.get_choice("key", SHAPES),
-    "get_pose": lambda r: r.get_pose("key"),
-    "get_points": lambda r: r.get_points("key", 3, 8),
-    "get_color": lambda r: r.get_color("key"),
-    "get_strings": lambda r: r.get_strings("key"),
-    "get_section": lambda r: r.get_section("key").finish(),
-    "get_sections": lambda r: r.get_sections("key", lambda section: section.finish()),
-    "finish": lambda r: r.finish(),
-}
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: (
-        st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=3), inner, max_size=2)
-    ),
-    max_leaves=8,
-)
-
-
-@given(value=VALUES, getter=st.sampled_from(sorted(GETTERS)))
-def test_a_getter_gives_a_value_or_a_yaml_error(tmp_path_factory, value, getter):
-    path = tmp_path_factory.getbasetemp() / "any.yaml"
-    path.write_text(yaml.safe_dump({"key": value}, allow_unicode=True), encoding="utf-8")
-    reader = YamlReader.from_file(path)
-
-    with contextlib.suppress(YamlError):
-        GETTERS[getter](reader)
-        reader.finish()
-
-
-@given(content=st.text() | st.binary())
-def test_any_file_gives_a_map_or_a_yaml_error(tmp_path_factory, content):
-    path = tmp_path_factory.getbasetemp() / "any.yaml"
-    path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "replace"))
-
-    with contextlib.suppress(YamlError):
-        YamlReader.from_file(path)

@@ -1,12 +1,9 @@
-"""Handles that are kept too long: they raise a clear error, and nothing keeps a dropped world."""
+"""Handles of models and bodies that are gone: whatever is asked of them raises a clear error."""
 
-import gc
-import logging
 import sys
 import threading
-import weakref
 from contextlib import suppress
-from typing import Any, Iterator, List
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,93 +11,6 @@ import pytest
 from flatland_server import _core
 from flatland_server.exceptions import ModelError
 from flatland_server.geometry import Pose
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.world import World
-from flatland_server.world_plugin import WorldPlugin
-
-ROBOT = """
-bodies:
-  - {name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}
-  - {name: wheel, footprints: [{type: circle, radius: 0.05, density: 1, layers: []}]}
-joints:
-  - type: revolute
-    name: steering
-    bodies: [{name: base, anchor: [0.1, 0]}, {name: wheel, anchor: [0, 0]}]
-plugins: [{type: Keeper, name: keeper}, {type: Failing, name: failing}]
-"""
-WORLD = """
-properties: {}
-layers: [{name: walls}]
-plugins: [{type: WorldKeeper, name: keeper}]
-models: [{name: robot, model: robot.yaml}]
-"""
-
-kept: List[Any] = []
-"""What plugins have kept: contacts, and what came with them."""
-
-
-class Keeper(ModelPlugin):
-    """Keeps all that it is told of contacts."""
-
-    def on_initialize(self, config):
-        pass
-
-    def begin_contact(self, contact):
-        kept.append((self, contact))
-
-    def pre_solve(self, contact, old_manifold):
-        kept.append((self, contact, old_manifold))
-
-    def post_solve(self, contact, impulse):
-        kept.append((self, contact, impulse))
-
-
-class WorldKeeper(WorldPlugin):
-    def on_initialize(self, config):
-        self.node.subscribe("command", str, self._on_command)
-
-    def begin_contact(self, contact):
-        self.contact = contact
-
-    def _on_command(self, _):
-        pass
-
-
-class Failing(ModelPlugin):
-    def on_initialize(self, config):
-        pass
-
-    def begin_contact(self, contact):
-        raise RuntimeError("no luck")
-
-
-@pytest.fixture(autouse=True)
-def _forget() -> Iterator[None]:
-    yield
-    kept.clear()
-
-
-@pytest.fixture(scope="module")
-def loader() -> PluginLoader:
-    """The plugins of this file."""
-    return PluginLoader(
-        PluginDeclaration(c.__name__, "test", f"{__name__}.{c.__name__}")
-        for c in (Keeper, WorldKeeper, Failing)
-    )
-
-
-def lean_on_wall(files, robot: str) -> World:
-    """A world where a robot leans against a wall."""
-    files.write("robot.yaml", robot)
-    world = files.load(WORLD)
-    world.add_walls("walls", np.array([[0.09, -5.0, 0.09, 5.0]]))
-    return world
-
-
-@pytest.fixture
-def world(files) -> World:
-    return lean_on_wall(files, ROBOT)
 
 
 def use(handle: Any, name: str, *arguments: Any) -> Any:
@@ -266,62 +176,6 @@ def test_handles_know_their_like_when_what_they_name_is_gone(files, world):
     assert body.id != new.id
 
 
-SETTINGS = ("friction", "restitution", "tangent_speed")
-READS = ("touching", "enabled", "points", "normal", *SETTINGS)
-
-
-@pytest.mark.parametrize("is_model_deleted", [False, True])
-def test_a_contact_is_of_no_use_after_its_hook(world, simulate, is_model_deleted):
-    simulate(world).run(0.1)
-    contact = kept[0][1]
-    if is_model_deleted:
-        world.delete_model("robot")
-    public = {name for name in dir(contact) if not name.startswith("_")}
-
-    message = "a contact can be used only in the hook that it was given to"
-    for name in READS:
-        with pytest.raises(_core.GoneError, match=message):
-            getattr(contact, name)
-    for name in SETTINGS:
-        with pytest.raises(_core.GoneError, match=message):
-            setattr(contact, name, 1.0)
-    with pytest.raises(_core.GoneError, match=message):
-        contact.set_enabled(False)
-    assert public == {*READS, "set_enabled", "fixture_a", "fixture_b"}
-
-
-def test_a_kept_contact_can_still_be_compared_and_names_its_fixtures(world, simulate):
-    simulate(world).run(0.1)
-
-    contacts = [contact for _, contact, *_ in kept]
-    robot, wall = world.get_model("robot"), world.layers[0]
-    assert len(contacts) > 10
-    assert set(contacts) == {contacts[0]}
-    touching = {contacts[0].fixture_a.body, contacts[0].fixture_b.body}
-    assert touching == {robot.base.physics_body, *wall.physics_bodies}
-
-
-def test_impulses_and_manifolds_may_be_kept(world, simulate):
-    simulate(world).run(0.1)
-    details = [detail for _, _, *rest in kept for detail in rest]
-
-    world.delete_model("robot")
-
-    assert {type(detail) for detail in details} == {_core.Manifold, _core.ContactImpulse}
-    assert all(len(detail.normal_impulses) in (0, 1) for detail in details)
-
-
-def test_the_sides_of_a_kept_contact_are_asked_for_in_vain_when_one_is_deleted(world, simulate):
-    simulate(world).run(0.1)
-    keeper, contact, *_ = kept[0]
-    assert keeper.filter_contact(contact).entity is world.layers[0]
-
-    world.delete_model("robot")
-
-    with pytest.raises(_core.GoneError, match="has been deleted"):
-        keeper.filter_contact(contact)
-
-
 @pytest.mark.parametrize(
     "ask",
     [
@@ -353,57 +207,6 @@ def test_a_kept_body_of_a_deleted_model_says_so(world):
     assert base.name == "base"
     with pytest.raises(_core.GoneError, match="this body has been deleted"):
         _ = base.pose
-
-
-def test_a_body_and_a_contact_outlive_their_world(files, simulate, world):
-    simulate(world).run(0.1)
-    body, contact = world.get_model("robot").base.physics_body, kept[0][1]
-    kept.clear()
-
-    world.close()
-    del world
-    gc.collect()
-
-    assert body.mass > 0.0
-    with pytest.raises(_core.GoneError):
-        _ = contact.points
-
-
-@pytest.mark.parametrize("is_closed", [True, False])
-def test_a_dropped_world_is_collected(files, simulate, caplog, is_closed):
-    # What pytest keeps of a log record has a traceback, and so the whole world.
-    caplog.set_level(logging.CRITICAL, "flatland_server.plugin_manager")
-    world = lean_on_wall(files, ROBOT)
-    simulate(world).run(0.1)
-    assert len(world.plugin_failures) == 1
-    if is_closed:
-        world.close()
-    traces = [weakref.ref(world), weakref.ref(world.physics)]
-    traces += [weakref.ref(plugin) for plugin, *_ in kept]
-    kept.clear()
-
-    del world
-    gc.collect()
-
-    assert [trace() for trace in traces if trace() is not None] == []
-
-
-def test_a_world_whose_step_was_interrupted_is_collected(files, simulate):
-    world = lean_on_wall(files, ROBOT.replace("Failing", "Keeper"))
-
-    def interrupt(*_):
-        raise KeyboardInterrupt
-
-    world.physics.set_contact_listener(interrupt)
-    with pytest.raises(KeyboardInterrupt):
-        simulate(world).run(0.1)
-    world.close()
-    trace = weakref.ref(world.physics)
-
-    del world
-    gc.collect()
-
-    assert trace() is None
 
 
 def test_a_lidar_whose_body_another_thread_removes_meanwhile():

@@ -1,0 +1,15 @@
+"""What a case of a wrong file is, and the names that all of them use."""
+
+from typing import Optional, Tuple, Union
+
+WORLD, MAP, LINES, DATA = "world.yaml", "map.yaml", "lines.yaml", "lines.dat"
+MODEL = "robot.model.yaml"
+
+PLUGINS = (
+    "BoolSensor, Bumper, Crowd, DiffDrive, Gps, Imu, Laser, ModelTfPublisher, OmniDrive, "
+    "RandomWall, TricycleDrive, Tween"
+)
+
+# What is wrong: the file, the text in it that is replaced (None is all of it) by another one, and
+# the whole message.
+Case = Tuple[str, Optional[str], Union[str, bytes], str]

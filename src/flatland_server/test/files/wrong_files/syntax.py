@@ -1,0 +1,109 @@
+"""Wrong before anything is read of it: YAML, includes and expressions."""
+
+from typing import Dict
+
+from wrong_files.case import MAP, MODEL, WORLD, Case
+
+# fmt: off
+WRONG_SYNTAX: Dict[str, Case] = {
+    # YAML
+    "an empty file": (WORLD, None, "", "world.yaml: expected a map, found an empty file"),
+    "only comments": (WORLD, None, "# nothing\n# at all\n",
+     "world.yaml: expected a map, found an empty file"),
+    "null": (WORLD, None, "null\n", "world.yaml:1: expected a map, found nothing"),
+    "only the beginning of a document": (WORLD, None, "---\n",
+     "world.yaml:2: expected a map, found nothing"),
+    "a list for a world": (WORLD, None, "- properties: {}\n",
+     "world.yaml:1: expected a map, found [a map]"),
+    "a text for a world": (WORLD, None, "world\n", 'world.yaml:1: expected a map, found "world"'),
+    "two documents": (WORLD, None, "properties: {}\n---\nlayers: []\n",
+     "world.yaml:3: expected one document, found another one"),
+    "a tab for indentation": (WORLD, None, "properties: {}\nlayers:\n\t- name: map\n",
+     "world.yaml:3: is not valid YAML: while scanning for the next token found "
+     "character that cannot start any token"),
+    "a bracket that is not closed": (WORLD, "[1, 2, 0.5]", "[1, 2, 0.5",
+     "world.yaml:13: is not valid YAML: while parsing a flow sequence did not find "
+     "expected ',' or ']'"),
+    "a quote that is not closed": (WORLD, "namespace: r1", "namespace: 'r1",
+     "world.yaml:14: is not valid YAML: while scanning a quoted scalar found "
+     "unexpected end of stream"),
+    "wrong indentation": (WORLD, "    pose:", "   pose:",
+     "world.yaml:12: is not valid YAML: while parsing a block collection did not find "
+     "expected '-' indicator"),
+    "an unknown alias": (WORLD, "[1, 2, 0.5]", "*here",
+     "world.yaml:12: is not valid YAML: found undefined alias"),
+    "a control character": (WORLD, None, b"properties: {}\x07\n",
+     "world.yaml: is not valid YAML: unacceptable character #x0007: control "
+     "characters are not allowed"),
+    "a zero byte": (WORLD, None, b"properties: {}\x00\n",
+     "world.yaml: is not valid YAML: unacceptable character #x0000: control "
+     "characters are not allowed"),
+    "not UTF-8": (WORLD, None, b"properties: {}\nlayers: [{name: caf\xe9}]\n",
+     "world.yaml: is not UTF-8 text: byte 34 is wrong"),
+    "UTF-16": (WORLD, None,
+     b"\xff\xfep\x00r\x00o\x00p\x00e\x00r\x00t\x00i\x00e\x00s\x00:\x00 \x00{\x00}\x00\n\x00",
+     "world.yaml: is not UTF-8 text: byte 0 is wrong"),
+    "ten thousand brackets": (WORLD, None, "properties: " + "[" * 10_000 + "]" * 10_000,
+     "world.yaml:1: expected at most 100 levels, found more"),
+    "ten thousand open brackets": (WORLD, None, "[" * 10_000,
+     "world.yaml:1: expected at most 100 levels, found more"),
+    "an anchor that contains itself": (WORLD, None, "properties: {}\nlayers: &all\n  - *all\n",
+     "world.yaml:2: contains itself"),
+    "a map that contains itself": (WORLD, None, "&world\nproperties: *world\nlayers: []\n",
+     "world.yaml:1: contains itself"),
+    "a map merged with itself": (WORLD, None, "&world\nproperties: {}\n<<: *world\n",
+     "world.yaml:1: contains itself"),
+    "a merged text": (WORLD, None, "properties: {}\n<<: layers\n",
+     "world.yaml:2: expected a map or a list of maps after <<"),
+    "a model that is not YAML": (MODEL, None, "bodies: [\n",
+     "robot.model.yaml:2: is not valid YAML: while parsing a flow node did not find "
+     "expected node content"),
+    "a map that is not UTF-8": (MAP, None, b"image: \xff\n",
+     "map.yaml: is not UTF-8 text: byte 7 is wrong"),
+    # Includes and expressions
+    "an include that is not there": (WORLD, "[1, 2, 0.5]", "$include pose.yaml",
+     "world.yaml:12: there is no file pose.yaml"),
+    "an include of a folder": (WORLD, "[1, 2, 0.5]", "$include folder",
+     "world.yaml:12: there is no file folder"),
+    "a file that includes itself": (WORLD, "[1, 2, 0.5]", "$include world.yaml",
+     "world.yaml:12: world.yaml includes itself"),
+    "two files that include each other": (WORLD, "[1, 2, 0.5]", "$include ping.yaml",
+     "pong.yaml:1: ping.yaml includes itself"),
+    "an include of two documents": (WORLD, "[1, 2, 0.5]", "$include two.yaml",
+     "world.yaml:12: expected one document in two.yaml, found 2; $[include] takes several"),
+    "an include of nothing": (WORLD, "[1, 2, 0.5]", "$include empty.yaml",
+     "empty.yaml: expected a map, found an empty file"),
+    "a wrong value in an include": (WORLD, "[1, 2, 0.5]", "$include short_pose.yaml",
+     "short_pose.yaml:2: models[0].pose: expected [x, y, yaw], found [1, 2]"),
+    "a wrong entry in a list that is included": (WORLD, "- name: floor", "- $[include] two.yaml",
+     'two.yaml:3: layers[3]: the required key "name" is missing\n'
+     'two.yaml:3: layers[3]: unknown key "naem" (did you mean "name"?)'),
+    "$[include] where there is no list": (WORLD, "[1, 2, 0.5]", "$[include] two.yaml",
+     'world.yaml:12: models[0].pose: expected [x, y, yaw], found "$[include] two.yaml"'),
+    "an include without a file": (WORLD, "[1, 2, 0.5]", "$include",
+     'world.yaml:12: models[0].pose: expected [x, y, yaw], found "$include"'),
+    "bad Lua": (WORLD, "[1, 2, 0.5]", "$eval 1 +",
+     "world.yaml:12: $eval: unexpected symbol near '1', in: 1 +"),
+    "unfinished Lua": (WORLD, "[1, 2, 0.5]", '"$eval if true then"',
+     "world.yaml:12: $eval: 'end' expected near '<eof>', in: if true then"),
+    "Lua that fails": (WORLD, "[1, 2, 0.5]", "\"$eval error('not today')\"",
+     "world.yaml:12: $eval: not today, in: error('not today')"),
+    "arithmetic on nothing": (WORLD, "[1, 2, 0.5]", "$eval 1 + nil",
+     "world.yaml:12: $eval: attempt to perform arithmetic on a nil value, in: 1 + nil"),
+    "endless Lua": (WORLD, "[1, 2, 0.5]", "$eval while true do end",
+     "world.yaml:12: $eval: does not end within 1 s, in: while true do end"),
+    "Lua that eats memory": (WORLD, "[1, 2, 0.5]", '$eval ("x"):rep(2^31 - 1)',
+     'world.yaml:12: $eval: not enough memory, in: ("x"):rep(2^31 - 1)'),
+    "a function from Lua": (WORLD, "[1, 2, 0.5]", "$eval print",
+     'world.yaml:12: $eval: "print" is not available in $eval, in: print'),
+    "Lua's files": (WORLD, "[1, 2, 0.5]", "$eval io.open('/etc/passwd')",
+     "world.yaml:12: $eval: \"io\" is not available in $eval, in: io.open('/etc/passwd')"),
+    "a result of the wrong type": (WORLD, "[1, 2, 0.5]", "$eval 1 + 1",
+     "world.yaml:12: models[0].pose: expected [x, y, yaw], found 2"),
+    "a table with gaps": (WORLD, "[1, 2, 0.5]", '"$eval {1, 2, nil, 4}"',
+     "world.yaml:12: $eval: expected a table with keys 1, 2, 3 ..., found gaps, in: "
+     "{1, 2, nil, 4}"),
+    "a parameter that is not set": (WORLD, "[1, 2, 0.5]", "$eval param('/pose')",
+     'world.yaml:12: models[0].pose: expected [x, y, yaw], found ""'),
+}
+# fmt: on

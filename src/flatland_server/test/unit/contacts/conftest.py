@@ -1,0 +1,29 @@
+"""The plugins of the tests of contacts, and the room that they are in."""
+
+from typing import Iterator
+
+import pytest
+from contacts.room import Deaf, Listener, OnlyBegin, Room, WorldListener, calls, deeds
+
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> Iterator[None]:
+    yield
+    calls.clear()
+    deeds.clear()
+
+
+@pytest.fixture(scope="module")
+def loader() -> PluginLoader:
+    """The plugins of these tests."""
+    classes = (Listener, WorldListener, OnlyBegin, Deaf)
+    return PluginLoader(
+        PluginDeclaration(c.__name__, "test", f"{c.__module__}.{c.__name__}") for c in classes
+    )
+
+
+@pytest.fixture
+def room(files, simulate) -> Room:
+    return Room(files, simulate)

@@ -1,0 +1,124 @@
+"""What the tests of contacts share: plugins that note what they hear, and a room to bounce in."""
+
+import math
+from typing import Any, Callable, Dict, List, Tuple
+
+import numpy as np
+
+from flatland_server.geometry import Pose
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.world_plugin import WorldPlugin
+
+DT = 0.005
+RADIUS = 0.1
+MASS = 10.0 * math.pi * RADIUS**2  # kg
+INERTIA = 0.5 * MASS * RADIUS**2  # kg m^2
+DISC = f"{{type: circle, radius: {RADIUS}, density: 10}}"
+BOUNCING = f"{{type: circle, radius: {RADIUS}, density: 10, restitution: 1}}"
+SQUARE = "{type: polygon, points: [[-.2, -.2], [.2, -.2], [.2, .2], [-.2, .2]], density: 10}"
+
+
+calls: List[Tuple[Any, ...]] = []
+"""What was called so far: (plugin, hook, what the hook was given ...)."""
+
+deeds: Dict[str, Callable[..., None]] = {}
+"""What plugins do in a hook, by its name; each is given the plugin and the hook's arguments."""
+
+
+class _Hooks:
+    """Notes its hooks, and does what the test wants."""
+
+    def on_initialize(self, config):
+        self.label = f"{self.model.name}/{self.name}" if hasattr(self, "model") else self.name
+
+    def before_physics_step(self, *arguments):
+        self._hook("before_physics_step", *arguments)
+
+    def begin_contact(self, *arguments):
+        self._hook("begin_contact", *arguments)
+
+    def pre_solve(self, *arguments):
+        self._hook("pre_solve", *arguments)
+
+    def end_contact(self, *arguments):
+        self._hook("end_contact", *arguments)
+
+    def post_solve(self, *arguments):
+        self._hook("post_solve", *arguments)
+
+    def after_physics_step(self, *arguments):
+        self._hook("after_physics_step", *arguments)
+
+    def _hook(self, hook: str, *arguments: Any) -> None:
+        calls.append((self.label, hook, *arguments))
+        deeds.get(hook, lambda *_: None)(self, *arguments)
+
+
+class Listener(_Hooks, ModelPlugin):
+    pass
+
+
+class WorldListener(_Hooks, WorldPlugin):
+    pass
+
+
+class OnlyBegin(ModelPlugin):
+    def on_initialize(self, config):
+        pass
+
+    def begin_contact(self, contact):
+        calls.append((f"{self.model.name}/{self.name}", "begin_contact", contact))
+
+
+class Deaf(ModelPlugin):
+    """Has hooks, but none of contacts."""
+
+    def on_initialize(self, config):
+        pass
+
+    def before_physics_step(self, timekeeper):
+        pass
+
+
+class Room:
+    """A world with a wall along x = 1, in which models are put in motion."""
+
+    def __init__(self, files, simulate, plugins: str = "[]") -> None:
+        self._files = files
+        text = f"properties: {{}}\nlayers: [{{name: walls}}]\nplugins: {plugins}\n"
+        self.world = files.load(text)
+        self.simulation = simulate(self.world, DT)
+        self.add_wall(1.0, -5.0, 1.0, 5.0)
+
+    def add_wall(self, *ends: float) -> None:
+        self.world.add_walls("walls", np.array([ends]))
+
+    def put(self, name: str, pose, velocity=(0.0, 0.0, 0.0), plugins="", footprints=DISC):
+        """Spawns a model of one body, "base"; plugins are given as "type | type"."""
+        entries = "".join(
+            f"\n  - {{type: {type.strip()}, name: p{i}}}"
+            for i, type in enumerate(plugins.split("|"))
+            if type.strip()
+        )
+        bodies = f"bodies: [{{name: base, footprints: [{footprints}]}}]\n"
+        path = self._files.write(f"{name}.yaml", f"{bodies}plugins:{entries or ' []'}\n")
+        model = self.world.spawn_model(path, name, "", Pose(*pose))
+        model.base.physics_body.velocity = velocity
+        return model
+
+    def run(self, seconds=None):
+        self.simulation.run(seconds)
+
+    def run_until(self, hook: str) -> None:
+        """Steps until a hook is called, and to the end of that step."""
+        for _ in range(1000):
+            calls.clear()
+            self.run()
+            if hook in heard():
+                return
+        raise AssertionError(f"{hook} is never called")
+
+
+def heard(label: str = "") -> List[str]:
+    """The hooks that were called so far, of one plugin or of all."""
+    return [hook for who, hook, *_ in calls if label in ("", who)]

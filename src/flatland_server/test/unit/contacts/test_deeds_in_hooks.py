@@ -1,0 +1,129 @@
+"""What a plugin may do to its body in the hooks of contacts, and what must wait."""
+
+from typing import Callable, List
+
+import numpy as np
+import pytest
+from contacts.room import BOUNCING, DT, INERTIA, MASS, Room, calls, deeds, heard
+
+from flatland_server import _core
+from flatland_server.geometry import Pose
+
+CONTACT_HOOKS = ("begin_contact", "pre_solve", "post_solve", "end_contact")
+
+
+def test_a_velocity_that_is_set_as_two_touch_is_the_one_they_go_on_with(room):
+    def turn_back(plugin, _):
+        plugin.model.base.physics_body.velocity = (-3.0, 0.0, 0.0)
+
+    deeds["begin_contact"] = turn_back
+    ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
+
+    room.run(0.2)
+
+    assert ball.base.physics_body.velocity == pytest.approx((-3.0, 0.0, 0.0))
+    assert heard().count("begin_contact") == heard().count("end_contact") == 1
+
+
+PUSHES = [
+    pytest.param(
+        lambda body: body.apply_linear_impulse((0.0, 0.5)), (0.5 / MASS, 0.0), id="impulse"
+    ),
+    pytest.param(
+        lambda body: body.apply_angular_impulse(0.001), (0.0, 0.001 / INERTIA), id="angular impulse"
+    ),
+]
+FORCES = [
+    pytest.param(lambda body: body.apply_force((0.0, 0.5 / DT)), (0.5 / MASS, 0.0), id="force"),
+    pytest.param(lambda body: body.apply_torque(0.001 / DT), (0.0, 0.001 / INERTIA), id="torque"),
+]
+
+
+def velocity_after_a_push(room: Room, hook: str, push: Callable[[_core.Body], None]) -> List[float]:
+    """Along the wall [m/s], and the spin [rad/s], of a disc pushed once as it bounces off."""
+
+    def push_once(plugin, *_):
+        push(plugin.model.base.physics_body)
+        del deeds[hook]
+
+    deeds[hook] = push_once
+    ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener", BOUNCING)
+    room.run(0.2)
+    assert room.world.plugin_failures == []
+    assert deeds == {}
+    return list(ball.base.physics_body.velocity[1:])
+
+
+@pytest.mark.parametrize(("push", "expected"), PUSHES)
+@pytest.mark.parametrize("hook", CONTACT_HOOKS)
+def test_impulses_act_from_within_the_hooks_of_contacts(room, hook, push, expected):
+    assert velocity_after_a_push(room, hook, push) == pytest.approx(expected, rel=1e-4, abs=1e-5)
+
+
+@pytest.mark.parametrize(("push", "expected"), FORCES)
+@pytest.mark.parametrize("hook", ["begin_contact", "pre_solve", "end_contact"])
+def test_forces_act_from_within_the_hooks_before_a_step_is_solved(room, hook, push, expected):
+    assert velocity_after_a_push(room, hook, push) == pytest.approx(expected, rel=1e-4, abs=1e-5)
+
+
+@pytest.mark.parametrize("hook", CONTACT_HOOKS)
+@pytest.mark.parametrize(
+    "deed",
+    [
+        pytest.param(lambda m, b: setattr(b, "pose", (0.0, 0.0, 0.0)), id="place a body"),
+        pytest.param(lambda m, b: m.move(Pose()), id="place a model"),
+        pytest.param(lambda m, b: b.remove(), id="remove a body"),
+        pytest.param(lambda m, b: m.physics.add_body("dynamic", (0, 0, 0)), id="add a body"),
+        pytest.param(lambda m, b: m.physics.add_layer(np.eye(1, 4), 1), id="add walls"),
+        pytest.param(lambda m, b: b.add_circle((0, 0), 1.0, density=1.0), id="add a fixture"),
+        pytest.param(lambda m, b: b.add_drive(), id="add a drive"),
+        pytest.param(lambda m, b: b.add_tween((1, 0, 0), 1.0), id="add a tween"),
+        pytest.param(lambda m, b: m.physics.set_contact_listener(None), id="change the listener"),
+        pytest.param(lambda m, b: m.physics.step(DT), id="step"),
+    ],
+)
+def test_what_must_wait_for_the_end_of_the_step_switches_off_only_the_plugin_that_tries_it(
+    room, hook, deed, caplog
+):
+    def try_it(plugin, *_):
+        if plugin.label == "bad/p0":
+            deed(plugin.model, plugin.model.base.physics_body)
+
+    deeds[hook] = try_it
+    for name, y in (("bad", 0.0), ("good", 2.0)):
+        room.put(name, (0.8, y, 0.0), (2.0, 0.0, 0.0), "Listener", BOUNCING)
+    room.run(0.2)
+
+    [failure] = room.world.plugin_failures
+    assert (failure.owner, failure.name) == ("bad", "p0")
+    assert failure.reason.startswith(f"{hook}: RuntimeError: ")
+    assert failure.reason.endswith("wait for the end of the step")
+    assert heard("bad/p0")[-1] == hook
+    assert heard("good/p0")[-1] == "after_physics_step"
+    bad = room.world.get_model("bad").base.physics_body
+    assert bad.velocity == pytest.approx((-2.0, 0.0, 0.0))  # it went on as it was
+    assert room.world.physics.body_count == 3
+
+
+@pytest.mark.parametrize("hook", CONTACT_HOOKS)
+def test_an_interrupt_in_a_hook_ends_the_step_and_the_world_is_usable_afterwards(room, hook):
+    def interrupt(*_):
+        del deeds[hook]
+        raise KeyboardInterrupt
+
+    deeds[hook] = interrupt
+    ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener", BOUNCING)
+
+    with pytest.raises(KeyboardInterrupt):
+        room.run(0.2)
+
+    assert room.world.plugin_failures == []
+    ball.base.physics_body.velocity = (2.0, 0.0, 0.0)
+    room.world.move_model("ball", Pose(0.5, 0.0, 0.0))
+    room.run()  # leaves the contact that it may have had
+    calls.clear()
+    ball.base.physics_body.velocity = (2.0, 0.0, 0.0)
+    room.run(0.3)
+    assert [hook for hook in dict.fromkeys(heard()) if "step" not in hook] == list(CONTACT_HOOKS)
+    room.world.delete_model("ball")
+    assert room.world.physics.body_count == 1

@@ -1,0 +1,221 @@
+"""Which plugins hear of which contacts, when and in what order."""
+
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+import pytest
+from contacts.room import BOUNCING, DISC, Room, calls, deeds, heard
+
+from flatland_server import _core
+from flatland_server.geometry import Pose
+
+
+def told(room: Room) -> List[Tuple[Any, ...]]:
+    """What the core tells Python of contacts from now on; the plugins do not hear it."""
+    events: List[Tuple[Any, ...]] = []
+    room.world.physics.set_contact_listener(lambda *event: events.append(event))
+    return events
+
+
+def test_the_hooks_of_a_step_come_in_their_order(room):
+    room.put("ball", (0.5, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
+    timekeeper = room.simulation.timekeeper
+    times = []
+    deeds["begin_contact"] = lambda *_: times.append(timekeeper.nanoseconds)
+
+    room.run_until("begin_contact")
+    hits = list(dict.fromkeys(heard()))
+    time_after = timekeeper.nanoseconds
+    room.world.get_model("ball").base.physics_body.velocity = (-1.0, 0.0, 0.0)
+    room.run_until("end_contact")
+
+    contact_hooks = ["begin_contact", "pre_solve", "post_solve"]
+    assert hits == ["before_physics_step", *contact_hooks, "after_physics_step"]
+    assert times == [time_after - 5_000_000]
+    assert heard() == ["before_physics_step", "end_contact", "after_physics_step"]
+
+
+def test_only_hooks_that_are_overridden_are_called_and_only_those_are_told_of(room):
+    room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "OnlyBegin")
+    room.run(0.1)
+    assert heard() == ["begin_contact"]
+
+    events = told(room)
+    room.world.get_model("ball").base.physics_body.velocity = (-1.0, 0.0, 0.0)
+    room.run(0.1)
+    room.world.get_model("ball").base.physics_body.velocity = (2.0, 0.0, 0.0)
+    room.run(0.2)
+
+    assert [moment for moment, *_ in events] == [_core.BEGIN_CONTACT]
+
+
+@pytest.mark.parametrize("plugins", ["", "Deaf"])
+def test_contacts_of_a_model_without_contact_hooks_never_reach_python(room, plugins):
+    ball = room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), plugins)
+    room.put("listener", (0.0, 3.0, 0.0), plugins="Listener")
+    events = told(room)
+
+    room.run(0.2)
+
+    assert ball.pose.x == pytest.approx(0.9, abs=0.01)  # it does touch the wall
+    assert events == []
+
+
+def test_contacts_of_a_model_reach_python_no_more_when_its_listener_has_failed(room, caplog):
+    def fail(*_):
+        raise RuntimeError("no luck")
+
+    deeds["begin_contact"] = fail
+    room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
+    room.run(0.1)
+    assert len(room.world.plugin_failures) == 1
+    calls.clear()
+    events = told(room)
+
+    room.run(0.2)
+
+    assert (events, calls) == ([], [])
+
+
+def test_a_plugin_hears_of_its_own_models_contacts_alone(room):
+    room.put("a", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
+    room.put("b", (0.85, 2.0, 0.0), (2.0, 0.0, 0.0), "Listener")
+    room.put("c", (-1.0, 0.0, 0.0), plugins="Listener")
+
+    room.run(0.1)
+
+    begun = [(who, contact) for who, hook, *(contact, *_) in calls if hook == "begin_contact"]
+    touched = [(who, c.fixture_a.body.id, c.fixture_b.body.id) for who, c in begun]
+    a, b = (room.world.get_model(name).base.physics_body.id for name in "ab")
+    wall = room.world.layers[0].physics_bodies[0].id
+    assert {(who, *sorted(ids)) for who, *ids in touched} == {
+        ("a/p0", *sorted([wall, a])),
+        ("b/p0", *sorted([wall, b])),
+    }
+
+
+def test_of_two_models_that_touch_both_hear_in_the_order_in_which_they_were_started(room):
+    left = room.put("left", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener | OnlyBegin | Listener")
+    right = room.put("right", (0.3, 0.0, 0.0), (-1.0, 0.0, 0.0), "Listener")
+
+    room.run_until("begin_contact")
+
+    begun = [(who, contact) for who, hook, *(contact, *_) in calls if hook == "begin_contact"]
+    assert [who for who, _ in begun] == ["left/p0", "left/p1", "left/p2", "right/p0"]
+    assert len({contact for _, contact in begun}) == 1
+    bodies = {begun[0][1].fixture_a.body, begun[0][1].fixture_b.body}
+    assert bodies == {left.base.physics_body, right.base.physics_body}
+    solved = [who for who, hook, *_ in calls if hook == "pre_solve"]
+    assert solved[:3] == ["left/p0", "left/p2", "right/p0"]
+
+
+def test_a_plugin_of_the_world_hears_before_the_models_that_came_after_it(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+    room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
+
+    room.run_until("begin_contact")
+
+    begun = [who for who, hook, *_ in calls if hook == "begin_contact"]
+    assert begun == ["ear", "ball/p0"]
+
+
+def test_a_contact_within_a_model_is_told_to_its_plugins_once(files, room):
+    path = files.write(
+        "pair.yaml",
+        f"bodies:\n  - {{name: a, footprints: [{DISC}]}}\n"
+        f"  - {{name: b, pose: [0.15, 0, 0], footprints: [{DISC}]}}\n"
+        "plugins: [{type: Listener, name: p0}]\n",
+    )
+    sides = []
+    deeds["begin_contact"] = lambda plugin, contact: sides.append(plugin.filter_contact(contact))
+    pair = room.world.spawn_model(path, "pair", "", Pose())
+
+    room.run()
+
+    [(entity, this, other)] = sides
+    assert entity is pair
+    assert {pair.body_name(this), pair.body_name(other)} == {"a", "b"}
+
+
+def test_plugins_of_the_world_hear_of_all_contacts_also_of_what_came_later(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+    room.put("early", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0))
+    room.run(0.1)
+    assert heard("ear").count("begin_contact") == 1
+
+    room.put("late", (0.85, 2.0, 0.0), (2.0, 0.0, 0.0), "Deaf")
+    room.run(0.1)
+    assert heard("ear").count("begin_contact") == 2
+
+    calls.clear()
+    room.add_wall(-1.0, -5.0, -1.0, 5.0)
+    room.world.get_model("early").base.physics_body.velocity = (-2.0, 0.0, 0.0)
+    room.run(1.2)
+    pairs = [contact for _, hook, *(contact, *_) in calls if hook == "begin_contact"]
+    new_wall = room.world.layers[0].physics_bodies[1]
+    assert [new_wall in (c.fixture_a.body, c.fixture_b.body) for c in pairs] == [True]
+
+
+def test_a_model_with_a_listener_hears_of_a_wall_that_was_put_up_later(room):
+    room.put("ball", (0.0, 0.0, 0.0), (-2.0, 0.0, 0.0), "Listener")
+    room.add_wall(-0.5, -5.0, -0.5, 5.0)
+
+    room.run(0.4)
+
+    assert heard().count("begin_contact") == 1
+
+
+def test_plugins_of_the_world_hear_of_all_that_touches_a_wall_that_came_later(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+    foreign = room.world.physics.add_body("dynamic", (-0.5, 0.0, 0.0))
+    foreign.add_circle((0.0, 0.0), 0.1, density=1.0)
+    foreign.velocity = (-1.0, 0.0, 0.0)
+
+    room.add_wall(-1.0, -5.0, -1.0, 5.0)
+    room.run(0.5)
+
+    assert heard("ear").count("begin_contact") == 1
+
+
+def test_a_contact_is_equal_from_its_begin_to_its_end_and_every_begin_has_an_end(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+    for x1, y1, x2, y2 in ((1, 1, -1, 1), (-1, 1, -1, -1), (-1, -1, 1, -1)):
+        room.add_wall(x1, y1, x2, y2)
+    rng = np.random.default_rng(1)
+    for i in range(12):
+        place = (-0.75 + 0.5 * (i % 4), -0.6 + 0.5 * (i // 4), 0.0)
+        room.put(f"ball{i}", place, (*rng.uniform(-3, 3, 2), 0.0), footprints=BOUNCING)
+    going: Dict[Any, Any] = {}
+    ended = []
+
+    def begin(_, contact):
+        assert contact not in going
+        going[contact] = hash(contact), {contact.fixture_a, contact.fixture_b}
+
+    def go_on(_, contact, __):
+        assert going[contact] == (hash(contact), {contact.fixture_a, contact.fixture_b})
+
+    def end(_, contact):
+        ended.append(going.pop(contact))
+
+    deeds.update(begin_contact=begin, pre_solve=go_on, post_solve=go_on, end_contact=end)
+    room.run(2.0)
+    for name in list(room.world.models):
+        room.world.delete_model(name)
+
+    assert room.world.plugin_failures == []
+    assert len(ended) > 50
+    assert going == {}
+
+
+def test_a_sensor_is_told_of_but_never_solved(room):
+    sensor = "{type: circle, radius: 0.1, density: 10, sensor: true}"
+    room.put("ghost", (0.7, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener", sensor)
+    seen = []
+    deeds["begin_contact"] = lambda _, c: seen.append((c.points, c.normal, c.touching))
+
+    room.run(1.0)
+
+    contact_hooks = [hook for hook in heard() if "step" not in hook]
+    assert contact_hooks == ["begin_contact", "end_contact"]
+    assert seen == [([], (0.0, 0.0), True)]

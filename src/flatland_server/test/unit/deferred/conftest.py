@@ -1,0 +1,34 @@
+"""The plugins of the tests of deferred changes, and the stage that they act on."""
+
+from typing import Iterator
+
+import pytest
+from deferred.stage import Actor, Founder, Stage, ends, plans, starts
+
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> Iterator[None]:
+    yield
+    for each in (plans, starts, ends):
+        each.clear()
+
+
+@pytest.fixture(scope="module")
+def loader() -> PluginLoader:
+    """The plugins of these tests."""
+    return PluginLoader(
+        PluginDeclaration(c.__name__, "test", f"{c.__module__}.{c.__name__}")
+        for c in (Actor, Founder)
+    )
+
+
+@pytest.fixture
+def stage(files, simulate) -> Iterator[Stage]:
+    stage = Stage(files, simulate)
+    yield stage
+    assert plans == {}
+    stage.check()
+    stage.run(0.5)
+    stage.check()

@@ -1,0 +1,144 @@
+"""What the tests of deferred changes share: models that do in their hooks what is planned."""
+
+import logging
+from collections import Counter
+from typing import Any, Callable, Dict, List, Tuple
+
+import numpy as np
+import pytest
+
+from flatland_server import _core
+from flatland_server.exceptions import ModelError
+from flatland_server.geometry import Pose
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.world_plugin import WorldPlugin
+
+HOOKS = (
+    "before_physics_step",
+    "begin_contact",
+    "pre_solve",
+    "post_solve",
+    "end_contact",
+    "after_physics_step",
+)
+FAR = Pose(-3.0, 2.0, 0.5)
+
+plans: Dict[Tuple[str, str], Callable[[], None]] = {}
+"""What a model's plugin does once in a hook: by (model, hook)."""
+
+starts: "Counter[str]" = Counter()
+ends: "Counter[str]" = Counter()
+"""How often the plugins of a model were started and ended."""
+
+
+class Actor(ModelPlugin):
+    """Does in its hooks what is planned for them."""
+
+    def on_initialize(self, config):
+        starts[self.model.name] += 1
+        self.node.advertise(f"{self.model.name}/{self.name}", str)
+        self.node.subscribe("cue", str, lambda _: self._act("callback"))
+        self.node.claim_frame("map", f"{self.model.name}/{self.name}")
+        self._act("on_initialize")
+        if config.get_bool("fails", False):
+            raise config.error("no luck")
+
+    def before_physics_step(self, timekeeper):
+        self._act("before_physics_step")
+
+    def begin_contact(self, contact):
+        self._act("begin_contact")
+
+    def pre_solve(self, contact, old_manifold):
+        self._act("pre_solve")
+
+    def post_solve(self, contact, impulse):
+        self._act("post_solve")
+
+    def end_contact(self, contact):
+        self._act("end_contact")
+
+    def after_physics_step(self, timekeeper):
+        self._act("after_physics_step")
+
+    def on_shutdown(self):
+        ends[self.model.name] += 1
+        self._act("on_shutdown")
+
+    def _act(self, hook: str) -> None:
+        plan = plans.pop((self.model.name, hook), None)
+        if plan is not None:
+            plan()
+
+
+class Founder(WorldPlugin):
+    """Puts a model into the world as that begins."""
+
+    def on_initialize(self, config):
+        self.founded = self.world.spawn_model(config.get_path("model"), "founded", "", Pose())
+
+
+class Stage:
+    """A world where "robot" is about to bounce off "post", and "bystander" stands aside."""
+
+    def __init__(self, files, simulate) -> None:
+        self.files = files
+        ball = "{type: circle, radius: 0.1, density: 1, restitution: 1}"
+        square = "{type: polygon, points: [[0, -1], [1, -1], [1, 1], [0, 1]], density: 1}"
+        plugin = "plugins: [{type: Actor, name: actor}]"
+        files.write("ball.yaml", f"bodies: [{{name: base, footprints: [{ball}]}}]\n{plugin}\n")
+        files.write(
+            "post.yaml", f"bodies: [{{name: base, type: static, footprints: [{square}]}}]\n{plugin}"
+        )
+        files.write(
+            "bad.yaml",
+            f"bodies: [{{name: base, footprints: [{ball}]}}]\nplugins:\n"
+            "  - {type: Actor, name: a}\n  - {type: Actor, name: b}\n"
+            "  - {type: Actor, name: c, fails: true}\n",
+        )
+        self.world = files.load("properties: {}\nlayers: [{name: walls}]\n")
+        self.world.add_walls("walls", np.array([[-9.0, -9.0, 9.0, -9.0]]))
+        self.simulation = simulate(self.world)
+        self.spawn("robot", Pose(0.8, 0.0, 0.0)).base.physics_body.velocity = (2.0, 0.0, 0.0)
+        self.spawn("post", Pose(1.0, 0.0, 0.0), "post.yaml")
+        self.spawn("bystander", Pose(-1.0, 0.0, 0.0))
+
+    def spawn(self, name: str, pose: Pose = FAR, model: str = "ball.yaml"):
+        return self.world.spawn_model(self.files.folder / model, name, "", pose)
+
+    def body(self, name: str) -> _core.Body:
+        return self.world.get_model(name).base.physics_body
+
+    def run(self, seconds=None) -> None:
+        self.simulation.run(seconds)
+
+    def run_until_done(self) -> None:
+        """Steps until all that is planned has begun, and to the end of that step."""
+        for _ in range(100):
+            self.run()
+            if not plans:
+                return
+        raise AssertionError(f"these hooks were not called: {list(plans)}")
+
+    def check(self) -> None:
+        """Nothing is there but the models, and each that is gone was ended once."""
+        world = self.world
+        assert world.physics.body_count == 1 + len(world.models)  # and the wall
+        assert len(list(world.entities)) == 1 + len(world.models)
+        topics = {f"/{name}/actor" for name in world.models}
+        assert self.simulation.transport.topics == topics
+        assert self.simulation.transport.subscribed == ({"/cue"} if world.models else set())
+        assert starts - ends == Counter(world.models.keys())
+        assert ends - starts == Counter()
+        assert world.plugin_failures == []
+
+
+def errors(caplog: pytest.LogCaptureFixture) -> List[str]:
+    """The errors logged so far."""
+    return [r.getMessage() for r in caplog.records if r.levelno >= logging.ERROR]
+
+
+def refusal(ask: Callable[[], Any], kind=ModelError) -> str:
+    with pytest.raises(kind) as caught:
+        ask()
+    return str(caught.value)

@@ -1,0 +1,183 @@
+"""Models that are spawned, moved and deleted in a hook: it is done at the end of the step."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from deferred.stage import FAR, HOOKS, ends, errors, plans, refusal, starts
+
+from flatland_server import _core
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+
+
+@pytest.mark.parametrize("victim", ["robot", "post", "bystander"])
+@pytest.mark.parametrize("hook", HOOKS)
+def test_a_model_that_is_deleted_in_a_hook_goes_at_the_end_of_the_step(stage, hook, victim):
+    body = stage.body(victim)
+    still_there = []
+
+    def delete():
+        stage.world.delete_model(victim)
+        still_there.append((victim in stage.world.models, body.alive, ends[victim]))
+
+    plans["robot", hook] = delete
+    stage.run_until_done()
+
+    assert still_there == [(True, True, 0)]
+    assert victim not in stage.world.models
+    with pytest.raises(_core.GoneError, match="this body has been deleted"):
+        _ = body.pose
+
+
+@pytest.mark.parametrize("mover", ["robot", "post", "bystander"])
+@pytest.mark.parametrize("hook", HOOKS)
+def test_a_model_that_is_moved_in_a_hook_is_moved_at_the_end_of_the_step(stage, hook, mover):
+    body = stage.body(mover)
+    before = []
+
+    def move():
+        before.append(body.pose)
+        stage.world.move_model(mover, FAR)
+        before.append(body.pose)
+
+    plans["robot", hook] = move
+    stage.run_until_done()
+
+    assert before[0] == before[1]
+    assert tuple(stage.world.get_model(mover).pose) == pytest.approx(FAR)
+    assert body.velocity == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("hook", HOOKS)
+def test_a_model_that_is_spawned_in_a_hook_comes_at_the_end_of_the_step(stage, hook):
+    seen = []
+
+    def spawn():
+        seen.append(stage.spawn("newcomer"))
+        seen.append("newcomer" in stage.world.models)
+
+    plans["robot", hook] = spawn
+    stage.run_until_done()
+
+    assert seen == [None, False]
+    assert tuple(stage.world.get_model("newcomer").pose) == pytest.approx(FAR)
+    assert starts["newcomer"] == 1
+
+
+@pytest.mark.parametrize("hook", HOOKS)
+def test_what_is_asked_for_twice_is_done_once(stage, hook, caplog):
+    def ask():
+        for _ in range(2):
+            stage.world.delete_model("post")
+            stage.world.delete_model("robot")
+            stage.spawn("newcomer")
+
+    plans["robot", hook] = ask
+    stage.run_until_done()
+
+    assert set(stage.world.models) == {"bystander", "newcomer"}
+    assert errors(caplog) == [
+        'the model "newcomer" is not spawned: a model named "newcomer" is already there'
+    ]
+
+
+@pytest.mark.parametrize("hook", HOOKS)
+def test_what_is_asked_for_is_done_in_that_order(stage, hook, caplog):
+    def ask():
+        world = stage.world
+        world.move_model("post", FAR)
+        world.move_model("post", Pose(1.0, 1.0, 1.0))
+        world.move_model("bystander", FAR)
+        world.delete_model("bystander")
+        world.move_model("bystander", Pose())
+
+    plans["robot", hook] = ask
+    stage.run_until_done()
+
+    assert tuple(stage.world.get_model("post").pose) == pytest.approx((1.0, 1.0, 1.0))
+    assert set(stage.world.models) == {"robot", "post"}
+    assert errors(caplog) == []
+
+
+@pytest.mark.parametrize("hook", HOOKS)
+def test_what_cannot_be_is_refused_in_the_hook_itself(stage, hook):
+    refusals = []
+
+    def ask():
+        world = stage.world
+        for wish in (
+            lambda: stage.spawn("post"),
+            lambda: stage.spawn("no name"),
+            lambda: stage.spawn("newcomer", model="none.yaml"),
+            lambda: stage.spawn("newcomer", Pose(float("nan"), 0.0, 0.0)),
+            lambda: world.delete_model("pots"),
+            lambda: world.move_model("robot", Pose(float("inf"), 0.0, 0.0)),
+        ):
+            refusals.append(refusal(wish))
+        entry = lambda: world.add_model(None)  # noqa: E731
+        refusals.append(refusal(entry, FlatlandError))
+        refusals.append(refusal(lambda: world.add_walls("walls", np.eye(1, 4)), FlatlandError))
+
+    plans["robot", hook] = ask
+    stage.run_until_done()
+
+    assert refusals == [
+        'a model named "post" is already there',
+        'expected a name of letters, digits and "_" (it names a ROS topic), found "no name"',
+        f"there is no file {stage.files.folder}/none.yaml",
+        "expected a finite pose, found x=nan y=0.0 theta=0.0",
+        'there is no model "pots" (did you mean "post"?)',
+        "expected a finite pose, found x=inf y=0.0 theta=0.0",
+        "add_model is for between steps; spawn_model may be called in a hook",
+        "walls are put up between steps, not during one",
+    ]
+    assert set(stage.world.models) == {"robot", "post", "bystander"}
+
+
+@pytest.mark.parametrize("hook", HOOKS)
+def test_what_fails_only_at_the_end_of_the_step_is_logged(stage, hook, caplog):
+    def ask():
+        stage.spawn("newcomer", model="bad.yaml")
+        stage.spawn("distant", Pose(1e6, 0.0, 0.0))
+        stage.world.move_model("post", Pose(1e6, 0.0, 0.0))
+        stage.world.delete_model("bystander")
+
+    plans["robot", hook] = ask
+    stage.run_until_done()
+
+    limit = "a position must be finite and within 100 km of the origin"
+    assert errors(caplog) == [
+        f'the model "newcomer" is not spawned: {stage.files.folder}/bad.yaml:5: plugins[2] "c": '
+        "no luck",
+        f'the model "distant" is not spawned: the model "distant" does not fit into the world: '
+        f"{limit}",
+        f'the model "post" cannot be there: {limit}',
+    ]
+    assert set(stage.world.models) == {"robot", "post"}
+    starts.subtract(newcomer=1)  # the one that failed; it was never ended
+    assert +starts - ends == Counter(robot=1, post=1)
+
+
+def test_a_model_that_is_spawned_in_a_hook_lives_from_the_next_step_on(stage):
+    hooks = []
+    plans["robot", "before_physics_step"] = lambda: stage.spawn("newcomer")
+    for hook in ("before_physics_step", "after_physics_step"):
+        plans["newcomer", hook] = lambda hook=hook: hooks.append(hook)
+
+    stage.run()
+    assert hooks == []
+    stage.run()
+
+    assert hooks == ["before_physics_step", "after_physics_step"]
+
+
+def test_the_hooks_of_a_model_that_is_deleted_in_a_step_go_on_to_its_end(stage):
+    hooks = []
+    plans["robot", "before_physics_step"] = lambda: stage.world.delete_model("bystander")
+    plans["bystander", "after_physics_step"] = lambda: hooks.append("after")
+
+    stage.run()
+
+    assert hooks == ["after"]
+    assert "bystander" not in stage.world.models

@@ -1,0 +1,29 @@
+"""The plugins of the tests of what is kept too long, and the world that they are in."""
+
+from typing import Iterator
+
+import pytest
+from gone.keepers import ROBOT, Failing, Keeper, WorldKeeper, kept, lean_on_wall
+
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.world import World
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> Iterator[None]:
+    yield
+    kept.clear()
+
+
+@pytest.fixture(scope="module")
+def loader() -> PluginLoader:
+    """The plugins of these tests."""
+    return PluginLoader(
+        PluginDeclaration(c.__name__, "test", f"{c.__module__}.{c.__name__}")
+        for c in (Keeper, WorldKeeper, Failing)
+    )
+
+
+@pytest.fixture
+def world(files) -> World:
+    return lean_on_wall(files, ROBOT)

@@ -1,0 +1,32 @@
+"""The plugins of the tests of the life of plugins."""
+
+from typing import Iterator
+
+import pytest
+from plugin_manager.recorders import (
+    Dice,
+    OnlyAfter,
+    Recorder,
+    Toucher,
+    Unfinished,
+    WorldRecorder,
+    calls,
+)
+
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+
+
+@pytest.fixture(autouse=True)
+def _forget_calls() -> Iterator[None]:
+    calls.clear()
+    yield
+    calls.clear()
+
+
+@pytest.fixture(scope="module")
+def loader() -> PluginLoader:
+    """The plugins of these tests."""
+    classes = (Recorder, Toucher, WorldRecorder, OnlyAfter, Dice, Unfinished)
+    return PluginLoader(
+        PluginDeclaration(c.__name__, "test", f"{c.__module__}.{c.__name__}") for c in classes
+    )

@@ -1,0 +1,137 @@
+"""What the tests of the life of plugins share: plugins that note their calls, and their worlds."""
+
+import logging
+import math
+from typing import Any, List, Tuple
+
+import pytest
+
+from flatland_server.local_transport import LocalTransport
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+from flatland_server.world_plugin import WorldPlugin
+
+DISC = "{type: circle, radius: 0.1, density: 1, restitution: 1}"
+BODY = f"bodies: [{{name: base, footprints: [{DISC}]}}]\n"
+
+calls: List[Tuple[Any, ...]] = []
+"""What was called so far: (plugin, hook, ...)."""
+
+
+class Recorder(ModelPlugin):
+    """Notes its calls, with the time [ns]; may fail in one of its hooks."""
+
+    def on_initialize(self, config):
+        self._fails_in = config.get_string("fails_in", "")
+        self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
+        self.node.advertise(f"{self.model.name}/{self.name}", str)
+        self.node.subscribe("command", str, lambda _: self._note("callback"))
+        self.node.claim_frame("map", f"{self.model.name}/{self.name}")
+        self._note("on_initialize")
+
+    def before_physics_step(self, timekeeper):
+        self._note("before", timekeeper.nanoseconds)
+
+    def after_physics_step(self, timekeeper):
+        self._note("after", timekeeper.nanoseconds)
+
+    def on_shutdown(self):
+        self._note("on_shutdown")
+
+    def _note(self, hook: str, *more: Any) -> None:
+        calls.append((f"{self.model.name}/{self.name}", hook, *more))
+        if hook == self._fails_in:
+            raise RuntimeError("no luck")
+
+
+class Toucher(Recorder):
+    """Notes its contacts too."""
+
+    def begin_contact(self, contact):
+        self._note("begin_contact")
+
+    def pre_solve(self, contact, old_manifold):
+        self._note("pre_solve")
+
+    def end_contact(self, contact):
+        self._note("end_contact")
+
+    def post_solve(self, contact, impulse):
+        self._note("post_solve")
+
+
+class WorldRecorder(WorldPlugin):
+    def on_initialize(self, config):
+        self._fails = config.get_bool("fails", False)
+        calls.append((self.name, "on_initialize", sorted(self.world.models)))
+
+    def before_physics_step(self, timekeeper):
+        calls.append((self.name, "before", timekeeper.nanoseconds))
+        if self._fails:
+            raise RuntimeError("no luck")
+
+    def after_physics_step(self, timekeeper):
+        calls.append((self.name, "after", timekeeper.nanoseconds))
+
+    def on_shutdown(self):
+        calls.append((self.name, "on_shutdown"))
+
+
+class OnlyAfter(ModelPlugin):
+    def on_initialize(self, config):
+        pass
+
+    def after_physics_step(self, timekeeper):
+        calls.append((self.name, "after"))
+
+
+class Dice(ModelPlugin):
+    """Throws dice when it starts."""
+
+    def on_initialize(self, config):
+        calls.append((f"{self.model.name}/{self.name}", tuple(self.rng.integers(1000, size=4))))
+
+
+class Unfinished(ModelPlugin):
+    pass
+
+
+def world_of(files, models: str, plugins: str = "[]", **options: Any):
+    """A world of models, given as "name: plugin | plugin; name: ..."."""
+    entries = ""
+    for model in models.split(";"):
+        name, _, its_plugins = model.partition(":")
+        write_model(files, name.strip(), its_plugins)
+        entries += f"\n  - {{name: {name.strip()}, model: {name.strip()}.yaml}}"
+    text = f"properties: {{}}\nlayers: []\nplugins: {plugins}\nmodels:{entries}"
+    return files.load(text, **options)
+
+
+def write_model(files, name: str, plugins: str):
+    """A model file with these plugins, one a line from line 3 on."""
+    lines = "".join(
+        f"\n  - {{{plugin.strip()}}}" for plugin in plugins.split("|") if plugin.strip()
+    )
+    return files.write(f"{name}.yaml", f"{BODY}plugins:{lines or ' []'}\n")
+
+
+def step(world, count: int = 1) -> None:
+    timekeeper = Timekeeper(0.005)
+    for _ in range(count):
+        world.step(timekeeper)
+
+
+def hooks_of(plugin: str) -> List[str]:
+    """The hooks of a plugin that were called so far."""
+    return [hook for name, hook, *_ in calls if name == plugin]
+
+
+def local(world) -> LocalTransport:
+    assert isinstance(world.transport, LocalTransport)
+    return world.transport
+
+
+def errors(caplog: pytest.LogCaptureFixture) -> List[str]:
+    """The errors logged so far."""
+    return [r.getMessage() for r in caplog.records if r.levelno >= logging.ERROR]

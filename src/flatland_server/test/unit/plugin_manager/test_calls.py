@@ -1,0 +1,64 @@
+"""Which hooks of plugins are called, when and in what order; the chance that plugins are given."""
+
+from plugin_manager.recorders import calls, step, world_of
+
+from flatland_server.plugin import Plugin
+
+
+def test_hooks_are_called_in_the_order_of_the_files_the_worlds_last(files):
+    models = "b: type: Recorder, name: y | type: Recorder, name: x; a: type: Recorder, name: z"
+    world = world_of(files, models, "[{type: WorldRecorder, name: w}]")
+    assert calls == [
+        ("b/y", "on_initialize"),
+        ("b/x", "on_initialize"),
+        ("a/z", "on_initialize"),
+        ("w", "on_initialize", ["a", "b"]),
+    ]
+    calls.clear()
+
+    step(world, 2)
+
+    names = ["b/y", "b/x", "a/z", "w"]
+    assert calls == [
+        *((name, "before", 0) for name in names),
+        *((name, "after", 5_000_000) for name in names),
+        *((name, "before", 5_000_000) for name in names),
+        *((name, "after", 10_000_000) for name in names),
+    ]
+
+
+def test_a_hook_that_is_not_overridden_is_never_called(files, monkeypatch):
+    monkeypatch.setattr(Plugin, "before_physics_step", lambda *_: calls.append(("base class",)))
+    world = world_of(files, "robot: type: OnlyAfter, name: a")
+
+    step(world)
+
+    assert calls == [("a", "after")]
+
+
+def test_a_plugin_with_a_rate_is_called_only_when_it_is_due(files):
+    world = world_of(files, "robot: type: Recorder, name: slow, update_rate: 10")
+    calls.clear()
+
+    step(world, 200)
+
+    befores = [time for _, hook, time in calls if hook == "before"]
+    afters = [time for _, hook, time in calls if hook == "after"]
+    assert befores == [100_000_000 * i for i in range(10)]
+    assert afters == [time + 5_000_000 for time in befores]
+
+
+def test_chance_depends_on_seed_model_and_plugin_and_on_nothing_else(files):
+    two = "type: Dice, name: p | type: Dice, name: q"
+
+    def throws(models: str, seed: int) -> dict:
+        calls.clear()
+        world_of(files, models, seed=seed)
+        return dict(calls)
+
+    one_way = throws(f"a: {two}; b: {two}", 1)
+    other_way = throws(f"b: {two}; c: {two}; a: type: Recorder, name: r | {two}", 1)
+    other_seed = throws(f"a: {two}; b: {two}", 2)
+
+    assert {name: other_way[name] for name in one_way} == one_way
+    assert len({*one_way.values(), *other_seed.values()}) == 8

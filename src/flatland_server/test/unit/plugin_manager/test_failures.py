@@ -1,0 +1,165 @@
+"""A plugin that fails is switched off, with all that is its own, and the others go on."""
+
+import logging
+
+import pytest
+from plugin_manager.recorders import (
+    Recorder,
+    Toucher,
+    calls,
+    errors,
+    hooks_of,
+    local,
+    step,
+    world_of,
+    write_model,
+)
+
+from flatland_server.geometry import Pose
+from flatland_server.node import Node
+from flatland_server.plugin import Plugin
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+
+BOUNCE = {"begin_contact", "pre_solve", "post_solve", "end_contact"}
+FAILURES = {"before": "before_physics_step", "after": "after_physics_step"}
+FAILURES.update({hook: hook for hook in BOUNCE}, callback="its callback of command")
+"""Where a plugin may fail, and what the log calls it."""
+
+
+def run_a_collision(world) -> None:
+    """Lets the models "robot" and "other", each a disc, bounce off each other; a command comes."""
+    local(world).send("/command", "go")
+    local(world).process()
+    world.move_model("robot", Pose(0.0, 0.0, 0.0))
+    world.move_model("other", Pose(0.22, 0.0, 0.0))
+    for name, speed in (("robot", 2.0), ("other", -2.0)):
+        world.get_model(name).base.physics_body.velocity = (speed, 0.0, 0.0)
+    step(world, 10)
+
+
+@pytest.mark.parametrize("hook", sorted(FAILURES))
+def test_a_plugin_that_fails_is_switched_off_and_the_others_go_on(files, caplog, hook):
+    plugins = f"type: Toucher, name: bad, fails_in: {hook} | type: Toucher, name: good"
+    world = world_of(files, f"robot: {plugins}; other: type: Toucher, name: good")
+
+    run_a_collision(world)
+    run_a_collision(world)
+
+    assert hooks_of("robot/bad")[-2:] == [hook, "on_shutdown"]
+    assert hooks_of("robot/bad").count(hook) == 1
+    for good in ("robot/good", "other/good"):
+        assert set(hooks_of(good)) == {"on_initialize", *FAILURES}
+        assert hooks_of(good).count("after") == 20
+        assert hooks_of(good).count("begin_contact") == hooks_of(good).count("end_contact") == 2
+    [record] = [record for record in caplog.records if record.levelno >= logging.ERROR]
+    where = FAILURES[hook]
+    assert record.getMessage() == f'the plugin "robot/bad" failed in {where} and is switched off'
+    assert record.exc_info[0] is RuntimeError
+    assert "_note" in caplog.text  # the traceback leads to the line
+    [failure] = world.plugin_failures
+    reason = f"{where}: RuntimeError: no luck"
+    assert failure == ("robot", "bad", "Toucher", reason)
+
+
+@pytest.mark.parametrize("hook", sorted(FAILURES))
+def test_the_topics_and_frames_of_a_plugin_that_fails_go_with_it(files, caplog, hook):
+    world = world_of(
+        files, f"robot: type: Toucher, name: bad, fails_in: {hook}; other: type: Recorder, name: p"
+    )
+    assert local(world).topics == {"/robot/bad", "/other/p"}
+
+    run_a_collision(world)
+    run_a_collision(world)
+
+    assert local(world).topics == {"/other/p"}
+    assert len(local(world)._callbacks["/command"]) == 1
+    caplog.clear()
+    Node(world.transport, "", "heir", world._plugins._node._frames).claim_frame("odom", "robot/bad")
+    assert caplog.records == []
+
+
+def test_a_hook_is_named_as_such_whatever_its_function_is_called(files, monkeypatch):
+    class Fuse:
+        def __call__(self, *_):
+            raise RuntimeError("no luck")
+
+    monkeypatch.setattr(Recorder, "before_physics_step", Fuse())
+    monkeypatch.setattr(Toucher, "begin_contact", Fuse())
+    monkeypatch.setattr(Toucher, "before_physics_step", Plugin.before_physics_step)
+    world = world_of(files, "robot: type: Recorder, name: p; other: type: Toucher, name: q")
+
+    run_a_collision(world)
+
+    failures = {failure.label: failure.reason for failure in world.plugin_failures}
+    assert failures == {
+        "robot/p": "before_physics_step: RuntimeError: no luck",
+        "other/q": "begin_contact: RuntimeError: no luck",
+    }
+
+
+def test_plugins_that_fail_in_one_step_are_named_each(files, caplog):
+    bad = "type: Recorder, name: {}, fails_in: {}"
+    plugins = " | ".join(bad.format(*each) for each in (("a", "before"), ("b", "after")))
+    world = world_of(
+        files,
+        f"robot: {plugins}; other: {plugins}",
+        "[{type: WorldRecorder, name: w, fails: true}]",
+    )
+
+    step(world)
+
+    labels = ["robot/a", "other/a", "w", "robot/b", "other/b"]
+    assert [failure.label for failure in world.plugin_failures] == labels
+    assert len(errors(caplog)) == 5
+    assert world.plugin_failures[2].owner == ""
+
+
+def test_a_failure_is_forgotten_when_its_model_is_deleted(files):
+    bad = "type: Recorder, name: bad, fails_in: before"
+    world = world_of(files, f"robot: {bad}; other: {bad}")
+    step(world)
+    assert len(world.plugin_failures) == 2
+
+    world.delete_model("robot")
+
+    assert [failure.owner for failure in world.plugin_failures] == ["other"]
+    assert hooks_of("robot/bad").count("on_shutdown") == 1
+    write_model(files, "robot", "type: Recorder, name: bad")
+    world.spawn_model(files.folder / "robot.yaml", "robot", "", Pose())
+    calls.clear()
+    step(world, 2)
+    assert hooks_of("robot/bad") == ["before", "after"] * 2
+
+
+def test_a_plugin_that_fails_twice_over_is_ended_once(files, caplog):
+    class Doubly(Recorder):
+        def on_shutdown(self):
+            super().on_shutdown()
+            raise RuntimeError("no luck either")
+
+    loader = PluginLoader([PluginDeclaration("Doubly", "test", "doubly.Doubly")])
+    loader.load = lambda *_: Doubly  # type: ignore[method-assign]
+    world = world_of(files, "robot: type: Doubly, name: bad, fails_in: before", loader=loader)
+
+    step(world, 2)
+    world.delete_model("robot")
+
+    assert hooks_of("robot/bad") == ["on_initialize", "before", "on_shutdown"]
+    assert errors(caplog) == [
+        'the plugin "robot/bad" failed in before_physics_step and is switched off',
+        'the plugin "robot/bad" failed in on_shutdown',
+    ]
+
+
+def test_a_plugin_that_was_switched_off_stays_off_when_models_come_and_go(files):
+    world = world_of(files, "robot: type: Recorder, name: bad, fails_in: before")
+    other = write_model(files, "other", "type: Recorder, name: good")
+    step(world)
+    calls.clear()
+
+    world.spawn_model(other, "other", "", Pose())
+    step(world)
+    world.delete_model("other")
+    step(world)
+
+    assert [call for call in calls if call[0] == "robot/bad"] == []

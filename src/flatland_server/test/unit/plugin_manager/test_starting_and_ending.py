@@ -1,0 +1,137 @@
+"""How plugins end with their model or their world, and what is left of those that do not start."""
+
+from typing import Any, List
+
+import pytest
+from plugin_manager.recorders import (
+    WorldRecorder,
+    calls,
+    errors,
+    local,
+    step,
+    world_of,
+    write_model,
+)
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+
+
+def test_deleting_a_model_ends_its_plugins_the_last_one_first(files):
+    plugins = "type: Recorder, name: a | type: Recorder, name: b"
+    world = world_of(files, f"robot: {plugins}; other: {plugins}")
+    calls.clear()
+
+    world.delete_model("robot")
+    step(world)
+
+    assert calls[:2] == [("robot/b", "on_shutdown"), ("robot/a", "on_shutdown")]
+    assert {call[0] for call in calls[2:]} == {"other/a", "other/b"}
+
+
+def test_a_plugin_that_fails_at_its_end_does_not_keep_the_others(files, caplog):
+    plugins = "type: Recorder, name: a | type: Recorder, name: b, fails_in: on_shutdown"
+    world = world_of(files, f"robot: {plugins}")
+    calls.clear()
+
+    world.delete_model("robot")
+
+    assert calls == [("robot/b", "on_shutdown"), ("robot/a", "on_shutdown")]
+    assert errors(caplog) == ['the plugin "robot/b" failed in on_shutdown']
+
+
+def test_the_end_of_the_world_ends_all_plugins_once(files):
+    world = world_of(files, "a: type: Recorder, name: p; b: type: Recorder, name: p")
+    calls.clear()
+
+    world.close()
+    world.close()
+
+    assert sorted(calls) == [("a/p", "on_shutdown"), ("b/p", "on_shutdown")]
+
+
+def test_plugins_that_had_started_are_ended_when_one_does_not_start(files):
+    world = world_of(files, "robot:")
+    plugins = "type: Recorder, name: a | type: Recorder, name: b, fails_in: on_initialize"
+    path = write_model(files, "other", plugins)
+
+    with pytest.raises(FlatlandError):
+        world.spawn_model(path, "other", "", Pose())
+
+    assert calls == [
+        ("other/a", "on_initialize"),
+        ("other/b", "on_initialize"),
+        ("other/a", "on_shutdown"),
+    ]
+
+
+def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
+    world = world_of(files, "other: type: Recorder, name: p")
+    entities, joints = list(world.entities), world.physics.joint_count
+    events: List[Any] = []
+    plugins = "type: Toucher, name: a | type: Toucher, name: b | type: Toucher, name: c"
+    bad = write_model(files, "bad", f"{plugins}, fails_in: on_initialize")
+
+    with pytest.raises(FlatlandError, match="no luck"):
+        world.spawn_model(bad, "robot", "", Pose())
+    world.physics.set_contact_listener(lambda *event: events.append(event))
+    calls.clear()
+    step(world, 2)
+
+    assert {name for name, *_ in calls} == {"other/p"}
+    assert list(world.models) == ["other"]
+    assert (world.physics.body_count, world.physics.joint_count) == (1, joints)
+    assert list(world.entities) == entities
+    assert local(world).topics == {"/other/p"}
+    assert len(local(world)._callbacks["/command"]) == 1
+    assert world._plugins._node._frames._owners == {"other/p": "other/p"}
+    assert all(listeners == {} for listeners in world._plugins._contacts._listeners.values())
+    assert world._plugins.plugins_of("robot") == []
+    # Where it would have been, a disc touches another without anybody being told of it.
+    plain = write_model(files, "plain", "")
+    for name in ("robot", "second"):
+        world.spawn_model(plain, name, "", Pose())
+    step(world, 2)
+    assert events == []
+
+
+@pytest.mark.parametrize(
+    ("plugin", "message"),
+    [
+        pytest.param(
+            "type: Recordr, name: a",
+            'plugins[0].type: unknown plugin type "Recordr" (did you mean "Recorder"?); there are: '
+            "Dice, OnlyAfter, Recorder, Toucher, Unfinished, WorldRecorder",
+            id="unknown type",
+        ),
+        pytest.param(
+            "type: WorldRecorder, name: a",
+            'plugins[0].type: "WorldRecorder" is not a ModelPlugin: '
+            f"{WorldRecorder.__module__}.WorldRecorder",
+            id="a plugin of the world",
+        ),
+        pytest.param(
+            "type: Recorder, name: a, fails_in: on_initialize",
+            'plugins[0] "a": does not start: RuntimeError: no luck',
+            id="an exception",
+        ),
+        pytest.param(
+            "type: Recorder, name: a, update_rat: 1",
+            'plugins[0] "a": unknown key "update_rat" (did you mean "update_rate"?)',
+            id="a key that the plugin did not ask for",
+        ),
+        pytest.param(
+            "type: Unfinished, name: a",
+            'plugins[0] "a": does not start: TypeError: Unfinished does not override on_initialize',
+            id="no on_initialize",
+        ),
+    ],
+)
+def test_a_plugin_that_does_not_start_is_named_with_its_line(files, plugin, message):
+    write_model(files, "robot", plugin)
+
+    refusal = files.refusal(
+        "properties: {}\nlayers: []\nmodels: [{name: robot, model: robot.yaml}]"
+    )
+
+    assert refusal == f"robot.yaml:3: {message}"

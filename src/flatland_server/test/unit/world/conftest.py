@@ -1,0 +1,33 @@
+"""The plugins, the transport and the model files of the tests of the world."""
+
+import pytest
+from world.parts import BODIES, Failing, Herald, Talker
+
+from flatland_server.local_transport import LocalTransport
+from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+
+
+@pytest.fixture(scope="module")
+def loader() -> PluginLoader:
+    """The plugins of these tests."""
+    return PluginLoader(
+        PluginDeclaration(cls.__name__, "test", f"{cls.__module__}.{cls.__name__}")
+        for cls in (Talker, Failing, Herald)
+    )
+
+
+@pytest.fixture
+def transport() -> LocalTransport:
+    return LocalTransport()
+
+
+@pytest.fixture
+def models(files):
+    """A folder with the models good.yaml and bad.yaml, whose third plugin does not start."""
+    files.write("plain.yaml", BODIES)
+    good = f"{BODIES}plugins:\n  - {{type: Talker, name: a}}\n"
+    files.write("good.yaml", good)
+    files.write(
+        "bad.yaml", f"{good}  - {{type: Talker, name: b}}\n  - {{type: Failing, name: c}}\n"
+    )
+    return files

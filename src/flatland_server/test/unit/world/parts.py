@@ -1,0 +1,74 @@
+"""What the tests of the world share: what worlds are made of, and what is left of it."""
+
+from typing import Any
+
+from flatland_server.geometry import Pose, Transform
+from flatland_server.local_transport import LocalTransport
+from flatland_server.model_plugin import ModelPlugin
+from flatland_server.world import World
+from flatland_server.world_plugin import WorldPlugin
+
+BODIES = """
+bodies:
+  - name: base
+    footprints: [{type: circle, radius: 0.1, density: 1}]
+  - name: head
+    footprints: [{type: circle, radius: 0.1, density: 1}]
+joints:
+  - {type: weld, name: neck, bodies: [{name: base, anchor: [0, 0]}, {name: head, anchor: [0, 0]}]}
+"""
+EMPTY = "properties: {}\nlayers: []\n"
+
+
+class Talker(ModelPlugin):
+    """Publishes to "chatter", listens to "command" and publishes the frame "base"."""
+
+    def on_initialize(self, config):
+        self._publisher = self.node.advertise("chatter", str)
+        self.node.subscribe("command", str, lambda _: None)
+        self.node.claim_frame("odom", self.name_space_tf("base"))
+
+    def after_physics_step(self, timekeeper):
+        self._publisher.publish(f"{self.model.name} at {timekeeper.nanoseconds}")
+        frame = self.name_space_tf("base")
+        self.node.send_transform(
+            Transform(timekeeper.nanoseconds, "odom", frame, self.model.base.pose)
+        )
+
+
+class Failing(ModelPlugin):
+    """Opens a topic and then does not start."""
+
+    def on_initialize(self, config):
+        self.node.advertise("half_open", str)
+        self.node.subscribe("half_heard", str, lambda _: None)
+        self.node.claim_frame("odom", "half_placed")
+        raise config.error("no luck")
+
+
+class Herald(WorldPlugin):
+    """Publishes how many models there are."""
+
+    def on_initialize(self, config):
+        self._publisher = self.node.advertise("population", int)
+
+    def after_physics_step(self, timekeeper):
+        self._publisher.publish(len(self.world.models))
+
+
+def spawn(files, world: World, model: str, name: str, **options: Any):
+    """Spawns a model without a namespace at the origin, if not told otherwise."""
+    namespace, pose = options.get("namespace", ""), options.get("pose", Pose())
+    return world.spawn_model(files.folder / model, name, namespace, pose)
+
+
+def state(world: World) -> tuple:
+    """All that a failed spawn must leave as it was."""
+    assert isinstance(world.transport, LocalTransport)
+    return (
+        list(world.models),
+        world.physics.body_count,
+        world.physics.joint_count,
+        world.transport.topics,
+        world.transport.subscribed,
+    )

@@ -1,0 +1,226 @@
+"""Models come, are moved and go with all that is theirs; one that fails leaves no trace."""
+
+import logging
+import math
+from typing import List
+
+import pytest
+from world.parts import EMPTY, spawn, state
+
+from flatland_server import _core
+from flatland_server.exceptions import FlatlandError, ModelError
+from flatland_server.geometry import Pose
+from flatland_server.model import ModelConfig
+from flatland_server.world_config import ModelEntry
+
+
+def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
+    """What was warned of so far."""
+    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
+
+
+def test_a_model_whose_third_plugin_fails_leaves_no_trace(models, simulate, caplog):
+    world = models.load(EMPTY)
+    before = state(world)
+
+    with pytest.raises(FlatlandError) as caught:
+        spawn(models, world, "bad.yaml", "robot")
+
+    message = f'{models.folder}/bad.yaml:11: plugins[2] "c": no luck'
+    assert str(caught.value) == message
+    assert state(world) == before
+    # Nor a claim to its frames: another robot may have them without a warning.
+    caplog.clear()
+    spawn(models, world, "good.yaml", "heir")
+    simulate(world).run()
+    assert warnings(caplog) == []
+    spawn(models, world, "plain.yaml", "robot")
+
+
+@pytest.mark.parametrize(
+    ("model", "options", "message"),
+    [
+        pytest.param(
+            "good.yaml", {"name": "here"}, 'a model named "here" is already there', id="taken"
+        ),
+        pytest.param("good.yaml", {"name": ""}, "expected a name, found an empty one", id="empty"),
+        pytest.param(
+            "good.yaml",
+            {"name": "my robot"},
+            'expected a name of letters, digits and "_" (it names a ROS topic), found "my robot"',
+            id="a space",
+        ),
+        pytest.param(
+            "good.yaml",
+            {"namespace": "my robots"},
+            'expected a namespace of letters, digits and "_", beginning with a letter, '
+            'found "my robots"',
+            id="a namespace with a space",
+        ),
+        pytest.param(
+            "good.yaml",
+            {"pose": Pose(math.nan, 0.0, 0.0)},
+            "expected a finite pose, found x=nan y=0.0 theta=0.0",
+            id="NaN",
+        ),
+        pytest.param(
+            "good.yaml",
+            {"pose": Pose(0.0, 0.0, math.inf)},
+            "expected a finite pose, found x=0.0 y=0.0 theta=inf",
+            id="an infinite heading",
+        ),
+        pytest.param("none.yaml", {}, "there is no file {folder}/none.yaml", id="no file"),
+        pytest.param(
+            "good.yaml",
+            {"pose": Pose(1e6, 0.0, 0.0)},
+            'the model "robot" does not fit into the world: '
+            "a position must be finite and within 100 km of the origin",
+            id="too far",
+        ),
+    ],
+)
+def test_a_model_that_cannot_be_spawned_leaves_the_world_as_it_was(models, model, options, message):
+    world = models.load(EMPTY)
+    spawn(models, world, "good.yaml", "here")
+    before = state(world)
+
+    with pytest.raises(ModelError) as caught:
+        spawn(models, world, model, **{"name": "robot", **options})
+
+    assert str(caught.value) == message.format(folder=models.folder)
+    assert state(world) == before
+
+
+@pytest.mark.parametrize("name", ["robot\n", "robot/", "/robot", "ro//bot", "röbot", "a.b", "~a"])
+def test_a_name_that_cannot_be_part_of_a_topic_is_refused(models, name):
+    world = models.load(EMPTY)
+
+    with pytest.raises(ModelError, match="expected a name of letters"):
+        spawn(models, world, "good.yaml", name)
+
+
+@pytest.mark.parametrize("namespace", ["1robot", "_robot", "a//b", "a b", "~a", "a-b"])
+def test_a_namespace_that_ros_would_refuse_is_refused(models, namespace):
+    world = models.load(EMPTY)
+
+    with pytest.raises(ModelError, match="expected a namespace of letters"):
+        spawn(models, world, "good.yaml", "robot", namespace=namespace)
+
+
+def test_a_spawned_model_stands_where_it_was_put(models):
+    world = models.load(EMPTY)
+
+    robot = spawn(models, world, "good.yaml", "robot", pose=Pose(1.0, -2.0, 0.5))
+
+    assert tuple(robot.pose) == pytest.approx((1.0, -2.0, 0.5))
+    assert world.get_model("robot") is robot
+
+
+def test_a_deleted_model_takes_its_bodies_topics_and_frames_along(models, simulate, caplog):
+    world = models.load(EMPTY)
+    spawn(models, world, "good.yaml", "stays", namespace="other")
+    before = state(world)
+    robot = spawn(models, world, "good.yaml", "robot")
+    body = robot.base.physics_body
+    simulate(world).run()
+
+    world.delete_model("robot")
+
+    assert state(world) == before
+    with pytest.raises(_core.GoneError):
+        _ = body.pose
+    spawn(models, world, "good.yaml", "heir")  # has its frames
+    simulate(world).run()
+    assert warnings(caplog) == []
+
+
+def test_a_deleted_models_name_is_free(models):
+    world = models.load(EMPTY)
+    for _ in range(3):
+        spawn(models, world, "good.yaml", "robot")
+        world.delete_model("robot")
+
+    assert state(world) == ([], 0, 0, set(), set())
+
+
+@pytest.mark.parametrize("action", ["delete", "move", "get"])
+def test_a_model_that_is_not_there_is_answered_by_the_nearest(models, action):
+    world = models.load(EMPTY)
+    spawn(models, world, "good.yaml", "turtlebot")
+    actions = {
+        "delete": world.delete_model,
+        "move": lambda name: world.move_model(name, Pose()),
+        "get": world.get_model,
+    }
+
+    with pytest.raises(ModelError) as caught:
+        actions[action]("turtelbot")
+
+    assert str(caught.value) == 'there is no model "turtelbot" (did you mean "turtlebot"?)'
+
+
+@pytest.mark.parametrize("pose", [Pose(math.nan, 0.0, 0.0), Pose(0.0, math.inf, 0.0)])
+def test_a_model_is_not_moved_to_a_pose_that_is_none(models, pose):
+    world = models.load(EMPTY)
+    robot = spawn(models, world, "good.yaml", "robot", pose=Pose(1.0, 2.0, 3.0))
+
+    with pytest.raises(ModelError, match="expected a finite pose, found "):
+        world.move_model("robot", pose)
+
+    assert tuple(robot.pose) == pytest.approx((1.0, 2.0, 3.0))
+
+
+def test_models_of_one_file_are_kept_apart_by_their_namespaces(models, simulate, transport, caplog):
+    entries = "".join(
+        f"  - {{name: {name}, model: good.yaml, namespace: {namespace}, pose: [{x}, 0, 0]}}\n"
+        for name, namespace, x in (("a", "robot1", 1), ("b", "robot2", 2), ("c", "''", 3))
+    )
+    world = models.load(f"{EMPTY}models:\n{entries}", transport=transport)
+
+    simulate(world).run()
+
+    assert transport.topics == {"/robot1/chatter", "/robot2/chatter", "/chatter"}
+    assert transport.subscribed == {"/robot1/command", "/robot2/command", "/command"}
+    assert transport.last("/robot2/chatter") == "b at 5000000"
+    frames = {child: (t.parent, t.pose.x) for child, t in transport.transforms.items()}
+    assert frames == {
+        "robot1_base": ("odom", 1.0),
+        "robot2_base": ("odom", 2.0),
+        "base": ("odom", 3.0),
+    }
+    assert warnings(caplog) == []
+
+
+def test_one_configuration_makes_many_models(models, simulate, transport):
+    world = models.load(EMPTY, transport=transport)
+    config = ModelConfig.from_file(models.folder / "good.yaml", world.registry)
+
+    added = [
+        world.add_model(ModelEntry(name, name, Pose(x, 0.0, 0.0), config))
+        for name, x in (("one", 1.0), ("two", 2.0))
+    ]
+    simulate(world).run()
+
+    assert list(world.models.values()) == added
+    assert [model.pose.x for model in added] == pytest.approx([1.0, 2.0])
+    assert transport.topics == {"/one/chatter", "/two/chatter"}
+
+
+def test_a_model_that_cannot_be_added_leaves_the_world_as_it_was(models):
+    world = models.load(EMPTY)
+    good, bad = (
+        ModelConfig.from_file(models.folder / name, world.registry)
+        for name in ("good.yaml", "bad.yaml")
+    )
+    world.add_model(ModelEntry("here", "", Pose(), good))
+    before = state(world)
+
+    for entry, message in (
+        (ModelEntry("here", "", Pose(), good), 'a model named "here" is already there'),
+        (ModelEntry("robot", "", Pose(), bad), "no luck"),
+        (ModelEntry("robot", "", Pose(1e6, 0.0, 0.0), good), "does not fit into the world"),
+    ):
+        with pytest.raises(FlatlandError, match=message):
+            world.add_model(entry)
+
+    assert state(world) == before
