@@ -99,6 +99,21 @@ class World : private b2DestructionListener, private b2ContactListener {
   using Tween = Handle<Moved<BodyTween>>;
   using LidarHandle = Handle<Moved<Lidar>>;
 
+  /// Marks the world as in use for as long as it lives: other threads are refused meanwhile.
+  /// Throws std::logic_error if it is in use already. What adds or removes, steps or scans marks it
+  /// by itself. For those who share a lock that they let go during a step or a scan, as Python
+  /// does: marked while they hold the lock, the world is marked whenever another thread gets it.
+  class Turn {
+   public:
+    explicit Turn(const World& world) : world_(world) { world_.Begin(); }
+    ~Turn() { world_.busy_ = false; }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    const World& world_;
+  };
+
   /// Solver iterations per step, 1 or more each.
   World(int velocity_iterations, int position_iterations);
   World(const World&) = delete;
@@ -190,20 +205,26 @@ class World : private b2DestructionListener, private b2ContactListener {
   void ListenTo(Body body, uint8_t hooks);
 
   /// Moves everything on by `dt` seconds.
-  void Step(double dt);
+  void Step(double dt) { Step(dt, Turn(*this)); }
+  void Step(double dt, const Turn& turn);
 
   /// Casts the fan from `pose`. Writes fan.size() values to each array: the distance of the first
   /// thing seen [m] or +infinity (REP 117), and its intensity. A shape around the lidar itself is
   /// not seen.
   void Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
-            float* intensities) const;
+            float* intensities) const {
+    Scan(fan, pose, settings, ranges, intensities, Turn(*this));
+  }
+  void Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
+            float* intensities, const Turn& turn) const;
 
   /// The lidar is there as long as its body.
   LidarHandle AddLidar(Body body, const LidarSettings& settings);
   /// Says that Scan will be asked for soon: then all that are expected scan together, on all cores.
   void ExpectScan(LidarHandle lidar);
   /// What a lidar sees now. The values are valid until the world changes.
-  const Lidar& Scan(LidarHandle lidar);
+  const Lidar& Scan(LidarHandle lidar) { return Scan(lidar, Turn(*this)); }
+  const Lidar& Scan(LidarHandle lidar, const Turn& turn);
 
   int body_count() const { return world_.GetBodyCount(); }
   int joint_count() const { return world_.GetJointCount(); }
@@ -238,6 +259,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   void RequireAccess() const;
   /// Throws std::logic_error if the world is in use at all.
   void RequireIdle() const;
+  /// The same, and marks it as in use.
+  void Begin() const;
   b2Body& Find(Body body) const;
   b2Fixture& Find(Fixture fixture) const;
   Joint AddJoint(const b2JointDef& definition);

@@ -39,24 +39,24 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
   float* ranges_out = ranges.mutable_data();
   float* intensities_out = intensities.mutable_data();
   {
+    const World::Turn turn(*self.world);
     const py::gil_scoped_release release;
     self.world->Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
-                     intensities_out);
+                     intensities_out, turn);
   }
   return py::make_tuple(ranges, intensities);
 }
 
 py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
   if (lidar.world != self.world) throw std::invalid_argument("the lidar is of another world");
-  {
+  const World::Turn turn(*self.world);  // until it is copied: another thread may change the world
+  const Lidar& seen = [&]() -> const Lidar& {
     const py::gil_scoped_release release;
-    self.world->Scan(lidar.handle);
-  }
-  // Asked again with the GIL: another thread may have changed the world since.
-  const Lidar& seen = self.world->Scan(lidar.handle);
+    return self.world->Scan(lidar.handle, turn);
+  }();
   const auto copy = [](const std::vector<float>& values) {
     py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
-    std::copy(values.begin(), values.end(), array.mutable_data());  // NumPy would let the GIL go
+    std::copy(values.begin(), values.end(), array.mutable_data());
     return array;
   };
   return py::make_tuple(copy(seen.ranges), copy(seen.intensities));
@@ -64,8 +64,9 @@ py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
 
 void Step(PyWorld& self, double dt) {
   {
+    const World::Turn turn(*self.world);
     const py::gil_scoped_release release;
-    self.world->Step(dt);
+    self.world->Step(dt, turn);
   }
   RethrowFromListener(*self.world);
 }

@@ -5,13 +5,16 @@
 #include <string>
 
 #include "box2d_limits.hpp"
-#include "busy_guard.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
 
 constexpr char kLayerStays[] = "a layer stays where it is";
+constexpr char kBusy[] = "the world is in use by another thread";
+constexpr char kLocked[] =
+    "nothing is added, removed, put elsewhere or scanned while contacts are told of; wait for the "
+    "end of the step";
 
 /// Box2D counts a body's turns in single precision: after an hour of spinning, a step's turn would
 /// be lost in rounding. This takes whole turns off a body, and off all whose angle a joint compares
@@ -54,6 +57,10 @@ void World::RequireIdle() const {
   if (busy_) throw std::logic_error(IsListening() ? kLocked : kBusy);
 }
 
+void World::Begin() const {
+  if (busy_.exchange(true)) throw std::logic_error(IsListening() ? kLocked : kBusy);
+}
+
 b2Body& World::Find(Body body) const {
   RequireAccess();
   return *bodies_.Get(body).body;
@@ -66,7 +73,7 @@ World::Body World::AddLayer(const std::vector<Segment>& segments, LayerBits laye
     Require(segment.a.x != segment.b.x || segment.a.y != segment.b.y,
             "a wall's ends must not be one point");
   }
-  const BusyGuard guard(busy_, IsListening());
+  const Turn turn(*this);
   const b2BodyDef definition;
   BodyRecord record;
   record.body = world_.CreateBody(&definition);
@@ -95,7 +102,7 @@ World::Body World::AddBody(const BodySettings& settings) {
   Require(IsUsable(settings.pose.yaw), "a heading must be finite");
   RequireNotNegative(settings.linear_damping, "linear_damping must be finite and not negative");
   RequireNotNegative(settings.angular_damping, "angular_damping must be finite and not negative");
-  const BusyGuard guard(busy_, IsListening());
+  const Turn turn(*this);
   b2BodyDef definition;
   definition.type = settings.type;
   definition.position = ToBox2D({settings.pose.x, settings.pose.y});
@@ -111,10 +118,9 @@ World::Body World::AddBody(const BodySettings& settings) {
 }
 
 void World::RemoveBody(Body body) {
-  RequireIdle();
+  const Turn turn(*this);
   BodyRecord& record = bodies_.Get(body);
   Require(!record.is_layer, "a layer is there for good");
-  const BusyGuard guard(busy_, false);
   const auto remove_from = [body](auto& map) {
     ForEachOf(map, body, [&](auto handle, auto&) { map.Remove(handle); });
   };
@@ -145,7 +151,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   RequireNotNegative(settings.restitution, "restitution must be finite and not negative");
   Require(HasInertia(body, shape, static_cast<float>(settings.density)),
           "a footprint is too small for its distance from the body's origin");
-  const BusyGuard guard(busy_, IsListening());
+  const Turn turn(*this);
   auto& fixtures = bodies_.Get(handle).fixtures;
   b2FixtureDef definition;
   definition.userData.pointer = fixtures.size();
@@ -185,7 +191,7 @@ Fixture World::AddPolygon(Body body, const std::vector<Vec2>& vertices,
 
 World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
-  const BusyGuard guard(busy_, IsListening());
+  const Turn turn(*this);
   return joints_.Add(world_.CreateJoint(&definition));
 }
 
@@ -264,9 +270,8 @@ void World::Place(b2Body& body, const Pose& pose) {
   body.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(body.GetAngle() + turn));
 }
 
-void World::Step(double dt) {
+void World::Step(double dt, const Turn&) {
   Require(IsUsable(dt) && dt >= kLeastStep, "a step must be finite and longer than zero");
-  const BusyGuard guard(busy_, IsListening());
   ++state_;
   const auto for_each = [this](auto& map, auto visit) {
     map.ForEach([&](auto, auto& moved) { visit(moved.mechanism, *bodies_.Get(moved.body).body); });

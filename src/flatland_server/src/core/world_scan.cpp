@@ -1,7 +1,6 @@
 // What lidars see of a world.
 
 #include "box2d_limits.hpp"
-#include "busy_guard.hpp"
 #include "flatland_server/parallel.hpp"
 #include "flatland_server/world.hpp"
 #include "to_box2d.hpp"
@@ -16,17 +15,16 @@ void RequireRange(double range) {
 }  // namespace
 
 void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
-                 float* intensities) const {
+                 float* intensities, const Turn&) const {
   Require(IsUsable(pose), "a lidar's pose must be finite");
   RequireRange(settings.range);
-  const BusyGuard guard(busy_, IsListening());
   RefreshMovers();
   ScanInto(fan, pose, settings, ranges, intensities);
 }
 
 World::LidarHandle World::AddLidar(Body body, const LidarSettings& settings) {
   Find(body);
-  const BusyGuard guard(busy_, IsListening());
+  const Turn turn(*this);
   Require(settings.fan != nullptr, "a lidar needs beams");
   Require(IsUsable(settings.pose), "a lidar's pose must be finite");
   RequireRange(settings.scan.range);
@@ -38,15 +36,14 @@ World::LidarHandle World::AddLidar(Body body, const LidarSettings& settings) {
 }
 
 void World::ExpectScan(LidarHandle lidar) {
-  const BusyGuard guard(busy_, IsListening());
+  const Turn turn(*this);
   Lidar& expected = lidars_.Get(lidar).mechanism;
   if (expected.is_expected) return;
   expected_.push_back(lidar);
   expected.is_expected = true;
 }
 
-const Lidar& World::Scan(LidarHandle handle) {
-  const BusyGuard guard(busy_, IsListening());
+const Lidar& World::Scan(LidarHandle handle, const Turn&) {
   Lidar& asked = lidars_.Get(handle).mechanism;
   if (asked.seen_at == state_) return asked;
   RefreshMovers();
