@@ -1,0 +1,219 @@
+/// What a listener may do to the world while it is told of a contact, and what is refused it.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "flatland_server/contact.hpp"
+#include "flatland_server/world.hpp"
+#include "test_contact.hpp"
+
+namespace flatland {
+namespace {
+
+void ExpectTwist(const Twist& twist, const Twist& expected) {
+  EXPECT_NEAR(twist.vx, expected.vx, 1e-3);
+  EXPECT_NEAR(twist.vy, expected.vy, 1e-3);
+  EXPECT_NEAR(twist.omega, expected.omega, 1e-3);
+}
+
+class Listening : public ContactTest {
+ protected:
+  // Something for each moment: two boxes that meet and part again.
+  Listening() {
+    moving_ = AddBox({0, 0, 0}, Rubber());
+    waiting_ = AddBox({1.5, 0, 0}, Rubber());
+    world_.ListenTo(waiting_, kAllHooks);
+    world_.SetVelocity(moving_, {2, 0, 0});
+    hinge_ = world_.AddRevolute(AddBody({8, 8, 0}), AddBody({8, 8, 0}), {});
+    drive_ = world_.AddDrive(AddBody({9, 9, 0}), {}, {});
+  }
+
+  // Expects that each moment has come, and that nothing has disturbed the boxes.
+  void ExpectAllAsEver() {
+    EXPECT_EQ(heard_.Count(kBeginContact), 1);
+    EXPECT_GE(heard_.Count(kPreSolve), 1);
+    EXPECT_GE(heard_.Count(kPostSolve), 1);
+    EXPECT_EQ(heard_.Count(kEndContact), 1);
+    EXPECT_NEAR(world_.GetVelocity(waiting_).vx, 2.0, 1e-3);
+    EXPECT_NEAR(world_.GetVelocity(moving_).vx, 0.0, 1e-3);
+    EXPECT_EQ(world_.body_count(), 5);
+    EXPECT_EQ(world_.joint_count(), 1);
+  }
+
+  World::Body moving_, waiting_;
+  World::Joint hinge_;
+  World::Drive drive_;
+};
+
+TEST_F(Listening, MayLookAtTheWorld) {
+  heard_.action = [&](Contact& contact) {
+    const double apart = world_.GetPose(waiting_).x - world_.GetPose(moving_).x;
+    EXPECT_NEAR(apart, 1.0, 2 * kSkin);
+    EXPECT_GE(world_.GetVelocity(moving_).vx + world_.GetLocalVelocity(waiting_).vx, 1.9);
+    EXPECT_NEAR(world_.GetVelocityAt(moving_, {0, 0}).y, 0.0, 1e-3);
+    EXPECT_NEAR(world_.GetCenter(waiting_).y, 0.0, 1e-3);
+    EXPECT_NEAR(world_.ToLocalPoint(moving_, world_.ToWorldPoint(moving_, {1, 2})).y, 2.0, 1e-6);
+    EXPECT_NEAR(world_.GetMass(moving_), 1.0, 1e-6);
+    EXPECT_NEAR(world_.GetInertia(moving_), 1.0 / 6.0, 1e-6);
+    EXPECT_TRUE(world_.IsAwake(moving_));
+    EXPECT_EQ(world_.GetType(moving_), b2_dynamicBody);
+    EXPECT_EQ(world_.GetFixtureCount(contact.a.body), 1);
+    EXPECT_EQ(world_.GetSettings(contact.b).restitution, 1.0);
+    EXPECT_TRUE(world_.TestPoint({moving_, 0}, world_.GetCenter(moving_)));
+    EXPECT_EQ(world_.JointAngle(hinge_), 0.0);
+    EXPECT_EQ(world_.Get(drive_).velocity().vx, 0.0);
+  };
+
+  StepTimes(400);
+
+  ExpectAllAsEver();
+}
+
+TEST_F(Listening, MayPushAndSetVelocities) {
+  heard_.action = [&](Contact& contact) {
+    if (contact.moment != kBeginContact) return;
+    world_.ApplyForce(waiting_, {0, 20});
+    world_.ApplyLinearImpulse(moving_, {0, -0.3});
+    world_.Get(drive_).Command({1, 0, 0});
+  };
+
+  StepTimes(400);
+
+  // 20 N on 1 kg for a step.
+  EXPECT_NEAR(world_.GetVelocity(waiting_).vy, 20 * kStep, 1e-3);
+  EXPECT_NEAR(world_.GetVelocity(moving_).vy, -0.3, 1e-3);
+  EXPECT_GT(world_.Get(drive_).velocity().vx, 0.0);
+}
+
+// Box2D forgets the forces of a step once it is over; one that is given within it is for the next.
+TEST_F(Listening, MayPushAtAnyMoment) {
+  for (const ContactHooks moment : {kBeginContact, kPreSolve, kPostSolve, kEndContact}) {
+    SCOPED_TRACE(static_cast<int>(moment));
+    const World::Body pushed = AddBox({-5, 0, 0});
+    const World::Body turned = AddBox({-5, 3, 0});
+    world_.SetPose(moving_, {0, 0, 0});
+    world_.SetPose(waiting_, {1.5, 0, 0});
+    world_.SetVelocity(moving_, {2, 0, 0});
+    world_.SetVelocity(waiting_, {0, 0, 0});
+    heard_.events.clear();
+    heard_.action = [&](Contact& contact) {
+      if (contact.moment != moment || heard_.Count(moment) > 1) return;
+      world_.ApplyForce(pushed, {0, 20});
+      world_.ApplyTorque(turned, 4);
+      world_.ApplyForce(turned, {6, 0}, Vec2{-5, 3.5});
+    };
+
+    StepTimes(400);
+
+    ExpectTwist(world_.GetVelocity(pushed), {0, 20 * kStep, 0});
+    ExpectTwist(world_.GetVelocity(turned), {6 * kStep, 0, (4 - 6 * 0.5) * kStep * 6});
+    world_.RemoveBody(pushed);
+    world_.RemoveBody(turned);
+  }
+}
+
+TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
+  int refusals = 0;
+  const std::vector<std::pair<const char*, std::function<void()>>> attempts = {
+      {"AddLayer",
+       [&] {
+         world_.AddLayer({{{5, 5}, {6, 6}}}, 1);
+       }},
+      {"AddBody", [&] { world_.AddBody({}); }},
+      {"RemoveBody", [&] { world_.RemoveBody(moving_); }},
+      {"RemoveBody", [&] { world_.RemoveBody(waiting_); }},
+      {"AddCircle",
+       [&] {
+         world_.AddCircle(moving_, {0, 0}, 1.0, Solid());
+       }},
+      {"AddPolygon",
+       [&] {
+         world_.AddPolygon(waiting_, {{0, 0}, {1, 0}, {0, 1}}, Solid());
+       }},
+      {"AddRevolute", [&] { world_.AddRevolute(moving_, waiting_, {}); }},
+      {"AddWeld", [&] { world_.AddWeld(moving_, waiting_, {}); }},
+      {"AddDrive", [&] { world_.AddDrive(moving_, {}, {}); }},
+      {"AddTween", [&] { world_.AddTween(moving_, {}); }},
+      {"AddTricycle", [&] { world_.AddTricycle(moving_, hinge_, {}); }},
+      {"SetPose",
+       [&] {
+         world_.SetPose(moving_, {3, 3, 0});
+       }},
+      {"SetContactListener", [&] { world_.SetContactListener(nullptr); }},
+      {"Step", [&] { world_.Step(kStep); }},
+  };
+  heard_.action = [&](Contact&) {
+    for (const auto& [name, attempt] : attempts) {
+      try {
+        attempt();
+        ADD_FAILURE() << name << " was not refused";
+      } catch (const std::invalid_argument& error) {
+        ADD_FAILURE() << name << ": " << error.what();
+      } catch (const std::logic_error& error) {
+        EXPECT_NE(std::string(error.what()).find("while contacts are told of"), std::string::npos)
+            << name << ": " << error.what();
+        ++refusals;
+      }
+    }
+  };
+
+  StepTimes(400);
+
+  ExpectAllAsEver();
+  EXPECT_EQ(refusals, static_cast<int>(attempts.size() * heard_.events.size()));
+  EXPECT_NO_THROW(world_.RemoveBody(moving_));
+}
+
+// As for a plugin that is switched off because it raised an exception.
+TEST_F(Listening, MayListenNoMore) {
+  heard_.action = [&](Contact& contact) {
+    if (contact.moment == kPreSolve) world_.ListenTo(waiting_, kNoHooks);
+  };
+
+  StepTimes(400);
+
+  EXPECT_EQ(heard_.Story(), "bp");
+  EXPECT_NEAR(world_.GetVelocity(waiting_).vx, 2.0, 1e-3);
+}
+
+// The other thread is let in again as soon as the step is over.
+TEST_F(Listening, LetsNoOtherThreadIn) {
+  const auto refuse = [&](const char* name, const std::function<void()>& touch) {
+    try {
+      touch();
+      ADD_FAILURE() << name << " was not refused";
+    } catch (const std::logic_error& error) {
+      EXPECT_STREQ(error.what(), "the world is in use by another thread") << name;
+    }
+  };
+  heard_.action = [&](Contact&) {
+    std::thread([&] {
+      refuse("pose", [&] { world_.GetPose(moving_); });
+      refuse("velocity", [&] { world_.SetVelocity(moving_, {9, 0, 0}); });
+      refuse("force", [&] { world_.ApplyForce(moving_, {9, 0}); });
+      refuse("fixture", [&] { world_.GetSettings({moving_, 0}); });
+      refuse("fixtures", [&] { world_.GetFixtureCount(moving_); });
+      refuse("joint", [&] { world_.JointAngle(hinge_); });
+      refuse("drive", [&] { world_.Get(drive_); });
+      refuse("place", [&] { world_.SetPose(moving_, {}); });
+      refuse("add", [&] { world_.AddBody({}); });
+      refuse("remove", [&] { world_.RemoveBody(moving_); });
+      refuse("listen", [&] { world_.ListenTo(moving_, 0); });
+      refuse("step", [&] { world_.Step(kStep); });
+    }).join();
+  };
+
+  StepTimes(400);
+
+  ExpectAllAsEver();
+  std::thread([&] { EXPECT_NO_THROW(world_.GetPose(moving_)); }).join();
+}
+
+}  // namespace
+}  // namespace flatland

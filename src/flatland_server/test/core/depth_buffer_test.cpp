@@ -1,0 +1,58 @@
+/// What is drawn on a depth buffer besides the walls of a tree.
+
+#include "flatland_server/depth_buffer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "flatland_server/beam_fan.hpp"
+#include "reference_walls.hpp"
+
+namespace flatland {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(DepthBuffer, SeesNoPolygonNearerThanItIsAlongItsSide) {
+  std::mt19937 random(29);
+  DepthBuffer buffer;
+  for (int i = 0; i < 3000; ++i) {
+    const Rotation turn(std::uniform_real_distribution<double>(-3, 3)(random));
+    const double near = 0.05 * (1 + random() % 100), far = near + 0.05 * (1 + random() % 100);
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    Vec2 corners[] = {{near, 0}, {far, 0}, {0.5 * (near + far), side}};
+    if (side < 0.0) std::swap(corners[0], corners[1]);
+    for (Vec2& corner : corners) corner = turn.Apply(corner);
+    const BeamFan fan(std::vector<Vec2>{turn.Apply({1, 0})});
+    float range;
+    buffer.Begin(fan, kFar);
+    buffer.DrawPolygon(corners, 3);
+    buffer.GetRanges(&range);
+    ASSERT_GT(range, 0.999 * near) << "polygon " << i;
+  }
+}
+
+// Box2D can lose a body that is too light for what pushes it.
+TEST(DepthBuffer, SeesNothingOfWhatIsAtNoNumber) {
+  const BeamFan fan(-3.0, 0.01, 601);
+  const Vec2 corners[] = {{1, 0}, {kNaN, kNaN}, {kNaN, kNaN}};
+  Discs discs;
+  discs.Add({kNaN, kNaN}, 1.0);
+  discs.Add({3, 0}, 1.0);
+  DepthBuffer buffer;
+  buffer.Begin(fan, 10.0);
+  buffer.FindSeen(discs, {});
+  buffer.DrawCircle({kNaN, kNaN}, 1.0);
+  buffer.DrawPolygon(corners, 3);
+
+  std::vector<float> ranges(fan.size());
+  buffer.GetRanges(ranges.data());
+  for (float range : ranges) EXPECT_EQ(range, kInfinity);
+}
+
+}  // namespace
+}  // namespace flatland

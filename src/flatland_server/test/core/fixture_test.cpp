@@ -1,0 +1,118 @@
+/// Fixtures: their settings, what these do, and their shapes.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "flatland_server/world.hpp"
+#include "test_bodies.hpp"
+
+namespace flatland {
+namespace {
+
+TEST_F(WorldTest, KnowsTheSettingsOfAFixture) {
+  FixtureSettings settings;
+  settings.density = 2.5;
+  settings.friction = 0.75;
+  settings.restitution = 0.5;
+  settings.sensor = true;
+  settings.collides = false;
+  settings.visible = false;
+  settings.layers = 0b1010;
+  const World::Body body = world_.AddBody({});
+  const Fixture plain = world_.AddCircle(body, {0, 0}, 1.0, {});
+  const Fixture special = world_.AddPolygon(body, Square(1), settings);
+
+  const FixtureSettings of_plain = world_.GetSettings(plain);
+  const FixtureSettings of_special = world_.GetSettings(special);
+
+  EXPECT_EQ(world_.GetFixtureCount(body), 2);
+  EXPECT_EQ(of_special.density, 2.5);
+  EXPECT_EQ(of_special.friction, 0.75);
+  EXPECT_EQ(of_special.restitution, 0.5);
+  EXPECT_TRUE(of_special.sensor);
+  EXPECT_FALSE(of_special.collides);
+  EXPECT_FALSE(of_special.visible);
+  EXPECT_EQ(of_special.layers, 0b1010);
+  EXPECT_EQ(of_plain.density, 0.0);
+  EXPECT_FALSE(of_plain.sensor);
+  EXPECT_TRUE(of_plain.collides);
+  EXPECT_TRUE(of_plain.visible);
+  EXPECT_EQ(of_plain.layers, 0xFFFF);
+}
+
+TEST_F(WorldTest, ChangesFrictionAndRestitutionOfAFixture) {
+  world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
+  const World::Body box = AddBox(world_, {0, 0, 0});
+
+  world_.SetRestitution({box, 0}, 0.5);
+  world_.SetFriction({box, 0}, 0.25);
+
+  EXPECT_EQ(world_.GetSettings({box, 0}).restitution, 0.5);
+  EXPECT_EQ(world_.GetSettings({box, 0}).friction, 0.25);
+  world_.SetVelocity(box, {4, 0, 0});
+  StepTimes(world_, 200);
+  EXPECT_NEAR(world_.GetVelocity(box).vx, -2.0, 1e-3);
+}
+
+TEST_F(WorldTest, FrictionThatIsSetSlowsABoxDown) {
+  world_.AddLayer({{{-50, 0}, {50, 0}}}, 0xFFFF);
+  const World::Body box = AddBox(world_, {0, 0.51, 0});
+  world_.SetFriction({box, 0}, 1.0);
+  world_.SetVelocity(box, {2, 0, 0});
+
+  for (int step = 0; step < 200; ++step) {
+    world_.ApplyForce(box, {0, -1});
+    world_.Step(kStep);
+  }
+
+  EXPECT_LT(world_.GetVelocity(box).vx, 1.8);
+}
+
+TEST_F(WorldTest, KnowsWhetherAPointIsWithinAFixture) {
+  const World::Body body = world_.AddBody(At({5, 6, M_PI / 2}));
+  const Fixture circle = world_.AddCircle(body, {2, 0}, 0.5, Solid());
+  const Fixture square = world_.AddPolygon(body, Square(1), Solid());
+
+  EXPECT_TRUE(world_.TestPoint(circle, {5, 8.4}));
+  EXPECT_FALSE(world_.TestPoint(circle, {5, 8.6}));
+  EXPECT_FALSE(world_.TestPoint(circle, {5.4, 6.4}));
+  EXPECT_TRUE(world_.TestPoint(square, {5.4, 6.4}));
+  EXPECT_FALSE(world_.TestPoint(square, {7, 6}));
+}
+
+TEST_F(WorldTest, WhatIsNotVisibleCollidesButIsNotSeen) {
+  FixtureSettings glass = Solid();
+  glass.visible = false;
+  const World::Body box = AddBox(world_, {3, 0, 0}, 1.0, glass);
+  AddBox(world_, {6, 0, 0});
+  ScanSettings lidar;
+  lidar.range = 20.0;
+  const auto look = [&] {
+    float range = -1.0f, intensity = -1.0f;
+    world_.Scan(BeamFan(0, 0, 1), {}, lidar, &range, &intensity);
+    return range;
+  };
+
+  EXPECT_NEAR(look(), 5.5, 1e-4);
+
+  // Of the fixtures of a body, each for itself.
+  world_.AddCircle(box, {0, 0}, 0.2, Solid());
+  EXPECT_NEAR(look(), 2.8, 1e-4);
+
+  const World::Body thrown = AddBox(world_, {3, 3, 0});
+  world_.SetVelocity(thrown, {0, -2, 0});
+  StepTimes(world_, 400);
+  EXPECT_GT(world_.GetPose(thrown).y, world_.GetPose(box).y + 0.9);
+}
+
+TEST_F(WorldTest, TakesTheConvexHullOfAPolygon) {
+  const World::Body body = world_.AddBody({});
+
+  world_.AddPolygon(body, {{0, 0}, {2, 0}, {1, 0.2}, {2, 2}, {0, 2}}, Solid());
+
+  EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-5);
+}
+
+}  // namespace
+}  // namespace flatland

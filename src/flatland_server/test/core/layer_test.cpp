@@ -1,0 +1,95 @@
+/// Layers: bodies of walls that stay where they are, and let nothing through that shares a layer.
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "flatland_server/world.hpp"
+#include "test_bodies.hpp"
+
+namespace flatland {
+namespace {
+
+TEST_F(WorldTest, ALayerIsABodyOfWalls) {
+  const World::Body layer = world_.AddLayer({{{0, 0}, {4, 0}}, {{4, 0}, {4, 3}}}, 0b101);
+
+  EXPECT_TRUE(world_.Contains(layer));
+  EXPECT_EQ(world_.GetType(layer), b2_staticBody);
+  EXPECT_EQ(world_.GetFixtureCount(layer), 2);
+  EXPECT_EQ(world_.GetSettings({layer, 1}).layers, 0b101);
+  EXPECT_FALSE(world_.TestPoint({layer, 1}, {4, 1}));  // a wall is not thick
+  ExpectPose(world_.GetPose(layer), {}, 0.0);
+  EXPECT_EQ(world_.GetMass(layer), 0.0);
+  EXPECT_THROW(world_.GetSettings({layer, 2}), std::invalid_argument);
+}
+
+TEST_F(WorldTest, ALayerStaysForGoodWhereItIs) {
+  const World::Body layer = world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
+
+  EXPECT_THROW(world_.RemoveBody(layer), std::invalid_argument);
+  EXPECT_THROW(world_.SetPose(layer, {1, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(world_.AddCircle(layer, {0, 0}, 1.0, Solid()), std::invalid_argument);
+  EXPECT_THROW(world_.AddPolygon(layer, Square(1), Solid()), std::invalid_argument);
+
+  // Nor do pushes move it; and it stops what it did.
+  world_.SetVelocity(layer, {1, 0, 0});
+  world_.ApplyForce(layer, {5, 0});
+  world_.ApplyLinearImpulse(layer, {5, 0});
+  const World::Body box = AddBox(world_, {0, 0, 0});
+  world_.SetVelocity(box, {2, 0, 0});
+  StepTimes(world_, 400);
+  ExpectPose(world_.GetPose(layer), {}, 0.0);
+  EXPECT_EQ(world_.GetFixtureCount(layer), 1);
+  EXPECT_LT(world_.GetPose(box).x, 1.6);
+}
+
+TEST_F(WorldTest, WallStopsOnlyItsLayers) {
+  world_.AddLayer({{{2, -5}, {2, 5}}}, 0b10);
+  const World::Body stopped = AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b10));
+  const World::Body passing = AddBox(world_, {0, 3, 0}, 1.0, OnLayers(0b01));
+  world_.SetVelocity(stopped, {2, 0, 0});
+  world_.SetVelocity(passing, {2, 0, 0});
+
+  StepTimes(world_, 400);
+
+  EXPECT_LT(world_.GetPose(stopped).x, 1.6);
+  EXPECT_NEAR(world_.GetPose(passing).x, 4.0, 1e-4);
+}
+
+TEST_F(WorldTest, WallStopsFromBothSides) {
+  world_.AddLayer({{{0, -5}, {0, 5}}}, 0xFFFF);
+  const World::Body left = AddBox(world_, {-2, 0, 0});
+  const World::Body right = AddBox(world_, {2, 0, 0});
+  world_.SetVelocity(left, {2, 0, 0});
+  world_.SetVelocity(right, {-2, 0, 0});
+
+  StepTimes(world_, 400);
+
+  EXPECT_LT(world_.GetPose(left).x, -0.4);
+  EXPECT_GT(world_.GetPose(right).x, 0.4);
+}
+
+// The box is shorter than what it moves in a step.
+TEST_F(WorldTest, FastBoxDoesNotPassThroughAWall) {
+  world_.AddLayer({{{3.03, -5}, {3.03, 5}}}, 0xFFFF);
+  const World::Body box = AddBox(world_, {0, 0, 0}, 0.04);
+  world_.SetVelocity(box, {20, 0, 0});
+
+  StepTimes(world_, 400);
+
+  EXPECT_LT(world_.GetPose(box).x, 3.03);
+  EXPECT_GT(world_.GetPose(box).x, 2.9);
+}
+
+TEST_F(WorldTest, DrivenBoxDoesNotPassThroughAWall) {
+  world_.AddLayer({{{3.03, -5}, {3.03, 5}}}, 0xFFFF);
+  const World::Body box = AddBox(world_, {0, 0, 0}, 0.4);
+  world_.Get(world_.AddDrive(box, {}, {})).Command({20, 0, 0});
+
+  StepTimes(world_, 400);
+
+  EXPECT_LT(world_.GetPose(box).x, 3.03);
+}
+
+}  // namespace
+}  // namespace flatland

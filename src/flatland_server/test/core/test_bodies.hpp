@@ -1,0 +1,80 @@
+#pragma once
+
+/// A world with boxes and posts to put into it, and how to compare where they get to.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "flatland_server/world.hpp"
+
+namespace flatland {
+
+inline constexpr double kStep = 0.005;  ///< [s]
+
+inline FixtureSettings Solid() {
+  FixtureSettings settings;
+  settings.density = 1.0;
+  return settings;
+}
+
+inline FixtureSettings OnLayers(LayerBits layers) {
+  FixtureSettings settings = Solid();
+  settings.layers = layers;
+  return settings;
+}
+
+inline FixtureSettings Sensor() {
+  FixtureSettings settings = Solid();
+  settings.sensor = true;
+  return settings;
+}
+
+inline std::vector<Vec2> Square(double side) {
+  const double h = side / 2;
+  return {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
+}
+
+inline BodySettings At(const Pose& pose, b2BodyType type = b2_dynamicBody) {
+  BodySettings settings;
+  settings.type = type;
+  settings.pose = pose;
+  return settings;
+}
+
+inline World::Body AddBox(World& world, const Pose& pose, double side = 1.0,
+                          const FixtureSettings& fixture = Solid()) {
+  const World::Body box = world.AddBody(At(pose));
+  world.AddPolygon(box, Square(side), fixture);
+  return box;
+}
+
+inline World::Body AddPost(World& world, const Pose& pose) {
+  return world.AddBody(At(pose, b2_staticBody));
+}
+
+inline void StepTimes(World& world, int steps) {
+  for (int step = 0; step < steps; ++step) world.Step(kStep);
+}
+
+inline double Turn(double from, double to) { return std::remainder(to - from, 2.0 * M_PI); }
+
+inline void ExpectPose(const Pose& pose, const Pose& expected, double tolerance) {
+  EXPECT_NEAR(pose.x, expected.x, tolerance);
+  EXPECT_NEAR(pose.y, expected.y, tolerance);
+  EXPECT_NEAR(Turn(expected.yaw, pose.yaw), 0.0, tolerance);
+}
+
+inline void ExpectTwist(const Twist& twist, const Twist& expected, double tolerance) {
+  EXPECT_NEAR(twist.vx, expected.vx, tolerance);
+  EXPECT_NEAR(twist.vy, expected.vy, tolerance);
+  EXPECT_NEAR(twist.omega, expected.omega, tolerance);
+}
+
+class WorldTest : public testing::Test {
+ protected:
+  World world_{10, 10};
+};
+
+}  // namespace flatland

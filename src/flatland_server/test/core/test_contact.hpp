@@ -1,0 +1,122 @@
+#pragma once
+
+/// A world whose contacts are written down.
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "flatland_server/contact.hpp"
+#include "flatland_server/world.hpp"
+#include "test_bodies.hpp"
+
+namespace flatland {
+
+inline constexpr double kSkin = 0.02;  ///< Box2D's rounded corners and slop [m]
+inline constexpr uint8_t kAllHooks = kBeginContact | kEndContact | kPreSolve | kPostSolve;
+
+/// What was told of a contact at one of its moments.
+struct Event {
+  ContactHooks moment;
+  Fixture a, b;
+  const void* id;
+  bool is_touching, is_enabled;
+  std::vector<Vec2> points;
+  Vec2 normal;
+  Manifold old_manifold;
+  ContactImpulse impulse;
+};
+
+inline double Sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+/// Writes down all it hears, and does what the test wants done.
+class Recorder : public ContactListener {
+ public:
+  void OnContact(Contact& contact) override {
+    events.push_back({contact.moment, contact.a, contact.b, contact.id(), contact.is_touching(),
+                      contact.is_enabled(), contact.Points(), contact.Normal(),
+                      contact.old_manifold, contact.impulse});
+    if (action) action(contact);
+  }
+
+  // A letter for each event: (b)egin, (p)re solve, post (s)olve, (e)nd.
+  std::string Story() const {
+    std::string story;
+    for (const Event& event : events) {
+      story += event.moment == kBeginContact ? 'b'
+               : event.moment == kEndContact ? 'e'
+               : event.moment == kPreSolve   ? 'p'
+                                             : 's';
+    }
+    return story;
+  }
+
+  int Count(ContactHooks moment) const {
+    int count = 0;
+    for (const Event& event : events) count += event.moment == moment;
+    return count;
+  }
+
+  double TotalNormalImpulse() const {
+    double total = 0.0;
+    for (const Event& event : events) total += Sum(event.impulse.normal_impulses);
+    return total;
+  }
+
+  std::vector<Event> events;
+  std::function<void(Contact&)> action;
+};
+
+inline FixtureSettings Rubber() {
+  FixtureSettings settings = Solid();
+  settings.restitution = 1.0;
+  return settings;
+}
+
+inline bool AreSame(World::Body a, World::Body b) {
+  return a.index == b.index && a.generation == b.generation;
+}
+
+class ContactTest : public testing::Test {
+ protected:
+  ContactTest() { world_.SetContactListener(&heard_); }
+
+  World::Body AddBody(const Pose& pose, b2BodyType type = b2_dynamicBody) {
+    BodySettings settings;
+    settings.type = type;
+    settings.pose = pose;
+    return world_.AddBody(settings);
+  }
+
+  World::Body AddBox(const Pose& pose, const FixtureSettings& settings = Solid(),
+                     b2BodyType type = b2_dynamicBody) {
+    const World::Body box = AddBody(pose, type);
+    world_.AddPolygon(box, {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}, settings);
+    return box;
+  }
+
+  World::Body AddBall(const Pose& pose, const FixtureSettings& settings = Solid()) {
+    const World::Body ball = AddBody(pose);
+    world_.AddCircle(ball, {0, 0}, 0.5, settings);
+    return ball;
+  }
+
+  World::Body AddWallAt(double x) { return world_.AddLayer({{{x, -5}, {x, 5}}}, 0xFFFF); }
+
+  void StepTimes(int steps) {
+    for (int step = 0; step < steps; ++step) world_.Step(kStep);
+  }
+
+  Recorder heard_;
+  World world_{10, 10};
+};
+
+using Contacts = ContactTest;
+
+}  // namespace flatland

@@ -1,0 +1,48 @@
+#pragma once
+
+/// A world to scan, and what a lidar anywhere in it sees.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "flatland_server/world.hpp"
+
+namespace flatland {
+
+struct View {
+  std::vector<float> ranges;
+  std::vector<float> intensities;
+};
+
+class LidarTest : public testing::Test {
+ protected:
+  LidarTest() { settings_.range = 30.0; }
+
+  View Look(const BeamFan& fan, const Pose& pose) const {
+    View view{std::vector<float>(fan.size(), -1.0f), std::vector<float>(fan.size(), -1.0f)};
+    world_.Scan(fan, pose, settings_, view.ranges.data(), view.intensities.data());
+    return view;
+  }
+
+  // The range of a single beam along the lidar's x axis.
+  float LookAhead(const Pose& pose) const { return Look(BeamFan(0.0, 0.0, 1), pose).ranges[0]; }
+
+  World::Body AddBody(const Pose& pose) {
+    BodySettings settings;
+    settings.pose = pose;
+    return world_.AddBody(settings);
+  }
+
+  void AddWallAt(double x, LayerBits layers = 0xFFFF) {
+    world_.AddLayer({{{x, -20}, {x, 20}}}, layers);
+  }
+
+  World world_{10, 10};
+  ScanSettings settings_;
+  const std::vector<Vec2> square_{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  const BeamFan forward_{-0.75 * M_PI, 1.5 * M_PI / 1080, 1081};
+};
+
+}  // namespace flatland
