@@ -27,6 +27,7 @@ from visualization_msgs.msg import MarkerArray
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.ros.joint_registration import joint_registration
 from flatland_server.ros.model_markers import preview
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.simulation_manager import SimulationManager
@@ -69,9 +70,10 @@ class ServiceManager:
         rospy.Service(name, Empty, handle)
 
     def _spawn_model(self, request: SpawnModelRequest) -> None:
-        self._world.spawn_model(
-            Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
-        )
+        with joint_registration():
+            self._world.spawn_model(
+                Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
+            )
 
     def _delete_model(self, request: DeleteModelRequest) -> None:
         self._world.delete_model(request.name)
