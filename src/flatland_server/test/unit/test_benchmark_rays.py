@@ -12,7 +12,7 @@ from flatland_server.benchmark.exact_rays import (
     distances_to_polygon,
     distances_to_segments,
 )
-from flatland_server.benchmark.free_poses import reachable
+from flatland_server.benchmark.free_space import reachable
 from flatland_server.benchmark.outlines import trace_outlines
 from flatland_server.benchmark.ray_cases import differences
 

@@ -5,15 +5,13 @@ somebody listens or not; everything else has its default rate, which is every st
 still: driving costs the same, and robots that stand do not wander into walls.
 """
 
-from collections import deque
 from pathlib import Path
 from typing import List, Tuple
 
 import numpy as np
-import yaml
-from PIL import Image
 
 from flatland_server.arrays import BoolArray
+from flatland_server.benchmark.free_space import reachable, read_free_space
 
 RADIUS = 0.18
 """Of a robot [m]."""
@@ -103,14 +101,10 @@ def free_places(map_file: Path, count: int) -> List[Tuple[float, float]]:
     Raises:
         ValueError: there are not that many.
     """
-    layer = yaml.safe_load(map_file.read_text())
-    resolution = layer["resolution"]
-    pixels = np.asarray(Image.open(map_file.parent / layer["image"]).convert("L"))[::-1] > 127
+    pixels, resolution, origin = read_free_space(map_file)
     cells = _coarsened(pixels, round(_CELL / resolution))
-    origin = np.array(layer["origin"][:2])
     column, row = ((np.array(_START) - origin) / _CELL).astype(int)
-    inside = _connected(cells, (row, column))
-    roomy = _eroded(inside)
+    roomy = _eroded(reachable(cells, row, column))
     for pitch in range(min(roomy.shape), _CLOSEST - 1, -1):
         rows, columns = np.nonzero(roomy[pitch // 2 :: pitch, pitch // 2 :: pitch])
         if len(rows) >= count:
@@ -139,18 +133,3 @@ def _eroded(free: BoolArray) -> BoolArray:
         for column in range(3):
             roomy &= padded[row : row + height, column : column + width]
     return roomy
-
-
-def _connected(free: BoolArray, start: Tuple[int, int]) -> BoolArray:
-    """Which cells can be reached from one of them through free ones."""
-    reached = np.zeros_like(free)
-    reached[start] = free[start]
-    waiting = deque([start])
-    while waiting:
-        row, column = waiting.popleft()
-        for cell in ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)):
-            inside = 0 <= cell[0] < free.shape[0] and 0 <= cell[1] < free.shape[1]
-            if inside and free[cell] and not reached[cell]:
-                reached[cell] = True
-                waiting.append(cell)
-    return reached

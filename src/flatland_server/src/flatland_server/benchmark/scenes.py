@@ -7,7 +7,7 @@ from typing import List, Tuple, Union
 import numpy as np
 from PIL import Image
 
-from flatland_server.benchmark.free_poses import free_poses
+from flatland_server.benchmark.free_poses import free_poses, single_precision
 from flatland_server.benchmark.scene import Body, Circle, Polygon, Scene
 from flatland_server.geometry import Pose
 from flatland_server.world import World
@@ -79,8 +79,7 @@ def _empty_room() -> World:
 def _room_poses(count: int, seed: int) -> List[Pose]:
     rng = np.random.default_rng(seed)
     limits = np.array([9.5, 9.5, np.pi])
-    rounded = rng.uniform(-limits, limits, (count, 3)).astype(np.float32).tolist()
-    return [Pose(*each) for each in rounded]
+    return single_precision(rng.uniform(-limits, limits, (count, 3)))
 
 
 def _world_of(map_file: Path) -> World:
