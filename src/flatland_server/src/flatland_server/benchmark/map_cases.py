@@ -1,12 +1,12 @@
 """Large maps: how long they take to load, and how much memory."""
 
-import resource
 import tempfile
 import time
 from functools import partial
 from pathlib import Path
 
 from flatland_server.benchmark.case import Case, Figures
+from flatland_server.benchmark.figures import peak_memory
 from flatland_server.benchmark.scenes import write_noisy_map
 from flatland_server.world import World
 
@@ -24,11 +24,6 @@ def load(worlds: Path, simplify_map: int) -> Figures:
         world = World.from_file(path, simplify_map=simplify_map)
         seconds = time.perf_counter() - begin
     return {"segments": len(world.layers[0].segments), "load [s]": seconds, **peak_memory()}
-
-
-def peak_memory() -> Figures:
-    """The most that this process has had in memory."""
-    return {"memory [MB]": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024}
 
 
 MAP_CASES = (

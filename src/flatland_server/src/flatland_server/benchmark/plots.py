@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
+from flatland_server.benchmark.figures import ROBOTS, in_words
 from flatland_server.benchmark.report import Report
 from flatland_server.exceptions import FlatlandError
 
@@ -85,7 +86,7 @@ def _median(report: Report, case: str, figure: str) -> float:
 
 def _by_robots(report: Report, pattern: str) -> Dict[int, float]:
     """Times real time of the cases called so, a number in place of the braces."""
-    cases = {n: pattern.format(n) for n in (1, 10, 50, 100, 1000)}
+    cases = {n: pattern.format(n) for n in ROBOTS}
     return {
         n: _median(report, case, "times real time")
         for n, case in cases.items()
@@ -182,8 +183,7 @@ def _draw_step(pyplot: Any, report: Report) -> Optional[Any]:
         axes.tick_params(axis="y", length=0)
         axes.margins(x=0.1)
         axes.xaxis.set_major_formatter(lambda value, _: f"{value:,g}")
-        title = "1 robot" if robots == 1 else f"{robots} robots"
-        axes.set_title(f"{title}: microseconds of a step", loc="left")
+        axes.set_title(f"{in_words(robots)}: microseconds of a step", loc="left")
     handles, names = all_axes[0, 0].get_legend_handles_labels()
     unique = dict(zip(names, handles))
     figure.tight_layout()

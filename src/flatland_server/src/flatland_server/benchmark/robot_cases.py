@@ -1,7 +1,6 @@
 """Robots in this process: no ROS master, and nobody listens."""
 
 import json
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -10,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from flatland_server.benchmark.case import Case, Figures
-from flatland_server.benchmark.map_cases import peak_memory
+from flatland_server.benchmark.figures import ROBOTS, durations, in_words, peak_memory
 from flatland_server.benchmark.robot_worlds import write_world
 from flatland_server.geometry import Pose
 from flatland_server.local_transport import LocalTransport
@@ -71,10 +70,9 @@ def spawn(worlds: Path) -> Figures:
     for i in range(_SPAWNS):
         begin = time.perf_counter()
         world.spawn_model(worlds / "office/turtlebot.model.yaml", f"robot{i}", f"robot{i}", Pose())
-        times.append((time.perf_counter() - begin) * 1e3)
+        times.append(time.perf_counter() - begin)
         world.delete_model(f"robot{i}")
-    times.sort()
-    return {"median [ms]": statistics.median(times), "p99 [ms]": times[int(0.99 * _SPAWNS)]}
+    return durations(times)
 
 
 def time_parts(worlds: Path, robots: int, heard: bool) -> Figures:
@@ -88,24 +86,20 @@ def time_parts(worlds: Path, robots: int, heard: bool) -> Figures:
     return {f"{part} [us]": value for part, value in json.loads(output).items()}
 
 
-def count(robots: int) -> str:
-    """So many robots, in words."""
-    return "1 robot" if robots == 1 else f"{robots} robots"
-
-
 ROBOT_CASES = (
     *(
         Case(
             f"robots_{robots}",
-            f"{count(robots)} in the office, in process, nobody listens",
+            f"{in_words(robots)} in the office, in process, nobody listens",
             partial(run_robots, robots=robots),
         )
-        for robots in (1, 10, 50, 100, 1000)
+        for robots in ROBOTS
     ),
     *(
         Case(
             f"parts_{robots}" + ("_heard" if heard else ""),
-            f"parts of a step, {count(robots)}, {'all is' if heard else 'nothing is'} listened to",
+            f"parts of a step, {in_words(robots)}, "
+            f"{'all is' if heard else 'nothing is'} listened to",
             partial(time_parts, robots=robots, heard=heard),
         )
         for robots in (1, 100)

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import statistics
 import tempfile
 import time
 from contextlib import contextmanager
@@ -11,10 +10,10 @@ from pathlib import Path
 from typing import Iterator, List, Tuple
 
 from flatland_server.benchmark.case import Case, Figures
+from flatland_server.benchmark.figures import ROBOTS, durations, in_words
 from flatland_server.benchmark.robot_worlds import write_world
 from flatland_server.benchmark.server_process import Interval, Listener, ServerProcess
 
-ROBOTS = (1, 10, 50, 100, 1000)
 ROBOTS_ALONE = (1, 10, 100)
 ROBOTS_LISTENED_TO = (1, 10, 100)
 
@@ -175,21 +174,14 @@ def spawn(worlds: Path) -> Figures:
         server.settle(SETTLING)
         client = ["rosrun", "flatland_server", "flatland_spawner", str(model), str(SPAWNED)]
         seconds: List[float] = json.loads(server.call("spawner", client))["spawned"]
-    return {
-        "median [ms]": statistics.median(seconds) * 1e3,
-        "p99 [ms]": sorted(seconds)[int(0.99 * (len(seconds) - 1))] * 1e3,
-    }
-
-
-def _count(robots: int) -> str:
-    return "1 robot" if robots == 1 else f"{robots} robots"
+    return durations(seconds)
 
 
 SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
             f"serve_{n}",
-            f"the server as fast as it goes, {_count(n)}, nobody listens but rosout to /clock",
+            f"the server as fast as it goes, {in_words(n)}, nobody listens but rosout to /clock",
             partial(serve, robots=n),
         )
         for n in ROBOTS
@@ -197,7 +189,7 @@ SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
             f"serve_{n}_alone",
-            f"the same with {_count(n)}, and nobody who listens at all",
+            f"the same with {in_words(n)}, and nobody who listens at all",
             partial(serve, robots=n, rosout=False),
         )
         for n in ROBOTS_ALONE
@@ -205,7 +197,7 @@ SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
             f"serve_{n}_heard",
-            f"the same with {_count(n)} and a listener to all scans, odometries and transforms",
+            f"the same with {in_words(n)} and a listener to all scans, odometries and transforms",
             partial(serve_with_listener, robots=n),
         )
         for n in ROBOTS_LISTENED_TO
