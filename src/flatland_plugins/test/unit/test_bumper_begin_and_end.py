@@ -38,7 +38,7 @@ class Ghost(ModelPlugin):
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
     """The plugins of this workspace, and the one of this file."""
-    return PluginLoader([*discover(), PluginDeclaration("Ghost", "test", f"{__name__}.Ghost")])
+    return PluginLoader([*discover(), PluginDeclaration.of(Ghost)])
 
 
 def test_a_contact_that_another_plugin_switches_off_is_none(files):

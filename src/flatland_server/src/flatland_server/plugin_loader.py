@@ -45,6 +45,12 @@ class PluginDeclaration:
     is_example: bool = False
     """Whether it gives way to others of its name, which may have been made after it."""
 
+    @classmethod
+    def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
+        """Of a class that no package exports, by its own name."""
+        module = plugin.__module__
+        return cls(plugin.__name__, module.partition(".")[0], f"{module}.{plugin.__name__}")
+
     def answers_to(self, type: str) -> bool:
         """Whether a YAML file's `type` means this class."""
         package, _, name = type.rpartition("::")

@@ -193,10 +193,7 @@ class Witness(WorldPlugin):
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
     """The plugins of this file."""
-    return PluginLoader(
-        PluginDeclaration(c.__name__, "test", f"{__name__}.{c.__name__}")
-        for c in (Whimsical, Failing, Witness)
-    )
+    return PluginLoader(map(PluginDeclaration.of, (Whimsical, Failing, Witness)))
 
 
 @pytest.fixture

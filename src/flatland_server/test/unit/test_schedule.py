@@ -64,10 +64,7 @@ class Silent(Periodic):
 def load(files):
     """Loads a model with plugins, given as "type name, key: value"."""
     calls.clear()
-    loader = PluginLoader(
-        PluginDeclaration(c.__name__, "test", f"{__name__}.{c.__name__}")
-        for c in (Periodic, Speaker, Fickle, Preparing, Silent)
-    )
+    loader = PluginLoader(map(PluginDeclaration.of, (Periodic, Speaker, Fickle, Preparing, Silent)))
 
     def load(*plugins: str, watched=None):
         lines = "".join(f"\n  - {{{plugin}}}" for plugin in plugins)

@@ -43,10 +43,7 @@ class Listener(ModelPlugin):
 
 def hear_contacts(worlds: Path) -> Figures:
     """A step of 100 discs that bounce about in a box, without plugins and with them."""
-    loader = PluginLoader(
-        PluginDeclaration(c.__name__, "benchmark", f"{__name__}.{c.__name__}")
-        for c in (Idle, Listener)
-    )
+    loader = PluginLoader(map(PluginDeclaration.of, (Idle, Listener)))
     return {
         "no plugins [us]": _bounce(loader, ""),
         "without hooks [us]": _bounce(loader, "plugins: [{type: Idle, name: plugin}]"),

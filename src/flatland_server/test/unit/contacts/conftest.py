@@ -19,9 +19,7 @@ def _forget() -> Iterator[None]:
 def loader() -> PluginLoader:
     """The plugins of these tests."""
     classes = (Listener, WorldListener, OnlyBegin, Deaf)
-    return PluginLoader(
-        PluginDeclaration(c.__name__, "test", f"{c.__module__}.{c.__name__}") for c in classes
-    )
+    return PluginLoader(map(PluginDeclaration.of, classes))
 
 
 @pytest.fixture

@@ -18,10 +18,7 @@ def _forget() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
     """The plugins of these tests."""
-    return PluginLoader(
-        PluginDeclaration(c.__name__, "test", f"{c.__module__}.{c.__name__}")
-        for c in (Actor, Founder)
-    )
+    return PluginLoader(map(PluginDeclaration.of, (Actor, Founder)))
 
 
 @pytest.fixture

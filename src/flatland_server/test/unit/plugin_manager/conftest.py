@@ -27,6 +27,4 @@ def _forget_calls() -> Iterator[None]:
 def loader() -> PluginLoader:
     """The plugins of these tests."""
     classes = (Recorder, Toucher, WorldRecorder, OnlyAfter, Dice, Unfinished)
-    return PluginLoader(
-        PluginDeclaration(c.__name__, "test", f"{c.__module__}.{c.__name__}") for c in classes
-    )
+    return PluginLoader(map(PluginDeclaration.of, classes))

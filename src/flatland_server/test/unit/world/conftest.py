@@ -10,10 +10,7 @@ from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
     """The plugins of these tests."""
-    return PluginLoader(
-        PluginDeclaration(cls.__name__, "test", f"{cls.__module__}.{cls.__name__}")
-        for cls in (Talker, Failing, Herald)
-    )
+    return PluginLoader(map(PluginDeclaration.of, (Talker, Failing, Herald)))
 
 
 @pytest.fixture
