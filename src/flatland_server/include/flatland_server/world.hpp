@@ -100,9 +100,10 @@ class World : private b2DestructionListener, private b2ContactListener {
   using LidarHandle = Handle<Moved<Lidar>>;
 
   /// Marks the world as in use for as long as it lives: other threads are refused meanwhile.
-  /// Throws std::logic_error if it is in use already. What adds or removes, steps or scans marks it
-  /// by itself. For those who share a lock that they let go during a step or a scan, as Python
-  /// does: marked while they hold the lock, the world is marked whenever another thread gets it.
+  /// Throws std::logic_error if it is in use already. What adds or removes, puts elsewhere, steps
+  /// or scans marks it by itself. For those who share a lock that they let go during a step or a
+  /// scan, as Python does: marked while they hold the lock, the world is marked whenever another
+  /// thread gets it.
   class Turn {
    public:
     explicit Turn(const World& world) : world_(world) { world_.Begin(); }
@@ -257,9 +258,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   bool IsListening() const;
   /// Throws std::logic_error if the world is in use, unless by a contact listener on this thread.
   void RequireAccess() const;
-  /// Throws std::logic_error if the world is in use at all.
-  void RequireIdle() const;
-  /// The same, and marks it as in use.
+  /// Marks the world as in use; throws std::logic_error if it is already.
   void Begin() const;
   b2Body& Find(Body body) const;
   b2Fixture& Find(Fixture fixture) const;

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Vectors from the core's double precision to Box2D's single, and back.
+/// Vectors and poses from the core's double precision to Box2D's single, and back.
 
 #include <box2d/box2d.h>
 
@@ -10,6 +10,12 @@ namespace flatland {
 
 inline b2Vec2 ToBox2D(Vec2 v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
 inline Vec2 FromBox2D(b2Vec2 v) { return {v.x, v.y}; }
+
+/// Of a body's origin. The yaw counts whole turns.
+inline Pose PoseOf(const b2Body& body) {
+  const Vec2 position = FromBox2D(body.GetPosition());
+  return {position.x, position.y, body.GetAngle()};
+}
 
 /// Gives a body the velocity that its origin shall have; Box2D keeps that of the centre of mass.
 inline void SetOriginVelocity(b2Body& body, const Twist& velocity) {

@@ -53,10 +53,6 @@ void World::RequireAccess() const {
   if (busy_ && !IsListening()) throw std::logic_error(kBusy);
 }
 
-void World::RequireIdle() const {
-  if (busy_) throw std::logic_error(IsListening() ? kLocked : kBusy);
-}
-
 void World::Begin() const {
   if (busy_.exchange(true)) throw std::logic_error(IsListening() ? kLocked : kBusy);
 }
@@ -239,14 +235,14 @@ World::Joint World::AddWeld(Body a, Body b, const WeldSettings& settings) {
 World::Drive World::AddDrive(Body body, const DynamicsLimits& linear,
                              const DynamicsLimits& angular) {
   Find(body);
-  RequireIdle();
+  const Turn turn(*this);
   Require(!bodies_.Get(body).is_layer, kLayerStays);
   return drives_.Add({body, BodyDrive(linear, angular)});
 }
 
 World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings) {
   const b2Body& base = Find(body);
-  RequireIdle();
+  const Turn turn(*this);
   b2Joint* joint = joints_.Get(front_wheel);
   Require(joint->GetType() == e_revoluteJoint &&
               (joint->GetBodyA() == &base || joint->GetBodyB() == &base),
@@ -256,7 +252,7 @@ World::Tricycle World::AddTricycle(Body body, Joint front_wheel, const TricycleS
 
 World::Tween World::AddTween(Body body, const TweenSettings& settings) {
   const Pose start = GetPose(body);
-  RequireIdle();
+  const Turn turn(*this);
   Require(!bodies_.Get(body).is_layer, kLayerStays);
   return tweens_.Add({body, BodyTween(settings, start)});
 }

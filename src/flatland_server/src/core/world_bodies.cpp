@@ -18,11 +18,7 @@ double World::JointAngle(Joint joint) const {
   return std::remainder(angle, 2.0 * M_PI);
 }
 
-Pose World::GetPose(Body body) const {
-  const b2Body& found = Find(body);
-  const Vec2 position = FromBox2D(found.GetPosition());
-  return {position.x, position.y, found.GetAngle()};
-}
+Pose World::GetPose(Body body) const { return PoseOf(Find(body)); }
 
 Pose World::GetPoseIn(Body reference, Body body) const {
   const Pose from = GetPose(reference);
@@ -36,16 +32,16 @@ void World::SetPose(Body body, const Pose& pose) {
   RequirePlace({pose.x, pose.y});
   Require(IsUsable(pose.yaw), "a heading must be finite");
   b2Body& found = Find(body);
-  RequireIdle();
-  Require(!bodies_.Get(body).is_layer, "a layer stays where it is");
   const Twist velocity = GetVelocity(body);
+  const Turn turn(*this);
+  Require(!bodies_.Get(body).is_layer, "a layer stays where it is");
   ++state_;
   WakeThoseNear(found);
   Place(found, pose);
   WakeThoseNear(found);
   SetOriginVelocity(found, velocity);
   found.SetAwake(true);
-  ForEachOf(tweens_, body, [&](Tween, BodyTween& tween) { tween.Rebase(GetPose(body)); });
+  ForEachOf(tweens_, body, [&](Tween, BodyTween& tween) { tween.Rebase(PoseOf(found)); });
 }
 
 void World::WakeThoseNear(const b2Body& body) {

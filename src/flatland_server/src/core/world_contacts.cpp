@@ -19,7 +19,7 @@ uint32_t IndexOf(const b2Fixture& fixture) {
 }  // namespace
 
 void World::SetContactListener(ContactListener* listener) {
-  RequireIdle();
+  const Turn turn(*this);
   listener_ = listener;
 }
 
