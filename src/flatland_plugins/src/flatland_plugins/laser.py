@@ -124,20 +124,22 @@ class Laser(ModelPlugin):
 
     def has_work(self) -> bool:
         """Whether to scan, or to tell where the lidar is."""
-        laser = self._config
-        return laser.always_publish or self._publisher.is_watched or self._frame.is_watched
+        return self._has_to_scan() or self._frame.is_watched
 
     def prepare_step(self, timekeeper: Timekeeper) -> None:
         """Has the lidars that are due scan together."""
-        if self._config.always_publish or self._publisher.is_watched:
+        if self._has_to_scan():
             self._lidar.expect_scan()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)
-        if self._config.always_publish or self._publisher.is_watched:
+        if self._has_to_scan():
             now = timekeeper.nanoseconds
             self._publisher.write(self._writer, now, *self._scan(now))
+
+    def _has_to_scan(self) -> bool:
+        return self._config.always_publish or self._publisher.is_watched
 
     def _scan(self, nanoseconds: int) -> Tuple[Float32Array, Float32Array]:
         laser = self._config
