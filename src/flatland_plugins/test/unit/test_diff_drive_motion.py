@@ -5,7 +5,6 @@ from typing import Any, Callable, Dict, List, Tuple
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import Twist
 from readings import GROUND_TRUTH, pose_of, twist_of, warnings
 
 from flatland_server.timekeeper import Timekeeper
@@ -191,34 +190,6 @@ def test_limited_drives_follow_the_integral_of_their_exact_velocity(
     for axis, curve in ((0, speed), (1, {0: 0.0}), (2, turn)):
         expected = np.interp(times[1:], list(curve), list(curve.values()))
         assert np.abs(twists[:, axis] - expected).max() < 1e-3
-
-
-@pytest.mark.parametrize(
-    ("linear", "angular"),
-    [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)],
-)
-def test_a_command_that_is_no_velocity_is_ignored_with_a_warning(files, caplog, linear, angular):
-    robot = files.robot(DRIVE, namespace="robot1").drive(0.5, topic="/robot1/cmd_vel").run(1.0)
-
-    robot.drive(linear, angular, topic="/robot1/cmd_vel").run(1.0)
-
-    [message] = warnings(caplog)
-    assert "robot1/cmd_vel" in message
-    assert f"linear.x={linear}" in message
-    assert f"angular.z={angular}" in message
-    assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
-
-
-def test_what_a_differential_drive_cannot_do_is_not_looked_at(files, caplog):
-    robot = files.robot(DRIVE)
-    twist = Twist()
-    twist.linear.x, twist.linear.y, twist.angular.x = 0.5, math.nan, math.inf
-
-    robot.transport.send("/cmd_vel", twist)
-    robot.run(1.0)
-
-    assert warnings(caplog) == []
-    assert robot.model().pose == pytest.approx((0.5, 0.0, 0.0), abs=1e-3)
 
 
 def test_the_drive_stops_when_it_ends_before_its_body(files):

@@ -94,18 +94,6 @@ def test_the_transform_is_the_filtered_odometry(files):
     assert transform.nanoseconds == odometry.header.stamp.to_nsec()
 
 
-@pytest.mark.parametrize(
-    ("rate", "period"), [("", 5_000_000), (", pub_rate: inf", 5_000_000), (", pub_rate: 50", 2e7)]
-)
-def test_odometry_comes_at_its_rate_stamped_with_simulated_time(files, rate, period):
-    robot = files.robot(DRIVE + rate)
-
-    messages = robot.record(FILTERED, 1.0)
-
-    stamps = [message.header.stamp.to_nsec() for message in messages]
-    assert stamps == [round(i * period) for i in range(round(1e9 / period))]
-
-
 def test_all_that_is_published_together_has_one_stamp(files):
     robot = files.robot(f"{DRIVE}, pub_rate: 30").run(0.99)
 

@@ -1,13 +1,12 @@
 """OmniDrive: any planar velocity, commanded, obeyed and within limits; the rest is DiffDrive's."""
 
-import logging
 import math
 from typing import Any, List, Tuple
 
 import numpy as np
 import pytest
 from geometry_msgs.msg import Twist
-from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of
+from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of, warnings
 
 DRIVE = "type: OmniDrive, name: drive, body: base"
 
@@ -147,7 +146,7 @@ def test_a_command_that_is_no_velocity_is_ignored_with_a_warning(files, caplog, 
 
     command(robot, *bad, topic="/robot1/cmd_vel").run(1.0)
 
-    [message] = [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
+    [message] = warnings(caplog)
     assert message.startswith("robot1/cmd_vel: ")
     assert message.endswith(f"ignored linear.x={bad[0]} linear.y={bad[1]} angular.z={bad[2]}")
     assert robot.model().pose == pytest.approx((0.6, 0.8, 0.0), abs=1e-3)
@@ -176,18 +175,6 @@ def test_the_drive_stops_when_it_ends_before_its_body(files):
     way = math.hypot(robot.model().pose.x - before.x, robot.model().pose.y - before.y)
     assert way == pytest.approx(0.125, abs=1e-3)
     assert robot.model().pose.yaw == pytest.approx(before.yaw, abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("rate", "period"), [("", 5_000_000), (", pub_rate: inf", 5_000_000), (", pub_rate: 50", 2e7)]
-)
-def test_odometry_comes_at_its_rate_stamped_with_simulated_time(files, rate, period):
-    robot = files.robot(DRIVE + rate)
-
-    messages = robot.record(FILTERED, 1.0)
-
-    stamps = [message.header.stamp.to_nsec() for message in messages]
-    assert stamps == [round(i * period) for i in range(round(1e9 / period))]
 
 
 def test_frames_and_topics_are_those_of_a_differential_drive(files):

@@ -15,7 +15,6 @@ from forklift import (
     steer_angle,
     twist_at,
 )
-from geometry_msgs.msg import Twist
 from readings import GROUND_TRUTH, pose_of, twist_of, warnings
 
 from flatland_server.geometry import Pose
@@ -154,35 +153,6 @@ def test_it_steers_no_further_than_the_largest_angle(files, sign, asked, steered
 
 
 # Commands
-
-
-@pytest.mark.parametrize(
-    ("speed", "angle"),
-    [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)],
-)
-def test_a_command_that_cannot_be_obeyed_is_ignored_with_a_warning(files, caplog, speed, angle):
-    robot = forklift(files, entry=", namespace: robot1")
-    robot.drive(0.5, topic="/robot1/cmd_vel").run(1.0)
-
-    robot.drive(speed, angle, topic="/robot1/cmd_vel").run(1.0)
-
-    [message] = warnings(caplog)
-    assert "robot1/cmd_vel" in message
-    assert f"linear.x={speed}" in message
-    assert f"angular.z={angle}" in message
-    assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
-
-
-def test_what_a_tricycle_cannot_do_is_not_looked_at(files, caplog):
-    robot = forklift(files)
-    twist = Twist()
-    twist.linear.x, twist.linear.y, twist.angular.x = 0.5, math.nan, math.inf
-
-    robot.transport.send("/cmd_vel", twist)
-    robot.run(1.0)
-
-    assert warnings(caplog) == []
-    assert robot.model().pose == pytest.approx((0.5, 0.0, 0.0), abs=1e-3)
 
 
 @pytest.mark.parametrize("limits", [(), (STEERING, LINEAR)])

@@ -75,16 +75,6 @@ def test_a_namespace_is_put_before_topics_and_the_models_own_frames(files):
     assert robot.model().pose.x == pytest.approx(1.0, abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("rate", "period"), [((), 5_000_000), (("pub_rate: inf",), 5_000_000), (("pub_rate: 50",), 2e7)]
-)
-def test_odometry_comes_at_its_rate_stamped_with_simulated_time(files, rate, period):
-    messages = forklift(files, *rate).record(FILTERED, 1.0)
-
-    stamps = [message.header.stamp.to_nsec() for message in messages]
-    assert stamps == [round(i * period) for i in range(round(1e9 / period))]
-
-
 def test_odometry_has_the_noise_and_the_covariance_that_are_asked_for(files):
     noise = ("odom_pose_noise: [0.04, 0.01, 0.0025]", "odom_twist_noise: [0.09, 0.0004, 0.16]")
     robot = forklift(files, *noise, seed=7)

@@ -1,0 +1,61 @@
+"""What all drives have in common that a geometry_msgs/Twist commands."""
+
+import math
+from typing import Any
+
+import pytest
+from forklift import forklift
+from geometry_msgs.msg import Twist
+from readings import FILTERED, warnings
+
+
+@pytest.fixture(params=["DiffDrive", "OmniDrive", "TricycleDrive"])
+def make(request, files):
+    """Makes a robot with a drive that has these keys too."""
+
+    def with_drive(*keys: str, namespace: str = "") -> Any:
+        if request.param == "TricycleDrive":
+            return forklift(files, *keys, entry=f", namespace: '{namespace}'")
+        drive = f"type: {request.param}, name: drive, body: base"
+        return files.robot(", ".join((drive, *keys)), namespace=namespace)
+
+    return with_drive
+
+
+@pytest.mark.parametrize(
+    ("rate", "period"), [((), 5_000_000), (("pub_rate: inf",), 5_000_000), (("pub_rate: 50",), 2e7)]
+)
+def test_odometry_comes_at_its_rate_stamped_with_simulated_time(make, rate, period):
+    messages = make(*rate).record(FILTERED, 1.0)
+
+    stamps = [message.header.stamp.to_nsec() for message in messages]
+    assert stamps == [round(i * period) for i in range(round(1e9 / period))]
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular"),
+    [(math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.0, -math.inf)],
+)
+def test_a_command_that_cannot_be_obeyed_is_ignored_with_a_warning(make, caplog, linear, angular):
+    robot = make(namespace="robot1").drive(0.5, topic="/robot1/cmd_vel").run(1.0)
+
+    robot.drive(linear, angular, topic="/robot1/cmd_vel").run(1.0)
+
+    [message] = warnings(caplog)
+    assert "robot1/cmd_vel" in message
+    assert f"linear.x={linear}" in message
+    assert f"angular.z={angular}" in message
+    assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("make", ["DiffDrive", "TricycleDrive"], indirect=True)
+def test_what_a_drive_cannot_do_is_not_looked_at(make, caplog):
+    robot = make()
+    twist = Twist()
+    twist.linear.x, twist.linear.y, twist.angular.x = 0.5, math.nan, math.inf
+
+    robot.transport.send("/cmd_vel", twist)
+    robot.run(1.0)
+
+    assert warnings(caplog) == []
+    assert robot.model().pose == pytest.approx((0.5, 0.0, 0.0), abs=1e-3)
