@@ -21,7 +21,8 @@ class Launch:
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
-        environment = {**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}"}
+        self.uri = f"http://127.0.0.1:{self.port}"
+        environment = {**os.environ, "ROS_MASTER_URI": self.uri}
         environment.pop("DISPLAY", None)
         if display:
             environment.update(DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")

@@ -6,25 +6,13 @@ import time
 from pathlib import Path
 
 import pytest
+from ros_processes import processes_under
 
 ROOT = Path(__file__).resolve().parents[3]
 ROOM = ROOT / "src" / "flatland_server" / "worlds" / "test_room"
 ERROR = re.compile(r"\[FATAL\] \[[^]]*\]: (.*)")
 
 pytestmark = pytest.mark.slow
-
-
-def processes_of(launch):
-    """Command lines of what still runs for this launch, wherever it is in the process tree."""
-    marker = f"ROS_MASTER_URI=http://127.0.0.1:{launch.port}".encode()
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            if marker in (process / "environ").read_bytes():
-                found.append((process / "cmdline").read_bytes())
-        except OSError:
-            continue
-    return [command for command in found if command]
 
 
 def test_without_a_display_it_says_so_and_goes_on(run):
@@ -41,7 +29,7 @@ def test_without_a_display_it_says_so_and_goes_on(run):
 def test_ctrl_c_ends_everything_quietly(run):
     launch = run()
     launch.wait_for("running")
-    assert processes_of(launch)
+    assert processes_under(launch.uri)
 
     begin = time.monotonic()
     launch.press_ctrl_c()
@@ -52,7 +40,7 @@ def test_ctrl_c_ends_everything_quietly(run):
     assert seconds < 3.0, launch.output
     assert "Traceback" not in launch.output
     assert "escalating" not in launch.output
-    assert processes_of(launch) == []
+    assert processes_under(launch.uri) == []
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.15, 0.3, 0.6])
@@ -73,7 +61,7 @@ def test_ctrl_c_while_the_world_is_loading_ends_it_too(run, tmp_path, delay):
 
     assert launch.process.wait(20) == 0, launch.output
     assert "escalating" not in launch.output
-    assert processes_of(launch) == []
+    assert processes_under(launch.uri) == []
 
 
 def test_a_missing_world_ends_with_one_line_and_an_error_code(run, tmp_path):

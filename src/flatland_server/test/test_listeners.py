@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from ros_processes import processes_under
 
 from flatland_server.benchmark.robot_worlds import write_world
 from flatland_server.benchmark.server_process import ServerProcess
@@ -35,23 +36,11 @@ def server(tmp_path):
         yield server
 
 
-def processes_of(uri):
-    """Command lines of what runs under a ROS master, and of the master."""
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            if f"ROS_MASTER_URI={uri}\0".encode() in (process / "environ").read_bytes():
-                found.append((process / "cmdline").read_bytes())
-        except OSError:
-            continue
-    return [command for command in found if command]
-
-
 def wait_until_gone(uri):
     """Waits until nothing runs under a ROS master."""
     deadline = time.monotonic() + 10
-    while processes_of(uri):
-        assert time.monotonic() < deadline, processes_of(uri)
+    while processes_under(uri):
+        assert time.monotonic() < deadline, processes_under(uri)
         time.sleep(0.02)
 
 
@@ -130,10 +119,10 @@ def test_all_ends_with_the_server(tmp_path):
     with ServerProcess(write_world(tmp_path, WORLDS, 1)) as server:
         listener = server.listen("listener", "--robots")
         # master, rosout, server, two listeners, once rosrun has become them
-        server.wait_until(lambda: len(processes_of(server.uri)) == 5, "all five to run")
+        server.wait_until(lambda: len(processes_under(server.uri)) == 5, "all five to run")
         listener.process.stop()
 
-    assert processes_of(server.uri) == []
+    assert processes_under(server.uri) == []
 
 
 def test_all_ends_with_a_benchmark_that_is_killed(tmp_path):
@@ -146,7 +135,7 @@ def test_all_ends_with_a_benchmark_that_is_killed(tmp_path):
     )
     with benchmark.stdout as output:
         uri = output.readline().strip()
-        assert len(processes_of(uri)) >= 4
+        assert len(processes_under(uri)) >= 4
 
         benchmark.kill()
 

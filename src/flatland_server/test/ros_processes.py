@@ -1,0 +1,18 @@
+"""What runs under a ROS master."""
+
+from pathlib import Path
+from typing import List
+
+
+def processes_under(uri: str) -> List[bytes]:
+    """Command lines of what knows this master, wherever it is in the process tree."""
+    markers = [f"ROS_MASTER_URI={uri}{end}\0".encode() for end in ("", "/")]  # roslaunch adds one
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            environment = (process / "environ").read_bytes()
+            if any(marker in environment for marker in markers):
+                found.append((process / "cmdline").read_bytes())
+        except OSError:
+            continue
+    return [command for command in found if command]
