@@ -1,9 +1,10 @@
-"""What several tests read: odometry, and the log."""
+"""What several tests read: odometry, its noise, and the log."""
 
 import logging
 import math
-from typing import Any, List, Tuple
+from typing import Any, List, Sequence, Tuple
 
+import numpy as np
 import pytest
 
 FILTERED, GROUND_TRUTH, TWIST = "/odometry/filtered", "/odometry/ground_truth", "/twist"
@@ -20,6 +21,19 @@ def twist_of(stamped: Any) -> Tuple[float, float, float]:
     """The velocity in an Odometry or a TwistStamped."""
     twist = getattr(stamped.twist, "twist", stamped.twist)
     return twist.linear.x, twist.linear.y, twist.angular.z
+
+
+def assert_white(noise: np.ndarray, variances: Sequence[float]) -> None:
+    """Normal about zero, each component by itself, each sample too: shape (samples, components)."""
+    scaled = noise / np.sqrt(variances)
+    count = len(scaled)
+    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared).
+    assert np.abs((scaled**2).sum(axis=0) - count).max() < 4 * math.sqrt(2 * count)
+    assert np.abs(scaled.sum(axis=0)).max() < 4 * math.sqrt(count)
+    # The components do not know of each other, nor does one sample of the one before.
+    correlation = scaled.T @ scaled / count - np.diag((scaled**2).mean(axis=0))
+    assert np.abs(correlation).max() < 4 / math.sqrt(count)
+    assert np.abs((scaled[1:] * scaled[:-1]).mean(axis=0)).max() < 4 / math.sqrt(count)
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:

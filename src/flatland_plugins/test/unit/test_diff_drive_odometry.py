@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of
+from readings import FILTERED, GROUND_TRUTH, TWIST, assert_white, pose_of, twist_of
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
 
@@ -20,16 +20,8 @@ def test_noise_has_the_configured_variances_about_the_truth(files):
     messages = robot.record(FILTERED, 10.0)
 
     noise = np.array([[*pose_of(m), *twist_of(m)] for m in messages]) - [3, -2, 1, 0, 0, 0]
-    scaled = noise / np.sqrt([*pose_noise, *twist_noise])
-    count = len(scaled)
-    assert count == 2000
-    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared).
-    assert np.abs((scaled**2).sum(axis=0) - count).max() < 4 * math.sqrt(2 * count)
-    assert np.abs(scaled.sum(axis=0)).max() < 4 * math.sqrt(count)
-    # The components do not know of each other, nor does one message of the one before.
-    correlation = scaled.T @ scaled / count - np.diag((scaled**2).mean(axis=0))
-    assert np.abs(correlation).max() < 4 / math.sqrt(count)
-    assert np.abs((scaled[1:] * scaled[:-1]).mean(axis=0)).max() < 4 / math.sqrt(count)
+    assert len(noise) == 2000
+    assert_white(noise, [*pose_noise, *twist_noise])
 
 
 def test_ground_truth_has_no_noise(files):

@@ -14,15 +14,19 @@ namespace {
 constexpr int kLongSpin = 200000;
 constexpr double kSpin = 3.0;
 
+void ExpectSteadyTurn(World& world, World::Body body) {
+  for (int step = 0; step < kLongSpin; ++step) {
+    const double before = world.GetPose(body).yaw;
+    world.Step(kStep);
+    ASSERT_NEAR(Turn(before, world.GetPose(body).yaw), kSpin * kStep, 2e-6) << "step " << step;
+  }
+}
+
 TEST_F(WorldTest, SpinsOnForAVeryLongTime) {
   const World::Body body = AddBox(world_, {1, 2, 0});
   world_.SetVelocity(body, {0, 0, kSpin});
 
-  for (int step = 0; step < kLongSpin; ++step) {
-    const double before = world_.GetPose(body).yaw;
-    world_.Step(kStep);
-    ASSERT_NEAR(Turn(before, world_.GetPose(body).yaw), kSpin * kStep, 2e-6) << "step " << step;
-  }
+  ExpectSteadyTurn(world_, body);
 }
 
 TEST_F(WorldTest, SpinsOnWithAWeldedCompanionForAVeryLongTime) {
@@ -51,11 +55,7 @@ TEST_F(WorldTest, SpinsOnUponAHingeForAVeryLongTime) {
   world_.AddRevolute(post, wheel, {});
   world_.SetVelocity(wheel, {0, 0, kSpin});
 
-  for (int step = 0; step < kLongSpin; ++step) {
-    const double before = world_.GetPose(wheel).yaw;
-    world_.Step(kStep);
-    ASSERT_NEAR(Turn(before, world_.GetPose(wheel).yaw), kSpin * kStep, 2e-6) << "step " << step;
-  }
+  ExpectSteadyTurn(world_, wheel);
 }
 
 TEST_F(WorldTest, SpinsOnWithAHingedArmWithinItsLimits) {
