@@ -1,9 +1,14 @@
+from pathlib import Path
+
 from catkin_pkg.python_setup import generate_distutils_setup
-from setuptools import setup
+from setuptools import find_packages, setup
+
+SOURCES = Path(__file__).resolve().parent / "src"
 
 setup(
     **generate_distutils_setup(
-        packages=["flatland_server", "flatland_server.benchmark", "flatland_server.ros"],
+        packages=find_packages(str(SOURCES), include=["flatland_server", "flatland_server.*"]),
         package_dir={"": "src"},
+        package_data={"flatland_server": ["py.typed", "*.pyi"]},
     )
 )

@@ -6,11 +6,7 @@ from typing import Any, Dict, List
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError
-from flatland_server.geometry import Pose
-from flatland_server.simulation_manager import SimulationManager
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
+from flatland_server import FlatlandError, Pose, SimulationManager, Timekeeper, World
 
 CONVEYOR = Path(__file__).resolve().parents[1] / "worlds" / "conveyor" / "world.yaml"
 

@@ -11,16 +11,16 @@ import pytest
 from PIL import Image
 
 from flatland_server import _core
-from flatland_server.collision_filter_registry import AnyLayer
-from flatland_server.entity import Entity
-from flatland_server.local_transport import LocalTransport
-from flatland_server.model import ModelConfig
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.node import Node
-from flatland_server.plugin import Plugin
+from flatland_server.config.yaml_reader import REQUIRED, YamlReader
+from flatland_server.models.collision_filter_registry import AnyLayer
+from flatland_server.models.entity import Entity
+from flatland_server.models.model import ModelConfig
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin import Plugin
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
-from flatland_server.yaml_reader import REQUIRED, YamlReader
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.node import Node
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 PAGE = DOCS / "files.md"

@@ -1,8 +1,6 @@
 """ConstVelocity: a body that moves at a constant velocity."""
 
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import ModelPlugin, Timekeeper, YamlReader
 
 
 class ConstVelocity(ModelPlugin):

@@ -5,11 +5,7 @@ from collections import Counter
 
 from std_msgs.msg import Int32
 
-from flatland_server.contact import Contact
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
 
 logger = logging.getLogger(__name__)
 
@@ -35,7 +31,7 @@ class ContactCounter(ModelPlugin):
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Called when the `update_timer` is due."""
-        if self._publisher.is_watched:
+        if self._publisher.has_subscribers:
             self._publisher.publish(Int32(sum(self._counts.values())))
 
     def on_shutdown(self) -> None:

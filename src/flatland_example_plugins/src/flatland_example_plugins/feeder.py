@@ -4,11 +4,7 @@ from typing import List
 
 from std_msgs.msg import Int32
 
-from flatland_server.geometry import Pose
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.world_plugin import WorldPlugin
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import Pose, Timekeeper, UpdateTimer, WorldPlugin, YamlReader
 
 
 class Feeder(WorldPlugin):

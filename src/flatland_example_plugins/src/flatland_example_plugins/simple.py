@@ -2,8 +2,7 @@
 
 import logging
 
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import ModelPlugin, YamlReader
 
 logger = logging.getLogger(__name__)
 

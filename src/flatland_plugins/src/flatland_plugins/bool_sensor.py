@@ -5,11 +5,7 @@ from typing import Set
 
 from std_msgs.msg import Bool
 
-from flatland_server.contact import Contact
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
 
 
 class BoolSensor(ModelPlugin):
@@ -44,6 +40,6 @@ class BoolSensor(ModelPlugin):
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes, and forgets the touches that are over."""
-        if self._publisher.is_watched:
+        if self._publisher.has_subscribers:
             self._publisher.publish(Bool(self._is_untold or bool(self._touching)))
         self._is_untold = False

@@ -8,11 +8,15 @@ from typing import Dict, List, Tuple
 from flatland_msgs.msg import Collision, Collisions, Vector2
 
 from flatland_plugins.messages import header
-from flatland_server.contact import Contact, ContactImpulse
-from flatland_server.model_plugin import ContactSides, ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import (
+    Contact,
+    ContactImpulse,
+    ContactSides,
+    ModelPlugin,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+)
 
 Point = Tuple[float, float]
 
@@ -82,7 +86,7 @@ class Bumper(ModelPlugin):
         self._touches = {key: touch for key, touch in self._touches.items() if touch.is_collision()}
         touches = [*self._touches.values(), *self._over]
         is_due = self._timer.check_update(timekeeper)
-        if (is_due or (self._publish_all and touches)) and self._publisher.is_watched:
+        if (is_due or (self._publish_all and touches)) and self._publisher.has_subscribers:
             collisions = Collisions(header=header(timekeeper.nanoseconds, self._frame))
             step_size = timekeeper.step_size
             collisions.collisions = [self._collision(touch, step_size) for touch in touches]

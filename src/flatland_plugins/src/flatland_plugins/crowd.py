@@ -11,12 +11,14 @@ from flatland_plugins.messages import fill_pose, header
 from flatland_plugins.obstacles import Bodies, Walls, seen_from
 from flatland_plugins.pedestrian import Pedestrian, model_of
 from flatland_plugins.social_force import Others, discs_apart, limit
-from flatland_server.arrays import FloatArray
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.world_config import ModelEntry
-from flatland_server.world_plugin import WorldPlugin
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import (
+    FloatArray,
+    ModelEntry,
+    Timekeeper,
+    UpdateTimer,
+    WorldPlugin,
+    YamlReader,
+)
 
 _MOST_SPEED = 1.3
 """What people reach at most, by what they want (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
@@ -79,7 +81,7 @@ class Crowd(WorldPlugin):
         """Publishes where people are, and moves them until the next update."""
         models = self.world.models
         self._people = [p for p in self._people if models.get(p.config.name) is p.model]
-        if self._publisher.is_watched:
+        if self._publisher.has_subscribers:
             self._publisher.publish(self._poses(timekeeper.nanoseconds))
         if self._people:
             dt = max(self._period, timekeeper.step_size)

@@ -4,11 +4,14 @@ from dataclasses import dataclass
 from typing import Collection, Dict, Tuple
 
 from flatland_plugins.social_force import SocialForce
-from flatland_server.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.footprint import Point
-from flatland_server.geometry import Pose
-from flatland_server.names import check_topic_name
-from flatland_server.yaml_reader import Color, YamlReader
+from flatland_server import (
+    CollisionFilterRegistry,
+    Color,
+    Point,
+    Pose,
+    YamlReader,
+    check_topic_name,
+)
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,7 @@
 from typing import Callable
 
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
-from flatland_server.model_body import ModelBody
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import ModelBody, YamlReader
 
 
 class DiffDrive(TwistDrive):

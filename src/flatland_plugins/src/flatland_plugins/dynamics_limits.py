@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import YamlReader
 
 
 class DynamicsLimits(NamedTuple):

@@ -5,11 +5,7 @@ from sensor_msgs.msg import NavSatFix, NavSatStatus
 from flatland_plugins.geodesy import TangentPlane
 from flatland_plugins.messages import header
 from flatland_plugins.sensor_frame import SensorFrame
-from flatland_server.geometry import Pose
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import ModelPlugin, Pose, Timekeeper, UpdateTimer, YamlReader
 
 
 class Gps(ModelPlugin):
@@ -39,13 +35,13 @@ class Gps(ModelPlugin):
 
     def has_work(self) -> bool:
         """Whether anybody listens."""
-        return self._publisher.is_watched or self._frame.is_watched
+        return self._publisher.has_subscribers or self._frame.has_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and the fix."""
         now = timekeeper.nanoseconds
         self._frame.publish(now)
-        if self._publisher.is_watched:
+        if self._publisher.has_subscribers:
             self._publisher.publish(self._fix(now))
 
     def _fix(self, nanoseconds: int) -> NavSatFix:

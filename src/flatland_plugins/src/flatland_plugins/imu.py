@@ -11,11 +11,14 @@ from sensor_msgs.msg import Imu as ImuMessage
 from flatland_plugins.messages import header
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
-from flatland_server.geometry import quaternion, wrap_angle
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import (
+    ModelPlugin,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+    quaternion,
+    wrap_angle,
+)
 
 STANDARD_GRAVITY = 9.80665  # [m/s^2] (3rd General Conference on Weights and Measures, 1901)
 
@@ -99,11 +102,11 @@ class Imu(ModelPlugin):
 
     def has_work(self) -> bool:
         """Whether anybody listens."""
-        return self._frame.is_watched or self._is_watched()
+        return self._frame.has_subscribers or self._has_subscribers()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Notes how the body moves, if somebody listens already."""
-        self._start = self._motion() if self._is_watched() else None
+        self._start = self._motion() if self._has_subscribers() else None
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and what is measured."""
@@ -115,14 +118,14 @@ class Imu(ModelPlugin):
         ax, ay = mean_acceleration(self._start, end, timekeeper.step_size)
         truth = np.array([0, 0, end.yaw, 0, 0, end.omega, ax, ay, self._config.gravity])
         for publisher, deviations in zip(self._publishers, (self._deviations, np.zeros(9))):
-            if publisher.is_watched:
+            if publisher.has_subscribers:
                 values = truth
                 if deviations.any():
                     values = truth + self._noise.at(now).standard_normal(9) * deviations
                 publisher.publish(self._message(now, values.tolist()))
 
-    def _is_watched(self) -> bool:
-        return any(publisher.is_watched for publisher in self._publishers)
+    def _has_subscribers(self) -> bool:
+        return any(publisher.has_subscribers for publisher in self._publishers)
 
     def _motion(self) -> Motion:
         return Motion(*self._body.physics_body.velocity, self._body.pose.yaw)

@@ -11,13 +11,15 @@ from sensor_msgs.msg import LaserScan
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
-from flatland_server._core import BeamFan
-from flatland_server.arrays import Float32Array
-from flatland_server.geometry import Pose
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import (
+    BeamFan,
+    Float32Array,
+    ModelPlugin,
+    Pose,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+)
 
 REFLECTANCE_LAYER = "reflectance"
 """What is on the layer of this name returns an intensity of 255."""
@@ -124,7 +126,7 @@ class Laser(ModelPlugin):
 
     def has_work(self) -> bool:
         """Whether to scan, or to tell where the lidar is."""
-        return self._has_to_scan() or self._frame.is_watched
+        return self._has_to_scan() or self._frame.has_subscribers
 
     def prepare_step(self, timekeeper: Timekeeper) -> None:
         """Has the lidars that are due scan together."""
@@ -139,7 +141,7 @@ class Laser(ModelPlugin):
             self._publisher.write(self._writer, now, *self._scan(now))
 
     def _has_to_scan(self) -> bool:
-        return self._config.always_publish or self._publisher.is_watched
+        return self._config.always_publish or self._publisher.has_subscribers
 
     def _scan(self, nanoseconds: int) -> Tuple[Float32Array, Float32Array]:
         laser = self._config

@@ -2,11 +2,7 @@
 
 import math
 
-from flatland_server._core import RelativePoses
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import ModelPlugin, RelativePoses, Timekeeper, UpdateTimer, YamlReader
 
 
 class ModelTfPublisher(ModelPlugin):
@@ -40,7 +36,7 @@ class ModelTfPublisher(ModelPlugin):
 
     def has_work(self) -> bool:
         """Whether anybody listens."""
-        return self.node.transforms_are_watched
+        return self.node.transforms_have_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transforms of now."""

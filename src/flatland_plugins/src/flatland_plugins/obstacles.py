@@ -6,11 +6,7 @@ import numpy as np
 
 from flatland_plugins.social_force import Others
 from flatland_plugins.wall_grid import WallGrid, nearest
-from flatland_server.arrays import FloatArray
-from flatland_server.footprint import Circle, Footprint, Point
-from flatland_server.layer import Layer
-from flatland_server.model import Model
-from flatland_server.model_body import ModelBody
+from flatland_server import Circle, FloatArray, Footprint, Layer, Model, ModelBody, Point
 
 
 class Walls:

@@ -12,11 +12,7 @@ from flatland_plugins.messages import fill_twist, header
 from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_plugins.odometry_writer import OdometryWriter, Twist
 from flatland_plugins.timed_noise import TimedNoise
-from flatland_server.geometry import Pose, wrap_angle
-from flatland_server.model_body import ModelBody
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.node import Frames, Publisher
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, YamlReader, wrap_angle
 
 Vector3 = Tuple[float, ...]
 
@@ -125,7 +121,7 @@ class OdometryPublisher:
 
     def has_work(self) -> bool:
         """Whether `publish` does anything: somebody listens, or a drift gathers."""
-        return self._drift is not None or self._is_watched()
+        return self._drift is not None or self._has_subscribers()
 
     def publish(self, nanoseconds: int) -> None:
         """Publishes what is listened to, for the present pose and velocity.
@@ -135,7 +131,7 @@ class OdometryPublisher:
         pose = self._body.pose
         if self._drift is not None:
             self._drift.advance(nanoseconds, pose)
-            if not self._is_watched():
+            if not self._has_subscribers():
                 return
         local: Twist = self._body.physics_body.local_velocity
         believed = pose if self._drift is None else self._drift.pose
@@ -147,22 +143,22 @@ class OdometryPublisher:
             vx, vy, omega = (value + error for value, error in zip(local, noise[3:]))
             felt = (vx, vy, omega)
 
-        if self._twist is not None and self._twist.is_watched:
+        if self._twist is not None and self._twist.has_subscribers:
             twist = TwistStamped(header=header(nanoseconds, self._base_frame))
             fill_twist(twist.twist, *felt)
             self._twist.publish(twist)
-        if self._odom is not None and self._odom.is_watched:
+        if self._odom is not None and self._odom.has_subscribers:
             self._write(self._odom, self._odom_writer, nanoseconds, believed, felt)
-        if self._ground_truth is not None and self._ground_truth.is_watched:
+        if self._ground_truth is not None and self._ground_truth.has_subscribers:
             self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, pose, local)
-        if self._frame is not None and self._node.transforms_are_watched:
+        if self._frame is not None and self._node.transforms_have_subscribers:
             self._frame.send(nanoseconds, [believed])
 
-    def _is_watched(self) -> bool:
-        if self._frame is not None and self._node.transforms_are_watched:
+    def _has_subscribers(self) -> bool:
+        if self._frame is not None and self._node.transforms_have_subscribers:
             return True
         publishers = (self._twist, self._odom, self._ground_truth)
-        return any(publisher is not None and publisher.is_watched for publisher in publishers)
+        return any(publisher is not None and publisher.has_subscribers for publisher in publishers)
 
     def _noise_at(self, nanoseconds: int) -> List[float]:
         """Of the pose and the velocity."""

@@ -5,7 +5,7 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland_server.geometry import Pose
+from flatland_server import Pose
 
 
 class OdometryDrift:

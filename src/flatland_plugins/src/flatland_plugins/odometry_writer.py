@@ -7,8 +7,7 @@ from typing import Any, Sequence, Tuple
 from nav_msgs.msg import Odometry
 
 from flatland_plugins.messages import fill_pose, fill_twist, header
-from flatland_server.geometry import Pose, quaternion
-from flatland_server.message_writer import MessageWriter
+from flatland_server import MessageWriter, Pose, quaternion
 
 Twist = Tuple[float, float, float]
 

@@ -6,10 +6,16 @@ from pathlib import Path
 from typing import Tuple
 
 from flatland_plugins.crowd_config import PedestrianConfig
-from flatland_server.footprint import Circle, Footprint, Point
-from flatland_server.geometry import Pose, wrap_angle
-from flatland_server.model import Model, ModelConfig
-from flatland_server.model_body import BodyConfig
+from flatland_server import (
+    BodyConfig,
+    Circle,
+    Footprint,
+    Model,
+    ModelConfig,
+    Point,
+    Pose,
+    wrap_angle,
+)
 
 _MASS = 80.0
 """Of everybody [kg]."""

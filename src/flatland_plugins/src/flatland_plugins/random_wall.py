@@ -3,10 +3,7 @@
 import numpy as np
 
 from flatland_plugins.wall_grid import nearest
-from flatland_server.arrays import FloatArray, Segments
-from flatland_server.exceptions import FlatlandError
-from flatland_server.world_plugin import WorldPlugin
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import FlatlandError, FloatArray, Segments, WorldPlugin, YamlReader
 
 
 class RandomWall(WorldPlugin):

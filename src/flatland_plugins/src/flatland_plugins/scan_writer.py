@@ -6,8 +6,7 @@ from typing import Any
 from sensor_msgs.msg import LaserScan
 
 from flatland_plugins.messages import header
-from flatland_server.arrays import Float32Array
-from flatland_server.message_writer import MessageWriter
+from flatland_server import Float32Array, MessageWriter
 
 
 class ScanWriter(MessageWriter):

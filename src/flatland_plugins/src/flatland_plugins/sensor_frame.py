@@ -1,8 +1,6 @@
 """The frame of a sensor that is mounted on a body."""
 
-from flatland_server.geometry import Pose, Transform
-from flatland_server.model_body import ModelBody
-from flatland_server.model_plugin import ModelPlugin
+from flatland_server import ModelBody, ModelPlugin, Pose, Transform
 
 
 class SensorFrame:
@@ -37,13 +35,13 @@ class SensorFrame:
             self._node.claim_frame(self._parent, self.name)
 
     @property
-    def is_watched(self) -> bool:
+    def has_subscribers(self) -> bool:
         """Whether the transform is published and anybody listens."""
-        return self._broadcast and self._node.transforms_are_watched
+        return self._broadcast and self._node.transforms_have_subscribers
 
     def publish(self, nanoseconds: int) -> None:
         """Sends the transform, if anybody listens."""
-        if self.is_watched:
+        if self.has_subscribers:
             self._node.send_transform(
                 Transform(nanoseconds, self._parent, self.name, self._pose, self._roll)
             )

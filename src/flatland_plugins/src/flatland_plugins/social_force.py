@@ -25,7 +25,7 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from flatland_server.arrays import FloatArray
+from flatland_server import FloatArray
 
 _VELOCITY_WEIGHT = 2.0
 """lambda [s/m]: how much the relative velocity counts beside the direction of the other."""

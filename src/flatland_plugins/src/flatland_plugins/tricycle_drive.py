@@ -6,9 +6,7 @@ from typing import Callable, Optional, Tuple
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
-from flatland_server.joint import Joint
-from flatland_server.model_body import ModelBody
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import Joint, ModelBody, YamlReader
 
 logger = logging.getLogger(__name__)
 

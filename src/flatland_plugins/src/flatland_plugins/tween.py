@@ -2,9 +2,7 @@
 
 from std_msgs.msg import Bool
 
-from flatland_server._core import EASINGS, TWEEN_MODES
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import EASINGS, TWEEN_MODES, ModelPlugin, YamlReader
 
 
 class Tween(ModelPlugin):

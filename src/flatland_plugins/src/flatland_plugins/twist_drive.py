@@ -11,12 +11,7 @@ from geometry_msgs.msg import Twist
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.odometry import OdometryConfig, OdometryPublisher
-from flatland_server.contact import GoneError
-from flatland_server.model_body import ModelBody
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
-from flatland_server.yaml_reader import YamlReader
+from flatland_server import GoneError, ModelBody, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
 
 logger = logging.getLogger(__name__)
 

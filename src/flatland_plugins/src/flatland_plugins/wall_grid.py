@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from flatland_plugins.social_force import Others, directions
-from flatland_server.arrays import FloatArray, IntArray, Segments
+from flatland_server import FloatArray, IntArray, Segments
 
 _FAR_AWAY = 1e9
 """Where walls stand that are not there [m]: far enough to be without any effect."""

@@ -9,12 +9,12 @@ import pytest
 from geometry_msgs.msg import Twist
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.local_transport import LocalTransport
-from flatland_server.model import Model
-from flatland_server.node import Publisher
-from flatland_server.plugin_loader import PluginLoader
+from flatland_server.models.model import Model
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.node import Publisher
 
 pytest.register_assert_rewrite("bumping", "forklift", "readings")
 
@@ -147,16 +147,16 @@ class DeafTransport(LocalTransport):
         return self.publishers[-1]
 
     @property
-    def transforms_are_watched(self) -> bool:
+    def transforms_have_subscribers(self) -> bool:
         return False
 
     @property
-    def listeners_version(self) -> object:
+    def subscriber_revision(self) -> object:
         return object()  # tests let publishers be watched without a word
 
 
 class _DeafPublisher(Publisher):
-    is_watched = False
+    has_subscribers = False
 
     def __init__(self, transport: DeafTransport, topic: str, publisher: Any) -> None:
         self._transport = transport

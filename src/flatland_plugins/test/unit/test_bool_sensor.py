@@ -352,7 +352,7 @@ def test_nothing_is_published_that_nobody_listens_to(files, deaf_transport):
 def test_who_begins_to_listen_during_a_touch_hears_of_it(files, deaf_transport):
     world = move(with_ball(files, transport=deaf_transport), 0.1).run(0.1)
 
-    deaf_transport.publishers[0].is_watched = True
+    deaf_transport.publishers[0].has_subscribers = True
 
     assert said(world.run())
 

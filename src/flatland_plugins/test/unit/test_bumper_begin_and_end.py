@@ -16,8 +16,8 @@ from bumping import (
 )
 
 from flatland_server.geometry import Pose
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader, discover
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader, discover
 
 
 class Ghost(ModelPlugin):

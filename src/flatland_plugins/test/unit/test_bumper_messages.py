@@ -101,7 +101,7 @@ def test_nothing_is_published_that_nobody_listens_to(files, deaf_transport):
 def test_who_begins_to_listen_in_the_midst_of_a_collision_hears_of_it(files, deaf_transport):
     robot = throw(files.robot(BUMPER, layers=wall(files), transport=deaf_transport), 1.0).run(1.5)
 
-    deaf_transport.publishers[0].is_watched = True
+    deaf_transport.publishers[0].has_subscribers = True
     press(robot, (2.0, 0.0), 0.005)
 
     [collision] = now(robot)

@@ -18,7 +18,7 @@ from townspeople import (
     walk,
 )
 
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
 BLIND = "force: {noise: 0, repulsion: 0, evasion: 0}"

@@ -6,7 +6,7 @@ import pytest
 from townspeople import ROOM, SPEED, UPDATE, position, robot
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 # The topic
 

@@ -8,7 +8,7 @@ from townspeople import TOWARDS_EACH_OTHER, position
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 
 def test_people_are_models_named_after_their_crowd_or_themselves(town):

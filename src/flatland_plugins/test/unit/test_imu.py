@@ -319,7 +319,7 @@ def test_one_topic_is_published_without_the_other(files, deaf_transport):
     robot = files.robot(NOISY, transport=deaf_transport)
     _, ground_truth = deaf_transport.publishers
 
-    ground_truth.is_watched = True
+    ground_truth.has_subscribers = True
     robot.run(0.01)
 
     assert deaf_transport.published == ["imu/ground_truth"] * 2
@@ -329,7 +329,7 @@ def test_the_first_message_to_a_new_listener_is_right(files, deaf_transport):
     robot = files.robot(IMU, DRIVE, transport=deaf_transport).drive(2.0, 2.0).run(1.0)
 
     for publisher in deaf_transport.publishers:
-        publisher.is_watched = True
+        publisher.has_subscribers = True
     robot.run()
 
     assert acceleration_of(robot.last(GROUND_TRUTH)) == closely(0.0, 4.0)
@@ -344,15 +344,15 @@ class ListeningPhysics:
 
     def step(self, dt: float) -> None:
         self._physics.step(dt)
-        self._publisher.is_watched = True
+        self._publisher.has_subscribers = True
 
 
 def test_who_starts_to_listen_again_during_a_step_hears_of_the_next(files, deaf_transport):
     robot = files.robot(IMU, DRIVE, transport=deaf_transport).drive(2.0, 2.0).run(1.0)
     [_, ground_truth, *_] = deaf_transport.publishers
-    ground_truth.is_watched = True
+    ground_truth.has_subscribers = True
     earlier = robot.run().last(GROUND_TRUTH)
-    ground_truth.is_watched = False
+    ground_truth.has_subscribers = False
     robot.run(0.5)
     robot.world.physics = ListeningPhysics(robot.world.physics, ground_truth)
 

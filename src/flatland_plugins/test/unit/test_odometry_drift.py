@@ -238,7 +238,7 @@ def test_a_listener_does_not_change_the_drift(files, deaf_transport, hears_after
     robot.drive(0.5, 0.3).run(hears_after * 0.005)
     assert deaf_transport.published == []
     for publisher in deaf_transport.publishers:
-        publisher.is_watched = True
+        publisher.has_subscribers = True
     heard_late = drifted(robot, 1.0 - hears_after * 0.005)
 
     assert heard_late == always_heard[hears_after:]

@@ -9,7 +9,7 @@ import pytest
 from flatland_plugins.random_wall import copies_beside
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
 COPIES = {  # of the room's walls, 0.5 m inwards

@@ -92,7 +92,7 @@ def test_a_listener_does_not_change_the_noise(files, deaf_transport, hears_after
 
     simulation.drive(0.5, 0.3).run(hears_after * 0.005)
     for publisher in deaf_transport.publishers:
-        publisher.is_watched = True
+        publisher.has_subscribers = True
     said = numbers(simulation, 1.0 - hears_after * 0.005)
 
     assert said[10:] == always_heard[hears_after + 10 :]

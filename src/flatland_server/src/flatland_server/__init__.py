@@ -1,4 +1,130 @@
 """Flatland's server: worlds in YAML, moved by Box2D, with robots made of plugins.
 
-Everything outside `flatland_server.ros` works without a ROS master.
+What is listed here is the public interface, for plugins and for programs that step a world:
+
+    from flatland_server import ModelPlugin, Timekeeper, YamlReader
+
+Modules below are implementation: they may change. Everything but `flatland_server.ros` works
+without a ROS master.
 """
+
+from flatland_server import _deprecated
+from flatland_server._core import (
+    EASINGS,
+    TWEEN_MODES,
+    BeamFan,
+    Body,
+    Contact,
+    ContactImpulse,
+    Drive,
+    Fixture,
+    GoneError,
+    Lidar,
+    Manifold,
+    RelativePoses,
+    Tricycle,
+    Tween,
+)
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.config.ros_names import check_topic_name
+from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
+from flatland_server.exceptions import (
+    FlatlandError,
+    LayerError,
+    ModelError,
+    PluginError,
+    Problem,
+    YamlError,
+)
+from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
+from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.models.entity import Entity
+from flatland_server.models.footprint import Circle, Footprint, Polygon
+from flatland_server.models.joint import Joint
+from flatland_server.models.layer import Layer
+from flatland_server.models.model import Model, ModelConfig
+from flatland_server.models.model_body import BodyConfig, ModelBody
+from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.plugins.world_plugin import WorldPlugin
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.message_writer import MessageWriter
+from flatland_server.transport.node import Frames, Node, Publisher, Subscription, Transport
+from flatland_server.update_timer import UpdateTimer
+
+__all__ = [
+    "EASINGS",
+    "REQUIRED",
+    "TWEEN_MODES",
+    "BeamFan",
+    "Body",
+    "BodyConfig",
+    "BoolArray",
+    "Circle",
+    "CollisionFilterRegistry",
+    "Color",
+    "Contact",
+    "ContactImpulse",
+    "ContactSides",
+    "Drive",
+    "Entity",
+    "Fixture",
+    "FlatlandError",
+    "Float32Array",
+    "FloatArray",
+    "Footprint",
+    "Frames",
+    "GoneError",
+    "IntArray",
+    "Joint",
+    "Layer",
+    "LayerError",
+    "Lidar",
+    "LocalTransport",
+    "Manifold",
+    "MessageWriter",
+    "Model",
+    "ModelBody",
+    "ModelConfig",
+    "ModelEntry",
+    "ModelError",
+    "ModelPlugin",
+    "Node",
+    "PluginDeclaration",
+    "PluginError",
+    "PluginLoader",
+    "Point",
+    "Polygon",
+    "Pose",
+    "Problem",
+    "Publisher",
+    "RelativePoses",
+    "Segments",
+    "SimulationManager",
+    "Subscription",
+    "Timekeeper",
+    "Transform",
+    "Transport",
+    "Tricycle",
+    "Tween",
+    "UpdateTimer",
+    "World",
+    "WorldConfig",
+    "WorldPlugin",
+    "YamlError",
+    "YamlReader",
+    "check_topic_name",
+    "fill_pose",
+    "fill_twist",
+    "header",
+    "quaternion",
+    "ros_time",
+    "wrap_angle",
+]
+
+_deprecated.install_moved_modules(__name__)

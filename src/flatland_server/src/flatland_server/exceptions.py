@@ -3,6 +3,7 @@
     FlatlandError
     ├── YamlError      files that cannot be read or say something impossible; knows file and line
     ├── ModelError     a model that is not there, or a name that is taken or cannot be used
+    ├── LayerError     a layer that is not there
     └── PluginError    a plugin that is unknown or cannot be imported
 
 The core adds `GoneError` (a `ReferenceError`): a handle whose body, joint or drive was deleted.
@@ -87,6 +88,10 @@ class YamlError(FlatlandError):
 
 class ModelError(FlatlandError):
     """A model that does not exist, or a name that is taken or cannot be used."""
+
+
+class LayerError(FlatlandError):
+    """A layer that does not exist."""
 
 
 class PluginError(FlatlandError):

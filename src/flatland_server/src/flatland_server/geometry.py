@@ -3,6 +3,9 @@
 import math
 from typing import NamedTuple, Tuple
 
+Point = Tuple[float, float]
+"""x and y [m]."""
+
 
 class Pose(NamedTuple):
     """Position [m] and heading [rad] of one frame in another."""

@@ -4,7 +4,7 @@ import logging
 
 from std_msgs.msg import Empty
 
-from flatland_server.model_plugin import ModelPlugin
+from flatland_server.plugins.model_plugin import ModelPlugin
 
 logger = logging.getLogger(__name__)
 

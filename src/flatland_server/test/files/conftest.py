@@ -11,9 +11,9 @@ from PIL import Image, ImageDraw
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
-from flatland_server.local_transport import LocalTransport
-from flatland_server.plugin_loader import PluginLoader, _read_declarations
-from flatland_server.world import World
+from flatland_server.plugins.plugin_loader import PluginLoader, _read_declarations
+from flatland_server.simulation.world import World
+from flatland_server.transport.local_transport import LocalTransport
 
 # Equal cases in every run, and no files left behind.
 hypothesis.settings.register_profile("flatland", derandomize=True, database=None, deadline=None)

@@ -18,7 +18,7 @@ class Blockade:
             raise ImportError(f"{name} is blocked")
 
 sys.meta_path.insert(0, Blockade())
-from flatland_server.check_world import main
+from flatland_server.tools.check_world import main
 sys.exit(main(sys.argv[1:]))
 """
 SUMMARY = "3 layers, {} segments, 1 model, 2 bodies, 2 plugins"

@@ -4,9 +4,9 @@ import pytest
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
-from flatland_server.local_transport import LocalTransport
+from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world_config import WorldConfig
+from flatland_server.transport.local_transport import LocalTransport
 
 DISC = "{bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]}"
 FILES = [

@@ -8,8 +8,8 @@ from typing import Any, Tuple
 
 import pytest
 
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import YamlError
-from flatland_server.yaml_preprocessor import YamlPreprocessor
 
 
 class Unprintable:

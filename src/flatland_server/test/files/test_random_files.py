@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.footprint import Circle
-from flatland_server.world import World
-from flatland_server.world_config import WorldConfig
+from flatland_server.models.footprint import Circle
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
 
 bounded = settings(
     derandomize=True,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from flatland_server.simplify_outlines import TOLERANCES, simplify
-from flatland_server.wall_outlines import outlines
+from flatland_server.maps.simplify_outlines import TOLERANCES, simplify
+from flatland_server.maps.wall_outlines import outlines
 
 
 def picture(draw_on, size: int = 120) -> np.ndarray:

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 import yaml
 
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import YamlError
-from flatland_server.yaml_preprocessor import YamlPreprocessor
 
 
 @pytest.fixture

@@ -8,10 +8,10 @@ import hypothesis
 import pytest
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.local_transport import LocalTransport
-from flatland_server.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
+from flatland_server.transport.local_transport import LocalTransport
 
 pytest.register_assert_rewrite(
     "deferred.stage", "plugin_manager.recorders", "world.parts", "yaml_reader.reading"

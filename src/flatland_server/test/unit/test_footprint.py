@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from flatland_server.footprint import Circle, Footprint, Polygon
-from flatland_server.model import ModelConfig
+from flatland_server.models.footprint import Circle, Footprint, Polygon
+from flatland_server.models.model import ModelConfig
 
 SQUARE = "[[0, 0], [1, 0], [1, 1], [0, 1]]"
 PENTAGRAM = [

@@ -9,7 +9,7 @@ from PIL import Image
 
 from flatland_server import _core
 from flatland_server.exceptions import YamlError
-from flatland_server.layer import read_map
+from flatland_server.models.layer import read_map
 from flatland_server.timekeeper import Timekeeper
 
 ONE_PIXEL = {((1, 1), (2, 1)), ((1, 2), (2, 2)), ((1, 1), (1, 2)), ((2, 1), (2, 2))}

@@ -345,7 +345,7 @@ def test_a_damping_beyond_single_precision_does_not_end_the_process(files, key):
         import sys
         from pathlib import Path
         from flatland_server.exceptions import FlatlandError
-        from flatland_server.world import World
+        from flatland_server.simulation.world import World
         try:
             World.from_file(Path(sys.argv[1]))
         except FlatlandError:

@@ -7,8 +7,8 @@ from typing import Any, List
 import pytest
 
 from flatland_server.geometry import Pose, Transform
-from flatland_server.local_transport import LocalTransport
-from flatland_server.node import Node
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.node import Node
 
 
 @pytest.fixture

@@ -1,26 +1,42 @@
-"""The one-way street: who may import whom, and that no ROS-free module needs rospy."""
+"""The architecture, enforced: which folder may import which, and where rospy is allowed."""
 
 import ast
 import subprocess
 import sys
 from pathlib import Path
-from typing import Iterator, List, Tuple
+from typing import Dict, Iterator, List, Set, Tuple
 
 import pytest
 
 SRC = Path(__file__).resolve().parents[3]
 ROSPY = ("rospy", "rosgraph", "roslaunch", "tf2_ros", "flatland_server.ros")
 
+LAYERS = (  # each may import those before it
+    "",  # modules at the top: exceptions, geometry, ...
+    "config",
+    "maps",
+    "models",
+    "transport",
+    "messages",
+    "plugins",
+    "simulation",
+    "tools",
+    "ros.rospy_patches",
+    "ros",
+    "benchmark",
+)
+PUBLIC_FRONT = "flatland_server/__init__.py"
+
 IMPORT_WITHOUT_ROSPY = """
 import importlib
 import sys
 
-class Wall:
+class Blocker:
     def find_spec(self, name, path=None, target=None):
         if name.partition(".")[0] in ("rospy", "rosgraph", "roslaunch"):
             raise ModuleNotFoundError(f"{name} is blocked")
 
-sys.meta_path.insert(0, Wall())
+sys.meta_path.insert(0, Blocker())
 for name in sys.argv[1:]:
     importlib.import_module(name)
 """
@@ -32,19 +48,23 @@ def sources(package: str) -> List[Path]:
 
 
 def module_name(path: Path) -> str:
-    """What a file is called when it is imported."""
+    """The name under which a file is imported."""
     words = path.with_suffix("").parts[len(SRC.parts) + 2 :]
     return ".".join(words[:-1] if words[-1] == "__init__" else words)
 
 
-def is_at_the_ros_edge(path: Path) -> bool:
+def is_ros_module(path: Path) -> bool:
     """Whether a file belongs to flatland_server.ros."""
-    return module_name(path).startswith("flatland_server.ros")
+    return f"{module_name(path)}.".startswith("flatland_server.ros.")
 
 
 def imports(path: Path) -> Iterator[Tuple[int, str]]:
-    """The lines of a file's imports, wherever they stand, with what is imported."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    """The line and the target of each import in a file, except those for type checkers alone."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            node.body = []
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -52,14 +72,33 @@ def imports(path: Path) -> Iterator[Tuple[int, str]]:
             yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
 
 
-def trespasses(paths: List[Path], forbidden: Tuple[str, ...]) -> List[str]:
-    """The imports, in these files, of packages that they must not know."""
+def forbidden_imports(paths: List[Path], forbidden: Tuple[str, ...]) -> List[str]:
+    """The imports of forbidden packages in these files."""
     return [
         f"{path.relative_to(SRC)}:{line}: imports {name}"
         for path in paths
         for line, name in imports(path)
         if any(f"{name}.".startswith(f"{word}.") for word in forbidden)
     ]
+
+
+def folder_of(module: str) -> str:
+    """The folder of flatland_server that a module or a name in it belongs to."""
+    rest = f"{module}.".partition("flatland_server.")[2]
+    folders = [folder for folder in LAYERS if folder and rest.startswith(f"{folder}.")]
+    return max(folders, key=len, default="")
+
+
+def folder_imports() -> Dict[str, Set[str]]:
+    """The other folders that each folder of flatland_server imports."""
+    found: Dict[str, Set[str]] = {}
+    for path in sources("flatland_server"):
+        if str(path).endswith(PUBLIC_FRONT):
+            continue
+        folder = folder_of(module_name(path))
+        names = [name for _, name in imports(path) if name.startswith("flatland_server.")]
+        found.setdefault(folder, set()).update({folder_of(name) for name in names} - {folder})
+    return found
 
 
 def import_without_rospy(modules: List[str]) -> "subprocess.CompletedProcess[str]":
@@ -70,7 +109,7 @@ def import_without_rospy(modules: List[str]) -> "subprocess.CompletedProcess[str
 
 
 def test_ros_free_modules_need_no_rospy():
-    paths = [p for p in sources("flatland_server") if not is_at_the_ros_edge(p)]
+    paths = [p for p in sources("flatland_server") if not is_ros_module(p)]
     modules = [module_name(path) for path in [*paths, *sources("flatland_plugins")]]
 
     result = import_without_rospy(modules)
@@ -79,7 +118,7 @@ def test_ros_free_modules_need_no_rospy():
     assert result.returncode == 0, result.stderr
 
 
-def test_the_blockade_is_real():
+def test_rospy_is_really_blocked():
     result = import_without_rospy(["flatland_server.ros.server"])
 
     assert "rospy is blocked" in result.stderr
@@ -93,13 +132,47 @@ def test_the_blockade_is_real():
         ("flatland_viz", ("flatland_plugins", "flatland_server")),
     ],
 )
-def test_imports_go_one_way(package, forbidden):
-    assert trespasses(sources(package), forbidden) == []
+def test_packages_import_one_way(package, forbidden):
+    assert forbidden_imports(sources(package), forbidden) == []
 
 
-def test_only_the_ros_edge_imports_rospy():
-    inside = [path for path in sources("flatland_server") if not is_at_the_ros_edge(path)]
-    edge = [path for path in sources("flatland_server") if is_at_the_ros_edge(path)]
+def test_every_folder_has_a_place_in_the_order():
+    folders = {path.parent for path in sources("flatland_server")}
+    names = {".".join(f.parts[len(SRC.parts) + 3 :]) for f in folders}
 
-    assert trespasses(inside, ROSPY) == []
-    assert trespasses(edge, ("rospy",)) != []
+    assert names <= set(LAYERS)
+
+
+def test_folders_import_one_way():
+    upward = {
+        f"{folder or 'top'} imports {target or 'top'}"
+        for folder, targets in folder_imports().items()
+        for target in targets
+        if LAYERS.index(target) > LAYERS.index(folder)
+    }
+
+    assert upward == set()
+
+
+def test_nothing_within_imports_the_public_front():
+    within = [p for p in sources("flatland_server") if not str(p).endswith(PUBLIC_FRONT)]
+    modules = {module_name(path) for path in sources("flatland_server")} | {
+        "flatland_server._core",
+        "flatland_server._box2d_rays",
+    }
+    from_the_front = [
+        f"{path.relative_to(SRC)}:{line}: imports {name}"
+        for path in within
+        for line, name in imports(path)
+        if name.startswith("flatland_server.") and name.count(".") == 1 and name not in modules
+    ]
+
+    assert from_the_front == []
+
+
+def test_only_the_folder_ros_imports_rospy():
+    outside = [path for path in sources("flatland_server") if not is_ros_module(path)]
+    inside = [path for path in sources("flatland_server") if is_ros_module(path)]
+
+    assert forbidden_imports(outside, ROSPY) == []
+    assert forbidden_imports(inside, ("rospy",)) != []

@@ -8,12 +8,12 @@ from typing import Iterator, List
 import pytest
 
 from flatland_server.exceptions import PluginError
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.plugin_loader import PluginLoader
-from flatland_server.world_plugin import WorldPlugin
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.world_plugin import WorldPlugin
 
 MODULE = """
-from flatland_server.model_plugin import ModelPlugin
+from flatland_server.plugins.model_plugin import ModelPlugin
 class {name}(ModelPlugin):
     pass
 """

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from flatland_server.benchmark.robot_worlds import RADIUS, free_places, write_world
-from flatland_server.layer import read_map
+from flatland_server.models.layer import read_map
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
 
 WORLDS = Path(__file__).parents[2] / "worlds"
 OFFICE = WORLDS / "office" / "office.yaml"

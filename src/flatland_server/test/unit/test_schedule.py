@@ -4,11 +4,11 @@ from typing import Any, List
 
 import pytest
 
-from flatland_server.local_transport import LocalTransport
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.update_timer import UpdateTimer
 
 BODY = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]\n"
@@ -38,7 +38,7 @@ class Speaker(Periodic):
 
     def has_work(self):
         self.asked += 1
-        return self.publisher.is_watched
+        return self.publisher.has_subscribers
 
 
 class Fickle(Periodic):
@@ -69,7 +69,7 @@ def load(files):
     def load(*plugins: str, watched=None):
         lines = "".join(f"\n  - {{{plugin}}}" for plugin in plugins)
         files.write("robot.yaml", f"{BODY}plugins:{lines}\n")
-        transport = LocalTransport(watched=watched)
+        transport = LocalTransport(subscribed_topics=watched)
         world = files.load(
             "properties: {}\nlayers: []\nmodels: [{name: robot, model: robot.yaml}]",
             transport=transport,
@@ -109,10 +109,10 @@ def test_who_has_no_work_is_not_called(load):
 
     assert run(manager, 3) == []
 
-    transport.watch({"/speech"})
+    transport.set_subscribed_topics({"/speech"})
     assert run(manager, 2) == [(3, "always"), *[(4, "always"), (4, "slow")]]
 
-    transport.watch(())
+    transport.set_subscribed_topics(())
     calls.clear()
     assert run(manager, 20) == []
 
@@ -120,7 +120,7 @@ def test_who_has_no_work_is_not_called(load):
 def test_a_rate_goes_on_while_there_is_no_work(load):
     manager, transport = load("type: Speaker, name: slow, rate: 50", watched=())
     run(manager, 7)
-    transport.watch({"/speech"})
+    transport.set_subscribed_topics({"/speech"})
 
     assert run(manager, 6) == [(8, "slow"), (12, "slow")]
 

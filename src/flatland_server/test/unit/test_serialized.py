@@ -8,8 +8,8 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.geometry import Pose, Transform, quaternion
-from flatland_server.ros.serialized_markers import MovingMarkers, array_of, serialized
-from flatland_server.ros.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.messages.serialized_markers import MovingMarkers, array_of, serialized
+from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
 
 
 def sent(message) -> bytes:

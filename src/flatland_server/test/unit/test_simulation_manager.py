@@ -5,12 +5,12 @@ from typing import Any, Callable, List
 
 import pytest
 
-from flatland_server import simulation_manager
-from flatland_server.local_transport import LocalTransport
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.simulation import simulation_manager
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
-from flatland_server.world_config import WorldConfig
+from flatland_server.transport.local_transport import LocalTransport
 
 
 class Clock:
@@ -213,7 +213,7 @@ def test_what_is_due_at_each_turn_happens_in_a_pause_too(make_manager):
     manager = make_manager()
     happened: List[str] = []
     manager.after_step.append(lambda: happened.append("step"))
-    manager.each_turn.append(lambda: happened.append("turn"))
+    manager.on_tick.append(lambda: happened.append("turn"))
 
     manager.run(turns(2))
     manager.pause()
@@ -226,7 +226,7 @@ def test_at_full_speed_listeners_have_a_turn_every_millisecond(make_manager, clo
     manager = make_manager(math.inf)
     happened: List[int] = []
     manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.0003))
-    manager.each_turn.append(lambda: happened.append(steps(manager)))
+    manager.on_tick.append(lambda: happened.append(steps(manager)))
 
     manager.run(turns(13))
 
@@ -236,7 +236,7 @@ def test_at_full_speed_listeners_have_a_turn_every_millisecond(make_manager, clo
 def test_listeners_have_a_turn_before_each_wait_however_short(make_manager, clock):
     manager = make_manager(10_000.0)
     happened: List[int] = []
-    manager.each_turn.append(lambda: happened.append(steps(manager)))
+    manager.on_tick.append(lambda: happened.append(steps(manager)))
 
     manager.run(turns(5))
 

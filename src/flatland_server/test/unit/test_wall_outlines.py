@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 from PIL import Image
 
-from flatland_server.wall_outlines import bright_pixels, outlines
+from flatland_server.maps.wall_outlines import bright_pixels, outlines
 
 Point = Tuple[int, int]
 Segment = Tuple[Point, Point]

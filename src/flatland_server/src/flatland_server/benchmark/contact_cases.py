@@ -8,11 +8,11 @@ import numpy as np
 
 from flatland_server._core import Contact, ContactImpulse, Manifold
 from flatland_server.benchmark.case import Case, Figures
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
-from flatland_server.yaml_reader import YamlReader
 
 
 class Idle(ModelPlugin):

@@ -8,7 +8,7 @@ import yaml
 from PIL import Image
 
 from flatland_server.arrays import BoolArray, FloatArray
-from flatland_server.wall_outlines import bright_pixels
+from flatland_server.maps.wall_outlines import bright_pixels
 
 
 class FreeSpace(NamedTuple):

@@ -8,7 +8,7 @@ from pathlib import Path
 from flatland_server.benchmark.case import Case, Figures
 from flatland_server.benchmark.figures import peak_memory
 from flatland_server.benchmark.scenes import write_noisy_map
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 _SPECKS = 0.006
 """The share of black pixels in a very noisy map, which has some 400,000 segments."""

@@ -12,9 +12,9 @@ from flatland_server.benchmark.case import Case, Figures
 from flatland_server.benchmark.figures import ROBOTS, durations, in_words, peak_memory
 from flatland_server.benchmark.robot_worlds import write_world
 from flatland_server.geometry import Pose
-from flatland_server.local_transport import LocalTransport
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
+from flatland_server.transport.local_transport import LocalTransport
 
 _STEP_SIZE = 0.005
 _SCAN_PERIOD = 20
@@ -28,7 +28,7 @@ def run_robots(worlds: Path, robots: int) -> Figures:
     """So many robots in the office, as fast as they go."""
     with tempfile.TemporaryDirectory() as folder:
         world = World.from_file(
-            write_world(Path(folder), worlds, robots), LocalTransport(watched=())
+            write_world(Path(folder), worlds, robots), LocalTransport(subscribed_topics=())
         )
     figures = run(world)
     figures["step per robot [us]"] = figures["step [us]"] / robots

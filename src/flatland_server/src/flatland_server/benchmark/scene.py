@@ -13,7 +13,7 @@ from flatland_server.benchmark.exact_rays import (
 )
 from flatland_server.benchmark.outlines import trace_outlines
 from flatland_server.geometry import Pose
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 Point = Tuple[float, float]
 

@@ -10,7 +10,7 @@ from PIL import Image
 from flatland_server.benchmark.free_poses import free_poses, single_precision
 from flatland_server.benchmark.scene import Body, Circle, Polygon, Scene
 from flatland_server.geometry import Pose
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 POSES = 200
 """From how many poses each is looked at."""

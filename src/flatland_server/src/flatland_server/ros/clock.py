@@ -8,7 +8,7 @@ from rosgraph_msgs.msg import Clock
 from rospy import rostime
 from rospy.impl import simtime
 
-from flatland_server.ros.prompt_connection import send_framed
+from flatland_server.ros.rospy_patches.nonblocking_connection import send_framed
 from flatland_server.timekeeper import Timekeeper
 
 _TICK = struct.Struct("<III")  # the length of the rest, seconds, nanoseconds

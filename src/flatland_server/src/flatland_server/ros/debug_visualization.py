@@ -14,13 +14,13 @@ from flatland_msgs.msg import DebugTopicList
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from flatland_server.layer import Layer
-from flatland_server.model import Model
-from flatland_server.ros.model_markers import ModelMarkers
+from flatland_server.messages.model_markers import ModelMarkers
+from flatland_server.messages.serialized_markers import MarkerBytes, array_of, serialized
+from flatland_server.messages.wall_markers import wall_markers
+from flatland_server.models.layer import Layer
+from flatland_server.models.model import Model
 from flatland_server.ros.real_time_timer import RealTimeTimer
-from flatland_server.ros.serialized_markers import MarkerBytes, array_of, serialized
-from flatland_server.ros.wall_markers import wall_markers
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 FRAME_ID = "map"
 
@@ -69,7 +69,7 @@ class DebugVisualization:
             self._next_full = now + _FULL_PERIOD
         markers = [_DELETE_ALL] if has_changed else []
         for display in self._models.values():
-            if (listeners or display.is_watched) and display.place(with_all):
+            if (listeners or display.has_subscribers) and display.place(with_all):
                 markers.append(display.publish())
         if listeners and markers:
             self._all.publish(array_of(markers))
@@ -117,7 +117,7 @@ class _ModelDisplay:
         self._markers = ModelMarkers(model, FRAME_ID)
 
     @property
-    def is_watched(self) -> bool:
+    def has_subscribers(self) -> bool:
         """Whether anybody listens to this model's own topic."""
         return self._publisher.get_num_connections() > 0
 

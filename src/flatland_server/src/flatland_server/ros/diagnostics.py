@@ -5,9 +5,9 @@ from typing import Any, Dict, List
 import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from flatland_server.plugin_manager import PluginFailure
+from flatland_server.plugins.plugin_manager import PluginFailure
 from flatland_server.ros.real_time_timer import RealTimeTimer
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.simulation.simulation_manager import SimulationManager
 
 _PERIOD = 1.0
 """Seconds of real time between two messages: a paused simulation has something to tell too."""

@@ -18,11 +18,11 @@ from visualization_msgs.msg import (
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.messages import fill_pose
-from flatland_server.model import Model
-from flatland_server.ros.model_markers import preview
+from flatland_server.messages.model_markers import preview
+from flatland_server.models.model import Model
 from flatland_server.ros.real_time_timer import RealTimeTimer
 from flatland_server.ros.ros_transport import RosTransport
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.simulation.simulation_manager import SimulationManager
 
 _DELETE = 1
 _HANDLE_Z = 0.05

@@ -15,10 +15,10 @@ import rospy
 from tf2_msgs.msg import TFMessage
 
 from flatland_server.geometry import Transform
-from flatland_server.message_writer import MessageWriter
-from flatland_server.node import Frames, Publisher, Subscription, Transport
-from flatland_server.ros.prompt_connection import send_bytes
-from flatland_server.ros.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.ros.rospy_patches.nonblocking_connection import send_bytes
+from flatland_server.transport.message_writer import MessageWriter
+from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
 
 logger = logging.getLogger(__name__)
 
@@ -53,11 +53,11 @@ class RosTransport(Transport):
         return _RosSubscription(topic, message_type, callback, self.post)
 
     @property
-    def transforms_are_watched(self) -> bool:
+    def transforms_have_subscribers(self) -> bool:
         return self._tf.get_num_connections() > 0
 
     @property
-    def listeners_version(self) -> object:
+    def subscriber_revision(self) -> object:
         return self._listeners.version
 
     def send_transform(self, transform: Transform) -> None:
@@ -183,7 +183,7 @@ class _RosPublisher(Publisher):
         )
 
     @property
-    def is_watched(self) -> bool:
+    def has_subscribers(self) -> bool:
         return self._publisher.get_num_connections() > 0
 
     def publish(self, message: Any) -> None:
@@ -191,7 +191,7 @@ class _RosPublisher(Publisher):
         self._publisher.publish(message)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
-        if self.is_watched:
+        if self.has_subscribers:
             self._transport.before_sending()
             send_bytes(self._publisher, writer.data(*values))
 

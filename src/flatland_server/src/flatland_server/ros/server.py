@@ -12,21 +12,21 @@ from typing import Any, NamedTuple
 import rospy
 
 from flatland_server.exceptions import FlatlandError
+from flatland_server.maps.simplify_outlines import TOLERANCES
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
-from flatland_server.ros.joint_registration import joint_registration
-from flatland_server.ros.listen_backlog import make_room_for_listeners
-from flatland_server.ros.prompt_connection import send_promptly
 from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.ros.rospy_patches.batch_registration import batch_registration
+from flatland_server.ros.rospy_patches.nonblocking_connection import use_nonblocking_connections
+from flatland_server.ros.rospy_patches.tcpros_backlog import enlarge_tcpros_backlog
 from flatland_server.ros.service_manager import ServiceManager
 from flatland_server.ros.state_publisher import StatePublisher
 from flatland_server.ros.thread_priority import ThreadPriority
-from flatland_server.simplify_outlines import TOLERANCES
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
 
 
 class ServerConfig(NamedTuple):
@@ -99,10 +99,10 @@ class _RosLogHandler(logging.Handler):
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
-    send_promptly()
+    use_nonblocking_connections()
     rospy.init_node("flatland_server", disable_signals=True)
     logging.getLogger().addHandler(_RosLogHandler())
-    make_room_for_listeners()
+    enlarge_tcpros_backlog()
     try:
         _run(ServerConfig.read())
     except rospy.ROSInterruptException:
@@ -121,7 +121,7 @@ def _run(config: ServerConfig) -> None:
         raise FlatlandError(f"~step_size: {error}") from None
     transport = RosTransport()
     _end_on_signals(transport)
-    with joint_registration():
+    with batch_registration():
         world = World.from_file(
             config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
         )
@@ -143,16 +143,16 @@ def _connect(manager: SimulationManager, transport: RosTransport, config: Server
     """Opens the topics and services that are not a plugin's."""
     clock = ClockPublisher(manager.timekeeper)
     manager.after_step.append(clock.tick)
-    manager.each_turn.append(clock.flush)
+    manager.on_tick.append(clock.flush)
     transport.before_sending = clock.flush
     if config.show_viz:
-        manager.each_turn.append(DebugVisualization(manager.world, config.viz_pub_rate).update)
+        manager.on_tick.append(DebugVisualization(manager.world, config.viz_pub_rate).update)
         handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
-        manager.each_turn.append(handles.update)
-    manager.each_turn.append(Diagnostics(manager).update)
-    manager.each_turn.append(StatePublisher(manager).update)
+        manager.on_tick.append(handles.update)
+    manager.on_tick.append(Diagnostics(manager).update)
+    manager.on_tick.append(StatePublisher(manager).update)
     if config.realtime_priority:
-        manager.each_turn.append(ThreadPriority().update)
+        manager.on_tick.append(ThreadPriority().update)
     ServiceManager(manager, transport)
 
 

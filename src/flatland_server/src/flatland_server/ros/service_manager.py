@@ -27,10 +27,10 @@ from visualization_msgs.msg import MarkerArray
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
-from flatland_server.ros.joint_registration import joint_registration
-from flatland_server.ros.model_markers import preview
+from flatland_server.messages.model_markers import preview
 from flatland_server.ros.ros_transport import RosTransport
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.ros.rospy_patches.batch_registration import batch_registration
+from flatland_server.simulation.simulation_manager import SimulationManager
 
 
 class ServiceManager:
@@ -70,7 +70,7 @@ class ServiceManager:
         rospy.Service(name, Empty, handle)
 
     def _spawn_model(self, request: SpawnModelRequest) -> None:
-        with joint_registration():
+        with batch_registration():
             self._world.spawn_model(
                 Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
             )

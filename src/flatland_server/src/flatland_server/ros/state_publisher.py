@@ -6,7 +6,7 @@ import rospy
 from flatland_msgs.msg import SimulationState
 
 from flatland_server.messages import ros_time
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.simulation.simulation_manager import SimulationManager
 
 _PERIOD = 0.2
 """Seconds of real time between two messages; a change of what is asked for is told at once."""

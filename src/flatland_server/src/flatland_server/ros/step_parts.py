@@ -17,14 +17,14 @@ from typing import Any, Callable, DefaultDict, Dict, List, Optional, Sequence, T
 
 from flatland_server import _core
 from flatland_server.geometry import Transform
-from flatland_server.local_transport import LocalTransport
-from flatland_server.message_writer import MessageWriter
-from flatland_server.node import Frames, Publisher
-from flatland_server.ros.model_markers import ModelMarkers
-from flatland_server.ros.serialized_markers import array_of
-from flatland_server.ros.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.messages.model_markers import ModelMarkers
+from flatland_server.messages.serialized_markers import array_of
+from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.message_writer import MessageWriter
+from flatland_server.transport.node import Frames, Publisher
 
 PARTS = ("physics", "scans", "plugins", "publishing", "markers")
 
@@ -69,7 +69,7 @@ class Serializing(LocalTransport):
     """Makes bytes of what somebody listens to, and throws them away."""
 
     def __init__(self, is_heard: bool) -> None:
-        super().__init__(watched=None if is_heard else ())
+        super().__init__(subscribed_topics=None if is_heard else ())
         self._transforms = TransformQueue()
 
     def advertise(
@@ -101,15 +101,15 @@ class _SerializingPublisher(Publisher):
         self._topic = topic
 
     @property
-    def is_watched(self) -> bool:
-        return self._transport.is_watched(self._topic)
+    def has_subscribers(self) -> bool:
+        return self._transport.has_subscribers(self._topic)
 
     def publish(self, message: Any) -> None:
-        if self.is_watched:
+        if self.has_subscribers:
             self._transport.send_bytes(message)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
-        if self.is_watched:
+        if self.has_subscribers:
             self._transport.write(writer, *values)
 
     def close(self) -> None:

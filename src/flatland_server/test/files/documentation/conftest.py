@@ -11,14 +11,14 @@ from typing import Any, List, Set, Tuple
 import pytest
 from geometry_msgs.msg import Twist
 
-from flatland_server.collision_filter_registry import AnyLayer
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.geometry import Pose
-from flatland_server.local_transport import LocalTransport
-from flatland_server.model import ModelConfig
-from flatland_server.simulation_manager import SimulationManager
+from flatland_server.models.collision_filter_registry import AnyLayer
+from flatland_server.models.model import ModelConfig
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.world import World
-from flatland_server.yaml_reader import YamlReader
+from flatland_server.transport.local_transport import LocalTransport
 
 EXAMPLES = Path(__file__).parent / "examples"
 DISC = "footprints: [{type: circle, radius: 0.2, density: 1}]"

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from flatland_server.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin_loader import PluginLoader
 
 
 def test_the_turtlebot_of_quick_start_drives(documented):

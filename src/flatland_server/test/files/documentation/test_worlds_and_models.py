@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import yaml
 
-from flatland_server.collision_filter_registry import ALL_LAYERS
-from flatland_server.footprint import Circle, Polygon
-from flatland_server.world_config import WorldConfig
+from flatland_server.models.collision_filter_registry import ALL_LAYERS
+from flatland_server.models.footprint import Circle, Polygon
+from flatland_server.simulation.world_config import WorldConfig
 
 LEAST_FOOTPRINTS = """
   - {type: circle, radius: 1, density: 1}

@@ -5,7 +5,7 @@ from typing import Iterator
 import pytest
 from contacts.room import Deaf, Listener, OnlyBegin, Room, WorldListener, calls, deeds
 
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 
 
 @pytest.fixture(autouse=True)

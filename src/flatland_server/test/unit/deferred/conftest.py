@@ -5,7 +5,7 @@ from typing import Iterator
 import pytest
 from deferred.stage import Actor, Founder, Stage, ends, plans, starts
 
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 
 
 @pytest.fixture(autouse=True)

@@ -10,8 +10,8 @@ import pytest
 from flatland_server import _core
 from flatland_server.exceptions import ModelError
 from flatland_server.geometry import Pose
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.world_plugin import WorldPlugin
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.world_plugin import WorldPlugin
 
 HOOKS = (
     "before_physics_step",

@@ -5,8 +5,8 @@ from typing import Iterator
 import pytest
 from gone.keepers import ROBOT, Failing, Keeper, WorldKeeper, kept, lean_on_wall
 
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.world import World
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation.world import World
 
 
 @pytest.fixture(autouse=True)

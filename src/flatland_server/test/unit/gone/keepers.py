@@ -4,9 +4,9 @@ from typing import Any, List
 
 import numpy as np
 
-from flatland_server.model_plugin import ModelPlugin
-from flatland_server.world import World
-from flatland_server.world_plugin import WorldPlugin
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.world_plugin import WorldPlugin
+from flatland_server.simulation.world import World
 
 ROBOT = """
 bodies:

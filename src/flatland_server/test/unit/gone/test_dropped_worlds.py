@@ -27,7 +27,7 @@ def test_a_body_and_a_contact_outlive_their_world(files, simulate, world):
 @pytest.mark.parametrize("is_closed", [True, False])
 def test_a_dropped_world_is_collected(files, simulate, caplog, is_closed):
     # What pytest keeps of a log record has a traceback, and so the whole world.
-    caplog.set_level(logging.CRITICAL, "flatland_server.plugin_manager")
+    caplog.set_level(logging.CRITICAL, "flatland_server.plugins.plugin_manager")
     world = lean_on_wall(files, ROBOT)
     simulate(world).run(0.1)
     assert len(world.plugin_failures) == 1

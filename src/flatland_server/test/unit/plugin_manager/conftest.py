@@ -13,7 +13,7 @@ from plugin_manager.recorders import (
     calls,
 )
 
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 
 
 @pytest.fixture(autouse=True)

@@ -6,11 +6,11 @@ from typing import Any, List, Tuple
 
 import pytest
 
-from flatland_server.local_transport import LocalTransport
-from flatland_server.model_plugin import ModelPlugin
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.update_timer import UpdateTimer
-from flatland_server.world_plugin import WorldPlugin
 
 DISC = "{type: circle, radius: 0.1, density: 1, restitution: 1}"
 BODY = f"bodies: [{{name: base, footprints: [{DISC}]}}]\n"

@@ -2,7 +2,7 @@
 
 from plugin_manager.recorders import calls, step, world_of
 
-from flatland_server.plugin import Plugin
+from flatland_server.plugins.plugin import Plugin
 
 
 def test_hooks_are_called_in_the_order_of_the_files_the_worlds_last(files):

@@ -16,9 +16,9 @@ from plugin_manager.recorders import (
 )
 
 from flatland_server.geometry import Pose
-from flatland_server.node import Node
-from flatland_server.plugin import Plugin
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.transport.node import Node
 
 BOUNCE = {"begin_contact", "pre_solve", "post_solve", "end_contact"}
 FAILURES = {"before": "before_physics_step", "after": "after_physics_step"}

@@ -3,8 +3,8 @@
 import pytest
 from world.parts import BODIES, Failing, Herald, Talker
 
-from flatland_server.local_transport import LocalTransport
-from flatland_server.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.transport.local_transport import LocalTransport
 
 
 @pytest.fixture(scope="module")

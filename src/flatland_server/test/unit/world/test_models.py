@@ -10,8 +10,8 @@ from world.parts import EMPTY, spawn, state
 from flatland_server import _core
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
-from flatland_server.model import ModelConfig
-from flatland_server.world_config import ModelEntry
+from flatland_server.models.model import ModelConfig
+from flatland_server.simulation.world_config import ModelEntry
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:

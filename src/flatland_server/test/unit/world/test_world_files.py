@@ -4,7 +4,7 @@ import pytest
 from world.parts import BODIES, EMPTY, Talker
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.world import World
+from flatland_server.simulation.world import World
 
 
 def test_a_world_whose_second_model_fails_leaves_no_topic(models, transport):

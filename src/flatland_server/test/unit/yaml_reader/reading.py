@@ -5,8 +5,8 @@ from typing import Any, Callable
 
 import pytest
 
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError
-from flatland_server.yaml_reader import YamlReader
 
 Read = Callable[[YamlReader], Any]
 SHAPES = ["circle", "polygon"]

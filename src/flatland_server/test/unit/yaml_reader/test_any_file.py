@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from yaml_reader.reading import SHAPES, Read
 
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError
-from flatland_server.yaml_reader import YamlReader
 
 GETTERS: Dict[str, Read] = {
     "get_string": lambda r: r.get_string("key"),

@@ -7,8 +7,8 @@ import textwrap
 import pytest
 from yaml_reader.reading import nothing, read, refusal
 
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError
-from flatland_server.yaml_reader import YamlReader
 
 WRONG_STRUCTURES = {
     "a key given twice": ("mass: 1\nmass: 2", '2: the key "mass" is given twice'),
@@ -121,7 +121,7 @@ def test_a_file_that_nests_too_deeply_does_not_end_the_process(tmp_path):
         import sys
         from pathlib import Path
         from flatland_server.exceptions import YamlError
-        from flatland_server.yaml_reader import YamlReader
+        from flatland_server.config.yaml_reader import YamlReader
         try:
             YamlReader.from_file(Path(sys.argv[1])).finish()
         except YamlError:

@@ -2,8 +2,8 @@
 
 from yaml_reader.reading import SHAPES, nothing, read, refusal
 
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.geometry import Pose
-from flatland_server.yaml_reader import YamlReader
 
 
 def test_all_that_is_wrong_is_said_at_once_in_the_order_of_reading(tmp_path):

@@ -6,9 +6,9 @@ from typing import Any, Dict
 import pytest
 from yaml_reader.reading import SHAPES, nothing, read, refusal
 
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
-from flatland_server.yaml_reader import YamlReader
 
 TYPES = ["static", "kinematic", "dynamic"]
 

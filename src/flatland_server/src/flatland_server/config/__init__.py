@@ -1,0 +1,1 @@
+"""YAML files into checked values: includes, Lua expressions, and errors with file and line."""

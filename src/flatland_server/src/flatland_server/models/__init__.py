@@ -1,0 +1,1 @@
+"""What a world consists of: layers, and models with their bodies, footprints and joints."""

@@ -1,0 +1,135 @@
+"""Footprints: the shapes of a body, with their material and their collision layers."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Dict, Sequence, Tuple, Union
+
+from flatland_server import _core
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.geometry import Point
+from flatland_server.models.collision_filter_registry import ALL, CollisionFilterRegistry
+
+_CIRCLE_SIDES = 36
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A disc [m], in the body's frame."""
+
+    center: Point
+    radius: float
+
+    def outline(self) -> Sequence[Point]:
+        """Corners of a polygon that looks like it."""
+        x, y = self.center
+        angles = [math.tau * i / _CIRCLE_SIDES for i in range(_CIRCLE_SIDES)]
+        return [(x + self.radius * math.cos(a), y + self.radius * math.sin(a)) for a in angles]
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """A convex polygon of 3 to 8 vertices [m], in the body's frame, either way round."""
+
+    vertices: Tuple[Point, ...]
+
+    def outline(self) -> Sequence[Point]:
+        """Its corners."""
+        return self.vertices
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """An entry of a body's `footprints`. Densities in kg/m^2, the rest are Box2D's coefficients.
+
+    `visible` is for plugins that make bodies of their own: lasers do not see what is not.
+    """
+
+    shape: Union[Circle, Polygon]
+    density: float
+    friction: float
+    restitution: float
+    sensor: bool
+    collision: bool
+    layers: Tuple[str, ...]
+    layer_bits: int
+    visible: bool = True
+
+    @classmethod
+    def read(
+        cls, reader: YamlReader, registry: CollisionFilterRegistry, scratch: _core.Body
+    ) -> "Footprint":
+        """Reads an entry.
+
+        Args:
+            reader: the entry.
+            registry: the layers that there are.
+            scratch: a body to try it on, with the body's footprints before this one.
+
+        Raises:
+            YamlError: something in it is wrong, or Box2D cannot take the shape.
+        """
+        shape: Union[Circle, Polygon]
+        if reader.get_choice("type", ["circle", "polygon"]) == "circle":
+            shape = Circle(
+                reader.get_point("center", (0.0, 0.0)), reader.get_float("radius", above=0.0)
+            )
+        else:
+            vertices = tuple(reader.get_points("points", 3, 8))
+            if not _is_convex(vertices):
+                reader.problem("expected a convex polygon, found one with a dent", "points")
+            shape = Polygon(vertices)
+        layers = reader.get_strings("layers", (ALL,))
+        layer_bits = 0
+        try:
+            layer_bits = registry.bits(layers)
+        except ValueError as error:
+            reader.problem(str(error), "layers")
+        footprint = cls(
+            shape,
+            density=reader.get_float("density", minimum=0.0),
+            friction=reader.get_float("friction", 0.0, minimum=0.0),
+            restitution=reader.get_float("restitution", 0.0, minimum=0.0),
+            sensor=reader.get_bool("sensor", False),
+            collision=reader.get_bool("collision", True),
+            layers=layers,
+            layer_bits=layer_bits,
+        )
+        reader.finish()
+        try:
+            footprint.attach(scratch)
+        except ValueError as error:
+            raise reader.error(str(error)) from None
+        return footprint
+
+    def attach(self, body: _core.Body) -> None:
+        """Gives a physics body this shape.
+
+        Raises:
+            ValueError: Box2D cannot take the shape.
+        """
+        material: Dict[str, Any] = {
+            "density": self.density,
+            "friction": self.friction,
+            "restitution": self.restitution,
+            "sensor": self.sensor,
+            "collides": self.collision,
+            "visible": self.visible,
+            "layers": self.layer_bits,
+        }
+        if isinstance(self.shape, Circle):
+            body.add_circle(self.shape.center, self.shape.radius, **material)
+        else:
+            body.add_polygon(self.shape.vertices, **material)
+
+
+def _is_convex(vertices: Tuple[Point, ...]) -> bool:
+    """Whether a closed path turns one way only, and goes round once."""
+    turns = []
+    for (ax, ay), (bx, by), (cx, cy) in zip(
+        vertices, vertices[1:] + vertices[:1], vertices[2:] + vertices[:2]
+    ):
+        ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
+        turns.append(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+    # Corners on a straight side turn by nothing but rounding.
+    one_way = all(turn > -1e-6 for turn in turns) or all(turn < 1e-6 for turn in turns)
+    return one_way and abs(sum(turns)) < 3 * math.pi

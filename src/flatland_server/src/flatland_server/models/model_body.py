@@ -1,0 +1,78 @@
+"""Bodies: the rigid pieces of a model."""
+
+from dataclasses import dataclass
+from typing import Tuple
+
+from flatland_server import _core
+from flatland_server.config.yaml_reader import Color, YamlReader
+from flatland_server.geometry import Pose, wrap_angle
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.models.footprint import Footprint
+
+BODY_TYPES = ("static", "kinematic", "dynamic")
+
+
+@dataclass(frozen=True)
+class BodyConfig:
+    """An entry of a model's `bodies`."""
+
+    name: str
+    pose: Pose
+    type: str
+    color: Color
+    linear_damping: float
+    angular_damping: float
+    footprints: Tuple[Footprint, ...]
+
+    @classmethod
+    def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "BodyConfig":
+        """Reads an entry, its `enabled` aside.
+
+        Raises:
+            YamlError: something in it is wrong.
+        """
+        body_type = reader.get_choice("type", BODY_TYPES, "dynamic")
+        scratch = _core.World().add_body(body_type, (0.0, 0.0, 0.0))
+        body = cls(
+            name=reader.get_string("name"),
+            pose=reader.get_pose("pose", Pose()),
+            type=body_type,
+            color=reader.get_color("color", (1.0, 1.0, 1.0, 0.5)),
+            linear_damping=reader.get_float("linear_damping", 0.0, minimum=0.0),
+            angular_damping=reader.get_float("angular_damping", 0.0, minimum=0.0),
+            footprints=tuple(
+                reader.get_sections(
+                    "footprints",
+                    lambda section: Footprint.read(section, registry, scratch),
+                    required=True,
+                )
+            ),
+        )
+        reader.finish()
+        return body
+
+
+class ModelBody:
+    """A body of a model in the world."""
+
+    def __init__(self, config: BodyConfig, model_pose: Pose, physics: _core.World) -> None:
+        self.config = config
+        self.physics_body = physics.add_body(
+            config.type,
+            model_pose.compose(config.pose),
+            config.linear_damping,
+            config.angular_damping,
+        )
+        for footprint in config.footprints:
+            footprint.attach(self.physics_body)
+
+    @property
+    def name(self) -> str:
+        """Its name, unique within the model."""
+        return self.config.name
+
+    @property
+    def pose(self) -> Pose:
+        """Pose of its origin in the world, the yaw within [-pi, pi]."""
+        x, y, yaw = self.physics_body.pose
+        return Pose(x, y, wrap_angle(yaw))

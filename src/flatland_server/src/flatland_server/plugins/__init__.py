@@ -1,0 +1,1 @@
+"""Plugins: their base classes, how they are found, started, scheduled and called."""

@@ -1,0 +1,173 @@
+"""Finds plugins by their type, as pluginlib does.
+
+A package declares its plugins in an XML file and exports it in its package.xml:
+
+    <export><flatland_server plugin="${prefix}/flatland_plugins.xml"/></export>
+
+    <library>
+      <class name="ConstVelocity" type="my_plugins.const_velocity.ConstVelocity"
+             base_class_type="flatland_server.ModelPlugin">
+        <description>Moves a body at a constant velocity</description>
+      </class>
+    </library>
+
+`type` is the importable Python class, `name` what YAML files call it, alone or as
+`my_plugins::ConstVelocity`. The package makes its modules importable with catkin_python_setup().
+What a `<library example="true">` declares gives way to another plugin of its name.
+"""
+
+import importlib
+import inspect
+import logging
+import os
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, Iterable, Iterator, List, Optional, Set, Tuple, Type, TypeVar
+
+from flatland_server.exceptions import PluginError, suggestion
+from flatland_server.plugins.plugin import Plugin
+
+logger = logging.getLogger(__name__)
+
+P = TypeVar("P", bound=Plugin)
+
+_IGNORED = {"CATKIN_IGNORE", "AMENT_IGNORE", "rospack_nosubdirs"}
+
+
+@dataclass(frozen=True)
+class PluginDeclaration:
+    """A class that a package declares."""
+
+    name: str
+    package: str
+    class_path: str
+    is_example: bool = False
+    """Whether it gives way to others of its name, which may have been made after it."""
+
+    @classmethod
+    def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
+        """Of a class that no package exports, by its own name."""
+        module = plugin.__module__
+        return cls(plugin.__name__, module.partition(".")[0], f"{module}.{plugin.__name__}")
+
+    def answers_to(self, type: str) -> bool:
+        """Whether a YAML file's `type` means this class."""
+        package, _, name = type.rpartition("::")
+        return name == self.name and package in ("", self.package)
+
+
+class PluginLoader:
+    """Imports plugins on demand.
+
+    Args:
+        declarations: what there is; by default all that is exported on ROS_PACKAGE_PATH, looked up
+            when the first plugin is needed.
+    """
+
+    def __init__(self, declarations: Optional[Iterable[PluginDeclaration]] = None) -> None:
+        self._declarations = None if declarations is None else list(declarations)
+
+    def load(self, type: str, base: Type[P]) -> Type[P]:
+        """The class that a YAML file's `type` means.
+
+        Raises:
+            PluginError: there is none, it cannot be imported, or it is not derived from `base`.
+        """
+        if self._declarations is None:
+            self._declarations = discover()
+        found = [d for d in self._declarations if d.answers_to(type)]
+        if not found:
+            names = sorted(d.name for d in self._declarations)
+            known = ", ".join(names) or "none; is the workspace's setup.bash sourced?"
+            hint = suggestion(type.rpartition("::")[2], names)
+            raise PluginError(f'unknown plugin type "{type}"{hint}; there are: {known}')
+        if len(found) > 1:
+            found = [d for d in found if not d.is_example] or found
+        if len(found) > 1:
+            choices = " or ".join(f"{d.package}::{d.name}" for d in found)
+            raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
+        cls = _import(found[0])
+        if not (inspect.isclass(cls) and issubclass(cls, base)):
+            raise PluginError(f'"{type}" is not a {base.__name__}: {found[0].class_path}')
+        return cls
+
+
+def _import(declaration: PluginDeclaration) -> object:
+    module_name, _, class_name = declaration.class_path.rpartition(".")
+    try:
+        module = importlib.import_module(module_name)
+    except Exception as error:
+        raise PluginError(
+            f'the plugin "{declaration.name}" of the package {declaration.package} cannot be '
+            f"imported: {module_name}: {error}"
+        ) from error
+    if not hasattr(module, class_name):
+        raise PluginError(f'{module_name} has no class "{class_name}", though its XML names it')
+    return getattr(module, class_name)
+
+
+def discover() -> List[PluginDeclaration]:
+    """All plugins that packages on ROS_PACKAGE_PATH export; a faulty declaration only warns."""
+    exports: Dict[str, List[Path]] = {}
+    for folder in _package_folders():
+        name, files = _exported_files(folder)
+        if files:
+            exports.setdefault(name, files)  # the first on the path hides those of the same name
+    declarations: List[PluginDeclaration] = []
+    for package, files in sorted(exports.items()):
+        for xml in files:
+            try:
+                declarations.extend(_read_declarations(package, xml))
+            except (OSError, ElementTree.ParseError, ValueError) as error:
+                logger.warning("the plugins of the package %s are left out: %s", package, error)
+    return declarations
+
+
+def _package_folders() -> Iterator[Path]:
+    """The folders with a package.xml; unlike rospkg's list, whatever is in the others."""
+    seen: Set[str] = set()
+    for path in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
+        for folder, subfolders, files in os.walk(path, followlinks=True):
+            real = os.path.realpath(folder)
+            if real in seen or _IGNORED.intersection(files):
+                subfolders.clear()
+            elif "package.xml" in files:
+                subfolders.clear()
+                yield Path(folder)
+            seen.add(real)
+
+
+def _exported_files(folder: Path) -> Tuple[str, List[Path]]:
+    """A package's name, and the plugin files that it exports. Most packages do not mention us."""
+    manifest = folder / "package.xml"
+    try:
+        text = manifest.read_text(encoding="utf-8")
+        if "<flatland_server" not in text:
+            return "", []
+        root = ElementTree.fromstring(text)
+    except (OSError, UnicodeDecodeError, ElementTree.ParseError) as error:
+        logger.warning("%s is left out: %s", manifest, error)
+        return "", []
+    files = [export.get("plugin", "") for export in root.iterfind("export/flatland_server")]
+    name = (root.findtext("name") or folder.name).strip()
+    return name, [Path(file.replace("${prefix}", str(folder))) for file in files if file]
+
+
+def _read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
+    root = ElementTree.fromstring(xml.read_text(encoding="utf-8"))
+    declarations = []
+    for element in root.iter("class"):
+        class_path = element.get("type", "")
+        if "::" in class_path:
+            raise ValueError(
+                f"{xml}: {class_path} is a C++ class; here plugins are Python classes, such as "
+                f"{class_path.replace('::', '.')}"
+            )
+        if "." not in class_path:
+            raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
+        name = element.get("name", class_path.rpartition(".")[2])
+        is_example = root.get("example") == "true"
+        name = name.rpartition("/")[2]
+        declarations.append(PluginDeclaration(name, package, class_path, is_example))
+    return declarations

@@ -1,0 +1,24 @@
+"""Plugins that belong to the world."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flatland_server.plugins.plugin import Plugin
+from flatland_server.transport.node import Node
+
+if TYPE_CHECKING:
+    from flatland_server.simulation.world import World
+
+
+class WorldPlugin(Plugin):
+    """A plugin of the world; `self.world` is the world.
+
+    See `flatland_server.plugins.plugin` for the life of a plugin.
+    """
+
+    def __init__(
+        self, type: str, name: str, node: Node, rng: np.random.Generator, world: "World"
+    ) -> None:
+        super().__init__(type, name, node, rng)
+        self.world = world

@@ -1,0 +1,1 @@
+"""The world, and stepping it at a rate of real time."""

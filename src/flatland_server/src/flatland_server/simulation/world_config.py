@@ -1,0 +1,125 @@
+"""What a world's files say: its properties, layers, models and plugins."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, Dict, Optional, Tuple
+
+from flatland_server.config.enabled_entries import read_enabled
+from flatland_server.config.ros_names import check_topic_name, namespace_problem
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import YamlError
+from flatland_server.geometry import Pose
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.models.layer import LayerConfig
+from flatland_server.models.model import ModelConfig
+from flatland_server.models.plugin_config import PluginConfig
+
+_MOST_ITERATIONS = 10_000
+"""Of the solver in a step; more would stall the simulation."""
+
+
+@dataclass(frozen=True)
+class ModelEntry:
+    """An entry of a world's `models`, with the model's file."""
+
+    name: str
+    namespace: str
+    pose: Pose
+    model: ModelConfig
+
+
+@dataclass(frozen=True)
+class WorldConfig:
+    """A world file with all the files that it names."""
+
+    velocity_iterations: int
+    position_iterations: int
+    registry: CollisionFilterRegistry
+    layers: Tuple[LayerConfig, ...]
+    models: Tuple[ModelEntry, ...]
+    plugins: Tuple[PluginConfig, ...]
+
+    @classmethod
+    def from_file(
+        cls,
+        path: Path,
+        preprocessor: Optional[YamlPreprocessor] = None,
+        *,
+        simplify_map: int = 0,
+    ) -> "WorldConfig":
+        """Reads a world file and what it refers to; touches nothing else.
+
+        Args:
+            path: of the file.
+            preprocessor: has the parameters for expressions in the files.
+            simplify_map: how much the outlines of map images are simplified; see `read_map`.
+
+        Raises:
+            YamlError: something in the files is wrong; all that was found.
+        """
+        reader = YamlReader.from_file(path, preprocessor)
+        return cls.read(reader, preprocessor, simplify_map=simplify_map)
+
+    @classmethod
+    def read(
+        cls,
+        reader: YamlReader,
+        preprocessor: Optional[YamlPreprocessor] = None,
+        *,
+        simplify_map: int = 0,
+    ) -> "WorldConfig":
+        """The same of a file that is being read already."""
+        properties = reader.get_section("properties", required=True)
+        velocity_iterations = properties.get_int(
+            "velocity_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
+        )
+        position_iterations = properties.get_int(
+            "position_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
+        )
+        properties.finish()
+        registry = CollisionFilterRegistry()
+        layers = reader.get_sections(
+            "layers",
+            lambda section: LayerConfig.read(section, registry, preprocessor, simplify_map),
+            required=True,
+        )
+        files: Dict[Path, ModelConfig] = {}  # each is read once, however many models there are
+
+        def read_model(path: Path) -> ModelConfig:
+            if path not in files:
+                files[path] = ModelConfig.from_file(path, registry, preprocessor)
+            return files[path]
+
+        models = read_enabled(
+            reader, "models", lambda section: _read_model_entry(section, read_model)
+        )
+        plugins = read_enabled(reader, "plugins", PluginConfig.read)
+        reader.finish()
+        return cls(
+            velocity_iterations,
+            position_iterations,
+            registry,
+            tuple(layers),
+            tuple(models),
+            tuple(plugins),
+        )
+
+
+def _read_model_entry(reader: YamlReader, read_model: Callable[[Path], ModelConfig]) -> ModelEntry:
+    name = reader.get_string("name")
+    check_topic_name(reader, "name", name)
+    namespace = reader.get_string("namespace", "")
+    problem = namespace_problem(namespace)
+    if problem:
+        reader.problem(problem, "namespace")
+    pose = reader.get_pose("pose", Pose())
+    path = reader.get_path("model")
+    try:
+        model = read_model(path) if is_file(path) else None
+    except YamlError as error:
+        reader.note(error)
+        model = None
+    reader.finish()
+    assert model is not None  # or there was a problem
+    return ModelEntry(name, namespace, pose, model)

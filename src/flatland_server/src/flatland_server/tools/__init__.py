@@ -1,0 +1,1 @@
+"""Commands for a user's files: checking and drawing worlds, without a ROS master."""

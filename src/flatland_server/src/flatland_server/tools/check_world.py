@@ -1,0 +1,91 @@
+"""Checks world and model files without a ROS master: rosrun flatland_server check_world FILE..."""
+
+import argparse
+import logging
+import sys
+from pathlib import Path
+from typing import List, Optional
+
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import FlatlandError, YamlError
+from flatland_server.geometry import Pose
+from flatland_server.models.collision_filter_registry import AnyLayer
+from flatland_server.models.model import ModelConfig
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.tools.render import render
+
+
+def load(path: Path, preprocessor: YamlPreprocessor) -> World:
+    """The world of a world file, or an empty one with the model of a model file in it.
+
+    Raises:
+        FlatlandError: something in the files is wrong.
+    """
+    reader = YamlReader.from_file(path, preprocessor)
+    if not reader.has("bodies"):
+        return World(WorldConfig.read(reader, preprocessor))
+    registry = AnyLayer()
+    model = ModelConfig.read(reader, registry)
+    entry = ModelEntry(path.name.split(".")[0], "", Pose(), model)
+    return World(WorldConfig(10, 10, registry, (), (entry,), ()))
+
+
+def summary(world: World) -> str:
+    """What there is in a world, in a line."""
+    models = world.models.values()
+    counts = (
+        (len(world.layers), "layer"),
+        (sum(len(layer.segments) for layer in world.layers), "segment"),
+        (len(models), "model"),
+        (sum(len(model.bodies) for model in models), "body"),
+        (world.plugin_count, "plugin"),
+    )
+    plurals = {"body": "bodies"}
+    return ", ".join(
+        f"{count} {noun if count == 1 else plurals.get(noun, noun + 's')}" for count, noun in counts
+    )
+
+
+def check(path: Path, picture: Optional[Path]) -> List[str]:
+    """Loads a file, draws it if asked to, and says what there is; returns what is wrong."""
+    preprocessor = YamlPreprocessor()
+    try:
+        world = load(path, preprocessor)
+    except YamlError as error:
+        return [problem.with_column for problem in error.problems]
+    except FlatlandError as error:
+        return [f"{path}: {error}"]
+    finally:
+        preprocessor.close()
+    print(f"{path}: {summary(world)}")
+    problems = []
+    if picture is not None:
+        try:
+            render(world).save(picture)
+        except (OSError, ValueError) as error:  # ValueError: Pillow does not know the ending
+            problems = [f"{picture}: cannot be written: {error}"]
+    world.close()
+    return problems
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    """The command. Returns its exit code: 0 if all is well, 1 if something is wrong."""
+    parser = argparse.ArgumentParser(
+        prog="check_world", description="Check Flatland world and model files."
+    )
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="world or model file")
+    parser.add_argument(
+        "--render", type=Path, metavar="PNG", help="draw the world as it would look at the start"
+    )
+    options = parser.parse_args(arguments)
+    if options.render is not None and len(options.files) > 1:
+        parser.error("--render takes a single FILE")
+    logging.basicConfig(format="%(message)s", level=logging.INFO)
+    problems: List[str] = []
+    for path in options.files:
+        problems += check(path, options.render)
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    return 1 if problems else 0

@@ -1,0 +1,1 @@
+"""The seam between plugins and ROS: nodes, publishers, and a transport without ROS."""

@@ -1,0 +1,160 @@
+"""Topics within this process: for unit tests, batch runs and Python programs without a master.
+
+transport = LocalTransport()
+manager = SimulationManager(World.from_file(path, transport), Timekeeper(0.005))
+transport.send("/cmd_vel", twist)         # hand a command in
+manager.step()
+transport.last("/odometry/ground_truth")  # the newest message of a topic, or None
+"""
+
+from collections import Counter, deque
+from typing import Any, Callable, Container, Deque, Dict, List, Optional, Set, Tuple
+from typing import Counter as CounterType
+
+from flatland_server._deprecated import warn_renamed
+from flatland_server.geometry import Transform
+from flatland_server.transport.message_writer import MessageWriter
+from flatland_server.transport.node import Publisher, Subscription, Transport
+
+
+class LocalTransport(Transport):
+    """Keeps the last message of each topic, and the last transform of each frame.
+
+    Args:
+        params: parameters by absolute name.
+        subscribed_topics: the topics that have a subscriber; all of them if None. As with ROS,
+            nothing is computed for the others.
+    """
+
+    def __init__(
+        self,
+        params: Dict[str, Any] = {},  # noqa: B006 (only read)
+        subscribed_topics: Optional[Container[str]] = None,
+        **deprecated: Optional[Container[str]],
+    ) -> None:
+        if "watched" in deprecated:
+            warn_renamed("LocalTransport(watched=...)", "subscribed_topics=...")
+            subscribed_topics = deprecated.pop("watched")
+        if deprecated:
+            raise TypeError(f"LocalTransport has no argument {', '.join(deprecated)}")
+        self.transforms: Dict[str, Transform] = {}
+        self._params = dict(params)
+        self._subscribed_topics = subscribed_topics
+        self._version = 0
+        self._publishers: CounterType[str] = Counter()
+        self._last: Dict[str, Any] = {}
+        self._inbox: Deque[Tuple[str, Any]] = deque()
+        self._callbacks: Dict[str, List[Callable[[Any], None]]] = {}
+
+    def send(self, topic: str, message: Any) -> None:
+        """Hands a message to whoever subscribes to a topic, before the next step."""
+        self._inbox.append((_absolute(topic), message))
+
+    def last(self, topic: str) -> Any:
+        """The newest message published to a topic, or None."""
+        return self._last.get(_absolute(topic))
+
+    @property
+    def topics(self) -> Set[str]:
+        """The topics that somebody publishes to."""
+        return set(self._publishers)
+
+    @property
+    def subscribed(self) -> Set[str]:
+        """The topics that somebody listens to in here."""
+        return {topic for topic, callbacks in self._callbacks.items() if callbacks}
+
+    def advertise(
+        self, topic: str, message_type: Any, *, latch: bool, queue_size: int
+    ) -> Publisher:
+        return _LocalPublisher(self, _absolute(topic))
+
+    def subscribe(
+        self, topic: str, message_type: Any, callback: Callable[[Any], None]
+    ) -> Subscription:
+        callbacks = self._callbacks.setdefault(_absolute(topic), [])
+        return _LocalSubscription(callbacks, callback)
+
+    def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
+        """Replaces the set of topics that have a subscriber; None is all of them."""
+        self._subscribed_topics = topics
+        self._version += 1
+
+    def watch(self, topics: Optional[Container[str]]) -> None:
+        """Deprecated alias of `set_subscribed_topics`."""
+        warn_renamed("LocalTransport.watch", "set_subscribed_topics")
+        self.set_subscribed_topics(topics)
+
+    def has_subscribers(self, topic: str) -> bool:
+        """Whether a topic has a subscriber."""
+        topics = self._subscribed_topics
+        return topics is None or _absolute(topic) in topics
+
+    @property
+    def transforms_have_subscribers(self) -> bool:
+        return self.has_subscribers("/tf")
+
+    @property
+    def subscriber_revision(self) -> object:
+        return self._version
+
+    def send_transform(self, transform: Transform) -> None:
+        self.transforms[transform.child] = transform
+
+    def get_param(self, name: str, default: Any = None) -> Any:
+        return self._params.get(_absolute(name), default)
+
+    def process(self, timeout: float = 0.0) -> None:
+        while self._inbox:
+            topic, message = self._inbox.popleft()
+            for callback in list(self._callbacks.get(topic, [])):
+                callback(message)
+
+    def flush(self) -> None:
+        pass
+
+
+class _LocalPublisher(Publisher):
+    def __init__(self, transport: LocalTransport, topic: str) -> None:
+        self._transport = transport
+        self._topic = topic
+        self._is_closed = False
+        transport._publishers[topic] += 1
+
+    @property
+    def has_subscribers(self) -> bool:
+        return self._transport.has_subscribers(self._topic)
+
+    def publish(self, message: Any) -> None:
+        self._transport._last[self._topic] = message
+
+    def write(self, writer: MessageWriter, *values: Any) -> None:
+        if self.has_subscribers:
+            self.publish(writer.message(*values))
+
+    def close(self) -> None:
+        if self._is_closed:
+            return
+        self._is_closed = True
+        publishers = self._transport._publishers
+        publishers[self._topic] -= 1
+        if publishers[self._topic] == 0:
+            del publishers[self._topic]
+            self._transport._last.pop(self._topic, None)
+
+
+class _LocalSubscription(Subscription):
+    def __init__(
+        self, callbacks: List[Callable[[Any], None]], callback: Callable[[Any], None]
+    ) -> None:
+        self._callbacks = callbacks
+        self._callback = callback
+        callbacks.append(callback)
+
+    def close(self) -> None:
+        if self._callback in self._callbacks:
+            self._callbacks.remove(self._callback)
+
+
+def _absolute(name: str) -> str:
+    return name if name.startswith("/") else f"/{name}"

@@ -1,0 +1,153 @@
+"""The public interface: what `from flatland_server import ...` offers, and its former names."""
+
+import ast
+import importlib
+import inspect
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+
+import flatland_server
+from flatland_server import LocalTransport, Node, _deprecated
+
+SRC = Path(__file__).resolve().parents[3]
+FORMER = {  # as earlier versions documented them
+    "flatland_server.contact": ("Body", "Contact", "ContactImpulse", "Fixture", "GoneError"),
+    "flatland_server.local_transport": ("LocalTransport",),
+    "flatland_server.model": ("Model",),
+    "flatland_server.model_plugin": ("ContactSides", "ModelPlugin"),
+    "flatland_server.node": ("Node", "Publisher"),
+    "flatland_server.plugin_loader": ("PluginLoader",),
+    "flatland_server.simulation_manager": ("SimulationManager",),
+    "flatland_server.world": ("World",),
+    "flatland_server.world_plugin": ("WorldPlugin",),
+    "flatland_server.yaml_reader": ("Color", "YamlReader"),
+}
+
+
+def test_all_names_exist_are_sorted_and_public():
+    names = flatland_server.__all__
+
+    assert names == sorted(names, key=lambda name: (not name.isupper(), name.islower(), name))
+    assert len(names) == len(set(names))
+    assert [name for name in names if not hasattr(flatland_server, name)] == []
+    assert [name for name in names if name.startswith("_")] == []
+
+
+def test_what_is_public_is_documented():
+    public = {name: getattr(flatland_server, name) for name in flatland_server.__all__}
+    classes_and_functions = {
+        name: each
+        for name, each in public.items()
+        # The core's own are documented in _core.pyi.
+        if inspect.isroutine(each) or (inspect.isclass(each) and "_core" not in each.__module__)
+    }
+
+    assert [name for name, each in classes_and_functions.items() if not inspect.getdoc(each)] == []
+
+
+def test_nothing_public_is_imported_besides_all():
+    module = ast.parse((SRC / "flatland_server/src/flatland_server/__init__.py").read_text())
+    imported = {
+        alias.name
+        for node in module.body
+        if isinstance(node, ast.ImportFrom) and node.module != "flatland_server"
+        for alias in node.names
+    }
+
+    assert imported == set(flatland_server.__all__)
+
+
+def test_the_types_are_declared():
+    assert any(Path(folder, "py.typed").exists() for folder in flatland_server.__path__)
+
+
+@pytest.mark.parametrize("package", ["flatland_plugins", "flatland_example_plugins"])
+def test_plugins_import_from_the_front_alone(package):
+    modules = {
+        f"{path.name}: {node.module}"
+        for path in (SRC / package / "src" / package).glob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("flatland_server.")
+    }
+
+    assert modules == set()
+
+
+@pytest.mark.parametrize(
+    ("module", "name"), [(module, name) for module, names in FORMER.items() for name in names]
+)
+def test_a_former_module_still_works_and_says_where_to_import_from(module, name):
+    sys.modules.pop(module, None)
+
+    with pytest.warns(DeprecationWarning, match=f"{module} has moved: import from flatland_server"):
+        former = importlib.import_module(module)
+
+    expected = getattr(flatland_server, name, None)
+    assert expected is not None
+    assert getattr(former, name) is expected
+
+
+def test_the_warning_points_at_the_import():
+    sys.modules.pop("flatland_server.world", None)
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        exec(compile("from flatland_server.world import World", "plugin.py", "exec"), {})
+
+    assert [warning.filename for warning in caught] == ["plugin.py"]
+
+
+def test_every_former_module_leads_to_one_that_exists():
+    for new in _deprecated._MOVED.values():
+        importlib.import_module(f"flatland_server.{new}")
+
+
+def test_an_unknown_module_is_still_unknown():
+    with pytest.raises(ModuleNotFoundError):
+        importlib.import_module("flatland_server.no_such_module")
+
+
+def test_the_lua_worker_loads_neither_numpy_nor_the_core(tmp_path):
+    # Whatever lies in the working directory is not imported either.
+    (tmp_path / "json.py").write_text("raise SystemExit('imported from the working directory')")
+    worker = Path(inspect.getfile(flatland_server.YamlReader)).with_name("lua_worker.py")
+    script = f"""
+import runpy, sys
+sys.argv = [{str(worker)!r}]
+try:
+    runpy.run_path({str(worker)!r}, run_name="lua_worker")
+finally:
+    print([name for name in ("numpy", "flatland_server", "yaml") if name in sys.modules])
+"""
+    result = subprocess.run(
+        [sys.executable, "-I", "-c", script], cwd=tmp_path, capture_output=True, text=True
+    )
+
+    assert (result.stdout.strip(), result.stderr) == ("[]", "")
+
+
+@pytest.mark.parametrize(
+    ("old", "use"),
+    [
+        ("Publisher.is_watched", lambda node: node.advertise("topic", None).is_watched),
+        ("Node.transforms_are_watched", lambda node: node.transforms_are_watched),
+        ("Node.listeners_version", lambda node: node.listeners_version == 0),
+        (
+            "watched=",
+            lambda _: flatland_server.LocalTransport(watched=["/a"]).has_subscribers("/a"),
+        ),
+        ("LocalTransport.watch", lambda _: LocalTransport().watch([]) is None),
+    ],
+)
+def test_a_former_attribute_still_works_with_a_warning(old, use):
+    node = Node(LocalTransport())
+
+    with pytest.warns(DeprecationWarning, match=f"{old}.* is deprecated; use") as caught:
+        result = use(node)
+
+    assert result is True
+    assert {warning.filename for warning in caught} == {__file__}
