@@ -3,7 +3,7 @@ from setuptools import setup
 
 setup(
     **generate_distutils_setup(
-        packages=["flatland_server", "flatland_server.benchmark", "flatland_server.ros"],
+        packages=["flatland_server", "flatland_server.ros"],
         package_dir={"": "src"},
     )
 )
