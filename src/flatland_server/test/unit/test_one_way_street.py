@@ -23,7 +23,6 @@ LAYERS = (  # each may import those before it
     "tools",
     "ros.rospy_patches",
     "ros",
-    "benchmark",
 )
 PUBLIC_FRONT = "flatland_server/__init__.py"
 

@@ -1,0 +1,8 @@
+"""What `python -m flatland_benchmark` runs."""
+
+import sys
+
+from flatland_benchmark.command import main
+
+if __name__ == "__main__":
+    sys.exit(main())

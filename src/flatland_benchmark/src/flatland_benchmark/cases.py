@@ -1,0 +1,15 @@
+"""All cases by name, in the order in which they run."""
+
+from typing import Dict
+
+from flatland_benchmark.case import Case
+from flatland_benchmark.contact_cases import CONTACT_CASES
+from flatland_benchmark.map_cases import MAP_CASES
+from flatland_benchmark.ray_cases import RAY_CASES
+from flatland_benchmark.robot_cases import ROBOT_CASES
+from flatland_benchmark.server_cases import SERVER_CASES
+
+CASES: Dict[str, Case] = {
+    case.name: case
+    for case in (*RAY_CASES, *ROBOT_CASES, *SERVER_CASES, *CONTACT_CASES, *MAP_CASES)
+}

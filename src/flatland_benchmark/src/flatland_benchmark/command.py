@@ -1,0 +1,127 @@
+"""The command: runs cases and prints, keeps, compares and draws what they give."""
+
+import argparse
+import fnmatch
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Dict, List, Optional
+
+from flatland_benchmark.case import Case, Figures
+from flatland_benchmark.cases import CASES
+from flatland_benchmark.compare import comparison
+from flatland_benchmark.plots import draw, require_matplotlib
+from flatland_benchmark.report import CaseReport, Report
+from flatland_benchmark.tables import HEADER, case_rows
+from flatland_server.exceptions import FlatlandError, suggestion
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    """Measures, or compares or draws what was measured. Returns the exit code."""
+    options = parser().parse_args(arguments)
+    if options.one:
+        name, worlds = options.one
+        print(json.dumps(CASES[name].run(Path(worlds))))
+        return 0
+    try:
+        return _do(options)
+    except FlatlandError as error:
+        print(f"flatland_benchmark: {error}", file=sys.stderr)
+        return 2
+
+
+def parser() -> argparse.ArgumentParser:
+    """Reads the command's arguments."""
+    result = argparse.ArgumentParser(prog="flatland_benchmark", description="Measure Flatland.")
+    add = result.add_argument
+    add("cases", nargs="*", metavar="CASE", help="a name or a pattern as 'scan_*'; default: all")
+    add("--list", action="store_true", help="say what cases there are")
+    add("--runs", type=_positive, default=5, metavar="N", help="of each case (default 5)")
+    add("--json", type=Path, metavar="FILE", help="write all values there too")
+    add("--plots", type=Path, metavar="DIR", help="draw pictures of the figures there")
+    add("--from", dest="source", type=Path, metavar="FILE", help="draw FILE's figures, run nothing")
+    add("--compare", nargs=2, type=Path, metavar=("A", "B"), help="show what changed from A to B")
+    add("--one", nargs=2, metavar=("CASE", "WORLDS"), help=argparse.SUPPRESS)
+    return result
+
+
+def _positive(text: str) -> int:
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected 1 or more, found {text}")
+    return int(text)
+
+
+def _do(options: argparse.Namespace) -> int:
+    if options.list:
+        for case in CASES.values():
+            print(f"{case.name:26} {case.description}")
+        return 0
+    if options.compare:
+        before, after = options.compare
+        print(comparison(Report.read(before), Report.read(after)), end="")
+        return 0
+    if options.plots:
+        require_matplotlib()  # now, not after an hour
+    failed: List[str] = []
+    if options.source:
+        report = Report.read(options.source)
+    else:
+        report = Report.begin()
+        failed = _run(select(options.cases), report, options)
+    if options.plots:
+        for path in draw(report, options.plots):
+            print(path)
+    return 1 if failed else 0
+
+
+def select(patterns: List[str]) -> List[Case]:
+    """The cases of these names or patterns.
+
+    Raises:
+        FlatlandError: one fits no case.
+    """
+    chosen: Dict[str, Case] = {}
+    for pattern in patterns or ["*"]:
+        names = fnmatch.filter(CASES, pattern)
+        if not names:
+            hint = suggestion(pattern, CASES)
+            raise FlatlandError(f'unknown case "{pattern}"{hint}; --list shows all')
+        chosen.update((name, CASES[name]) for name in names)
+    return list(chosen.values())
+
+
+def _run(cases: List[Case], report: Report, options: argparse.Namespace) -> List[str]:
+    """Runs cases and adds what they give to the report. Returns the names of those that failed."""
+    failed = []
+    print(HEADER, flush=True)
+    for case in cases:
+        try:
+            report.cases[case.name] = measure(case, options.runs)
+        except FlatlandError as error:
+            print(error, file=sys.stderr)
+            failed.append(case.name)
+            continue
+        print(case_rows(case.name, report.cases[case.name]), flush=True)
+        if options.json:  # what there is, should it be interrupted
+            options.json.write_text(report.to_json(), encoding="utf-8")
+    return failed
+
+
+def measure(case: Case, runs: int) -> CaseReport:
+    """Runs a case so many times, each in a process of its own.
+
+    Raises:
+        FlatlandError: a run failed; it has said why on stderr.
+    """
+    import rospkg
+
+    worlds = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds"
+    command = [sys.executable, "-m", "flatland_benchmark", "--one", case.name, str(worlds)]
+    figures: List[Figures] = []
+    for _ in range(runs):
+        result = subprocess.run(command, stdout=subprocess.PIPE)
+        if result.returncode != 0:
+            raise FlatlandError(f"the case {case.name} failed")
+        figures.append(json.loads(result.stdout))
+    return CaseReport.of_runs(case.description, figures)

@@ -1,0 +1,124 @@
+"""What was measured, where and when; as JSON it is as benchmark.schema.json says."""
+
+import json
+import re
+import statistics
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+from flatland_benchmark.machine import Machine, commit, now, version
+from flatland_server.exceptions import FlatlandError
+
+SCHEMA_VERSION = 1
+"""Counts up whenever files of before cannot be read as those of after."""
+
+_WITH_UNIT = re.compile(r"(.*) \[(.*)\]")
+
+
+class Figure(NamedTuple):
+    """A number that was measured some times."""
+
+    unit: str  # empty for a ratio or a count
+    values: Tuple[float, ...]  # one for each run
+
+    @property
+    def median(self) -> float:
+        """What it is taken for."""
+        return statistics.median(self.values)
+
+    @property
+    def spread(self) -> Tuple[float, float]:
+        """The least and the most that it was."""
+        return min(self.values), max(self.values)
+
+
+@dataclass(frozen=True)
+class CaseReport:
+    """What a case gave: its figures by name."""
+
+    description: str
+    figures: Dict[str, Figure]
+
+    @classmethod
+    def of_runs(cls, description: str, runs: List[Dict[str, float]]) -> "CaseReport":
+        """Of figures as cases give them, their units in brackets behind their names."""
+        figures = {}
+        for key in runs[0]:
+            match = _WITH_UNIT.fullmatch(key)
+            name, unit = match.groups() if match else (key, "")
+            figures[name] = Figure(unit, tuple(run[key] for run in runs))
+        return cls(description, figures)
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that one call of the benchmark gave."""
+
+    machine: Machine
+    version: str
+    commit: Optional[str]
+    date: str
+    cases: Dict[str, CaseReport] = field(default_factory=dict)
+
+    @classmethod
+    def begin(cls) -> "Report":
+        """Without cases yet, of this machine, program and moment."""
+        return cls(Machine.this(), version(), commit(), now())
+
+    def to_json(self) -> str:
+        """The file's text."""
+        values = {
+            "schema": SCHEMA_VERSION,
+            "date": self.date,
+            "version": self.version,
+            "commit": self.commit,
+            "machine": self.machine._asdict(),
+            "cases": {
+                name: {
+                    "description": case.description,
+                    "figures": {key: _to_dict(figure) for key, figure in case.figures.items()},
+                }
+                for name, case in self.cases.items()
+            },
+        }
+        return json.dumps(values, indent=2) + "\n"
+
+    @classmethod
+    def read(cls, path: Path) -> "Report":
+        """From a file.
+
+        Raises:
+            FlatlandError: it cannot be read, or is no such report.
+        """
+        try:
+            values: Any = json.loads(path.read_text(encoding="utf-8"))
+            if values["schema"] != SCHEMA_VERSION:
+                raise FlatlandError(
+                    f"{path}: expected schema {SCHEMA_VERSION}, found {values['schema']}"
+                )
+            cases = {
+                name: CaseReport(
+                    case["description"],
+                    {
+                        key: Figure(figure["unit"], tuple(figure["values"]))
+                        for key, figure in case["figures"].items()
+                    },
+                )
+                for name, case in values["cases"].items()
+            }
+            machine = Machine(**values["machine"])
+            return cls(machine, values["version"], values["commit"], values["date"], cases)
+        except OSError as error:
+            raise FlatlandError(f"{path}: cannot be read: {error.strerror}") from None
+        except (ValueError, KeyError, TypeError, AttributeError):
+            raise FlatlandError(f"{path}: is not a report of flatland_benchmark") from None
+
+
+def _to_dict(figure: Figure) -> Dict[str, Any]:
+    return {
+        "unit": figure.unit,
+        "median": figure.median,
+        "spread": list(figure.spread),
+        "values": list(figure.values),
+    }

@@ -1,0 +1,110 @@
+"""Robots in this process: no ROS master, and nobody listens."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+
+from flatland_benchmark.case import Case, Figures
+from flatland_benchmark.figures import ROBOTS, durations, in_words, peak_memory
+from flatland_benchmark.robot_worlds import write_world
+from flatland_server.geometry import Pose
+from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+
+_STEP_SIZE = 0.005
+_SCAN_PERIOD = 20
+"""Steps from one scan to the next: whole ones are measured."""
+_MEASURED = 2.0
+"""How long it is measured at least [s of real time]."""
+_SPAWNS = 200
+
+
+def run_robots(worlds: Path, robots: int) -> Figures:
+    """So many robots in the office, as fast as they go."""
+    with tempfile.TemporaryDirectory() as folder:
+        world = World.from_file(
+            write_world(Path(folder), worlds, robots), LocalTransport(subscribed_topics=())
+        )
+    figures = run(world)
+    figures["step per robot [us]"] = figures["step [us]"] / robots
+    return {**figures, **peak_memory()}
+
+
+def run_office(worlds: Path) -> Figures:
+    """The office with its robot, every topic listened to in this process."""
+    return {**run(World.from_file(worlds / "office/world.yaml")), **peak_memory()}
+
+
+def run(world: World) -> Figures:
+    """Steps a world for a while, and says how long a step took."""
+    timekeeper = Timekeeper(_STEP_SIZE)
+
+    def steps(count: int) -> None:
+        for _ in range(count):
+            world.transport.process()
+            world.step(timekeeper)
+
+    steps(_SCAN_PERIOD)  # with all that is done once
+    count = 0
+    begin, cpu = time.perf_counter(), time.process_time()
+    while time.perf_counter() < begin + _MEASURED:
+        steps(_SCAN_PERIOD)
+        count += _SCAN_PERIOD
+    seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
+    return {
+        "times real time": count * _STEP_SIZE / seconds,
+        "step [us]": seconds / count * 1e6,
+        "CPU per step [us]": cpu / count * 1e6,
+    }
+
+
+def spawn(worlds: Path) -> Figures:
+    """The office's robot is spawned and deleted again and again."""
+    world = World.from_file(worlds / "office/world.yaml")
+    times = []
+    for i in range(_SPAWNS):
+        begin = time.perf_counter()
+        world.spawn_model(worlds / "office/turtlebot.model.yaml", f"robot{i}", f"robot{i}", Pose())
+        times.append(time.perf_counter() - begin)
+        world.delete_model(f"robot{i}")
+    return durations(times)
+
+
+def time_parts(worlds: Path, robots: int, heard: bool) -> Figures:
+    """Where the time of a step goes; that knows ROS's messages, so it is a program of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        world = write_world(Path(folder), worlds, robots)
+        command = [sys.executable, "-m", "flatland_benchmark.step_parts", str(world)]
+        output = subprocess.run(
+            [*command, *(["--heard"] if heard else [])], stdout=subprocess.PIPE, check=True
+        ).stdout
+    return {f"{part} [us]": value for part, value in json.loads(output).items()}
+
+
+ROBOT_CASES = (
+    *(
+        Case(
+            f"robots_{robots}",
+            f"{in_words(robots)} in the office, in process, nobody listens",
+            partial(run_robots, robots=robots),
+        )
+        for robots in ROBOTS
+    ),
+    *(
+        Case(
+            f"parts_{robots}" + ("_heard" if heard else ""),
+            f"parts of a step, {in_words(robots)}, "
+            f"{'all is' if heard else 'nothing is'} listened to",
+            partial(time_parts, robots=robots, heard=heard),
+        )
+        for robots in (1, 100)
+        for heard in (False, True)
+    ),
+    Case("run_office", "the office with its robot, in process, all is listened to", run_office),
+    Case("spawn", "a robot is spawned in the office, in process", spawn),
+)

@@ -1,0 +1,214 @@
+"""Cases that run the real server under a ROS master of its own: speed, listeners."""
+
+import json
+import shutil
+import tempfile
+import time
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Iterator, List, Tuple
+
+from flatland_benchmark.case import Case, Figures
+from flatland_benchmark.figures import ROBOTS, durations, in_words
+from flatland_benchmark.robot_worlds import write_world
+from flatland_benchmark.server_process import Interval, Listener, ServerProcess
+
+ROBOTS_ALONE = (1, 10, 100)
+ROBOTS_LISTENED_TO = (1, 10, 100)
+
+MEASURING = 5.0
+"""How long most cases watch [s of real time]."""
+
+SETTLING = 1.0
+"""How long they let go by before [s]."""
+
+STALLED = 4.0
+"""How long a listener reads nothing [s]."""
+
+GROWING = 10.0
+"""How long memory has for growing [s]."""
+
+SPAWNED = 200
+"""Models that are spawned."""
+
+REAL_TIME = 200.0
+"""Steps per second of real time, where the loop is not unbounded."""
+
+_SENT = {
+    "sensor_msgs/LaserScan": ("scans heard [%]", 10.0, 0.0),
+    "nav_msgs/Odometry": ("odometry heard [%]", 1.0 / ServerProcess.STEP_SIZE, 0.0),
+    "tf2_msgs/TFMessage": ("tf heard [%]", 0.0, 1.0 / ServerProcess.STEP_SIZE),
+}
+"""By type: a figure's name, and how many messages are sent in a simulated second, by each robot
+and by all together."""
+
+
+@contextmanager
+def _robots(worlds: Path, robots: int, rosout: bool = True) -> Iterator[ServerProcess]:
+    """A server with so many robots, its loop unbounded."""
+    with tempfile.TemporaryDirectory(prefix="flatland_benchmark_") as folder:
+        world = write_world(Path(folder), worlds, robots)
+        with ServerProcess(world, rosout=rosout) as server:
+            server.settle(SETTLING)
+            yield server
+
+
+def _figures(interval: Interval, server: ServerProcess) -> Figures:
+    return {
+        "times real time": interval.times_real_time,
+        "CPU per step [us]": interval.cpu_per_step,
+        "memory [MB]": server.server.memory,
+        "start [s]": server.seconds_to_start,
+    }
+
+
+def serve(worlds: Path, robots: int, rosout: bool = True) -> Figures:
+    """Nobody listens but rosout, to /clock."""
+    with _robots(worlds, robots, rosout) as server:
+        return _figures(server.measure(MEASURING), server)
+
+
+def serve_with_listener(worlds: Path, robots: int) -> Figures:
+    """One listener to all robots; what it hears is given as a part of what is sent."""
+    with _robots(worlds, robots) as server:
+        listener = _connected(server)
+        server.settle(SETTLING)
+        before = listener.next_reading()
+        interval = server.measure(MEASURING)
+        after = listener.next_reading()
+        figures = _figures(interval, server)
+    seconds = after.simulated - before.simulated
+    for name, (figure, each, together) in _SENT.items():
+        heard = after.messages[name] - before.messages[name]
+        figures[figure] = 100.0 * heard / ((each * robots + together) * seconds)
+    return figures
+
+
+def _connected(server: ServerProcess) -> Listener:
+    listener = server.listen("listener", "--robots")
+    listener.wait_until_connected()
+    return listener
+
+
+def stalled_listener(worlds: Path) -> Figures:
+    """A listener that stops reading, as one does that is stopped: its messages are dropped."""
+    with _robots(worlds, 10) as server:
+        listener = _connected(server)
+        server.settle(SETTLING)
+        before = server.measure(STALLED)
+        listener.process.stop()
+        server.settle(SETTLING)
+        during = server.measure(STALLED)
+    return {
+        "times real time": before.times_real_time,
+        "while stalled": during.times_real_time,
+        "ratio": during.times_real_time / before.times_real_time,
+    }
+
+
+def grow(worlds: Path) -> Figures:
+    """Memory of a hundred robots with a listener, a while after the start and a while later."""
+    with _robots(worlds, 100) as server:
+        _connected(server)
+        server.settle(SETTLING)
+        begin, early = server.observer.next_reading(), server.server.memory
+        server.settle(GROWING)
+        end, late = server.observer.next_reading(), server.server.memory
+    return {
+        "memory [MB]": late,
+        "growth [MB]": late - early,
+        "simulated [s]": end.simulated - begin.simulated,
+    }
+
+
+def serve_real_time(worlds: Path) -> Figures:
+    """The office at 200 Hz, with the intervals at which /clock comes to a listener."""
+    with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
+        server.settle(SETTLING)
+        return _real_time_figures(server)
+
+
+def serve_rviz(worlds: Path) -> Figures:
+    """The same with the window, under Xvfb: rviz draws without a graphics card."""
+    with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
+        xvfb = ["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp"]
+        screen = server.start("Xvfb", [*xvfb, "-noreset"])
+        number = server.wait_until(lambda: screen.output.strip(), "a screen")
+        window = server.start(
+            "flatland_viz",
+            ["rosrun", "flatland_viz", "flatland_viz"],
+            DISPLAY=f":{number}",
+            LIBGL_ALWAYS_SOFTWARE="1",
+        )
+        server.wait_until(lambda: server.listeners("/scan"), "the window")
+        server.settle(3 * SETTLING)
+        cpu, begin = window.cpu_seconds, time.monotonic()
+        figures = _real_time_figures(server)
+        cores = (window.cpu_seconds - cpu) / (time.monotonic() - begin)
+    return {**figures, "window [% of a core]": 100.0 * cores}
+
+
+def _real_time_figures(server: ServerProcess) -> Figures:
+    listener = server.listen("listener", "--clock")
+    listener.next_reading()
+    interval = server.measure(MEASURING)
+    clock = listener.end()
+    diagnosis = server.diagnosis()
+    return {
+        "times real time": interval.times_real_time,
+        "server [% of a core]": 100.0 * interval.cores,
+        "step p50 [ms]": float(diagnosis["step period, median [ms]"]),
+        "step p99 [ms]": float(diagnosis["step period, 99th percentile [ms]"]),
+        "/clock p50 [ms]": clock["p50"] * 1e3,
+        "/clock p99 [ms]": clock["p99"] * 1e3,
+        "/clock worst [ms]": clock["worst"] * 1e3,
+        "memory [MB]": server.server.memory,
+    }
+
+
+def spawn(worlds: Path) -> Figures:
+    """How long a client waits for /spawn_model of the office's robot, in the office at 200 Hz."""
+    model = worlds / "office" / "turtlebot.model.yaml"
+    with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
+        server.settle(SETTLING)
+        client = ["rosrun", "flatland_benchmark", "flatland_spawner", str(model), str(SPAWNED)]
+        seconds: List[float] = json.loads(server.call("spawner", client))["spawned"]
+    return durations(seconds)
+
+
+SERVER_CASES: Tuple[Case, ...] = (
+    *(
+        Case(
+            f"serve_{n}",
+            f"the server as fast as it goes, {in_words(n)}, nobody listens but rosout to /clock",
+            partial(serve, robots=n),
+        )
+        for n in ROBOTS
+    ),
+    *(
+        Case(
+            f"serve_{n}_alone",
+            f"the same with {in_words(n)}, and nobody who listens at all",
+            partial(serve, robots=n, rosout=False),
+        )
+        for n in ROBOTS_ALONE
+    ),
+    *(
+        Case(
+            f"serve_{n}_heard",
+            f"the same with {in_words(n)} and a listener to all scans, odometries and transforms",
+            partial(serve_with_listener, robots=n),
+        )
+        for n in ROBOTS_LISTENED_TO
+    ),
+    Case("serve_stalled", "10 robots, and a listener that stops reading", stalled_listener),
+    Case("serve_grow", "memory of 100 robots with a listener, over time", grow),
+    Case("serve_real_time", "the office with one robot at 200 Hz of real time", serve_real_time),
+    *(
+        [Case("serve_rviz", "the same with the window, drawn by software", serve_rviz)]
+        if shutil.which("Xvfb") and shutil.which("rviz")
+        else []
+    ),
+    Case("serve_spawn", "spawning a robot by /spawn_model", spawn),
+)

@@ -1,0 +1,244 @@
+"""flatland_server as a user runs it: a ROS master of its own, rosout, the node, and who listens."""
+
+import json
+import os
+import shutil
+import socket
+import sys
+import tempfile
+import time
+import xmlrpc.client
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Dict, List, NamedTuple, Optional, Set, Type
+
+import yaml
+
+from flatland_benchmark.process import Process, wait_until
+
+_NAME = "/flatland_benchmark"  # who we are to the master
+
+
+class Reading(NamedTuple):
+    """What a listener says at a message of the simulation's state."""
+
+    real: float
+    """When, as of time.monotonic() [s]."""
+
+    simulated: float
+    """Simulated time at that moment [s]."""
+
+    is_connected: bool
+    """Whether it hears all topics that it listens to."""
+
+    messages: Dict[str, int]
+    """How many have come, by the name of their type."""
+
+
+class Listener:
+    """A flatland_listener."""
+
+    def __init__(self, process: Process, server: "ServerProcess") -> None:
+        self.process = process
+        self._server = server
+        self._readings: List[Reading] = []
+
+    def next_reading(self, after: float = 0.0) -> Reading:
+        """The first new one whose real time is not before `after`."""
+        self._collect()
+        self._readings.clear()
+        while True:
+            reading: Reading = self._server.wait_until(self._pop, "the simulation's state")
+            if reading.real >= after:
+                return reading
+
+    def wait_until_connected(self) -> None:
+        """Waits until it hears all of its topics."""
+        self._server.wait_until(
+            lambda: self.next_reading().is_connected,
+            f"{self.process.name} to be connected",
+            limit=120.0,
+        )
+
+    def end(self) -> Dict[str, Any]:
+        """Ends it; returns its last line."""
+        self._server.end(self.process)
+        last: Dict[str, Any] = json.loads(self.process.output.splitlines()[-1])
+        return last
+
+    def _collect(self) -> None:
+        for line in self.process.new_lines():
+            if "simulated" in line:
+                heard = {name: count["messages"] for name, count in line["heard"].items()}
+                is_connected = line["connected"] == line["topics"]
+                self._readings.append(Reading(line["real"], line["simulated"], is_connected, heard))
+
+    def _pop(self) -> Optional[Reading]:
+        if not self._readings:
+            self._collect()
+        return self._readings.pop(0) if self._readings else None
+
+
+class Interval(NamedTuple):
+    """What the server has done in some seconds of real time."""
+
+    times_real_time: float
+    steps_per_second: float
+    cores: float
+    """Processor time per real time; above 1 if several threads were busy."""
+
+    @property
+    def cpu_per_step(self) -> float:
+        """Processor time of all threads per step [us]."""
+        return self.cores / self.steps_per_second * 1e6
+
+
+class ServerProcess:
+    """A context manager: enter it, and the simulation runs; leave it, and all of it ends.
+
+    Args:
+        world_file: the world that is run.
+        update_rate: steps per second of real time.
+        rosout: whether rosout runs, as under roslaunch. It listens to /clock.
+    """
+
+    STEP_SIZE = 0.005
+
+    def __init__(
+        self, world_file: Path, update_rate: float = float("inf"), rosout: bool = True
+    ) -> None:
+        self._world_file = world_file
+        self._update_rate = update_rate
+        self._rosout = rosout
+        self._folder = tempfile.TemporaryDirectory(prefix="flatland_benchmark_")
+        self._processes: List[Process] = []
+        port = _free_port()
+        self.uri = f"http://127.0.0.1:{port}"
+        """Of the ROS master."""
+        self._master = xmlrpc.client.ServerProxy(self.uri)
+        self._environment = {
+            **{k: v for k, v in os.environ.items() if k not in ("ROS_HOSTNAME", "ROS_NAMESPACE")},
+            "ROS_MASTER_URI": self.uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": self._folder.name,
+            "ROS_LOG_DIR": self._folder.name,
+        }
+        self._port = port
+
+    def __enter__(self) -> "ServerProcess":
+        try:
+            self._start()
+        except BaseException:
+            self._end()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        traceback: Optional[TracebackType],
+    ) -> None:
+        self._end()
+
+    def _start(self) -> None:
+        rosmaster = [sys.executable, shutil.which("rosmaster") or "rosmaster"]
+        self.start("rosmaster", [*rosmaster, "--core", "-p", str(self._port)])
+        self.wait_until(self._has_master, "the ROS master")
+        self._master.setParam(_NAME, "/use_sim_time", True)
+        if self._rosout:
+            self.start("rosout", ["rosrun", "rosout", "rosout"])
+            self.wait_until(lambda: "/rosout" in self.listeners("/clock"), "rosout")
+        self.server = self.start(
+            "flatland_server",
+            [
+                *("rosrun", "flatland_server", "flatland_server", "__name:=flatland_server"),
+                f"_world_path:={self._world_file}",
+                f"_update_rate:={self._update_rate}",
+                f"_step_size:={self.STEP_SIZE}",
+            ],
+        )
+        started = time.monotonic()
+        self.observer = self.listen("observer")
+        self.seconds_to_start = self.observer.next_reading().real - started
+
+    def start(self, name: str, command: List[str], **environment: str) -> Process:
+        """Starts a program under our master; it ends with all others."""
+        process = Process(
+            name, command, Path(self._folder.name), {**self._environment, **environment}
+        )
+        self._processes.append(process)
+        return process
+
+    def listen(self, name: str, *arguments: str) -> Listener:
+        """Starts a flatland_listener."""
+        command = ["rosrun", "flatland_benchmark", "flatland_counting_subscriber", *arguments]
+        return Listener(self.start(name, command), self)
+
+    def call(self, name: str, command: List[str], limit: float = 60.0) -> str:
+        """Runs a program to its end; returns its output.
+
+        Raises:
+            FlatlandError: it does not end in time, or not well.
+        """
+        process = self.start(name, command)
+        process.wait(limit)
+        self.end(process)
+        return process.output
+
+    def end(self, process: Process) -> None:
+        """Ends a program before the others."""
+        process.end()
+        self._processes.remove(process)
+
+    def wait_until(self, holds: Any, what: str, limit: float = 60.0) -> Any:
+        """The first true value of `holds()`.
+
+        Raises:
+            FlatlandError: it takes too long, or a process has ended; it has their output.
+        """
+        return wait_until(holds, what, self._processes, limit)
+
+    def listeners(self, topic: str) -> Set[str]:
+        """The nodes that have subscribed to a topic."""
+        answer: Any = self._master.getSystemState(_NAME)
+        _, _, (_, subscribers, _) = answer
+        return {node for name, nodes in subscribers if name == topic for node in nodes}
+
+    def measure(self, seconds: float) -> Interval:
+        """Watches the server for some seconds of real time."""
+        begin, cpu = self.observer.next_reading(), self.server.cpu_seconds
+        started = time.monotonic()
+        end = self.observer.next_reading(begin.real + seconds)
+        cores = (self.server.cpu_seconds - cpu) / (time.monotonic() - started)
+        times_real_time = (end.simulated - begin.simulated) / (end.real - begin.real)
+        return Interval(times_real_time, times_real_time / self.STEP_SIZE, cores)
+
+    def settle(self, seconds: float) -> None:
+        """Lets some seconds of real time go by."""
+        self.observer.next_reading(time.monotonic() + seconds)
+
+    def diagnosis(self) -> Dict[str, str]:
+        """What the server says of its simulation on /diagnostics."""
+        text = self.call("rostopic", ["rostopic", "echo", "-n", "1", "/diagnostics"])
+        [message] = yaml.safe_load_all(text.replace("\n---", ""))
+        [status] = [s for s in message["status"] if s["name"].endswith(": simulation")]
+        return {pair["key"]: pair["value"] for pair in status["values"]}
+
+    def _has_master(self) -> bool:
+        try:
+            self._master.getPid(_NAME)
+        except OSError:
+            return False
+        return True
+
+    def _end(self) -> None:
+        while self._processes:
+            self._processes.pop().end()
+        self._folder.cleanup()
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

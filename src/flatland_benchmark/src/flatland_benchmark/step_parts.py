@@ -1,0 +1,213 @@
+"""Where the time of a step goes, for the benchmark: python -m flatland_benchmark.step_parts WORLD.
+
+The world runs in this process, without a master. With `--heard` it is as if somebody listened to
+all topics and markers: messages are made and serialised as rospy does, and go nowhere. Prints the
+microseconds of each part as JSON.
+"""
+
+import argparse
+import json
+import sys
+import time
+from collections import defaultdict
+from io import BytesIO
+from pathlib import Path
+from statistics import median
+from typing import Any, Callable, DefaultDict, Dict, List, Optional, Sequence, Tuple
+
+from flatland_server import _core
+from flatland_server.geometry import Transform
+from flatland_server.messages.model_markers import ModelMarkers
+from flatland_server.messages.serialized_markers import array_of
+from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.message_writer import MessageWriter
+from flatland_server.transport.node import Frames, Publisher
+
+PARTS = ("physics", "scans", "plugins", "publishing", "markers")
+
+_STEP_SIZE = 0.005
+_BLOCK = 20
+"""Steps that are measured together: one scan of every robot's. The median of the blocks counts."""
+_MARKER_PERIOD = 200 / 30
+"""Steps from one publication of markers to the next: 30 Hz of 200 Hz, as the server has it."""
+
+
+class Stopwatch:
+    """Measures parts of a program, each without what it has other parts do for it."""
+
+    def __init__(self) -> None:
+        self.seconds: DefaultDict[str, float] = defaultdict(float)
+        self._parts: List[str] = []  # the outermost first
+        self._since = 0.0
+
+    def timed(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """A function whose time counts for a part."""
+
+        def measured(*arguments: Any, **options: Any) -> Any:
+            self._note()
+            self._parts.append(part)
+            try:
+                return function(*arguments, **options)
+            finally:
+                self._note()
+                self._parts.pop()
+
+        return measured
+
+    def _note(self) -> None:
+        """Until now, it was the innermost part's time."""
+        now = time.perf_counter()
+        if self._parts:
+            self.seconds[self._parts[-1]] += now - self._since
+        self._since = now
+
+
+class Serializing(LocalTransport):
+    """Makes bytes of what somebody listens to, and throws them away."""
+
+    def __init__(self, is_heard: bool) -> None:
+        super().__init__(subscribed_topics=None if is_heard else ())
+        self._transforms = TransformQueue()
+
+    def advertise(
+        self, topic: str, message_type: Any, *, latch: bool, queue_size: int
+    ) -> Publisher:
+        return _SerializingPublisher(self, topic)
+
+    def send_transform(self, transform: Transform) -> None:
+        self._transforms.add(transform)
+
+    def open_frames(self, names: Sequence[Tuple[str, str]]) -> Frames:
+        return SerializedFrames(self._transforms, names)
+
+    def flush(self) -> None:
+        self._transforms.take()
+
+    def send_bytes(self, message: Any) -> None:
+        """What rospy does before it writes to a socket."""
+        message.serialize(BytesIO())
+
+    def write(self, writer: MessageWriter, *values: Any) -> None:
+        """The same where the bytes are written at once."""
+        writer.data(*values)
+
+
+class _SerializingPublisher(Publisher):
+    def __init__(self, transport: Serializing, topic: str) -> None:
+        self._transport = transport
+        self._topic = topic
+
+    @property
+    def has_subscribers(self) -> bool:
+        return self._transport.has_subscribers(self._topic)
+
+    def publish(self, message: Any) -> None:
+        if self.has_subscribers:
+            self._transport.send_bytes(message)
+
+    def write(self, writer: MessageWriter, *values: Any) -> None:
+        if self.has_subscribers:
+            self._transport.write(writer, *values)
+
+    def close(self) -> None:
+        pass
+
+
+class _Run:
+    """A world with its markers, stepped."""
+
+    def __init__(self, path: Path, is_heard: bool) -> None:
+        self.transport = Serializing(is_heard)
+        self._world = World.from_file(path, self.transport)
+        self._timekeeper = Timekeeper(_STEP_SIZE)
+        self._markers = [ModelMarkers(model, "map") for model in self._world.models.values()]
+        self._is_heard = is_heard
+
+    def step(self) -> None:
+        self.transport.process()
+        self._world.step(self._timekeeper)
+
+    def publish_markers(self) -> None:
+        for markers in self._markers:
+            markers.place()
+        self.transport.send_bytes(array_of([markers.bytes() for markers in self._markers]))
+
+    def block(self) -> float:
+        """Makes a block of steps; returns how long it took [s]."""
+        published = 0
+        begin = time.perf_counter()
+        for count in range(_BLOCK):
+            self.step()
+            if self._is_heard and count >= published * _MARKER_PERIOD:
+                self.publish_markers()
+                published += 1
+        return time.perf_counter() - begin
+
+
+def measure(path: Path, is_heard: bool, steps: int) -> Dict[str, float]:
+    """Seconds of a step, wholly and by part.
+
+    Args:
+        path: of the world.
+        is_heard: whether somebody listens to everything.
+        steps: how many are measured, about.
+    """
+    plain = _Run(path, is_heard)
+    plain.block()  # with all that is done once
+    whole = [plain.block() for _ in range(max(1, steps // _BLOCK))]
+    stopwatch = Stopwatch()
+    run = _timed_run(path, is_heard, stopwatch)
+    run.block()
+    parts: Dict[str, List[float]] = {part: [] for part in PARTS}
+    for _ in whole:
+        stopwatch.seconds.clear()
+        run.block()
+        for part in PARTS:
+            parts[part].append(stopwatch.seconds[part])
+    return {name: median(times) / _BLOCK for name, times in {"step": whole, **parts}.items()}
+
+
+def _timed_run(path: Path, is_heard: bool, stopwatch: Stopwatch) -> _Run:
+    original = _core.World
+    _core.World = _timed_physics(stopwatch)
+    try:
+        run = _Run(path, is_heard)
+    finally:
+        _core.World = original
+    transport = run.transport
+    for name in ("send_bytes", "write", "flush", "process"):
+        setattr(transport, name, stopwatch.timed("publishing", getattr(transport, name)))
+    run.step = stopwatch.timed("plugins", run.step)  # what is none of the others
+    run.publish_markers = stopwatch.timed("markers", run.publish_markers)
+    return run
+
+
+def _timed_physics(stopwatch: Stopwatch) -> type:
+    """The physical world, with its steps and its scans measured."""
+    parts = {"step": "physics", "scan": "scans"}
+    methods = {
+        name: stopwatch.timed(part, getattr(_core.World, name))
+        for name in dir(_core.World)
+        for prefix, part in parts.items()
+        if name.startswith(prefix)
+    }
+    return type("TimedWorld", (_core.World,), methods)
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    """Prints what it has measured. Returns the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("world", type=Path)
+    parser.add_argument("--heard", action="store_true", help="as if somebody listened")
+    parser.add_argument("--steps", type=int, default=1000)
+    options = parser.parse_args(arguments)
+    seconds = measure(options.world, options.heard, options.steps)
+    print(json.dumps({part: value * 1e6 for part, value in seconds.items()}))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

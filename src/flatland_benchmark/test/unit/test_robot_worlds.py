@@ -1,0 +1,82 @@
+"""The benchmark's worlds: robots all over the office, free of walls and of each other."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flatland_benchmark.robot_worlds import RADIUS, free_places, write_world
+from flatland_server.models.layer import read_map
+from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
+
+WORLDS = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds"
+OFFICE = WORLDS / "office" / "office.yaml"
+
+
+def distances_to_segments(places, segments):
+    """Shape (places, segments)."""
+    begin, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    offsets = places[:, np.newaxis] - begin
+    part = np.clip((offsets * along).sum(axis=2) / (along**2).sum(axis=1), 0, 1)
+    return np.linalg.norm(offsets - part[..., np.newaxis] * along, axis=2)
+
+
+@pytest.mark.parametrize("count", [1, 2, 10, 50, 100, 1000])
+def test_places_are_distinct_and_clear_of_walls_and_of_each_other(count):
+    places = np.array(free_places(OFFICE, count))
+
+    between = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
+    to_walls = distances_to_segments(places, read_map(OFFICE))
+
+    assert places.shape == (count, 2)
+    assert np.min(between[~np.eye(count, dtype=bool)], initial=np.inf) > 2 * RADIUS
+    assert to_walls.min() > RADIUS
+
+
+def test_places_are_inside_and_all_over_the_office():
+    places = np.array(free_places(OFFICE, 100))
+
+    assert np.all(np.abs(places - [2.5, 0.0]) < [32.5, 12.5])
+    quarters = {(x > 0, y > 0) for x, y in places}
+    assert len(quarters) == 4
+    assert np.ptp(places, axis=0) == pytest.approx([62, 23], abs=2)
+
+
+def test_places_are_the_same_each_time():
+    assert free_places(OFFICE, 20) == free_places(OFFICE, 20)
+
+
+def test_more_robots_than_places_are_refused():
+    with pytest.raises(ValueError, match=r"office\.yaml: 5000 robots do not fit, only \d+"):
+        free_places(OFFICE, 5000)
+
+
+def test_robots_of_a_world_have_plugins_and_topics_of_their_own(tmp_path):
+    world = World.from_file(write_world(tmp_path, WORLDS, 3))
+    timekeeper = Timekeeper(0.005)
+    for _ in range(20):
+        world.step(timekeeper)
+
+    assert list(world.models) == ["robot_0", "robot_1", "robot_2"]
+    scan = world.transport.last("robot_2/scan")
+    assert len(scan.ranges) == 1081
+    assert np.isfinite(scan.ranges).any()
+    assert world.transport.last("robot_1/odometry/filtered") is not None
+
+
+def test_robots_stay_where_they_are_put(tmp_path):
+    world = World.from_file(write_world(tmp_path, WORLDS, 50))
+    before = [model.base.pose for model in world.models.values()]
+    timekeeper = Timekeeper(0.005)
+    for _ in range(20):
+        world.step(timekeeper)
+
+    assert [model.base.pose for model in world.models.values()] == before
+
+
+def test_a_world_without_robots_is_just_the_office(tmp_path):
+    world = World.from_file(write_world(tmp_path, WORLDS, 0))
+
+    assert not world.models
+    assert len(world.layers[0].segments) > 1000
