@@ -257,7 +257,7 @@ void BindBody(py::class_<PyBody>& body) {
            })
       .def(
           "listen_to_contacts",
-          [](PyBody& self, uint8_t hooks) { self.world->ListenTo(self.handle, hooks); },
+          [](PyBody& self, uint8_t hooks) { self.world->ListenToContacts(self.handle, hooks); },
           py::arg("hooks"));
   BindShapes(body);
   BindJoints(body);

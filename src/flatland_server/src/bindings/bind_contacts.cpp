@@ -35,11 +35,11 @@ void PyListener::SetCallback(const std::shared_ptr<World>& world, py::object cal
 }
 
 void PyListener::Call(const Contact& contact, const py::object& told) const {
-  const int moment = contact.moment;
+  const int moment = contact.event;
   const uint64_t a = IdOf(contact.a.body), b = IdOf(contact.b.body);
-  if (contact.moment == kPreSolve) {
+  if (contact.event == kPreSolve) {
     callback_(moment, a, b, told, contact.old_manifold);
-  } else if (contact.moment == kPostSolve) {
+  } else if (contact.event == kPostSolve) {
     callback_(moment, a, b, told, contact.impulse);
   } else {
     callback_(moment, a, b, told);
@@ -94,7 +94,7 @@ void BindContacts(py::module_& m) {
       .def(
           "set_enabled",
           [](PyContact& self, bool enabled) {
-            if (self.Get().moment != kPreSolve) {
+            if (self.Get().event != kPreSolve) {
               throw std::logic_error("a contact is switched on or off in pre_solve alone");
             }
             self.Get().SetEnabled(enabled);

@@ -39,20 +39,20 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
   float* ranges_out = ranges.mutable_data();
   float* intensities_out = intensities.mutable_data();
   {
-    const World::Turn turn(*self.world);
+    const World::AccessGuard guard(*self.world);
     const py::gil_scoped_release release;
     self.world->Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
-                     intensities_out, turn);
+                     intensities_out, guard);
   }
   return py::make_tuple(ranges, intensities);
 }
 
 py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
   if (lidar.world != self.world) throw std::invalid_argument("the lidar is of another world");
-  const World::Turn turn(*self.world);  // until it is copied: another thread may change the world
+  const World::AccessGuard guard(*self.world);  // until it is copied: another thread may change the world
   const Lidar& seen = [&]() -> const Lidar& {
     const py::gil_scoped_release release;
-    return self.world->Scan(lidar.handle, turn);
+    return self.world->Scan(lidar.handle, guard);
   }();
   const auto copy = [](const std::vector<float>& values) {
     py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
@@ -64,9 +64,9 @@ py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
 
 void Step(PyWorld& self, double dt) {
   {
-    const World::Turn turn(*self.world);
+    const World::AccessGuard guard(*self.world);
     const py::gil_scoped_release release;
-    self.world->Step(dt, turn);
+    self.world->Step(dt, guard);
   }
   RethrowFromListener(*self.world);
 }
