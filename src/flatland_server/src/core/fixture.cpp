@@ -22,7 +22,7 @@ b2PolygonShape MakePolygon(const std::vector<Vec2>& vertices) {
   for (const Vec2& vertex : vertices) RequirePosition(vertex);
   std::vector<b2Vec2> points;
   for (const Vec2& vertex : vertices) points.push_back(ToBox2D(vertex));
-  Require(HasHull(points), "a polygon is too small or too thin: its corners fall together");
+  Require(HasHull(points), "a polygon is too small or too thin: Box2D finds no area in it");
   b2PolygonShape shape;
   shape.Set(points.data(), static_cast<int32>(points.size()));
   return shape;
