@@ -28,7 +28,7 @@ void RequireColumns(const Rows& rows, py::ssize_t columns) {
   }
 }
 
-/// Keeps the nearest of the fixtures that a ray meets; Box2D names them in no order.
+/// Keeps the nearest fixture on a ray; Box2D reports them in any order.
 class Nearest : public b2RayCastCallback {
  public:
   float ReportFixture(b2Fixture* fixture, const b2Vec2&, const b2Vec2&, float fraction) override {
@@ -44,7 +44,7 @@ class Nearest : public b2RayCastCallback {
 
 class World {
  public:
-  /// Walls, each a two-sided edge of one static body, inserted in this order.
+  /// Adds walls, each a two-sided edge of one static body, in this order.
   void AddWalls(const Rows& segments) {
     RequireColumns(segments, 4);
     const auto rows = segments.unchecked<2>();
@@ -84,7 +84,7 @@ class World {
     bodies_.at(body)->CreateFixture(&shape, 1.0f);
   }
 
-  /// Casts rays of full length, one after the other. Directions are unit vectors in the lidar's
+  /// Casts one ray of length `range` after the other. Directions are unit vectors in the lidar's
   /// frame.
   py::array_t<double> Scan(const Rows& directions, const Pose& pose, double range) const {
     RequireColumns(directions, 2);
@@ -114,7 +114,7 @@ class World {
 }  // namespace
 
 PYBIND11_MODULE(_box2d_rays, m) {
-  m.doc() = "Lidar scans by b2World::RayCast, to compare with.";
+  m.doc() = "Lidar scans by b2World::RayCast: the reference of the benchmark.";
   py::class_<World>(m, "World")
       .def(py::init<>())
       .def("add_walls", &World::AddWalls, py::arg("segments"))

@@ -43,7 +43,7 @@ def test_a_part_does_not_count_what_others_do_for_it(monkeypatch):
 
 @pytest.mark.parametrize("is_heard", [False, True])
 def test_every_part_is_noticed(tmp_path, is_heard):
-    physics = _core.World
+    physics, scan = _core.World, _core.Lidar.scan
 
     seconds = measure(write_world(tmp_path, WORLDS, 2), is_heard, steps=40)
 
@@ -51,3 +51,4 @@ def test_every_part_is_noticed(tmp_path, is_heard):
     assert (seconds.pop("markers") > 0.0) == is_heard
     assert all(value > 0.0 for value in seconds.values())
     assert _core.World is physics
+    assert _core.Lidar.scan is scan

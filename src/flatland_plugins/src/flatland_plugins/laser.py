@@ -145,7 +145,7 @@ class Laser(ModelPlugin):
 
     def _scan(self, nanoseconds: int) -> Tuple[Float32Array, Float32Array]:
         laser = self._config
-        ranges, intensities = self.model.physics.scan(self._lidar)
+        ranges, intensities = self._lidar.scan()
         if laser.noise_std_dev > 0.0:
             noise = self._noise.at(nanoseconds)
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)

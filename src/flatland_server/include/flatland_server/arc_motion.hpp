@@ -1,6 +1,6 @@
 #pragma once
 
-/// Moves a body through a step by the velocity of its origin, exactly.
+/// Moves a driven body along the exact arc of a twist in each step.
 
 #include <box2d/box2d.h>
 
@@ -10,30 +10,31 @@
 
 namespace flatland {
 
-/// A step of a driven body. Box2D moves the centre of mass along a straight line in a step; here
-/// the body's origin ends on the arc of a twist, and the body has the velocity of that end.
+/// One body's motion, step by step. Box2D moves the centre of mass along a straight line in a step.
+/// This chooses the velocity such that the body's origin ends on the arc of the commanded twist,
+/// and after the step gives the body the velocity at the end of the arc.
 class ArcMotion {
  public:
-  /// Sets the body's velocity for the coming step of `dt` seconds. `mean` is the mean over the step
-  /// of the twist of its origin, in its frame. Bodies that are welded to it, unless by a spring,
-  /// and wheels that turn about their own centre on it, move along: they would slow it down until
-  /// the solver has brought them up to its speed.
+  /// Sets the body's velocity for the next step of `dt` [s]. `mean` is the mean twist of its origin
+  /// over the step, in its frame [m/s, m/s, rad/s]. Bodies rigidly welded to it, and wheels hinged
+  /// to it at their own centre, get the matching velocity too: otherwise they would slow it down
+  /// until the solver has accelerated them.
   void Begin(b2Body& body, const Twist& mean, double dt);
 
-  /// After the step: gives the body the twist that it has at the end, less what something took from
-  /// it meanwhile. Not if something stopped it or turned it aside: then it has what the solver
-  /// left.
+  /// After the step: sets the body's velocity to the twist at the end of the arc, minus what it
+  /// lost during the step, as by damping. If it lost much, as by hitting a wall, its velocity
+  /// stays.
   void End(b2Body& body, const Twist& at_end);
 
  private:
-  b2Vec2 told_velocity_ = b2Vec2_zero;
-  float told_omega_ = 0.0f;
-  // Where the centre of mass is due, and by what rounding kept it from there. In single precision
-  // every step of a steady drive is rounded the same way, 50 m from the origin by 2 um: what one
-  // step loses, the next one makes good.
-  Pose due_;
-  Pose behind_;
-  std::vector<b2Body*> group_;  // kept only to save its memory from step to step
+  b2Vec2 commanded_velocity_ = b2Vec2_zero;  // of the centre of mass, in the world's frame [m/s]
+  float commanded_omega_ = 0.0f;             // [rad/s]
+  // Where the step should put the centre of mass, and how far rounding kept it from there. At a
+  // steady speed every step is rounded alike, by 2 um at 50 m from the origin, so the error would
+  // add up: each step corrects that of the one before.
+  Pose target_;
+  Pose rounding_error_;
+  std::vector<b2Body*> group_;  // used within Begin; a member to keep its memory
 };
 
 }  // namespace flatland

@@ -1,7 +1,7 @@
 #pragma once
 
-/// The directions of a lidar's beams, in its own frame, sorted once so that the beams between two
-/// directions are found without trying them all.
+/// The directions of a lidar's beams, in its own frame. They are sorted once, so that the beams
+/// between two directions are found by looking them up in a table.
 
 #include <array>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace flatland {
 
-/// Orders directions as their angles do, without a trigonometric function: from -2 (-x, where the
-/// angle jumps) over -1 (-y), 0 (+x) and 1 (+y) to 2. Not a number for a vector of no length.
+/// A measure of direction that grows with the angle, without a trigonometric function: -2 at -x,
+/// just past -pi; -1 at -y; 0 at +x; 1 at +y; 2 at -x. NaN for the zero vector.
 inline double DiamondAngle(Vec2 v) {
   const double slant = v.y / (std::abs(v.x) + std::abs(v.y));
   return v.x >= 0.0 ? slant : std::copysign(2.0, v.y) - slant;
@@ -19,29 +19,29 @@ inline double DiamondAngle(Vec2 v) {
 
 class BeamFan {
  public:
-  /// `count` beams, the first at `angle_min` [rad], each `increment` [rad] further; a negative
-  /// increment turns clockwise. Throws std::invalid_argument on a value that is not finite, on no
-  /// beams, and on an increment of zero with more than one beam.
+  /// `count` beams, the first at `angle_min` [rad], each `increment` [rad] further
+  /// counter-clockwise, or clockwise if negative. Throws std::invalid_argument if a value is not
+  /// finite, if there are no beams, and if there are several and the increment is zero.
   BeamFan(double angle_min, double increment, int count);
-  /// Beams along unit vectors, in any order. Throws std::invalid_argument if there are none.
+  /// Beams along these unit vectors, in any order. Throws std::invalid_argument if there are none.
   explicit BeamFan(std::vector<Vec2> directions);
 
   int size() const { return static_cast<int>(directions_.size()); }
   Vec2 direction(int beam) const { return directions_[beam]; }
 
-  // From here on beams are counted by rank: in the order of their diamond angles. A fan of more
-  // than a turn is no special case then, nor is one that turns clockwise.
+  // From here on beams are numbered by rank: in the order of their diamond angles. So a fan that
+  // spans more than a full rotation, or goes clockwise, is no special case.
 
-  /// Ranks are rounded up to a multiple of this where beams are handled several at a time.
+  /// The number of beams that are computed at a time.
   static constexpr int kGroup = 4;
-  /// How many ranks there are room for: a multiple of kGroup.
+  /// size(), rounded up to a multiple of kGroup.
   int padded_size() const { return static_cast<int>(xs_.size()); }
-  /// The directions by rank; beyond size() they are zero.
+  /// Directions by rank, padded with zeros to padded_size().
   const double* xs() const { return xs_.data(); }
   const double* ys() const { return ys_.data(); }
-  /// The beam of each rank.
+  /// Index of the beam of each rank.
   const std::vector<int>& beams() const { return beams_; }
-  /// Whether the beams are in the order of their ranks.
+  /// Whether each beam's index is its rank.
   bool is_sorted() const { return is_sorted_; }
 
   /// Consecutive ranks from `begin` to before `end`.
@@ -49,27 +49,27 @@ class BeamFan {
     int begin;
     int end;
   };
-  /// The directions from one diamond angle counter-clockwise to another, half a turn further at
-  /// most; widened by kSlack on both sides, and again within -2 and 2.
+  /// The directions from one diamond angle counter-clockwise to another, by half a rotation at
+  /// most. Both are within [-2, 2], and moved apart by kMargin.
   struct Wedge {
     double from;
     double to;
   };
-  /// Much more than the rounding of a diamond angle, much less than the angle between beams.
-  static constexpr double kSlack = 1e-6;
+  /// Much more than the rounding error of a diamond angle, much less than the angle between beams.
+  static constexpr double kMargin = 1e-6;
 
-  /// The beams in a wedge, and perhaps their neighbours: one run, and if it goes round behind, a
-  /// second one.
+  /// The beams in a wedge, and perhaps their neighbours: one run, and a second one if the wedge
+  /// contains -x. The other run is empty.
   std::array<Run, 2> BeamsIn(const Wedge& wedge) const {
     const int begin = before_bucket_[Bucket(wedge.from)];
     const int end = before_bucket_[Bucket(wedge.to) + 1];
     if (wedge.from <= wedge.to) return {{{begin, end}, {0, 0}}};
     return {{{begin, size()}, {0, end}}};
   }
-  /// The same for two directions.
+  /// The same for the directions from one vector counter-clockwise to another.
   std::array<Run, 2> BeamsBetween(Vec2 from, Vec2 to) const {
-    const double right = DiamondAngle(from) - kSlack;
-    const double left = DiamondAngle(to) + kSlack;
+    const double right = DiamondAngle(from) - kMargin;
+    const double left = DiamondAngle(to) + kMargin;
     return BeamsIn({right < -2.0 ? right + 4.0 : right, left > 2.0 ? left - 4.0 : left});
   }
 
@@ -84,8 +84,8 @@ class BeamFan {
   std::vector<double> ys_;
   std::vector<int> beams_;
   bool is_sorted_ = false;
-  // Diamond angles are sorted into buckets of equal width; this says how many beams lie before
-  // each.
+  // The range of diamond angles is divided into buckets of equal width. For each bucket, the number
+  // of beams in the buckets before it.
   std::vector<int> before_bucket_;
   double buckets_per_unit_ = 0.0;
 };

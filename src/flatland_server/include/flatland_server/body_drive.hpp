@@ -1,6 +1,6 @@
 #pragma once
 
-/// Drives a body at a commanded velocity within limits, at every step, without Python.
+/// Drives a body at a commanded velocity, within limits of velocity and acceleration.
 
 #include <box2d/box2d.h>
 
@@ -10,25 +10,27 @@
 
 namespace flatland {
 
-/// What a body with a drive is told to do and does. Velocities are those of the body's origin, in
-/// the body's frame.
+/// The drive of one body. Velocities are those of the body's origin, in the body's frame
+/// [m/s, m/s, rad/s].
 class BodyDrive {
  public:
   BodyDrive() = default;
-  /// `linear` limits the planar velocity as a vector. Throws std::invalid_argument on a limit that
-  /// is negative or not finite.
+  /// `linear` limits the length of the planar velocity [m/s, m/s^2], `angular` the yaw rate
+  /// [rad/s, rad/s^2]. Throws std::invalid_argument if a limit is negative or not finite.
   BodyDrive(const DynamicsLimits& linear, const DynamicsLimits& angular);
 
-  /// The velocity to reach. Throws std::invalid_argument if it is not finite.
+  /// Sets the velocity to reach. Throws std::invalid_argument if it is not finite.
   void Command(const Twist& target);
+  /// The velocity to reach.
   const Twist& target() const { return target_; }
-  /// The velocity of now, on its way to the target.
+  /// The present velocity, on its way to the target.
   const Twist& velocity() const { return velocity_; }
-  /// Stands still at once, with nothing commanded.
+  /// Sets the velocity and the target to zero at once.
   void Reset();
 
-  /// Sets the body's velocity for the coming step of `dt` seconds.
+  /// Sets the body's velocity for the next step of `dt` [s].
   void BeginStep(b2Body& body, double dt);
+  /// Sets the body's velocity after the step.
   void EndStep(b2Body& body);
 
  private:
@@ -37,7 +39,7 @@ class BodyDrive {
   Twist target_;
   Twist velocity_;
   ArcMotion motion_;
-  bool is_asleep_ = false;  // with nothing to do, for this step
+  bool is_idle_ = false;  // the body sleeps and is not to move: this step is skipped
 };
 
 }  // namespace flatland

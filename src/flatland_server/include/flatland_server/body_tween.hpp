@@ -1,10 +1,10 @@
 #pragma once
 
-/// Moves a body along a straight way by the clock, eased, at every step, without Python.
+/// Moves a body along a straight line as a function of time, with easing.
 ///
-/// A tween says where its body is at the end of a step; whoever steps the world puts it there. Its
-/// time is kept within the cycle it is in and added up with the rounding error of each sum carried
-/// along, so that it is as exact after hours as in its first second.
+/// A tween computes the body's pose at the end of each step; World::Step places the body there. Its
+/// time is kept within the present cycle, and summed with compensation of the rounding errors, so
+/// that it is as exact after hours as in the first second.
 
 #include <array>
 #include <optional>
@@ -16,20 +16,20 @@
 namespace flatland {
 
 enum class TweenMode {
-  kYoyo,     ///< to the end and back the same way, again and again
-  kOnce,     ///< to the end, and stays there
-  kLoop,     ///< to the end, and at once from the start again
-  kTrigger,  ///< towards the end or back towards the start, as it is told
+  kYoyo,     ///< to the end and back, repeatedly
+  kOnce,     ///< to the end, where it stays
+  kLoop,     ///< to the end, then jumps to the start, repeatedly
+  kTrigger,  ///< towards the end or back to the start, as commanded by Trigger
 };
 
-/// Their names in YAML, in the order of the enumeration.
+/// The names of the modes in YAML, in the order of the enumeration.
 extern const std::array<std::string_view, 4> kTweenModeNames;
 
-/// The mode of that name, if there is one.
+/// The mode of this name, or nothing.
 std::optional<TweenMode> FindTweenMode(std::string_view name);
 
 struct TweenSettings {
-  Pose delta;             ///< end less start, in the world's frame [m, m, rad]
+  Pose delta;             ///< end minus start, in the world's frame [m, m, rad]
   double duration = 1.0;  ///< from the start to the end [s]
   TweenMode mode = TweenMode::kYoyo;
   Easing easing = Easing::kLinear;
@@ -38,32 +38,33 @@ struct TweenSettings {
 class BodyTween {
  public:
   BodyTween() = default;
-  /// A movement of a body that is now at `start`, in the world's frame. Throws
-  /// std::invalid_argument if the duration is not above zero, or a number is not finite.
+  /// A tween that begins at the pose `start` in the world [m, m, rad]. Throws std::invalid_argument
+  /// if the duration is not above zero, or a number is not finite.
   BodyTween(const TweenSettings& settings, const Pose& start);
 
-  /// Moves on by a step of `dt` seconds. Returns where the body is at its end.
+  /// Advances by a step of `dt` [s]. Returns the body's pose at its end.
   Pose Advance(double dt);
-  /// Where the body is now.
+  /// The body's present pose in the world [m, m, rad].
   Pose target() const;
-  /// How much of the way's time is behind the body, 0 at the start and 1 at the end; not eased.
+  /// Elapsed fraction of the duration: 0 at the start, 1 at the end; before easing.
   double progress() const;
-  /// Whether the last step led over the end of a loop: back to the start without a way.
+  /// Whether the last step jumped from the end of a loop to its start.
   bool teleports() const { return teleports_; }
 
-  /// For mode trigger: towards the end, or, as at first, towards the start. Else without effect.
+  /// In mode kTrigger: moves towards the end, or towards the start, as initially. Else no effect.
   void Trigger(bool forward) { forward_ = forward; }
-  /// Something else has put the body there: the movement goes on from there.
+  /// Shifts the whole movement such that the body's present pose is `pose`.
   void Rebase(const Pose& pose);
 
  private:
   void AddTime(double dt);
-  Pose WayMade() const;
+  /// Present pose minus the start.
+  Pose Offset() const;
 
   TweenSettings settings_;
   Pose start_;
-  double time_ = 0.0;  // within the cycle: there and back for a yoyo, there for the others [s]
-  double time_error_ = 0.0;  // what time_ is too large by, from rounding [s]
+  double time_ = 0.0;  // within the cycle, which for a yoyo is two durations, else one [s]
+  double time_rounding_error_ = 0.0;  // time_ minus the exact sum [s]
   bool forward_ = false;
   bool teleports_ = false;
 };

@@ -1,26 +1,10 @@
 #pragma once
 
-/// What a lidar sees: the distance of the nearest thing along each of its beams.
+/// A polar depth buffer: the nearest distance along each beam of a lidar.
 ///
-/// The need: a thousand beams ten times a second, of a hundred robots, and the answers of exact
-/// geometry. Casting one ray after the other tries every wall once for each beam that comes near.
-///
-/// The method: the other way round, as a rasteriser does. Each wall is drawn once, onto the beams
-/// between its two ends, and each beam keeps the nearest. Along a wall from a to b, as seen by the
-/// lidar, a beam of direction u meets it at the distance t with
-///
-///     1 / t = cross(u, b - a) / cross(a, b)
-///
-/// which is linear in u: so the inverse is kept, and a wall costs each beam two products and a
-/// comparison, four beams at a time, and no division. Whether u lies between the ends is the sign
-/// of cross(a, u) and cross(u, b), exactly; which beams to ask comes from a table (`BeamFan`).
-///
-/// Walls come from a tree of boxes (`SegmentTree`), the nearer box first. A box is passed over,
-/// with all in it, if every beam towards it has met something nearer. In an office, 4 of 100 walls
-/// are looked at, and each beam is compared with 5 of them.
-///
-/// All arithmetic is in double precision, and the same on every processor: AVX2, where there is
-/// one, does four at a time what others do one by one or two by two.
+/// Used in this order: Begin; Draw the walls of each layer; FindVisible, and DrawCircle or
+/// DrawPolygon for the fixtures that it finds; GetRanges and GetIntensities. How it works is
+/// explained at the top of depth_buffer.cpp.
 
 #include <vector>
 
@@ -30,52 +14,52 @@
 
 namespace flatland {
 
-/// Bounding circles in the world, coordinate by coordinate: centres and radii [m]. There is room
-/// for a multiple of BeamFan::kGroup.
-struct Discs {
-  std::vector<double> x;
-  std::vector<double> y;
-  std::vector<double> radius;
+/// Bounding circles in the world, as a structure of arrays, padded to a multiple of
+/// BeamFan::kGroup.
+struct BoundingCircles {
+  std::vector<double> x;       ///< of the centre [m]
+  std::vector<double> y;       ///< of the centre [m]
+  std::vector<double> radius;  ///< [m]
   int count = 0;
 
   void Clear() { count = 0; }
-  void Add(Vec2 center, double radius);
+  void Add(Vec2 center, double circle_radius);
 };
 
 class DepthBuffer {
  public:
-  /// Forgets all; sees nothing beyond `range` [m]. The fan must live as long as it is drawn on.
+  /// Starts a scan of the fan's beams up to `range` [m]. The fan must outlive the scan.
   void Begin(const BeamFan& fan, double range);
 
-  /// Walls, seen from a lidar in their frame.
+  /// Draws all walls, as seen by a lidar at this pose in their frame.
   void Draw(const SegmentTree& walls, const Pose& lidar);
 
-  /// The places in `discs` of those of which something may be seen: they are in range, and not all
-  /// beams towards them end before. Valid until the next call.
-  const std::vector<int>& FindSeen(const Discs& discs, const Pose& lidar);
+  /// Indices of the circles in range that what is drawn so far does not hide. Valid until the next
+  /// call.
+  const std::vector<int>& FindVisible(const BoundingCircles& circles, const Pose& lidar);
 
-  // Shapes in the lidar's frame. One that is around the lidar is not seen from within.
+  // Shapes in the lidar's frame [m]. A shape that contains the lidar is not drawn.
   void DrawCircle(Vec2 center, double radius);
-  /// Convex, counter-clockwise.
+  /// A convex polygon, its corners in counter-clockwise order.
   void DrawPolygon(const Vec2* corners, int count);
 
-  /// What is drawn from now on reflects, and wins from what is equally far.
+  /// Everything drawn from now on reflects. At equal distances it is seen rather than what was
+  /// drawn before.
   void BeginReflecting();
 
-  /// By beam: the distance [m], or +infinity where nothing is in range (REP 117).
+  /// Writes the distance of each beam [m], or +infinity if nothing is in range (REP 117).
   void GetRanges(float* ranges) const;
-  /// By beam: 255 if what is seen reflects, 0 otherwise.
+  /// Writes 255 for each beam that ends on something that reflects, and 0 for the others.
   void GetIntensities(float* intensities) const;
 
  private:
   const BeamFan* fan_ = nullptr;
-  double range_ = 0.0;
-  double beyond_ = 0.0;  // the inverse distance [1/m] of a beam that meets nothing: a little less
-                         // than at its range
-  // By rank: inverse distances [1/m].
+  double range_ = 0.0;        // [m]
+  double min_inverse_ = 0.0;  // inverse distance just beyond the range: that of a free beam [1/m]
+  // By rank of the beam: inverse distance of the nearest thing [1/m].
   std::vector<double> inverse_;
-  std::vector<double> dull_;  // of what does not reflect; empty until something does
-  std::vector<int> seen_;     // what FindSeen has found
+  std::vector<double> non_reflecting_;  // before BeginReflecting; empty if that was not called
+  std::vector<int> visible_;            // result of FindVisible
 };
 
 }  // namespace flatland

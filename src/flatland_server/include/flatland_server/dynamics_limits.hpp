@@ -6,26 +6,26 @@
 
 namespace flatland {
 
-/// A planar velocity at the end of a step, and its mean over the step, by which positions follow
-/// the velocity's exact integral.
+/// A planar velocity after a step, and its exact mean over the step.
 struct VelocityChange {
-  Vec2 reached;
-  Vec2 mean;
+  Vec2 reached;  ///< at the end of the step [m/s]
+  Vec2 mean;     ///< times the step, it is the distance covered [m/s]
 };
 
-/// How fast a velocity may change, and how large it may be. Zero means no limit.
+/// Limits of a velocity and its rate of change. Zero means no limit.
 struct DynamicsLimits {
   double acceleration = 0.0;  ///< away from zero [m/s^2 or rad/s^2]
   double deceleration = 0.0;  ///< towards zero [m/s^2 or rad/s^2]
-  double velocity = 0.0;      ///< largest magnitude [m/s or rad/s]
+  double velocity = 0.0;      ///< of the magnitude [m/s or rad/s]
 
-  /// Throws std::invalid_argument on a limit that is negative or not finite.
+  /// Throws std::invalid_argument if a limit is negative or not finite.
   void Check() const;
 
-  /// From `current` on the straight way to `target`, `dt` seconds on. What leads towards zero speed
-  /// takes the deceleration, what leads away from it the acceleration: a reversal is two movements.
+  /// The velocity after `dt` [s], changing from `current` along a straight line to `target` [m/s].
+  /// Where the speed falls the deceleration applies, where it rises the acceleration: a reversal
+  /// consists of both.
   VelocityChange Approach(Vec2 current, Vec2 target, double dt) const;
-  /// The same on a line; returns what is reached.
+  /// The same for a scalar velocity; returns the velocity reached.
   double Approach(double current, double target, double dt) const {
     return Approach(Vec2{current, 0.0}, Vec2{target, 0.0}, dt).reached.x;
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Easings: how far a movement has got when a part of its time is over.
+/// Easings: functions from the elapsed fraction of the time to the covered fraction of the way.
 
 #include <array>
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace flatland {
 
-/// Linear, and nine families that are slow at the start (In), at the end (Out) or at both (InOut).
+/// Linear, and nine families, each slow at the start (In), at the end (Out) or at both (InOut).
 enum class Easing {
   kLinear,
   kQuadraticIn,
@@ -42,14 +42,14 @@ enum class Easing {
 
 constexpr int kEasingCount = 28;
 
-/// Their names in YAML, in the order of the enumeration.
+/// The names of the easings in YAML, in the order of the enumeration.
 extern const std::array<std::string_view, kEasingCount> kEasingNames;
 
-/// The easing of that name, if there is one.
+/// The easing of this name, or nothing.
 std::optional<Easing> FindEasing(std::string_view name);
 
-/// The part of the way made when the part `t` of the time is over: exactly 0 at 0 (and before), and
-/// exactly 1 at 1 (and after). Back and elastic leave [0, 1] in between.
+/// The covered fraction of the way when the fraction `t` of the time has elapsed. Exactly 0 for
+/// t <= 0, and exactly 1 for t >= 1. Between, Back and Elastic also leave [0, 1].
 double Ease(Easing easing, double t);
 
 }  // namespace flatland

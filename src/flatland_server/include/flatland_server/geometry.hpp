@@ -1,13 +1,13 @@
 #pragma once
 
-/// The few geometric values that cross the core's surface. Double precision throughout: Box2D
-/// works in single precision, but a map is measured in tens of metres and a lidar in millimetres.
+/// Points, poses, velocities and rotations in the plane. In double precision, unlike Box2D: maps
+/// are tens of metres wide and lidars measure millimetres.
 
 #include <cmath>
 
 namespace flatland {
 
-/// A point or a direction in the plane [m].
+/// A point or vector in the plane [m].
 struct Vec2 {
   double x = 0.0;
   double y = 0.0;
@@ -39,14 +39,14 @@ inline Vec2 operator*(double factor, Vec2 v) { return {factor * v.x, factor * v.
 inline double Dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline double Cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Whether Box2D can reckon with a number: finite, and so far from the end of single precision that
-/// its square is too.
+/// Whether Box2D can compute with a number: finite, and small enough that its square is finite in
+/// single precision too.
 inline bool IsUsable(double value) { return std::abs(value) <= 1e9; }
 inline bool IsUsable(Vec2 v) { return IsUsable(v.x) && IsUsable(v.y); }
 inline bool IsUsable(const Pose& p) { return IsUsable(Vec2{p.x, p.y}) && IsUsable(p.yaw); }
 inline bool IsUsable(const Twist& t) { return IsUsable(Vec2{t.vx, t.vy}) && IsUsable(t.omega); }
 
-/// A rotation, kept as cosine and sine so that many vectors can be turned at the price of one.
+/// A rotation, stored as its cosine and sine, which are computed once for many vectors.
 struct Rotation {
   explicit Rotation(double yaw) : cos(std::cos(yaw)), sin(std::sin(yaw)) {}
 

@@ -1,38 +1,37 @@
 #pragma once
 
-/// A lidar on a body: what it looks for, and what it has seen last.
+/// Lidars on bodies: their settings, and their latest scan.
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "flatland_server/beam_fan.hpp"
+#include "flatland_server/collision_layers.hpp"
 #include "flatland_server/geometry.hpp"
 
 namespace flatland {
 
-using LayerBits = uint16_t;
-
-/// What a lidar looks for.
 struct ScanSettings {
-  double range = 0.0;                ///< farthest return [m]
-  LayerBits layers = 0xFFFF;         ///< what it sees
-  LayerBits reflectance_layers = 0;  ///< what returns intensity 255 instead of 0
+  double range = 0.0;                ///< largest distance that is measured [m]
+  LayerBits layers = kAllLayers;     ///< sees the fixtures and walls on any of these
+  LayerBits reflectance_layers = 0;  ///< what is on any of these returns intensity 255, not 0
 };
 
 struct LidarSettings {
-  std::shared_ptr<const BeamFan> fan;
-  Pose pose;  ///< of the lidar, in the body's frame
+  std::shared_ptr<const BeamFan> fan;  ///< the directions of its beams
+  Pose pose;                           ///< of the lidar, in the body's frame [m, m, rad]
   ScanSettings scan;
 };
 
+/// A lidar on a body.
 struct Lidar {
   LidarSettings settings;
-  // By beam: distances [m] and intensities, as World::Scan says, of the world's state `seen_at`.
-  std::vector<float> ranges;
-  std::vector<float> intensities;
-  uint64_t seen_at = 0;
-  bool is_expected = false;  // to scan soon
+  // The latest scan, by beam; see World::Scan.
+  std::vector<float> ranges;       // [m]
+  std::vector<float> intensities;  // 0 or 255
+  uint64_t scanned_revision = 0;   // revision of the world that it shows
+  bool is_expected = false;        // World::ExpectScan has been called since
 };
 
 }  // namespace flatland

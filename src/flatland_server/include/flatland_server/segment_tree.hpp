@@ -1,13 +1,14 @@
 #pragma once
 
-/// Static walls, indexed once for lidars.
+/// A search tree over the static walls of a layer, for lidars.
 ///
-/// A binary tree of boxes. Each node's walls are split in two where the two boxes are smallest for
-/// what they hold (the surface area heuristic: MacDonald and Booth, "Heuristics for Ray Tracing
-/// Using Space Subdivision", 1990; here with perimeters), until a handful of walls is left. How it
-/// is looked at is the matter of `DepthBuffer`.
+/// A binary tree of bounding boxes, built once. The walls of a node are divided between two
+/// children such that their boxes are small for the number of walls in them (the surface area
+/// heuristic: MacDonald and Booth, "Heuristics for Ray Tracing Using Space Subdivision", 1990; here
+/// with perimeters). A leaf holds up to kLeafSize walls. DepthBuffer traverses the tree.
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -15,7 +16,7 @@
 
 namespace flatland {
 
-/// A rectangle along the axes, borders included; one that holds nothing has its corners swapped.
+/// An axis-aligned bounding box [m]. Initially empty, with low above high.
 struct Box {
   Vec2 low{1e300, 1e300};
   Vec2 high{-1e300, -1e300};
@@ -29,10 +30,10 @@ class SegmentTree {
  public:
   static constexpr int kLeafSize = 8;
   /// No path from the root is longer than this.
-  static constexpr int kMostDepth = 96;
+  static constexpr int kMaxDepth = 96;
 
-  /// A few walls from (ax, ay) to (bx, by), coordinate by coordinate, to be handled several at a
-  /// time. Where there are fewer, the rest is not a number.
+  /// Walls from (ax, ay) to (bx, by) [m], as a structure of arrays, so that several are computed at
+  /// a time. Unused places are NaN.
   struct Leaf {
     double ax[kLeafSize];
     double ay[kLeafSize];
@@ -42,7 +43,7 @@ class SegmentTree {
 
   struct Child {
     Box box;
-    /// Its place among the nodes, or the complement (~) of its place among the leaves.
+    /// Index of a node, or the complement (~) of the index of a leaf.
     int32_t index = 0;
     bool is_leaf() const { return index < 0; }
   };
@@ -53,12 +54,11 @@ class SegmentTree {
 
   explicit SegmentTree(const std::vector<Segment>& segments);
 
-  /// The tree of these segments that somebody uses already, or a new one: a thousand worlds with
-  /// one map need it once.
+  /// An existing tree of equal segments, or a new one. So all worlds with the same map share one.
   static std::shared_ptr<const SegmentTree> Share(const std::vector<Segment>& segments);
 
   size_t segment_count() const { return segments_.size(); }
-  /// All of it, as if it were a node's child. An empty tree has an empty box.
+  /// The whole tree, in the form of a node's child. The box of an empty tree is empty.
   const Child& root() const { return root_; }
   const Node& node(const Child& child) const { return nodes_[child.index]; }
   const Leaf& leaf(const Child& child) const { return leaves_[~child.index]; }
@@ -66,8 +66,17 @@ class SegmentTree {
  private:
   using Iterator = std::vector<uint32_t>::iterator;
 
+  class Binning;
+  /// A division of walls: those in the bins below `bin` along an axis, and the others.
+  struct Cut {
+    int axis = 0;
+    int bin = 0;  // 0: no division
+    double cost = std::numeric_limits<double>::infinity();
+  };
+
   Child Build(Iterator begin, Iterator end, int depth);
   Iterator Split(Iterator begin, Iterator end, int depth);
+  Cut FindCut(const Binning& binning, Iterator begin, Iterator end) const;
   int32_t AddLeaf(Iterator begin, Iterator end);
 
   std::vector<Segment> segments_;

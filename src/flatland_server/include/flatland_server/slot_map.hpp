@@ -1,11 +1,11 @@
 #pragma once
 
-/// Handles that outlive what they name.
+/// A container of objects that are named by handles, which may outlive the objects.
 ///
-/// Python keeps references for as long as it likes, and Box2D frees bodies when their model is
-/// deleted. So nothing outside the core holds a pointer: it holds a Handle, the index of a slot and
-/// the generation that was current when the handle was made. Freeing a slot raises its generation;
-/// a handle of an older one is recognised, and its use throws GoneError instead of crashing.
+/// Python code may keep a reference to a body that has been removed, and that Box2D has freed. So
+/// code outside the core holds no pointers but Handles: the index of a slot, and the slot's
+/// generation when the handle was made. Removing the object increments the generation. The use of
+/// an outdated handle is recognised by that, and throws GoneError instead of crashing.
 
 #include <cstdint>
 #include <stdexcept>
@@ -15,13 +15,13 @@
 
 namespace flatland {
 
-/// The object that a handle names is not there any more.
+/// Thrown for the handle of an object that has been removed.
 class GoneError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Names a T in its SlotMap. The default handle names nothing.
+/// Names a T in a SlotMap. A default-constructed handle names nothing.
 template <class T>
 struct Handle {
   uint32_t index = 0;
@@ -31,7 +31,7 @@ struct Handle {
 template <class T>
 class SlotMap {
  public:
-  /// `noun` is what error messages call a T.
+  /// `noun` is the word for a T in error messages.
   explicit SlotMap(std::string noun) : noun_(std::move(noun)) {}
 
   Handle<T> Add(T value) {
@@ -43,7 +43,7 @@ class SlotMap {
     free_.pop_back();
     Slot& slot = slots_[index];
     slot.value = std::move(value);
-    slot.used = true;
+    slot.in_use = true;
     return {index, slot.generation};
   }
 
@@ -51,31 +51,31 @@ class SlotMap {
     Get(handle);
     Slot& slot = slots_[handle.index];
     slot.value = T();
-    slot.used = false;
+    slot.in_use = false;
     ++slot.generation;
     free_.push_back(handle.index);
   }
 
-  /// The handle of what is at an index now; `index` must be that of a used slot.
+  /// The handle of the present object of a slot, which must be in use.
   Handle<T> HandleAt(uint32_t index) const { return {index, slots_[index].generation}; }
 
   bool Contains(Handle<T> handle) const {
-    return handle.index < slots_.size() && slots_[handle.index].used &&
+    return handle.index < slots_.size() && slots_[handle.index].in_use &&
            slots_[handle.index].generation == handle.generation;
   }
 
-  /// Throws GoneError if the handle's object has been removed.
+  /// The object of a handle. Throws GoneError if it has been removed.
   T& Get(Handle<T> handle) {
     if (!Contains(handle)) throw GoneError("this " + noun_ + " has been deleted");
     return slots_[handle.index].value;
   }
   const T& Get(Handle<T> handle) const { return const_cast<SlotMap*>(this)->Get(handle); }
 
-  /// Calls `visit(handle, value)` for each object, in the order of their slots.
+  /// Calls `visit(handle, value)` for each object, in the order of the slots.
   template <class Visit>
   void ForEach(Visit visit) {
     for (uint32_t i = 0; i < slots_.size(); ++i) {
-      if (slots_[i].used) visit(Handle<T>{i, slots_[i].generation}, slots_[i].value);
+      if (slots_[i].in_use) visit(Handle<T>{i, slots_[i].generation}, slots_[i].value);
     }
   }
   template <class Visit>
@@ -88,7 +88,7 @@ class SlotMap {
   struct Slot {
     T value = T();
     uint32_t generation = 1;
-    bool used = false;
+    bool in_use = false;
   };
 
   std::string noun_;

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Drives a body on a steered front wheel and an unsteered rear axle, at every step.
+/// Drives a body as a tricycle: with a steered front wheel and a fixed rear axle.
 
 #include <box2d/box2d.h>
 
@@ -12,49 +12,56 @@
 namespace flatland {
 
 struct TricycleSettings {
-  Vec2 rear_axle;  ///< its middle, in the body's frame, whose origin is at the front wheel [m]
-  double max_steer_angle = 0.0;  ///< largest magnitude of the steering angle [rad]; 0 is no limit
-  DynamicsLimits linear;         ///< of the front wheel's speed
-  DynamicsLimits steering;       ///< of the steering's rate and its change
+  Vec2 rear_axle;  ///< its middle, in the body's frame; the front wheel is at the origin [m]
+  double max_steer_angle = 0.0;  ///< of the magnitude of the steering angle [rad]; 0 is no limit
+  DynamicsLimits linear;         ///< of the front wheel's speed [m/s, m/s^2]
+  DynamicsLimits steering;       ///< of the steering rate [rad/s, rad/s^2]
 };
 
-/// A tricycle: the front wheel rolls where it points, the rear axle only forwards and backwards.
-/// The body's heading is from the rear axle to the front wheel.
+/// The drive of one body. The front wheel rolls in its own direction, and the rear axle does not
+/// slip sideways. Forward is from the rear axle to the front wheel.
 class TricycleDrive {
  public:
   TricycleDrive() = default;
-  /// `front_wheel` is the joint that holds the wheel that is turned for show, or null. Throws
-  /// std::invalid_argument if a setting is not finite, negative, or the rear axle is at the front
-  /// wheel.
+  /// `front_wheel` is the joint that holds the front wheel's body, which is rotated to show the
+  /// steering angle, or null. Throws std::invalid_argument if a setting is not finite or negative,
+  /// or the rear axle is at the front wheel.
   TricycleDrive(const TricycleSettings& settings, b2RevoluteJoint* front_wheel);
 
-  /// The speed of the front wheel [m/s] and its angle [rad] to reach. Throws std::invalid_argument
-  /// if one is not finite.
+  /// Sets the speed of the front wheel [m/s] and the steering angle [rad] to reach. Throws
+  /// std::invalid_argument if one is not finite.
   void Command(double speed, double angle);
+  /// Present speed of the front wheel [m/s].
   double speed() const { return speed_; }
+  /// Present steering angle [rad], positive to the left.
   double steer_angle() const { return steering_.angle; }
-  /// Stands still at once, with nothing commanded; the wheel stays as it is steered.
+  /// Sets the speed, the steering rate and the commanded speed to zero at once; the steering angle
+  /// stays.
   void Reset();
 
-  /// The joint is gone: no wheel is turned any more.
+  /// Called for each joint that is destroyed: if it is the front wheel's, the wheel is not rotated
+  /// any more.
   void Forget(const b2Joint* joint) {
     if (joint == front_wheel_) front_wheel_ = nullptr;
   }
 
+  /// Sets the body's velocity for the next step of `dt` [s].
   void BeginStep(b2Body& body, double dt);
+  /// Sets the body's velocity after the step, and places the front wheel.
   void EndStep(b2Body& body);
 
  private:
-  /// The twist of the body's origin, in its frame, at a speed and an angle of the front wheel.
+  /// Twist of the body's origin, in its frame, for a speed [m/s] and angle [rad] of the front
+  /// wheel.
   Twist TwistAt(double speed, double angle) const;
 
   TricycleSettings settings_;
   b2RevoluteJoint* front_wheel_ = nullptr;
-  double wheelbase_ = 1.0;
-  double heading_ = 0.0;  // of the way from the rear axle to the front wheel, in the body's frame
-  double target_speed_ = 0.0;
-  double target_angle_ = 0.0;
-  double speed_ = 0.0;
+  double wheelbase_ = 1.0;     // [m]
+  double heading_ = 0.0;       // forward direction, in the body's frame [rad]
+  double target_speed_ = 0.0;  // [m/s]
+  double target_angle_ = 0.0;  // [rad]
+  double speed_ = 0.0;         // [m/s]
   SteeringState steering_;
   ArcMotion motion_;
 };

@@ -5,13 +5,9 @@
 namespace flatland {
 namespace {
 
-FixtureSettings ToSettings(double density, double friction, double restitution, bool sensor,
-                           bool collides, bool visible, LayerBits layers) {
-  return {density, friction, restitution, sensor, collides, visible, layers};
-}
-
 void RequireOneWorld(const PyBody& a, const PyBody& b) {
-  if (a.world != b.world) throw std::invalid_argument("a joint holds two bodies of one world");
+  if (a.world != b.world)
+    throw std::invalid_argument("the bodies of a joint must be of the same world");
 }
 
 std::optional<Vec2> ToPoint(const std::optional<Pair>& point) {
@@ -27,7 +23,7 @@ const char* TypeName(b2BodyType type) {
   return type == b2_staticBody ? "static" : type == b2_kinematicBody ? "kinematic" : "dynamic";
 }
 
-std::vector<PyFixture> Fixtures(const PyBody& self) {
+std::vector<PyFixture> FixturesOf(const PyBody& self) {
   std::vector<PyFixture> fixtures;
   const int count = self.world->GetFixtureCount(self.handle);
   for (int i = 0; i < count; ++i) {
@@ -36,34 +32,47 @@ std::vector<PyFixture> Fixtures(const PyBody& self) {
   return fixtures;
 }
 
-void BindShapes(py::class_<PyBody>& body) {
-  body.def(
-          "add_circle",
-          [](PyBody& self, const Pair& center, double radius, double density, double friction,
-             double restitution, bool sensor, bool collides, bool visible, LayerBits layers) {
-            return PyFixture{
-                self.world, self.world->AddCircle(self.handle, ToVec2(center), radius,
-                                                  ToSettings(density, friction, restitution, sensor,
-                                                             collides, visible, layers))};
-          },
-          py::arg("center"), py::arg("radius"), py::kw_only(), py::arg("density"),
+PyFixture AddCircle(PyBody& self, const Pair& center, double radius, double density,
+                    double friction, double restitution, bool sensor, bool collides, bool visible,
+                    LayerBits layers) {
+  const FixtureSettings settings{density, friction, restitution, sensor, collides, visible, layers};
+  return {self.world, self.world->AddCircle(self.handle, ToVec2(center), radius, settings)};
+}
+
+PyFixture AddPolygon(PyBody& self, const std::vector<Pair>& vertices, double density,
+                     double friction, double restitution, bool sensor, bool collides, bool visible,
+                     LayerBits layers) {
+  const FixtureSettings settings{density, friction, restitution, sensor, collides, visible, layers};
+  return {self.world, self.world->AddPolygon(self.handle, ToVertices(vertices), settings)};
+}
+
+void CheckCircle(FixtureChecker& self, const Pair& center, double radius, double density,
+                 double friction, double restitution, bool sensor, bool collides, bool visible,
+                 LayerBits layers) {
+  self.AddCircle(ToVec2(center), radius,
+                 {density, friction, restitution, sensor, collides, visible, layers});
+}
+
+void CheckPolygon(FixtureChecker& self, const std::vector<Pair>& vertices, double density,
+                  double friction, double restitution, bool sensor, bool collides, bool visible,
+                  LayerBits layers) {
+  self.AddPolygon(ToVertices(vertices),
+                  {density, friction, restitution, sensor, collides, visible, layers});
+}
+
+/// Defines a method with the keyword arguments of FixtureSettings after the others.
+template <class Class, class Function, class... Arguments>
+void DefineWithSettings(Class& cls, const char* name, Function function,
+                        const Arguments&... arguments) {
+  cls.def(name, function, arguments..., py::kw_only(), py::arg("density"),
           py::arg("friction") = 0.0, py::arg("restitution") = 0.0, py::arg("sensor") = false,
-          py::arg("collides") = true, py::arg("visible") = true, py::arg("layers") = 0xFFFF)
-      .def(
-          "add_polygon",
-          [](PyBody& self, const std::vector<Pair>& vertices, double density, double friction,
-             double restitution, bool sensor, bool collides, bool visible, LayerBits layers) {
-            std::vector<Vec2> points;
-            for (const Pair& vertex : vertices) points.push_back(ToVec2(vertex));
-            return PyFixture{self.world,
-                             self.world->AddPolygon(self.handle, points,
-                                                    ToSettings(density, friction, restitution,
-                                                               sensor, collides, visible, layers))};
-          },
-          py::arg("vertices"), py::kw_only(), py::arg("density"), py::arg("friction") = 0.0,
-          py::arg("restitution") = 0.0, py::arg("sensor") = false, py::arg("collides") = true,
-          py::arg("visible") = true, py::arg("layers") = 0xFFFF)
-      .def_property_readonly("fixtures", &Fixtures);
+          py::arg("collides") = true, py::arg("visible") = true, py::arg("layers") = kAllLayers);
+}
+
+void BindShapes(py::class_<PyBody>& body) {
+  DefineWithSettings(body, "add_circle", &AddCircle, py::arg("center"), py::arg("radius"));
+  DefineWithSettings(body, "add_polygon", &AddPolygon, py::arg("vertices"));
+  body.def_property_readonly("fixtures", &FixturesOf);
 }
 
 void BindJoints(py::class_<PyBody>& body) {
@@ -109,7 +118,7 @@ void BindLidar(py::class_<PyBody>& body) {
         const LidarSettings settings{fan, ToPose(pose), {range, layers, reflectance_layers}};
         return PyLidar{self.world, self.world->AddLidar(self.handle, settings)};
       },
-      py::arg("fan"), py::arg("pose"), py::arg("range"), py::arg("layers") = 0xFFFF,
+      py::arg("fan"), py::arg("pose"), py::arg("range"), py::arg("layers") = kAllLayers,
       py::arg("reflectance_layers") = 0);
 }
 
@@ -217,10 +226,23 @@ void BindMechanics(py::class_<PyBody>& body) {
 
 }  // namespace
 
+b2BodyType ToBodyType(const std::string& name) {
+  if (name == "static") return b2_staticBody;
+  if (name == "kinematic") return b2_kinematicBody;
+  if (name == "dynamic") return b2_dynamicBody;
+  throw std::invalid_argument("a body's type is static, kinematic or dynamic, not " + name);
+}
+
+std::vector<Vec2> ToVertices(const std::vector<Pair>& vertices) {
+  std::vector<Vec2> points;
+  for (const Pair& vertex : vertices) points.push_back(ToVec2(vertex));
+  return points;
+}
+
 RelativePoses::RelativePoses(const PyBody& reference, const std::vector<PyBody>& bodies)
     : world(reference.world), reference(reference.handle) {
   for (const PyBody& body : bodies) {
-    if (body.world != world) throw std::invalid_argument("the bodies are of different worlds");
+    if (body.world != world) throw std::invalid_argument("the bodies must be of the same world");
     this->bodies.push_back(body.handle);
   }
 }
@@ -257,8 +279,10 @@ void BindBody(py::class_<PyBody>& body) {
            })
       .def(
           "listen_to_contacts",
-          [](PyBody& self, uint8_t hooks) { self.world->ListenTo(self.handle, hooks); },
-          py::arg("hooks"));
+          [](PyBody& self, ContactEvents events) {
+            self.world->ListenToContacts(self.handle, events);
+          },
+          py::arg("events"));
   BindShapes(body);
   BindJoints(body);
   BindMotion(body);
@@ -305,6 +329,14 @@ void BindFixture(py::class_<PyFixture>& fixture) {
             return self.world->TestPoint(self.handle, ToVec2(point));
           },
           py::arg("point"));
+}
+
+void BindFixtureChecker(py::module_& m) {
+  py::class_<FixtureChecker> checker(m, "FixtureChecker");
+  checker.def(py::init([](const std::string& type) { return FixtureChecker(ToBodyType(type)); }),
+              py::arg("body_type"));
+  DefineWithSettings(checker, "add_circle", &CheckCircle, py::arg("center"), py::arg("radius"));
+  DefineWithSettings(checker, "add_polygon", &CheckPolygon, py::arg("vertices"));
 }
 
 void BindMechanisms(py::module_& m) {

@@ -1,11 +1,12 @@
-/// Contacts in Python: the function that hears of them, and what it is given.
+/// Contacts in Python: the listener, and the arguments that it gets.
 
 #include "bindings.hpp"
 
 namespace flatland {
 namespace {
 
-/// A contact as Python may keep it: of no use after the call that it was made for.
+/// A contact for Python. Python may keep it, but after the call that it was made for its use raises
+/// GoneError.
 struct PyContact {
   std::shared_ptr<World> world;
   const void* id;
@@ -34,15 +35,15 @@ void PyListener::SetCallback(const std::shared_ptr<World>& world, py::object cal
   callback_ = std::move(callback);
 }
 
-void PyListener::Call(const Contact& contact, const py::object& told) const {
-  const int moment = contact.moment;
+void PyListener::Call(const Contact& contact, const py::object& wrapped) const {
+  const int event = contact.event;
   const uint64_t a = IdOf(contact.a.body), b = IdOf(contact.b.body);
-  if (contact.moment == kPreSolve) {
-    callback_(moment, a, b, told, contact.old_manifold);
-  } else if (contact.moment == kPostSolve) {
-    callback_(moment, a, b, told, contact.impulse);
+  if (contact.event == kPreSolve) {
+    callback_(event, a, b, wrapped, contact.old_manifold);
+  } else if (contact.event == kPostSolve) {
+    callback_(event, a, b, wrapped, contact.impulse);
   } else {
-    callback_(moment, a, b, told);
+    callback_(event, a, b, wrapped);
   }
 }
 
@@ -50,14 +51,14 @@ void PyListener::OnContact(Contact& contact) {
   const std::shared_ptr<World> world = world_.lock();
   if (error_ || !world) return;
   const py::gil_scoped_acquire acquire;
-  const auto told = std::make_shared<PyContact>(
+  const auto wrapped = std::make_shared<PyContact>(
       PyContact{world, contact.id(), &contact, {world, contact.a}, {world, contact.b}});
   try {
-    Call(contact, py::cast(told));
+    Call(contact, py::cast(wrapped));
   } catch (...) {
     error_ = std::current_exception();
   }
-  told->contact = nullptr;
+  wrapped->contact = nullptr;
 }
 
 void PyListener::Rethrow() {
@@ -94,8 +95,8 @@ void BindContacts(py::module_& m) {
       .def(
           "set_enabled",
           [](PyContact& self, bool enabled) {
-            if (self.Get().moment != kPreSolve) {
-              throw std::logic_error("a contact is switched on or off in pre_solve alone");
+            if (self.Get().event != kPreSolve) {
+              throw std::logic_error("a contact can be enabled or disabled only in pre_solve");
             }
             self.Get().SetEnabled(enabled);
           },

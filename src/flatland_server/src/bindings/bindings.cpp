@@ -1,8 +1,8 @@
 /// flatland_server._core: the physical world for Python. The only C++ that knows Python.
 ///
-/// A Python Body, Joint or Drive is a handle and the world it belongs to; using one whose object is
-/// gone raises GoneError. Step and scan release the GIL; contacts take it back to tell of
-/// themselves.
+/// A Python Body, Joint or Drive is a handle and the world it belongs to; after the removal of the
+/// body its use raises GoneError. Steps and scans release the GIL; the contact listener acquires it
+/// for each event.
 
 #include "bindings.hpp"
 
@@ -12,13 +12,6 @@ namespace flatland {
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-b2BodyType ToBodyType(const std::string& name) {
-  if (name == "static") return b2_staticBody;
-  if (name == "kinematic") return b2_kinematicBody;
-  if (name == "dynamic") return b2_dynamicBody;
-  throw std::invalid_argument("a body's type is static, kinematic or dynamic, not " + name);
-}
 
 std::vector<Segment> ToSegments(const Doubles& rows) {
   if (rows.ndim() != 2 || rows.shape(1) != 4) {
@@ -39,34 +32,34 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
   float* ranges_out = ranges.mutable_data();
   float* intensities_out = intensities.mutable_data();
   {
-    const World::Turn turn(*self.world);
+    const World::AccessGuard guard(*self.world);
     const py::gil_scoped_release release;
     self.world->Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
-                     intensities_out, turn);
+                     intensities_out, guard);
   }
   return py::make_tuple(ranges, intensities);
 }
 
-py::tuple ScanLidar(PyWorld& self, const PyLidar& lidar) {
-  if (lidar.world != self.world) throw std::invalid_argument("the lidar is of another world");
-  const World::Turn turn(*self.world);  // until it is copied: another thread may change the world
-  const Lidar& seen = [&]() -> const Lidar& {
+py::tuple ScanLidar(PyLidar& self) {
+  // Held until the arrays are copied: another thread may change the world after it.
+  const World::AccessGuard guard(*self.world);
+  const Lidar& lidar = [&]() -> const Lidar& {
     const py::gil_scoped_release release;
-    return self.world->Scan(lidar.handle, turn);
+    return self.world->Scan(self.handle, guard);
   }();
   const auto copy = [](const std::vector<float>& values) {
     py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
     std::copy(values.begin(), values.end(), array.mutable_data());
     return array;
   };
-  return py::make_tuple(copy(seen.ranges), copy(seen.intensities));
+  return py::make_tuple(copy(lidar.ranges), copy(lidar.intensities));
 }
 
 void Step(PyWorld& self, double dt) {
   {
-    const World::Turn turn(*self.world);
+    const World::AccessGuard guard(*self.world);
     const py::gil_scoped_release release;
-    self.world->Step(dt, turn);
+    self.world->Step(dt, guard);
   }
   RethrowFromListener(*self.world);
 }
@@ -101,8 +94,7 @@ void BindWorld(py::module_& m) {
           py::arg("angular_damping") = 0.0)
       .def("step", &Step, py::arg("dt"))
       .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
-           py::arg("layers") = 0xFFFF, py::arg("reflectance_layers") = 0)
-      .def("scan", &ScanLidar, py::arg("lidar"))
+           py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0)
       .def("set_contact_listener", &SetContactListener, py::arg("listener"))
       .def_property_readonly("body_count",
                              [](const PyWorld& self) { return self.world->body_count(); })
@@ -120,15 +112,16 @@ PYBIND11_MODULE(_core, m) {
       .def(py::init<double, double, int>(), py::arg("angle_min"), py::arg("increment"),
            py::arg("count"))
       .def("__len__", &BeamFan::size);
-  py::class_<PyLidar>(m, "Lidar").def("expect_scan", [](PyLidar& self) {
-    self.world->ExpectScan(self.handle);
-  });
-  // Both before their functions, whose signatures name them.
+  py::class_<PyLidar>(m, "Lidar")
+      .def("expect_scan", [](PyLidar& self) { self.world->ExpectScan(self.handle); })
+      .def("scan", &ScanLidar);
+  // Both are declared before any function that has them in its signature.
   py::class_<PyBody> body(m, "Body");
   py::class_<PyFixture> fixture(m, "Fixture");
   BindMechanisms(m);
   BindBody(body);
   BindFixture(fixture);
+  BindFixtureChecker(m);
   BindRelativePoses(m);
   BindContacts(m);
   BindWorld(m);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// What the parts of the bindings share: Python's handles, and tuples to the core's values.
+/// Shared by the parts of the bindings: the classes that Python gets, and conversions of tuples.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -22,6 +22,8 @@ namespace py = pybind11;
 using Pair = std::pair<double, double>;
 using Triple = std::tuple<double, double, double>;
 
+b2BodyType ToBodyType(const std::string& name);
+std::vector<Vec2> ToVertices(const std::vector<Pair>& vertices);
 inline Vec2 ToVec2(const Pair& pair) { return {pair.first, pair.second}; }
 inline Pose ToPose(const Triple& t) { return {std::get<0>(t), std::get<1>(t), std::get<2>(t)}; }
 inline Twist ToTwist(const Triple& t) { return {std::get<0>(t), std::get<1>(t), std::get<2>(t)}; }
@@ -29,23 +31,23 @@ inline Pair ToTuple(Vec2 v) { return {v.x, v.y}; }
 inline Triple ToTuple(const Pose& pose) { return {pose.x, pose.y, pose.yaw}; }
 inline Triple ToTuple(const Twist& twist) { return {twist.vx, twist.vy, twist.omega}; }
 
-/// Calls a Python function for each contact that is told of.
+/// Calls a Python function for each contact event.
 class PyListener : public ContactListener {
  public:
   void SetCallback(const std::shared_ptr<World>& world, py::object callback);
   void OnContact(Contact& contact) override;
-  /// Throws what the function has thrown since the last call. Needs the GIL.
+  /// Throws the first exception that the function has raised since the last call. Needs the GIL.
   void Rethrow();
 
  private:
-  void Call(const Contact& contact, const py::object& told) const;
+  void Call(const Contact& contact, const py::object& wrapped) const;
 
   std::weak_ptr<World> world_;
   py::object callback_;
   std::exception_ptr error_;
 };
 
-/// A world and who listens to its contacts; the handles of bodies keep both alive.
+/// A world and its contact listener. Handles of bodies and other things keep both alive.
 struct ListenedWorld {
   ListenedWorld(int velocity_iterations, int position_iterations)
       : world(velocity_iterations, position_iterations) {}
@@ -53,7 +55,8 @@ struct ListenedWorld {
   World world;
 };
 
-/// Throws what Python's listener of contacts has thrown since the last call. Needs the GIL.
+/// Throws the first exception that the contact listener has raised since the last call. Needs the
+/// GIL.
 inline void RethrowFromListener(World& world) {
   if (world.contact_listener() != nullptr) {
     static_cast<PyListener*>(world.contact_listener())->Rethrow();
@@ -67,7 +70,7 @@ struct PyWorld {
   std::shared_ptr<World> world;
 };
 
-/// A handle and its world.
+/// What Python gets for a handle: the handle, and the world that it belongs to.
 template <class Handle>
 struct Owned {
   std::shared_ptr<World> world;
@@ -81,12 +84,12 @@ using PyTricycle = Owned<World::Tricycle>;
 using PyTween = Owned<World::Tween>;
 using PyLidar = Owned<World::LidarHandle>;
 
-/// Unique among the bodies that a world has ever had.
+/// A number that no other body of a world has or had.
 inline uint64_t IdOf(World::Body body) {
   return static_cast<uint64_t>(body.generation) << 32 | body.index;
 }
 
-/// Bodies of one world, and the one in whose frame their poses are asked for.
+/// Bodies of one world, and the body in the frame of which their poses are read.
 struct RelativePoses {
   RelativePoses(const PyBody& reference, const std::vector<PyBody>& bodies);
   std::vector<Triple> Read() const;
@@ -99,6 +102,7 @@ struct RelativePoses {
 void BindBody(py::class_<PyBody>& body);
 void BindRelativePoses(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
+void BindFixtureChecker(py::module_& m);
 void BindMechanisms(py::module_& m);
 void BindContacts(py::module_& m);
 

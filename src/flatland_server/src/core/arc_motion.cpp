@@ -8,8 +8,8 @@
 namespace flatland {
 namespace {
 
-/// How a body moves in a step: by `translation` at its origin, in its frame, and by a turn of
-/// `angle` about it. With a constant twist (vx, vy, omega) in its own frame a frame moves by the
+/// Motion of a body in a step: a translation of its origin, in its frame, and a rotation by `angle`
+/// about its origin. With a constant twist (vx, vy, omega) in its own frame a frame moves by the
 /// exponential map of SE(2): by V (vx, vy) dt, V = [[s, -c], [c, s]] with s = sin(a) / a,
 /// c = (1 - cos(a)) / a, a = omega dt (Lynch and Park, "Modern Robotics", 3.3.3).
 struct Displacement {
@@ -27,40 +27,41 @@ struct Displacement {
   Vec2 translation;
 };
 
-/// Whether a joint holds two bodies together without any spring.
+/// Whether a joint holds two bodies together without a spring.
 bool IsRigid(b2Joint& joint) {
   return joint.GetType() == e_weldJoint && static_cast<b2WeldJoint&>(joint).GetStiffness() == 0.0f;
 }
 
-/// Whether a joint lets b turn about its own centre, as a wheel does.
+/// Whether a joint lets b rotate about its own centre, as a wheel does.
 bool IsWheel(b2Joint& joint, const b2Body& b) {
   if (joint.GetType() != e_revoluteJoint) return false;
   const b2Vec2 hub = joint.GetBodyB() == &b ? joint.GetAnchorB() : joint.GetAnchorA();
   return b2DistanceSquared(hub, b.GetWorldCenter()) < 1e-6f;
 }
 
-/// How far something is from where it is due, or 0 if that is more than rounding can have done.
-double LostByRounding(double due, double is) {
-  const double most = std::numeric_limits<float>::epsilon() * std::max(1.0, std::abs(due));
-  return std::abs(due - is) <= most ? due - is : 0.0;
+/// Difference of a target from the actual value, or 0 if it is too large for a rounding error.
+double RoundingError(double target, double actual) {
+  const double most = std::numeric_limits<float>::epsilon() * std::max(1.0, std::abs(target));
+  return std::abs(target - actual) <= most ? target - actual : 0.0;
 }
 
 }  // namespace
 
 void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt) {
-  if (mean.vx == 0.0 && mean.vy == 0.0 && mean.omega == 0.0) behind_ = {};
+  if (mean.vx == 0.0 && mean.vy == 0.0 && mean.omega == 0.0) rounding_error_ = {};
   const Displacement displacement(mean, dt);
-  const Rotation heading(body.GetAngle() + behind_.yaw);
-  const auto way_of = [&](const b2Body& member) {
+  const Rotation heading(body.GetAngle() + rounding_error_.yaw);
+  const auto displacement_of = [&](const b2Body& member) {
     const b2Vec2 center = body.GetLocalPoint(member.GetWorldCenter());
-    return Vec2{behind_.x, behind_.y} + heading.Apply(displacement.Of(FromBox2D(center)));
+    return Vec2{rounding_error_.x, rounding_error_.y} +
+           heading.Apply(displacement.Of(FromBox2D(center)));
   };
-  const double turn = behind_.yaw + displacement.angle;
+  const double rotation = rounding_error_.yaw + displacement.angle;
   group_.assign(1, &body);
   for (size_t i = 0; i < group_.size(); ++i) {
     b2Body& member = *group_[i];
-    member.SetLinearVelocity(ToBox2D(1.0 / dt * way_of(member)));
-    member.SetAngularVelocity(static_cast<float>(turn / dt));
+    member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
+    member.SetAngularVelocity(static_cast<float>(rotation / dt));
     for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
       b2Body& other = *edge->other;
       if (other.GetType() != b2_dynamicBody) continue;
@@ -69,26 +70,26 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt) {
           group_.push_back(&other);
         }
       } else if (IsWheel(*edge->joint, other)) {
-        other.SetLinearVelocity(ToBox2D(1.0 / dt * way_of(other)));
+        other.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(other)));
       }
     }
   }
-  told_velocity_ = body.GetLinearVelocity();
-  told_omega_ = body.GetAngularVelocity();
-  const Vec2 due = FromBox2D(body.GetWorldCenter()) + way_of(body);
-  due_ = {due.x, due.y, body.GetAngle() + turn};
+  commanded_velocity_ = body.GetLinearVelocity();
+  commanded_omega_ = body.GetAngularVelocity();
+  const Vec2 target = FromBox2D(body.GetWorldCenter()) + displacement_of(body);
+  target_ = {target.x, target.y, body.GetAngle() + rotation};
 }
 
 void ArcMotion::End(b2Body& body, const Twist& at_end) {
-  const b2Vec2 lost = told_velocity_ - body.GetLinearVelocity();
-  const float lost_omega = told_omega_ - body.GetAngularVelocity();
-  const bool is_hindered = lost.Length() > 0.1f * told_velocity_.Length() + 1e-3f ||
-                           std::abs(lost_omega) > 0.1f * std::abs(told_omega_) + 1e-3f;
-  behind_ = {};
-  if (is_hindered) return;
+  const b2Vec2 lost = commanded_velocity_ - body.GetLinearVelocity();
+  const float lost_omega = commanded_omega_ - body.GetAngularVelocity();
+  const bool is_obstructed = lost.Length() > 0.1f * commanded_velocity_.Length() + 1e-3f ||
+                             std::abs(lost_omega) > 0.1f * std::abs(commanded_omega_) + 1e-3f;
+  rounding_error_ = {};
+  if (is_obstructed) return;
   const b2Vec2 center = body.GetWorldCenter();
-  behind_ = {LostByRounding(due_.x, center.x), LostByRounding(due_.y, center.y),
-             LostByRounding(due_.yaw, body.GetAngle())};
+  rounding_error_ = {RoundingError(target_.x, center.x), RoundingError(target_.y, center.y),
+                     RoundingError(target_.yaw, body.GetAngle())};
   const Vec2 arm = FromBox2D(body.GetLocalCenter());
   const Vec2 of_center =
       Rotation(body.GetAngle())

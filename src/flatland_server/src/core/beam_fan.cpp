@@ -52,7 +52,7 @@ void BeamFan::Sort() {
     ys_[rank] = directions_[beams_[rank]].y;
   }
 
-  // Two to four buckets for each beam of a full turn, within reason.
+  // Two to four buckets for each beam, but at least 256 and at most 65536.
   int buckets = 256;
   while (buckets < 2 * size() && buckets < 65536) buckets *= 2;
   buckets_per_unit_ = buckets / 4.0;

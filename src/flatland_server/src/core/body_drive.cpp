@@ -26,18 +26,18 @@ void BodyDrive::Reset() {
 }
 
 void BodyDrive::BeginStep(b2Body& body, double dt) {
-  is_asleep_ = !body.IsAwake() && IsZero(target_) && IsZero(velocity_);
-  if (is_asleep_) return;
+  is_idle_ = !body.IsAwake() && IsZero(target_) && IsZero(velocity_);
+  if (is_idle_) return;
   const VelocityChange planar =
       linear_.Approach({velocity_.vx, velocity_.vy}, {target_.vx, target_.vy}, dt);
-  const VelocityChange turning =
+  const VelocityChange rotating =
       angular_.Approach({velocity_.omega, 0.0}, {target_.omega, 0.0}, dt);
-  velocity_ = {planar.reached.x, planar.reached.y, turning.reached.x};
-  motion_.Begin(body, {planar.mean.x, planar.mean.y, turning.mean.x}, dt);
+  velocity_ = {planar.reached.x, planar.reached.y, rotating.reached.x};
+  motion_.Begin(body, {planar.mean.x, planar.mean.y, rotating.mean.x}, dt);
 }
 
 void BodyDrive::EndStep(b2Body& body) {
-  if (!is_asleep_) motion_.End(body, velocity_);
+  if (!is_idle_) motion_.End(body, velocity_);
 }
 
 }  // namespace flatland

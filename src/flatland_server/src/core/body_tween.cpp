@@ -7,9 +7,10 @@
 namespace flatland {
 namespace {
 
-/// Moments closer together than this are one [s]. The exponential easings jump at their ends by a
-/// thousandth of the way, and a loop by the whole of it: rounding must not decide on which side.
-double Instant(double duration) { return 1e-9 * std::min(duration, 1.0); }
+/// Times closer together than this count as equal [s]. At its ends an exponential easing jumps by a
+/// thousandth of the distance, and a loop by all of it: rounding errors must not decide on which
+/// side of the jump the body is.
+double TimeTolerance(double duration) { return 1e-9 * std::min(duration, 1.0); }
 
 }  // namespace
 
@@ -40,17 +41,18 @@ Pose BodyTween::Advance(double dt) {
       time_ = std::fmod(time_, 2.0 * duration);  // fmod is exact
       break;
     case TweenMode::kLoop:
-      if (time_ > duration + Instant(duration)) {
+      if (time_ > duration + TimeTolerance(duration)) {
         teleports_ = true;
         time_ = std::fmod(time_, duration);
-        if (time_ <= Instant(duration)) time_ += duration;  // a long step, to the end of a loop
+        if (time_ <= TimeTolerance(duration))
+          time_ += duration;  // a long step that ends at the end of a loop
       }
       break;
     case TweenMode::kOnce:
     case TweenMode::kTrigger:
       if (time_ < 0.0 || time_ > duration) {
         time_ = std::clamp(time_, 0.0, duration);
-        time_error_ = 0.0;
+        time_rounding_error_ = 0.0;
       }
       break;
   }
@@ -58,33 +60,33 @@ Pose BodyTween::Advance(double dt) {
 }
 
 Pose BodyTween::target() const {
-  const Pose way = WayMade();
-  return {start_.x + way.x, start_.y + way.y, start_.yaw + way.yaw};
+  const Pose offset = Offset();
+  return {start_.x + offset.x, start_.y + offset.y, start_.yaw + offset.yaw};
 }
 
 double BodyTween::progress() const {
   const double duration = settings_.duration;
   const bool returns = settings_.mode == TweenMode::kYoyo && time_ > duration;
   const double time = returns ? 2.0 * duration - time_ : time_;
-  if (time <= Instant(duration)) return 0.0;
-  if (time >= duration - Instant(duration)) return 1.0;
+  if (time <= TimeTolerance(duration)) return 0.0;
+  if (time >= duration - TimeTolerance(duration)) return 1.0;
   return time / duration;
 }
 
 void BodyTween::Rebase(const Pose& pose) {
-  const Pose way = WayMade();
-  start_ = {pose.x - way.x, pose.y - way.y, pose.yaw - way.yaw};
+  const Pose offset = Offset();
+  start_ = {pose.x - offset.x, pose.y - offset.y, pose.yaw - offset.yaw};
 }
 
 // Kahan's summation (W. Kahan, "Further remarks on reducing truncation errors", 1965).
 void BodyTween::AddTime(double dt) {
-  const double rest = dt - time_error_;
+  const double rest = dt - time_rounding_error_;
   const double sum = time_ + rest;
-  time_error_ = (sum - time_) - rest;
+  time_rounding_error_ = (sum - time_) - rest;
   time_ = sum;
 }
 
-Pose BodyTween::WayMade() const {
+Pose BodyTween::Offset() const {
   const double part = Ease(settings_.easing, progress());
   return {part * settings_.delta.x, part * settings_.delta.y, part * settings_.delta.yaw};
 }

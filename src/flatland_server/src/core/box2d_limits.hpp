@@ -1,7 +1,7 @@
 #pragma once
 
-/// What Box2D can digest. It checks its input by assertions, which end the process, or not at all,
-/// and then goes on with NaN: so everything is checked before it gets there.
+/// Limits on what is passed to Box2D. Box2D checks some of its input by assertions, which end the
+/// process, and does not check the rest, which then turns into NaN. So values are checked here.
 
 #include <box2d/box2d.h>
 
@@ -11,21 +11,23 @@
 
 namespace flatland {
 
-/// The largest coordinate [m] that single precision still resolves to about a centimetre.
-constexpr double kFarthest = 1e5;
-constexpr double kLeastRadius = 1e-4;   // [m]; a smaller circle's mass is lost in single precision
-constexpr double kLeastDensity = 1e-6;  // [kg/m^2] above 0
-constexpr double kLeastStep = 1e-9;     // [s]
+/// The largest coordinate [m]; single precision resolves it to about a centimetre.
+constexpr double kMaxCoordinate = 1e5;
+/// The smallest radius [m]; single precision loses the mass of a smaller circle.
+constexpr double kMinRadius = 1e-4;
+/// The smallest density above 0 [kg/m^2].
+constexpr double kMinDensity = 1e-6;
+/// The shortest step [s].
+constexpr double kMinStep = 1e-9;
 
-/// Each throws std::invalid_argument, with the message, if it does not hold.
+// Each throws std::invalid_argument with the message if the condition is not met.
+
 void Require(bool condition, const char* message);
-void RequirePlace(Vec2 place);
+/// A position must be finite and within kMaxCoordinate.
+void RequirePosition(Vec2 position);
 void RequireNotNegative(double value, const char* message);
 
 /// Whether b2PolygonShape::Set finds a hull with an area.
 bool HasHull(const std::vector<b2Vec2>& vertices);
-
-/// Whether a body keeps a positive moment of inertia when it gets the shape too.
-bool HasInertia(const b2Body& body, const b2Shape& shape, float density);
 
 }  // namespace flatland

@@ -1,3 +1,48 @@
+/// How a whole scan is computed at once.
+///
+/// Need: hundreds of lidars with a thousand beams each, ten times a second and more, with the
+/// results of exact geometry. A ray cast for each beam tests the same walls again and again.
+///
+/// Method: as in rasterisation, each wall is drawn once onto the beams between its two ends, and
+/// each beam keeps the nearest wall.
+///
+///     wall 2   b----------------------------------a
+///               \     \    \   |   /    /     /
+///     wall 1     \     \  b=============a    /
+///                 \     \   \  |  /   /     /
+///                  \     \   \ | /   /     /
+///     rank          7     6   5 4 3   2     1     0
+///                             lidar
+///
+///     rank           0    1    2    3    4    5    6    7
+///     nearest wall   -    2    1    1    1    1    2    2
+///
+/// Data: the buffer holds one number for each beam, the inverse distance 1 / t, by rank: the beams
+/// are sorted by direction (BeamFan), so that the beams between two directions are one run of
+/// ranks, or two if the beam at +-180 degrees lies between them. Along a wall from a to b, with b
+/// counter-clockwise of a as seen by the lidar, a beam in the direction of the unit vector u ends
+/// at
+///
+///     1 / t = cross(u, b - a) / cross(a, b).
+///
+/// This is linear in u, so a wall costs each beam a few products and comparisons, no division, and
+/// four beams are computed at a time (doubles.hpp). The larger 1 / t is the nearer wall. A beam
+/// meets the wall if neither cross(a, u) nor cross(u, b) is negative; their sum is cross(u, b - a).
+///
+/// Wedges: which ranks a wall may cover is looked up by the directions of its two ends, their
+/// wedge. It is a little too wide, to be safe from rounding errors; the signs above decide exactly.
+///
+/// Order: the walls of a layer are in a binary tree of bounding boxes (SegmentTree), which is
+/// traversed front to back: of a node's two boxes first the nearer one, while the other waits on a
+/// stack.
+///
+/// Early out: a box is skipped with all its walls if every beam of its wedge already ends nearer
+/// than the box begins. In an office, 4 of 100 walls are drawn, and each beam is compared with 5 of
+/// them. Bodies come last: those whose bounding circle is out of range or hidden are skipped too.
+///
+/// Accuracy: all numbers are in double precision, and the results are the same on every processor.
+/// With AVX2 four numbers are computed at a time, without it one or two.
+
 #include "flatland_server/depth_buffer.hpp"
 
 #include <algorithm>
@@ -10,20 +55,20 @@ namespace flatland {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// How far past its ends a wall still stops a beam, as a fraction of its length: two walls that
-/// share a corner leave no gap between them.
+/// How far past its ends a wall is extended, as a fraction of its length: so two walls that share a
+/// corner leave no gap.
 constexpr double kEndTolerance = 1e-9;
-/// A wall whose ends are seen less than this angle [rad] apart, or less than this from opposite, is
-/// seen edge-on: its distance would be a quotient of two roundings.
+/// A wall is seen edge-on if the directions of its ends differ by less than this, or by less than
+/// this from 180 degrees [rad]: its distance would be a quotient of two rounding errors.
 constexpr double kEdgeOn = 1e-14;
-/// What is at the range itself is seen; so this much more than the range counts as within it.
+/// Relative tolerance of the range: a wall at exactly the range is seen.
 constexpr double kRangeTolerance = 1e-12;
-/// How much farther something that reflects may be than what does not, and still be seen.
-constexpr double kTie = 1e-9;
+/// What reflects may be farther than what does not by this fraction, and is still seen.
+constexpr double kTieTolerance = 1e-9;
 
 constexpr int kLeafSize = SegmentTree::kLeafSize;
 
-/// The buffer and where it is seen from, in registers.
+/// The buffer, and the pose from which it is drawn.
 struct View {
   const BeamFan& fan;
   double* inverse;
@@ -31,14 +76,14 @@ struct View {
   Rotation rotation;
 };
 
-/// The beams towards something, and how near the nearest of it is.
-struct Outlook {
-  std::array<BeamFan::Run, 2> runs;
-  double square_distance;  // 0 for what is around the lidar
+/// What a box or circle covers.
+struct Extent {
+  std::array<BeamFan::Run, 2> runs;  // of the beams that may meet it
+  double square_distance;            // of its nearest point [m^2]; 0 if it contains the lidar
 };
 
-/// Whether all beams of a run end before something at a distance begins.
-FLATLAND_INLINE bool EndBefore(const double* inverse, BeamFan::Run run, double square_distance) {
+/// Whether all beams of a run end nearer than the distance.
+FLATLAND_INLINE bool EndNearer(const double* inverse, BeamFan::Run run, double square_distance) {
   for (int group = run.begin / kGroup * kGroup; group < run.end; group += kGroup) {
     const Doubles nearest = Load(inverse + group);
     const Mask reaches = nearest * nearest * square_distance < 1.0;
@@ -50,23 +95,23 @@ FLATLAND_INLINE bool EndBefore(const double* inverse, BeamFan::Run run, double s
   return true;
 }
 
-FLATLAND_INLINE bool IsHidden(const double* inverse, const Outlook& outlook) {
-  if (!(outlook.square_distance > 0.0)) return false;
-  return EndBefore(inverse, outlook.runs[0], outlook.square_distance) &&
-         EndBefore(inverse, outlook.runs[1], outlook.square_distance);
+FLATLAND_INLINE bool IsHidden(const double* inverse, const Extent& extent) {
+  if (!(extent.square_distance > 0.0)) return false;
+  return EndNearer(inverse, extent.runs[0], extent.square_distance) &&
+         EndNearer(inverse, extent.runs[1], extent.square_distance);
 }
 
-/// Moves diamond angles apart by the slack of BeamFan, and back to where they are defined.
-FLATLAND_INLINE Doubles WidenedRight(const Doubles& diamond_angles) {
-  const Doubles moved = diamond_angles - BeamFan::kSlack;
-  return moved < -2.0 ? moved + 4.0 : moved;
+/// Diamond angles moved clockwise, and counter-clockwise, by the margin of BeamFan, within [-2, 2].
+FLATLAND_INLINE Doubles WidenRight(const Doubles& diamond_angles) {
+  const Doubles widened = diamond_angles - BeamFan::kMargin;
+  return widened < -2.0 ? widened + 4.0 : widened;
 }
-FLATLAND_INLINE Doubles WidenedLeft(const Doubles& diamond_angles) {
-  const Doubles moved = diamond_angles + BeamFan::kSlack;
-  return moved > 2.0 ? moved - 4.0 : moved;
+FLATLAND_INLINE Doubles WidenLeft(const Doubles& diamond_angles) {
+  const Doubles widened = diamond_angles + BeamFan::kMargin;
+  return widened > 2.0 ? widened - 4.0 : widened;
 }
 
-/// Draws the wall from a to b, which is counter-clockwise of a, on a run of beams.
+/// Draws the wall from a to b, where b is counter-clockwise of a, onto a run of beams.
 FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run run, Vec2 a, Vec2 b,
                             double inverse_cross) {
   const Doubles ax = Fill(a.x), ay = Fill(a.y), bx = Fill(b.x), by = Fill(b.y);
@@ -85,83 +130,104 @@ FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run ru
   }
 }
 
-/// The lidar stands on the wall itself: every beam but the two along it ends at once.
-void DrawUnderfoot(const BeamFan& fan, double* inverse, Vec2 along) {
+/// Draws a wall on which the lidar stands: all beams end at once, except those along the wall.
+void DrawWallAtLidar(const BeamFan& fan, double* inverse, Vec2 along) {
   for (int rank = 0; rank < fan.size(); ++rank) {
     const double across = Cross({fan.xs()[rank], fan.ys()[rank]}, along);
-    if (std::abs(across) > kEdgeOn * Size(along)) inverse[rank] = kInfinity;
+    if (std::abs(across) > kEdgeOn * ManhattanNorm(along)) inverse[rank] = kInfinity;
   }
 }
 
-FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
+/// The walls of a leaf as seen by the lidar.
+struct LeafView {
+  // Ends in the lidar's frame [m], b counter-clockwise of a.
   double ax[kLeafSize], ay[kLeafSize], bx[kLeafSize], by[kLeafSize];
-  double crosses[kLeafSize], inverse_crosses[kLeafSize], from[kLeafSize], to[kLeafSize];
+  // cross(a, b) [m^2], or 0 if edge-on, or NaN where there is no wall; and its inverse.
+  double cross[kLeafSize], inverse_cross[kLeafSize];
+  // The wedge: widened diamond angles of a and b.
+  double from[kLeafSize], to[kLeafSize];
+};
+
+/// Computes four walls of a leaf, beginning at `lane`.
+FLATLAND_INLINE void ViewWalls(const SegmentTree::Leaf& leaf, int lane, const View& view,
+                               LeafView* walls) {
   const Doubles cos = Fill(view.rotation.cos), sin = Fill(view.rotation.sin);
-  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
-    const Doubles world_ax = Load(leaf.ax + lane) - view.origin.x;
-    const Doubles world_ay = Load(leaf.ay + lane) - view.origin.y;
-    const Doubles world_bx = Load(leaf.bx + lane) - view.origin.x;
-    const Doubles world_by = Load(leaf.by + lane) - view.origin.y;
-    const Doubles first_x = cos * world_ax + sin * world_ay;
-    const Doubles first_y = cos * world_ay - sin * world_ax;
-    const Doubles second_x = cos * world_bx + sin * world_by;
-    const Doubles second_y = cos * world_by - sin * world_bx;
-    const Doubles cross = first_x * second_y - first_y * second_x;
-    const Mask swap = cross < 0.0;
-    const Doubles right_x = swap ? second_x : first_x, right_y = swap ? second_y : first_y;
-    const Doubles left_x = swap ? first_x : second_x, left_y = swap ? first_y : second_y;
-    const Doubles size = swap ? -cross : cross;
-    const Mask is_edge_on = size <= kEdgeOn * Sizes(right_x, right_y) * Sizes(left_x, left_y);
-    Store(right_x, ax + lane);
-    Store(right_y, ay + lane);
-    Store(left_x, bx + lane);
-    Store(left_y, by + lane);
-    Store(is_edge_on ? Fill(0.0) : size, crosses + lane);
-    Store(1.0 / size, inverse_crosses + lane);
-    Store(WidenedRight(DiamondAngles(right_x, right_y)), from + lane);
-    Store(WidenedLeft(DiamondAngles(left_x, left_y)), to + lane);
-  }
+  const Doubles world_ax = Load(leaf.ax + lane) - view.origin.x;
+  const Doubles world_ay = Load(leaf.ay + lane) - view.origin.y;
+  const Doubles world_bx = Load(leaf.bx + lane) - view.origin.x;
+  const Doubles world_by = Load(leaf.by + lane) - view.origin.y;
+  const Doubles first_x = cos * world_ax + sin * world_ay;
+  const Doubles first_y = cos * world_ay - sin * world_ax;
+  const Doubles second_x = cos * world_bx + sin * world_by;
+  const Doubles second_y = cos * world_by - sin * world_bx;
+  const Doubles cross = first_x * second_y - first_y * second_x;
+  const Mask swap = cross < 0.0;
+  const Doubles right_x = swap ? second_x : first_x, right_y = swap ? second_y : first_y;
+  const Doubles left_x = swap ? first_x : second_x, left_y = swap ? first_y : second_y;
+  const Doubles size = swap ? -cross : cross;
+  const Mask is_edge_on =
+      size <= kEdgeOn * ManhattanNorms(right_x, right_y) * ManhattanNorms(left_x, left_y);
+  Store(right_x, walls->ax + lane);
+  Store(right_y, walls->ay + lane);
+  Store(left_x, walls->bx + lane);
+  Store(left_y, walls->by + lane);
+  Store(is_edge_on ? Fill(0.0) : size, walls->cross + lane);
+  Store(1.0 / size, walls->inverse_cross + lane);
+  Store(WidenRight(DiamondAngles(right_x, right_y)), walls->from + lane);
+  Store(WidenLeft(DiamondAngles(left_x, left_y)), walls->to + lane);
+}
+
+FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
+  LeafView walls;
+  for (int lane = 0; lane < kLeafSize; lane += kGroup) ViewWalls(leaf, lane, view, &walls);
   for (int lane = 0; lane < kLeafSize; ++lane) {
-    const Vec2 a{ax[lane], ay[lane]};
-    const Vec2 b{bx[lane], by[lane]};
-    if (crosses[lane] > 0.0) {
-      const std::array<BeamFan::Run, 2> runs = view.fan.BeamsIn({from[lane], to[lane]});
-      DrawOn(view.fan, view.inverse, runs[0], a, b, inverse_crosses[lane]);
-      if (from[lane] > to[lane]) {
-        DrawOn(view.fan, view.inverse, runs[1], a, b, inverse_crosses[lane]);
-      }
-    } else if (crosses[lane] == 0.0 && Dot(a, b) <= 0.0) {
-      DrawUnderfoot(view.fan, view.inverse, b - a);
+    const Vec2 a{walls.ax[lane], walls.ay[lane]};
+    const Vec2 b{walls.bx[lane], walls.by[lane]};
+    const double from = walls.from[lane], to = walls.to[lane];
+    if (walls.cross[lane] > 0.0) {
+      const std::array<BeamFan::Run, 2> runs = view.fan.BeamsIn({from, to});
+      DrawOn(view.fan, view.inverse, runs[0], a, b, walls.inverse_cross[lane]);
+      if (from > to) DrawOn(view.fan, view.inverse, runs[1], a, b, walls.inverse_cross[lane]);
+    } else if (walls.cross[lane] == 0.0 && Dot(a, b) <= 0.0) {
+      DrawWallAtLidar(view.fan, view.inverse, b - a);
     }
   }
 }
 
-/// The corners of a box that are farthest to the right and to the left, as seen from outside: the
-/// places of their coordinates in low x, low y, high x, high y.
+/// The outermost corners of a box as seen from outside, to the right and to the left: indices of
+/// their coordinates in {low x, low y, high x, high y}.
 struct Silhouette {
   int right_x, right_y, left_x, left_y;
 };
-/// By where one looks from: below, beside or above it, and there left of, beside or right of it.
+/// By the lidar's position: row 0 below the box, 1 level with it, 2 above; column 0 left of it, 1
+/// level with it, 2 right.
 constexpr Silhouette kSilhouettes[3][3] = {
     {{2, 1, 0, 3}, {2, 1, 0, 1}, {2, 3, 0, 1}},
     {{0, 1, 0, 3}, {0, 1, 0, 1}, {2, 3, 2, 1}},
     {{0, 1, 2, 3}, {0, 3, 2, 3}, {0, 3, 2, 1}},
 };
 
-/// What a node's two boxes look like.
-FLATLAND_INLINE void LookAt(const SegmentTree::Node& node, const View& view, Outlook* outlooks) {
-  const auto side = [](double place, double low, double high) {
-    return (place >= low) + (place > high);
+FLATLAND_INLINE const Silhouette& SilhouetteOf(const Box& box, Vec2 origin) {
+  const auto side = [](double position, double low, double high) {
+    return (position >= low) + (position > high);
   };
-  double xs[kGroup], ys[kGroup];  // right and left corner of the one, and of the other
+  return kSilhouettes[side(origin.y, box.low.y, box.high.y)][side(origin.x, box.low.x, box.high.x)];
+}
+
+FLATLAND_INLINE double SquareDistance(const Box& box, Vec2 origin) {
+  const double x = std::max(std::max(box.low.x - origin.x, origin.x - box.high.x), 0.0);
+  const double y = std::max(std::max(box.low.y - origin.y, origin.y - box.high.y), 0.0);
+  return x * x + y * y;
+}
+
+/// Computes what the two boxes of a node cover. A box that contains the lidar gets no runs.
+FLATLAND_INLINE void ComputeExtents(const SegmentTree::Node& node, const View& view,
+                                    Extent* extents) {
+  double xs[kGroup], ys[kGroup];  // right and left corner of the first box, then of the second
   for (int k = 0; k < 2; ++k) {
     const Box& box = node.children[k].box;
-    const Vec2 origin = view.origin;
-    const double x = std::max(std::max(box.low.x - origin.x, origin.x - box.high.x), 0.0);
-    const double y = std::max(std::max(box.low.y - origin.y, origin.y - box.high.y), 0.0);
-    outlooks[k].square_distance = x * x + y * y;
-    const Silhouette& seen =
-        kSilhouettes[side(origin.y, box.low.y, box.high.y)][side(origin.x, box.low.x, box.high.x)];
+    extents[k].square_distance = SquareDistance(box, view.origin);
+    const Silhouette& seen = SilhouetteOf(box, view.origin);
     const double edges[] = {box.low.x, box.low.y, box.high.x, box.high.y};
     xs[2 * k] = edges[seen.right_x];
     ys[2 * k] = edges[seen.right_y];
@@ -174,20 +240,20 @@ FLATLAND_INLINE void LookAt(const SegmentTree::Node& node, const View& view, Out
   const Doubles y = view.rotation.cos * world_y - view.rotation.sin * world_x;
   const Doubles diamond_angles = DiamondAngles(x, y);
   double rights[kGroup], lefts[kGroup];
-  Store(WidenedRight(diamond_angles), rights);
-  Store(WidenedLeft(diamond_angles), lefts);
+  Store(WidenRight(diamond_angles), rights);
+  Store(WidenLeft(diamond_angles), lefts);
   for (int k = 0; k < 2; ++k) {
-    if (!(outlooks[k].square_distance > 0.0)) continue;
-    outlooks[k].runs = view.fan.BeamsIn({rights[2 * k], lefts[2 * k + 1]});
+    if (!(extents[k].square_distance > 0.0)) continue;
+    extents[k].runs = view.fan.BeamsIn({rights[2 * k], lefts[2 * k + 1]});
   }
 }
 
-/// Which of a node's children to draw first: the nearer one, and of those that the lidar is in, the
-/// one whose middle is nearer.
-FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const Outlook* outlooks,
+/// Which child of a node is drawn first: the nearer one; if both contain the lidar, the one with
+/// the nearer middle.
+FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const Extent* extents,
                                     Vec2 origin) {
-  if (outlooks[0].square_distance != outlooks[1].square_distance) {
-    return outlooks[1].square_distance < outlooks[0].square_distance;
+  if (extents[0].square_distance != extents[1].square_distance) {
+    return extents[1].square_distance < extents[0].square_distance;
   }
   const auto to_middle = [&](const Box& box) {
     const Vec2 way = 0.5 * (box.low + box.high) - origin;
@@ -196,12 +262,13 @@ FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const Outlook
   return to_middle(node.children[1].box) < to_middle(node.children[0].box);
 }
 
+/// Draws the walls of a tree, front to back.
 FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
   struct Waiting {
     const SegmentTree::Child* child;
-    Outlook outlook;
+    Extent extent;
   };
-  Waiting waiting[SegmentTree::kMostDepth];
+  Waiting stack[SegmentTree::kMaxDepth];
   int count = 0;
   const SegmentTree::Child* child = &walls.root();
   while (true) {
@@ -210,47 +277,48 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
       DrawLeaf(walls.leaf(*child), view);
     } else {
       const SegmentTree::Node& node = walls.node(*child);
-      Outlook outlooks[2];
-      LookAt(node, view, outlooks);
-      const int first = IsSecondNearer(node, outlooks, view.origin) ? 1 : 0;
-      // The farther one waits: the nearer one may hide it meanwhile.
-      waiting[count++] = {&node.children[1 - first], outlooks[1 - first]};
-      if (!IsHidden(view.inverse, outlooks[first])) next = &node.children[first];
+      Extent extents[2];
+      ComputeExtents(node, view, extents);
+      const int first = IsSecondNearer(node, extents, view.origin) ? 1 : 0;
+      // The farther one waits; the nearer one may hide it meanwhile.
+      stack[count++] = {&node.children[1 - first], extents[1 - first]};
+      if (!IsHidden(view.inverse, extents[first])) next = &node.children[first];
     }
     while (next == nullptr && count > 0) {
       --count;
-      if (!IsHidden(view.inverse, waiting[count].outlook)) next = waiting[count].child;
+      if (!IsHidden(view.inverse, stack[count].extent)) next = stack[count].child;
     }
     if (next == nullptr) return;
     child = next;
   }
 }
 
-FLATLAND_CLONES void FindSeenIn(const Discs& discs, const View& view, double range,
-                                std::vector<int>* seen) {
+/// Appends the indices of the circles in range that are not hidden.
+FLATLAND_CLONES void FindVisibleIn(const BoundingCircles& circles, const View& view, double range,
+                                   std::vector<int>* visible) {
   const Doubles cos = Fill(view.rotation.cos), sin = Fill(view.rotation.sin);
-  for (int group = 0; group < discs.count; group += kGroup) {
-    const Doubles world_x = Load(&discs.x[group]) - view.origin.x;
-    const Doubles world_y = Load(&discs.y[group]) - view.origin.y;
-    const Doubles radius = Load(&discs.radius[group]);
+  for (int group = 0; group < circles.count; group += kGroup) {
+    const Doubles world_x = Load(&circles.x[group]) - view.origin.x;
+    const Doubles world_y = Load(&circles.y[group]) - view.origin.y;
+    const Doubles radius = Load(&circles.radius[group]);
     const Doubles square_distance = world_x * world_x + world_y * world_y;
     const Doubles nearest = Sqrt(square_distance) - radius;
     double distances[kGroup];
     Store(nearest, distances);
     if (!Any(nearest <= range)) continue;
-    // The tangents, as vectors of no certain length: to the right and to the left of the disc.
+    // Directions of the tangents to the right and to the left of each circle, of any length.
     const Doubles x = cos * world_x + sin * world_y;
     const Doubles y = cos * world_y - sin * world_x;
     const Doubles along = Sqrt(square_distance - radius * radius);
     double from[kGroup], to[kGroup];
-    Store(WidenedRight(DiamondAngles(along * x + radius * y, along * y - radius * x)), from);
-    Store(WidenedLeft(DiamondAngles(along * x - radius * y, along * y + radius * x)), to);
-    for (int k = 0; k < kGroup && group + k < discs.count; ++k) {
+    Store(WidenRight(DiamondAngles(along * x + radius * y, along * y - radius * x)), from);
+    Store(WidenLeft(DiamondAngles(along * x - radius * y, along * y + radius * x)), to);
+    for (int k = 0; k < kGroup && group + k < circles.count; ++k) {
       if (distances[k] > range) continue;
-      const bool is_around = !(distances[k] > 0.0);
-      if (is_around || !IsHidden(view.inverse, {view.fan.BeamsIn({from[k], to[k]}),
-                                                distances[k] * distances[k]})) {
-        seen->push_back(group + k);
+      const bool contains_lidar = !(distances[k] > 0.0);
+      if (contains_lidar || !IsHidden(view.inverse, {view.fan.BeamsIn({from[k], to[k]}),
+                                                     distances[k] * distances[k]})) {
+        visible->push_back(group + k);
       }
     }
   }
@@ -285,33 +353,33 @@ FLATLAND_CLONES void DrawSide(const BeamFan& fan, double* inverse, Vec2 a, Vec2 
   }
 }
 
-/// The distances that the greater of two inverse distances make.
-FLATLAND_CLONES void Invert(const double* inverse, const double* other, int count, double beyond,
-                            float* ranges) {
+/// Distances from the greater of two inverse distances each.
+FLATLAND_CLONES void Invert(const double* inverse, const double* other, int count,
+                            double min_inverse, float* ranges) {
   for (int i = 0; i < count; ++i) {
     const double nearest = std::max(inverse[i], other[i]);
-    ranges[i] = static_cast<float>(nearest > beyond ? 1.0 / nearest : kInfinity);
+    ranges[i] = static_cast<float>(nearest > min_inverse ? 1.0 / nearest : kInfinity);
   }
 }
 
 }  // namespace
 
-void Discs::Add(Vec2 center, double radius_of_it) {
+void BoundingCircles::Add(Vec2 center, double circle_radius) {
   if (count == static_cast<int>(x.size())) {
     for (std::vector<double>* values : {&x, &y, &radius}) values->resize(count + kGroup, 0.0);
   }
   x[count] = center.x;
   y[count] = center.y;
-  radius[count] = radius_of_it;
+  radius[count] = circle_radius;
   ++count;
 }
 
 void DepthBuffer::Begin(const BeamFan& fan, double range) {
   fan_ = &fan;
   range_ = range;
-  beyond_ = (1.0 - kRangeTolerance) / range;
-  inverse_.assign(fan.padded_size(), beyond_);
-  dull_.clear();
+  min_inverse_ = (1.0 - kRangeTolerance) / range;
+  inverse_.assign(fan.padded_size(), min_inverse_);
+  non_reflecting_.clear();
 }
 
 void DepthBuffer::Draw(const SegmentTree& walls, const Pose& lidar) {
@@ -326,44 +394,46 @@ void DepthBuffer::DrawCircle(Vec2 center, double radius) {
 }
 
 void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
-  // Seen from outside, the sides that face the lidar run clockwise around it; from within, none.
+  // The sides that face a lidar outside run clockwise around it. From within no side does.
   for (int i = 0; i < count; ++i) {
     const Vec2 corner = corners[i];
     const Vec2 next = corners[i + 1 < count ? i + 1 : 0];
     const double cross = Cross(next, corner);
-    const bool faces_lidar = cross > kEdgeOn * Size(next) * Size(corner);
+    const bool faces_lidar = cross > kEdgeOn * ManhattanNorm(next) * ManhattanNorm(corner);
     if (faces_lidar) DrawSide(*fan_, inverse_.data(), next, corner, cross);
   }
 }
 
-const std::vector<int>& DepthBuffer::FindSeen(const Discs& discs, const Pose& lidar) {
-  seen_.clear();
-  FindSeenIn(discs, {*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)}, range_,
-             &seen_);
-  return seen_;
+const std::vector<int>& DepthBuffer::FindVisible(const BoundingCircles& circles,
+                                                 const Pose& lidar) {
+  visible_.clear();
+  FindVisibleIn(circles, {*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)}, range_,
+                &visible_);
+  return visible_;
 }
 
 void DepthBuffer::BeginReflecting() {
-  dull_ = inverse_;
-  for (double& inverse : inverse_) inverse *= 1.0 - kTie;
+  non_reflecting_ = inverse_;
+  for (double& inverse : inverse_) inverse *= 1.0 - kTieTolerance;
 }
 
 void DepthBuffer::GetRanges(float* ranges) const {
-  const double* dull = dull_.empty() ? inverse_.data() : dull_.data();
+  const double* other = non_reflecting_.empty() ? inverse_.data() : non_reflecting_.data();
   if (fan_->is_sorted()) {
-    Invert(inverse_.data(), dull, fan_->size(), beyond_, ranges);
+    Invert(inverse_.data(), other, fan_->size(), min_inverse_, ranges);
     return;
   }
   for (int rank = 0; rank < fan_->size(); ++rank) {
-    Invert(&inverse_[rank], &dull[rank], 1, beyond_, &ranges[fan_->beams()[rank]]);
+    Invert(&inverse_[rank], &other[rank], 1, min_inverse_, &ranges[fan_->beams()[rank]]);
   }
 }
 
 void DepthBuffer::GetIntensities(float* intensities) const {
   std::fill_n(intensities, fan_->size(), 0.0f);
-  for (int rank = 0; rank < fan_->size() && !dull_.empty(); ++rank) {
-    const bool is_in_range = std::max(inverse_[rank], dull_[rank]) > beyond_;
-    const bool reflects = is_in_range && inverse_[rank] > dull_[rank] * (1.0 - kTie);
+  for (int rank = 0; rank < fan_->size() && !non_reflecting_.empty(); ++rank) {
+    const bool is_in_range = std::max(inverse_[rank], non_reflecting_[rank]) > min_inverse_;
+    const bool reflects =
+        is_in_range && inverse_[rank] > non_reflecting_[rank] * (1.0 - kTieTolerance);
     intensities[fan_->beams()[rank]] = reflects ? 255.0f : 0.0f;
   }
 }

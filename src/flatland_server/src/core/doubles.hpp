@@ -1,31 +1,29 @@
 #pragma once
 
-/// Arithmetic on a few numbers at a time, for one source file that needs it. The compiler makes of
-/// it what the processor has.
+/// Arithmetic on four numbers at a time (SIMD), for depth_buffer.cpp.
 
 #include <cmath>
 #include <cstring>
 
 #include "flatland_server/beam_fan.hpp"
 
-// Compiled twice, and the right one taken at run time: the default build runs on any processor.
+// Compiles a function twice, with AVX2 and without, and chooses between them at run time.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define FLATLAND_CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define FLATLAND_CLONES
 #endif
-// What is called from there belongs to both.
+// Functions called by those must be inlined, to be compiled for AVX2 too.
 #define FLATLAND_INLINE __attribute__((always_inline)) inline
 
 namespace flatland {
 
 constexpr int kGroup = BeamFan::kGroup;
 
-/// A few numbers at a time; the compiler makes of it what the processor has. Comparisons give
-/// masks.
+/// Vectors of numbers, and of the results of comparisons: -1 for true, 0 for false.
 using Doubles = double __attribute__((vector_size(kGroup * sizeof(double))));
 using Mask = long long __attribute__((vector_size(kGroup * sizeof(long long))));
-static_assert(kGroup == 4, "Fill names its numbers");
+static_assert(kGroup == 4, "Fill lists four numbers");
 
 FLATLAND_INLINE Doubles Fill(double value) { return Doubles{value, value, value, value}; }
 
@@ -47,14 +45,14 @@ FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
   return roots;
 }
 
-/// Not less than the vectors' lengths.
-FLATLAND_INLINE Doubles Sizes(const Doubles& x, const Doubles& y) {
+/// Upper bounds of the vectors' lengths.
+FLATLAND_INLINE Doubles ManhattanNorms(const Doubles& x, const Doubles& y) {
   return (x < 0.0 ? -x : x) + (y < 0.0 ? -y : y);
 }
-inline double Size(Vec2 v) { return std::abs(v.x) + std::abs(v.y); }
+inline double ManhattanNorm(Vec2 v) { return std::abs(v.x) + std::abs(v.y); }
 
 FLATLAND_INLINE Doubles DiamondAngles(const Doubles& x, const Doubles& y) {
-  const Doubles slant = y / Sizes(x, y);
+  const Doubles slant = y / ManhattanNorms(x, y);
   return x >= 0.0 ? slant : (y >= 0.0 ? 2.0 - slant : -2.0 - slant);
 }
 

@@ -13,10 +13,10 @@ void DynamicsLimits::Check() const {
   }
 }
 
-// Along the line from `current` to `target`, of length L, the speed falls up to the point nearest
-// to zero and rises after it. The way s along the line is therefore a ramp of slope `deceleration`
-// over the first part, one of slope `acceleration` over the second, and then constant; its mean
-// over the step is the integral of these three pieces.
+// On the line from `current` to `target`, of length L, the speed falls up to the point nearest to
+// zero and rises after it. So the position on the line, as a function of time, has a slope of
+// `deceleration` in the first part, of `acceleration` in the second, and is constant after that.
+// The mean velocity is the integral of these three pieces.
 VelocityChange DynamicsLimits::Approach(Vec2 current, Vec2 target, double dt) const {
   const double speed = std::hypot(target.x, target.y);
   if (velocity > 0.0 && speed > velocity) target = velocity / speed * target;

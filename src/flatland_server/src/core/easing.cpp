@@ -6,19 +6,19 @@
 namespace flatland {
 namespace {
 
-// The formulas are those of R. Penner, "Programming Macromedia Flash MX" (2002), chapter 7, in the
-// form that easings.net shows: from 0 to 1 in a time of 1. Each is written down as its In; the
-// others follow from it by symmetry.
+// The formulas of R. Penner, "Programming Macromedia Flash MX" (2002), chapter 7, in the form that
+// easings.net shows: from 0 to 1 in a time of 1. Each is given as its In; Out and InOut follow by
+// symmetry.
 
 using Curve = double (*)(double t);
 
-/// The same backwards: what was slow at the start is slow at the end.
+/// The curve reversed in time and value: slow at the end instead of the start.
 template <Curve in>
 double Out(double t) {
   return 1.0 - in(1.0 - t);
 }
 
-/// In to the middle, and Out from there.
+/// In for the first half, Out for the second.
 template <Curve in>
 double InOut(double t) {
   return t < 0.5 ? 0.5 * in(2.0 * t) : 1.0 - 0.5 * in(2.0 - 2.0 * t);
@@ -33,10 +33,10 @@ double Exponential(double t) { return t > 0.0 ? std::exp2(10.0 * (t - 1.0)) : 0.
 double Circular(double t) { return 1.0 - std::sqrt(1.0 - t * t); }
 
 double BackBy(double overshoot, double t) { return t * t * ((overshoot + 1.0) * t - overshoot); }
-double Back(double t) { return BackBy(1.70158, t); }  // goes back by a tenth of the way
+double Back(double t) { return BackBy(1.70158, t); }  // overshoots by a tenth of the way
 double BackOfInOut(double t) { return BackBy(1.70158 * 1.525, t); }
 
-/// Of amplitude 1, which it has reached after a quarter of its period.
+/// A growing oscillation of amplitude 1 at t = 1.
 double ElasticOf(double period, double t) {
   if (t <= 0.0) return 0.0;
   return -Exponential(t) * std::sin((t - 1.0 - 0.25 * period) * 2.0 * M_PI / period);
@@ -44,7 +44,7 @@ double ElasticOf(double period, double t) {
 double Elastic(double t) { return ElasticOf(0.3, t); }
 double ElasticOfInOut(double t) { return ElasticOf(0.45, t); }
 
-/// A fall and three bounces, parabolas of a half width of 1, 1/2, 1/4 and 1/8 in units of 1/2.75.
+/// A fall and three bounces: parabolas with half widths of 1, 1/2, 1/4 and 1/8, in units of 1/2.75.
 double BounceOut(double t) {
   constexpr double kSteepness = 2.75 * 2.75;
   const auto parabola = [&](double middle, double least) {
@@ -96,7 +96,7 @@ std::optional<Easing> FindEasing(std::string_view name) {
 }
 
 double Ease(Easing easing, double t) {
-  // The ends are not left to rounding: a movement ends where it ends.
+  // Exact at both ends, whatever the rounding errors.
   if (t <= 0.0) return 0.0;
   if (t >= 1.0) return 1.0;
   return kCurves[static_cast<size_t>(easing)](t);

@@ -12,13 +12,13 @@
 namespace flatland {
 namespace {
 
-/// To wake a thread takes as long as a few pieces of work.
-constexpr int kFewest = 4;
-constexpr unsigned kMostThreads = 16;
+/// For fewer pieces of work, waking the threads takes longer than the work itself.
+constexpr int kMinCount = 4;
+constexpr unsigned kMaxThreads = 16;
 
 class Pool {
  public:
-  /// Makes do with fewer threads, or none, where the system grants no more.
+  /// Starts fewer threads, or none, if the system refuses to start more.
   explicit Pool(unsigned helpers) {
     try {
       for (unsigned i = 0; i < helpers; ++i) std::thread([this] { Help(); }).detach();
@@ -26,10 +26,10 @@ class Pool {
     }
   }
 
-  /// Whether it was free to do the work.
+  /// Does the work and returns true, or returns false if the pool is busy.
   bool TryRun(int count, const std::function<void(int)>& work) {
-    const std::unique_lock<std::mutex> turn(turn_, std::try_to_lock);
-    if (!turn.owns_lock()) return false;
+    const std::unique_lock<std::mutex> run(run_mutex_, std::try_to_lock);
+    if (!run.owns_lock()) return false;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       work_ = &work;
@@ -39,7 +39,7 @@ class Pool {
     wake_.notify_all();
     Work(work, count);
     std::unique_lock<std::mutex> lock(mutex_);
-    work_ = nullptr;  // who wakes up only now finds nothing
+    work_ = nullptr;  // a helper that wakes up only now has nothing to do
     done_.wait(lock, [this] { return helping_ == 0; });
     return true;
   }
@@ -63,8 +63,8 @@ class Pool {
     }
   }
 
-  std::mutex turn_;   // held by whom it works for
-  std::mutex mutex_;  // guards what follows
+  std::mutex run_mutex_;  // held during TryRun
+  std::mutex mutex_;      // guards the members below
   std::condition_variable wake_;
   std::condition_variable done_;
   const std::function<void(int)>* work_ = nullptr;
@@ -73,8 +73,8 @@ class Pool {
   std::atomic<int> next_{0};
 };
 
-/// Never deleted: its threads wait until the process ends. A child process has none of them, and
-/// starts its own.
+/// Never deleted: its threads wait until the process ends. A forked child process has no threads,
+/// and so makes a pool of its own.
 std::atomic<Pool*> the_pool{nullptr};
 std::mutex starting;
 
@@ -90,7 +90,7 @@ Pool* GetPool() {
                                             });
     static_cast<void>(forks);
     const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-    the_pool = new Pool(std::min(cores, kMostThreads) - 1);
+    the_pool = new Pool(std::min(cores, kMaxThreads) - 1);
   }
   return the_pool;
 }
@@ -98,7 +98,7 @@ Pool* GetPool() {
 }  // namespace
 
 void ForEachInParallel(int count, const std::function<void(int)>& work) {
-  if (count >= kFewest && std::thread::hardware_concurrency() > 1 &&
+  if (count >= kMinCount && std::thread::hardware_concurrency() > 1 &&
       GetPool()->TryRun(count, work)) {
     return;
   }

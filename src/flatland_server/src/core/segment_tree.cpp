@@ -13,8 +13,8 @@ namespace flatland {
 namespace {
 
 constexpr int kBins = 16;
-/// From this depth on walls are halved, whatever the boxes: so the depth is limited.
-constexpr int kMostCleverDepth = 64;
+/// From this depth on each node is split in half, whatever the boxes: this limits the depth.
+constexpr int kMaxHeuristicDepth = 64;
 
 Vec2 TwiceCenter(const Segment& segment) { return segment.a + segment.b; }
 double Along(Vec2 v, int axis) { return axis == 0 ? v.x : v.y; }
@@ -29,7 +29,39 @@ bool AreEqual(const std::vector<Segment>& a, const std::vector<Segment>& b) {
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Segment)) == 0);
 }
 
+/// The cost of a child: its probability to be visited, which grows with its box, times the number
+/// of leaves that its walls fill.
+double CostOf(const Box& box, int walls) {
+  constexpr int kLeafSize = SegmentTree::kLeafSize;
+  return walls == 0 ? 0.0 : box.half_perimeter() * ((walls + kLeafSize - 1) / kLeafSize);
+}
+
 }  // namespace
+
+/// Sorts walls by their centres along an axis into bins of equal width. A cut lies between two
+/// bins.
+class SegmentTree::Binning {
+ public:
+  /// `centers` is the box of all the walls' doubled centres.
+  Binning(const Box& centers, int axis)
+      : axis_(axis), from_(Along(centers.low, axis)), size_(Along(centers.high, axis) - from_) {
+    is_possible_ = Along(centers.high, axis) > from_;
+  }
+
+  int axis() const { return axis_; }
+  /// False if all centres are equal along the axis.
+  bool is_possible() const { return is_possible_; }
+  int BinOf(const Segment& segment) const {
+    const double part = (Along(TwiceCenter(segment), axis_) - from_) / size_;
+    return std::min(kBins - 1, static_cast<int>(part * kBins));
+  }
+
+ private:
+  int axis_;
+  double from_;
+  double size_;
+  bool is_possible_;
+};
 
 void Box::Add(const Segment& segment) {
   for (const Vec2& end : {segment.a, segment.b}) {
@@ -52,7 +84,7 @@ std::shared_ptr<const SegmentTree> SegmentTree::Share(const std::vector<Segment>
     const std::shared_ptr<const SegmentTree> tree = i->second.lock();
     if (tree && AreEqual(tree->segments_, segments)) return tree;
   }
-  // A new one takes long anyway: a good time to forget those that nobody uses any more.
+  // Drops unused trees; this takes no time compared with building a new one.
   for (auto i = trees.begin(); i != trees.end();) {
     i = i->second.expired() ? trees.erase(i) : std::next(i);
   }
@@ -63,9 +95,9 @@ std::shared_ptr<const SegmentTree> SegmentTree::Share(const std::vector<Segment>
 
 SegmentTree::SegmentTree(const std::vector<Segment>& segments) : segments_(segments) {
   if (segments_.empty()) return;
-  std::vector<uint32_t> places(segments_.size());
-  std::iota(places.begin(), places.end(), 0);
-  root_ = Build(places.begin(), places.end(), 0);
+  std::vector<uint32_t> indices(segments_.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  root_ = Build(indices.begin(), indices.end(), 0);
 }
 
 SegmentTree::Child SegmentTree::Build(Iterator begin, Iterator end, int depth) {
@@ -100,59 +132,25 @@ int32_t SegmentTree::AddLeaf(Iterator begin, Iterator end) {
   return ~static_cast<int32_t>(leaves_.size() - 1);
 }
 
-/// Puts the walls of one child before those of the other; returns where the other's begin.
+/// Reorders the walls such that those of the first child come before those of the second. Returns
+/// where the second's begin.
 SegmentTree::Iterator SegmentTree::Split(Iterator begin, Iterator end, int depth) {
   Box centers;
   for (Iterator i = begin; i != end; ++i) {
     const Vec2 center = TwiceCenter(segments_[*i]);
     centers.Add(Segment{center, center});
   }
-  // The walls are sorted into bins by their centres along an axis; a cut may lie between two bins.
-  // A child costs as much as it is likely to be looked at, times the leaves that it will have.
-  const auto bin_of = [&](uint32_t place, int axis) {
-    const double from = Along(centers.low, axis);
-    const double size = Along(centers.high, axis) - from;
-    const double part = (Along(TwiceCenter(segments_[place]), axis) - from) / size;
-    return std::min(kBins - 1, static_cast<int>(part * kBins));
-  };
-  const auto cost_of = [](const Box& box, int walls) {
-    return walls == 0 ? 0.0 : box.half_perimeter() * ((walls + kLeafSize - 1) / kLeafSize);
-  };
-  double least_cost = std::numeric_limits<double>::infinity();
-  int best_axis = 0;
-  int best_cut = 0;
-  for (int axis = 0; axis < 2 && depth < kMostCleverDepth; ++axis) {
-    if (!(Along(centers.high, axis) > Along(centers.low, axis))) continue;
-    Box boxes[kBins];
-    int counts[kBins] = {};
-    for (Iterator i = begin; i != end; ++i) {
-      const int bin = bin_of(*i, axis);
-      boxes[bin].Add(segments_[*i]);
-      ++counts[bin];
-    }
-    double costs_above[kBins] = {};
-    Box box;
-    int count = 0;
-    for (int cut = kBins - 1; cut > 0; --cut) {
-      box.Add(boxes[cut]);
-      count += counts[cut];
-      costs_above[cut] = cost_of(box, count);
-    }
-    box = Box();
-    count = 0;
-    for (int cut = 1; cut < kBins; ++cut) {
-      box.Add(boxes[cut - 1]);
-      count += counts[cut - 1];
-      const double cost = cost_of(box, count) + costs_above[cut];
-      if (count == 0 || count == end - begin || cost >= least_cost) continue;
-      least_cost = cost;
-      best_axis = axis;
-      best_cut = cut;
-    }
+  Cut best;
+  for (int axis = 0; axis < 2 && depth < kMaxHeuristicDepth; ++axis) {
+    const Binning binning(centers, axis);
+    if (!binning.is_possible()) continue;
+    const Cut cut = FindCut(binning, begin, end);
+    if (cut.cost < best.cost) best = cut;
   }
-  if (best_cut > 0) {
-    return std::partition(begin, end,
-                          [&](uint32_t place) { return bin_of(place, best_axis) < best_cut; });
+  if (best.bin > 0) {
+    const Binning binning(centers, best.axis);
+    return std::partition(
+        begin, end, [&](uint32_t index) { return binning.BinOf(segments_[index]) < best.bin; });
   }
   const Vec2 size = centers.high - centers.low;
   const int axis = size.y > size.x ? 1 : 0;
@@ -161,6 +159,36 @@ SegmentTree::Iterator SegmentTree::Split(Iterator begin, Iterator end, int depth
     return Along(TwiceCenter(segments_[a]), axis) < Along(TwiceCenter(segments_[b]), axis);
   });
   return middle;
+}
+
+/// The cheapest cut between two bins, with walls on both sides; an infinite cost if there is none.
+SegmentTree::Cut SegmentTree::FindCut(const Binning& binning, Iterator begin, Iterator end) const {
+  Box boxes[kBins];
+  int counts[kBins] = {};
+  for (Iterator i = begin; i != end; ++i) {
+    const int bin = binning.BinOf(segments_[*i]);
+    boxes[bin].Add(segments_[*i]);
+    ++counts[bin];
+  }
+  double costs_above[kBins] = {};
+  Box box;
+  int count = 0;
+  for (int bin = kBins - 1; bin > 0; --bin) {
+    box.Add(boxes[bin]);
+    count += counts[bin];
+    costs_above[bin] = CostOf(box, count);
+  }
+  box = Box();
+  count = 0;
+  Cut best;
+  for (int bin = 1; bin < kBins; ++bin) {
+    box.Add(boxes[bin - 1]);
+    count += counts[bin - 1];
+    const double cost = CostOf(box, count) + costs_above[bin];
+    if (count == 0 || count == end - begin || cost >= best.cost) continue;
+    best = {binning.axis(), bin, cost};
+  }
+  return best;
 }
 
 }  // namespace flatland

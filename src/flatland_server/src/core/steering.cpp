@@ -9,11 +9,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A limit of 0 is none.
+/// A limit of 0 means no limit.
 double OrInfinity(double limit) { return limit > 0.0 ? limit : kInfinity; }
 
-/// From `rate` at a constant acceleration to `end_rate`, for as much of it as there is `time`.
-/// Returns whether it came to its end. An infinite acceleration takes no time and no way.
+/// Changes the rate to `end_rate` at a constant acceleration, as far as `time` allows, and
+/// subtracts the time it takes. Returns whether it was completed. An infinite acceleration takes no
+/// time.
 bool Ramp(SteeringState& state, double end_rate, double acceleration, double& time) {
   const double change = end_rate - state.rate;
   const double duration = std::abs(change) / acceleration;
@@ -36,7 +37,7 @@ SteeringState Steer(SteeringState from, double target, const DynamicsLimits& lim
   SteeringState state = from;
   const double way = target - state.angle;
   const double stopping_way = 0.5 * state.rate * state.rate / slow_down;
-  const bool goes_away = state.rate * way <= 0.0;  // also from the target itself
+  const bool goes_away = state.rate * way <= 0.0;  // or is at the target
   const bool overshoots = stopping_way > std::abs(way) * (1.0 + 1e-9) + 1e-12;
   if (goes_away || overshoots) {
     if (!Ramp(state, 0.0, slow_down, time)) return state;
@@ -46,8 +47,8 @@ SteeringState Steer(SteeringState from, double target, const DynamicsLimits& lim
   const double distance = std::abs(target - state.angle);
   const double rate = std::abs(state.rate);
   if (distance == 0.0 && rate == 0.0) return state;
-  // Of a triangle of rates from `rate` up to the peak and down to 0 the area is the distance:
-  // (peak^2 - rate^2) / (2 up) + peak^2 / (2 down) = distance.
+  // The rate rises from `rate` to the peak and falls to 0; the area under it is the distance:
+  // (peak^2 - rate^2) / (2 speed_up) + peak^2 / (2 slow_down) = distance.
   const double peak_squared =
       (2.0 * distance + rate * rate / speed_up) / (1.0 / speed_up + 1.0 / slow_down);
   const double peak = std::max(rate, std::min(fastest, std::sqrt(peak_squared)));

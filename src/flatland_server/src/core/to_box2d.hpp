@@ -1,6 +1,6 @@
 #pragma once
 
-/// Vectors and poses from the core's double precision to Box2D's single, and back.
+/// Conversion between the core's double precision and Box2D's single precision.
 
 #include <box2d/box2d.h>
 
@@ -11,13 +11,14 @@ namespace flatland {
 inline b2Vec2 ToBox2D(Vec2 v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
 inline Vec2 FromBox2D(b2Vec2 v) { return {v.x, v.y}; }
 
-/// Of a body's origin. The yaw counts whole turns.
+/// Pose of a body's origin in the world. The yaw is not wrapped to [-pi, pi].
 inline Pose PoseOf(const b2Body& body) {
   const Vec2 position = FromBox2D(body.GetPosition());
   return {position.x, position.y, body.GetAngle()};
 }
 
-/// Gives a body the velocity that its origin shall have; Box2D keeps that of the centre of mass.
+/// Sets the velocity of a body's origin, in the world's frame. Box2D stores that of the centre of
+/// mass.
 inline void SetOriginVelocity(b2Body& body, const Twist& velocity) {
   const Vec2 arm = Rotation(body.GetAngle()).Apply(FromBox2D(body.GetLocalCenter()));
   body.SetLinearVelocity(

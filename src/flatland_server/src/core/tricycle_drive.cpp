@@ -10,7 +10,7 @@ TricycleDrive::TricycleDrive(const TricycleSettings& settings, b2RevoluteJoint* 
     : settings_(settings), front_wheel_(front_wheel) {
   settings.linear.Check();
   settings.steering.Check();
-  RequirePlace(settings.rear_axle);
+  RequirePosition(settings.rear_axle);
   RequireNotNegative(settings.max_steer_angle, "max_steer_angle must be finite and not negative");
   wheelbase_ = std::hypot(settings.rear_axle.x, settings.rear_axle.y);
   Require(wheelbase_ >= 1e-3, "the rear axle must be apart from the front wheel");
@@ -52,7 +52,7 @@ void TricycleDrive::EndStep(b2Body& body) {
   const bool wheel_is_b = front_wheel_->GetBodyA() == &body;
   b2Body& wheel = wheel_is_b ? *front_wheel_->GetBodyB() : *front_wheel_->GetBodyA();
   double angle = heading_ + steering_.angle;
-  if (front_wheel_->IsLimitEnabled()) {  // of b's angle less a's, and about any number of turns
+  if (front_wheel_->IsLimitEnabled()) {  // of b's angle minus a's, whole rotations included
     const double lower =
         wheel_is_b ? front_wheel_->GetLowerLimit() : -front_wheel_->GetUpperLimit();
     const double upper =

@@ -1,6 +1,4 @@
-/// What may be asked of a World's bodies, fixtures and joints, and done to them, one at a time.
-
-#include <stdexcept>
+/// World: bodies and layers.
 
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
@@ -8,14 +6,77 @@
 
 namespace flatland {
 
-double World::JointAngle(Joint joint) const {
+b2Body& World::Find(Body body) const {
   RequireAccess();
-  b2Joint* found = joints_.Get(joint);
-  double angle = found->GetBodyB()->GetAngle() - found->GetBodyA()->GetAngle();
-  if (found->GetType() == e_weldJoint) {
-    angle -= static_cast<b2WeldJoint*>(found)->GetReferenceAngle();
+  return *bodies_.Get(body).body;
+}
+
+World::Body World::AddRecord(BodyRecord record) {
+  b2Body* body = record.body;
+  const Body handle = bodies_.Add(std::move(record));
+  body->GetUserData().pointer = handle.index;
+  return handle;
+}
+
+World::Body World::AddBody(const BodySettings& settings) {
+  RequirePosition({settings.pose.x, settings.pose.y});
+  Require(IsUsable(settings.pose.yaw), "a heading must be finite");
+  RequireNotNegative(settings.linear_damping, "linear_damping must be finite and not negative");
+  RequireNotNegative(settings.angular_damping, "angular_damping must be finite and not negative");
+  const AccessGuard guard(*this);
+  b2BodyDef definition;
+  definition.type = settings.type;
+  definition.position = ToBox2D({settings.pose.x, settings.pose.y});
+  definition.angle = static_cast<float>(settings.pose.yaw);
+  definition.linearDamping = static_cast<float>(settings.linear_damping);
+  definition.angularDamping = static_cast<float>(settings.angular_damping);
+  BodyRecord record;
+  record.body = world_.CreateBody(&definition);
+  return AddRecord(std::move(record));
+}
+
+World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers) {
+  for (const Segment& wall : walls) {
+    RequirePosition(wall.a);
+    RequirePosition(wall.b);
+    Require(wall.a.x != wall.b.x || wall.a.y != wall.b.y, "a wall's ends must not be one point");
   }
-  return std::remainder(angle, 2.0 * M_PI);
+  const AccessGuard guard(*this);
+  const b2BodyDef definition;
+  BodyRecord record;
+  record.body = world_.CreateBody(&definition);
+  record.is_layer = true;
+  record.fixtures.reserve(walls.size());
+  b2FixtureDef fixture;
+  fixture.filter.categoryBits = layers;
+  fixture.filter.maskBits = layers;
+  for (const Segment& wall : walls) {
+    b2EdgeShape edge;
+    edge.SetTwoSided(ToBox2D(wall.a), ToBox2D(wall.b));
+    fixture.shape = &edge;
+    fixture.userData.pointer = record.fixtures.size();
+    record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
+  }
+  layers_.push_back({SegmentTree::Share(walls), layers});
+  ++revision_;
+  return AddRecord(std::move(record));
+}
+
+void World::RemoveBody(Body body) {
+  const AccessGuard guard(*this);
+  BodyRecord& record = bodies_.Get(body);
+  Require(!record.is_layer, "a layer cannot be removed");
+  const auto remove_from = [body](auto& map) {
+    ForEachOn(body, map, [&](auto handle, auto&) { map.Remove(handle); });
+  };
+  remove_from(drives_);
+  remove_from(tricycles_);
+  remove_from(tweens_);
+  remove_from(lidars_);
+  ++revision_;
+  world_.DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
+  bodies_.Remove(body);
+  ApplyDeferredForces();
 }
 
 Pose World::GetPose(Body body) const { return PoseOf(Find(body)); }
@@ -24,27 +85,38 @@ Pose World::GetPoseIn(Body reference, Body body) const {
   const Pose from = GetPose(reference);
   const Pose to = GetPose(body);
   const double yaw = std::remainder(from.yaw, 2.0 * M_PI);
-  const Vec2 place = Rotation(yaw).ApplyInverse(Vec2{to.x, to.y} - Vec2{from.x, from.y});
-  return {place.x, place.y, std::remainder(to.yaw, 2.0 * M_PI) - yaw};
+  const Vec2 position = Rotation(yaw).ApplyInverse(Vec2{to.x, to.y} - Vec2{from.x, from.y});
+  return {position.x, position.y, std::remainder(to.yaw, 2.0 * M_PI) - yaw};
 }
 
 void World::SetPose(Body body, const Pose& pose) {
-  RequirePlace({pose.x, pose.y});
+  RequirePosition({pose.x, pose.y});
   Require(IsUsable(pose.yaw), "a heading must be finite");
   b2Body& found = Find(body);
   const Twist velocity = GetVelocity(body);
-  const Turn turn(*this);
-  Require(!bodies_.Get(body).is_layer, "a layer stays where it is");
-  ++state_;
-  WakeThoseNear(found);
+  const AccessGuard guard(*this);
+  Require(!bodies_.Get(body).is_layer, "a layer cannot be moved");
+  ++revision_;
+  WakeBodiesNear(found);
   Place(found, pose);
-  WakeThoseNear(found);
+  WakeBodiesNear(found);
   SetOriginVelocity(found, velocity);
   found.SetAwake(true);
-  ForEachOf(tweens_, body, [&](Tween, BodyTween& tween) { tween.Rebase(PoseOf(found)); });
+  ForEachOn(body, tweens_, [&](Tween, BodyTween& tween) { tween.Rebase(PoseOf(found)); });
 }
 
-void World::WakeThoseNear(const b2Body& body) {
+// A joint would react to a whole rotation that only one of its bodies makes. A rotation by half a
+// turn either way, up to rounding, is applied as given.
+void World::Place(b2Body& body, const Pose& pose) {
+  constexpr double kRoundingMargin = 1e-3;  // [rad]
+  double rotation = pose.yaw - body.GetAngle();
+  if (std::abs(rotation) > M_PI + kRoundingMargin) {
+    rotation = std::remainder(rotation, 2.0 * M_PI);
+  }
+  body.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(body.GetAngle() + rotation));
+}
+
+void World::WakeBodiesNear(const b2Body& body) {
   if (body.GetType() != b2_staticBody) return;
   struct Waker : b2QueryCallback {
     bool ReportFixture(b2Fixture* fixture) override {
@@ -78,7 +150,7 @@ Twist World::GetLocalVelocity(Body body) const {
 }
 
 Vec2 World::GetVelocityAt(Body body, Vec2 point) const {
-  RequirePlace(point);
+  RequirePosition(point);
   return FromBox2D(Find(body).GetLinearVelocityFromWorldPoint(ToBox2D(point)));
 }
 
@@ -86,8 +158,8 @@ void World::Halt(Body body) {
   b2Body& found = Find(body);
   found.SetLinearVelocity(b2Vec2_zero);
   found.SetAngularVelocity(0.0f);
-  ForEachOf(drives_, body, [](Drive, BodyDrive& drive) { drive.Reset(); });
-  ForEachOf(tricycles_, body, [](Tricycle, TricycleDrive& drive) { drive.Reset(); });
+  ForEachOn(body, drives_, [](Drive, BodyDrive& drive) { drive.Reset(); });
+  ForEachOn(body, tricycles_, [](Tricycle, TricycleDrive& drive) { drive.Reset(); });
 }
 
 Vec2 World::ToWorldPoint(Body body, Vec2 point) const {
@@ -113,7 +185,7 @@ double World::GetMass(Body body) const {
 }
 
 double World::GetInertia(Body body) const {
-  const b2Body& found = Find(body);  // Box2D's is about the origin
+  const b2Body& found = Find(body);  // Box2D's inertia is about the body's origin
   if (found.GetType() != b2_dynamicBody) return 0.0;
   return found.GetInertia() - found.GetMass() * found.GetLocalCenter().LengthSquared();
 }
@@ -122,10 +194,10 @@ Vec2 World::GetCenter(Body body) const { return FromBox2D(Find(body).GetWorldCen
 
 void World::ApplyForce(Body body, Vec2 force, std::optional<Vec2> point) {
   Require(IsUsable(force), "a force must be finite");
-  if (point) RequirePlace(*point);
+  if (point) RequirePosition(*point);
   b2Body& found = Find(body);
-  if (IsListening()) {
-    late_forces_.push_back({body, force, point, 0.0});
+  if (IsInListener()) {
+    deferred_forces_.push_back({body, force, point, 0.0});
     return;
   }
   found.ApplyForce(ToBox2D(force), point ? ToBox2D(*point) : found.GetWorldCenter(), true);
@@ -134,28 +206,28 @@ void World::ApplyForce(Body body, Vec2 force, std::optional<Vec2> point) {
 void World::ApplyTorque(Body body, double torque) {
   Require(IsUsable(torque), "a torque must be finite");
   b2Body& found = Find(body);
-  if (IsListening()) {
-    late_forces_.push_back({body, {}, std::nullopt, torque});
+  if (IsInListener()) {
+    deferred_forces_.push_back({body, {}, std::nullopt, torque});
     return;
   }
   found.ApplyTorque(static_cast<float>(torque), true);
 }
 
-void World::ApplyLateForces() {
-  for (const LateForce& late : late_forces_) {
-    if (!Contains(late.body)) continue;
-    b2Body& body = *bodies_.Get(late.body).body;
-    const b2Vec2 point = late.point ? ToBox2D(*late.point) : body.GetWorldCenter();
-    body.ApplyForce(ToBox2D(late.force), point, true);
-    body.ApplyTorque(static_cast<float>(late.torque), true);
+void World::ApplyDeferredForces() {
+  for (const DeferredForce& deferred : deferred_forces_) {
+    if (!Contains(deferred.body)) continue;
+    b2Body& body = *bodies_.Get(deferred.body).body;
+    const b2Vec2 point = deferred.point ? ToBox2D(*deferred.point) : body.GetWorldCenter();
+    body.ApplyForce(ToBox2D(deferred.force), point, true);
+    body.ApplyTorque(static_cast<float>(deferred.torque), true);
   }
-  late_forces_.clear();
+  deferred_forces_.clear();
 }
 
 void World::ApplyLinearImpulse(Body body, Vec2 impulse, std::optional<Vec2> point) {
   Require(IsUsable(impulse), "an impulse must be finite");
   b2Body& found = Find(body);
-  if (point) RequirePlace(*point);
+  if (point) RequirePosition(*point);
   found.ApplyLinearImpulse(ToBox2D(impulse), point ? ToBox2D(*point) : found.GetWorldCenter(),
                            true);
 }
@@ -163,46 +235,6 @@ void World::ApplyLinearImpulse(Body body, Vec2 impulse, std::optional<Vec2> poin
 void World::ApplyAngularImpulse(Body body, double impulse) {
   Require(IsUsable(impulse), "an impulse must be finite");
   Find(body).ApplyAngularImpulse(static_cast<float>(impulse), true);
-}
-
-int World::GetFixtureCount(Body body) const {
-  RequireAccess();
-  return static_cast<int>(bodies_.Get(body).fixtures.size());
-}
-
-b2Fixture& World::Find(Fixture fixture) const {
-  RequireAccess();
-  const auto& fixtures = bodies_.Get(fixture.body).fixtures;
-  Require(fixture.index < fixtures.size(), "the body has no such fixture");
-  return *fixtures[fixture.index].fixture;
-}
-
-FixtureSettings World::GetSettings(Fixture fixture) const {
-  const b2Fixture& found = Find(fixture);
-  FixtureSettings settings;
-  settings.density = found.GetDensity();
-  settings.friction = found.GetFriction();
-  settings.restitution = found.GetRestitution();
-  settings.sensor = found.IsSensor();
-  settings.collides = found.GetFilterData().maskBits != 0;
-  settings.visible = bodies_.Get(fixture.body).fixtures[fixture.index].visible;
-  settings.layers = found.GetFilterData().categoryBits;
-  return settings;
-}
-
-void World::SetFriction(Fixture fixture, double friction) {
-  RequireNotNegative(friction, "friction must be finite and not negative");
-  Find(fixture).SetFriction(static_cast<float>(friction));
-}
-
-void World::SetRestitution(Fixture fixture, double restitution) {
-  RequireNotNegative(restitution, "restitution must be finite and not negative");
-  Find(fixture).SetRestitution(static_cast<float>(restitution));
-}
-
-bool World::TestPoint(Fixture fixture, Vec2 point) const {
-  RequirePlace(point);
-  return Find(fixture).TestPoint(ToBox2D(point));
 }
 
 }  // namespace flatland

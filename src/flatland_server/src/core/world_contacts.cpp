@@ -1,6 +1,5 @@
-/// How a World tells of its contacts.
-
-#include <algorithm>
+/// World: contacts. Box2D reports all contacts to the world, which passes on those that a body has
+/// chosen.
 
 #include "flatland_server/world.hpp"
 
@@ -19,71 +18,73 @@ uint32_t IndexOf(const b2Fixture& fixture) {
 }  // namespace
 
 void World::SetContactListener(ContactListener* listener) {
-  const Turn turn(*this);
+  const AccessGuard guard(*this);
   listener_ = listener;
 }
 
-void World::ListenTo(Body body, uint8_t hooks) {
+void World::ListenToContacts(Body body, ContactEvents events) {
   RequireAccess();
-  bodies_.Get(body).hooks = hooks;
-  bool is_anyone_heard = false;
-  bodies_.ForEach([&](Body, const BodyRecord& record) { is_anyone_heard |= record.hooks != 0; });
-  world_.SetContactListener(is_anyone_heard ? this : nullptr);
+  bodies_.Get(body).contact_events = events;
+  bool is_any_chosen = false;
+  bodies_.ForEach([&](Body, const BodyRecord& record) {
+    is_any_chosen |= record.contact_events != kNoContactEvents;
+  });
+  world_.SetContactListener(is_any_chosen ? this : nullptr);
 }
 
-bool World::IsHeard(b2Contact& contact, ContactHooks moment) const {
+bool World::IsListenedTo(b2Contact& contact, ContactEvent event) const {
   if (listener_ == nullptr) return false;
-  const auto hooks = [&](const b2Fixture* fixture) {
-    return bodies_.Get(HandleOf(bodies_, *fixture)).hooks;
+  const auto events = [&](const b2Fixture* fixture) {
+    return bodies_.Get(HandleOf(bodies_, *fixture)).contact_events;
   };
-  return ((hooks(contact.GetFixtureA()) | hooks(contact.GetFixtureB())) & moment) != 0;
+  return ((events(contact.GetFixtureA()) | events(contact.GetFixtureB())) & event) != 0;
 }
 
-Contact World::MakeContact(b2Contact& contact, ContactHooks moment) const {
+Contact World::MakeContact(b2Contact& contact, ContactEvent event) const {
   const auto fixture = [&](const b2Fixture* f) {
     return Fixture{HandleOf(bodies_, *f), IndexOf(*f)};
   };
-  return Contact(contact, moment, fixture(contact.GetFixtureA()), fixture(contact.GetFixtureB()));
+  return Contact(contact, event, fixture(contact.GetFixtureA()), fixture(contact.GetFixtureB()));
 }
 
-void World::Tell(Contact& contact) {
-  listening_thread_ = std::this_thread::get_id();
+void World::CallListener(Contact& contact) {
+  listener_thread_ = std::this_thread::get_id();
   listener_->OnContact(contact);
-  listening_thread_ = std::thread::id();
+  listener_thread_ = std::thread::id();
 }
 
 void World::BeginContact(b2Contact* contact) {
-  if (!IsHeard(*contact, kBeginContact)) return;
-  Contact told = MakeContact(*contact, kBeginContact);
-  Tell(told);
+  if (!IsListenedTo(*contact, kBeginContact)) return;
+  Contact reported = MakeContact(*contact, kBeginContact);
+  CallListener(reported);
 }
 
 void World::EndContact(b2Contact* contact) {
-  if (!IsHeard(*contact, kEndContact)) return;
-  Contact told = MakeContact(*contact, kEndContact);
-  Tell(told);
+  if (!IsListenedTo(*contact, kEndContact)) return;
+  Contact reported = MakeContact(*contact, kEndContact);
+  CallListener(reported);
 }
 
 void World::PreSolve(b2Contact* contact, const b2Manifold* old_manifold) {
-  if (!IsHeard(*contact, kPreSolve)) return;
-  Contact told = MakeContact(*contact, kPreSolve);
+  if (!IsListenedTo(*contact, kPreSolve)) return;
+  Contact reported = MakeContact(*contact, kPreSolve);
   for (int i = 0; i < old_manifold->pointCount; ++i) {
     const b2ManifoldPoint& point = old_manifold->points[i];
-    told.old_manifold.local_points.push_back({point.localPoint.x, point.localPoint.y});
-    told.old_manifold.normal_impulses.push_back(point.normalImpulse);
-    told.old_manifold.tangent_impulses.push_back(point.tangentImpulse);
+    reported.old_manifold.local_points.push_back({point.localPoint.x, point.localPoint.y});
+    reported.old_manifold.normal_impulses.push_back(point.normalImpulse);
+    reported.old_manifold.tangent_impulses.push_back(point.tangentImpulse);
   }
-  Tell(told);
+  CallListener(reported);
 }
 
 void World::PostSolve(b2Contact* contact, const b2ContactImpulse* impulse) {
-  if (!IsHeard(*contact, kPostSolve)) return;
-  Contact told = MakeContact(*contact, kPostSolve);
+  if (!IsListenedTo(*contact, kPostSolve)) return;
+  Contact reported = MakeContact(*contact, kPostSolve);
   const float* normal = impulse->normalImpulses;
   const float* tangent = impulse->tangentImpulses;
-  told.impulse.normal_impulses.assign(normal, normal + impulse->count);
-  told.impulse.tangent_impulses.assign(tangent, tangent + impulse->count);
-  Tell(told);
+  reported.impulse.normal_impulses.assign(normal, normal + impulse->count);
+  reported.impulse.tangent_impulses.assign(tangent, tangent + impulse->count);
+  CallListener(reported);
 }
 
 }  // namespace flatland

@@ -1,43 +1,74 @@
 """Flatland's physics and ray casting on Box2D; see include/flatland_server/world.hpp.
 
-Using a handle whose object was deleted raises GoneError; a value that Box2D could not digest raises
-ValueError; using the world while another thread does raises RuntimeError.
+Lengths are in m, angles in rad, counter-clockwise from +x, times in s. A pose is (x, y, yaw), a
+twist (vx, vy, omega).
+
+Body, Fixture, Joint and so on are handles, which name objects of the C++ core. Their methods and
+properties raise, unless it is said otherwise:
+
+    GoneError: the object has been removed from its world.
+    ValueError: Box2D cannot compute with a value: it is not finite or too large, or a shape has no
+        area. Nothing has changed.
+    RuntimeError: another thread uses the world; or a contact listener tries to add, remove or move
+        something.
 """
 
-from typing import Callable, Sequence, overload
+from typing import Callable, NoReturn, Sequence
 
 from flatland_server.arrays import Float32Array, Segments
 
 _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
 
-class GoneError(ReferenceError): ...
+class _Metaclass(type):
+    """The metaclass of pybind11."""
 
-class BeamFan:
-    def __init__(self, angle_min: float, increment: float, count: int) -> None: ...
-    def __len__(self) -> int: ...
+class _WithoutConstructor(metaclass=_Metaclass):
+    """Base of the classes that Python code cannot construct: methods return their objects."""
 
-class Lidar:
-    """A lidar on a body; it goes with the body."""
+    def __init__(self, *args: object, **kwargs: object) -> NoReturn:
+        """Raises TypeError."""
 
-    def expect_scan(self) -> None:
-        """Says that `World.scan` will be asked for it soon.
+class GoneError(ReferenceError):
+    """Something is used that has been removed from its world."""
 
-        All that are expected scan together, on all processor cores, when the first is asked for.
-        """
+class World(metaclass=_Metaclass):
+    """A physical world.
 
-class World:
+    Args:
+        velocity_iterations: of the solver in each step, 1 or more.
+        position_iterations: of the solver in each step, 1 or more.
+    """
+
     def __init__(self, velocity_iterations: int = 10, position_iterations: int = 10) -> None: ...
-    def add_layer(self, segments: Segments, layers: int) -> Body: ...
+    def add_layer(self, segments: Segments, layers: int) -> Body:
+        """Adds a static body of two-sided walls, one fixture each. It cannot be moved or removed.
+
+        Args:
+            segments: shape (n, 4), rows of x1, y1, x2, y2 [m].
+            layers: bits of the collision layers of all walls.
+        """
     def add_body(
         self,
         type: str,
         pose: _Triple,
         linear_damping: float = 0.0,
         angular_damping: float = 0.0,
-    ) -> Body: ...
-    def step(self, dt: float) -> None: ...
-    @overload
+    ) -> Body:
+        """Adds a body without fixtures.
+
+        Args:
+            type: static, kinematic or dynamic.
+            pose: of its origin, in the world [m, m, rad].
+            linear_damping: 0 or more [1/s].
+            angular_damping: 0 or more [1/s].
+        """
+    def step(self, dt: float) -> None:
+        """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
+
+        Raises:
+            Exception: what the contact listener has raised, after the step.
+        """
     def scan(
         self,
         fan: BeamFan,
@@ -45,31 +76,55 @@ class World:
         range: float,
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
-    ) -> tuple[Float32Array, Float32Array]: ...
-    @overload
-    def scan(self, lidar: Lidar) -> tuple[Float32Array, Float32Array]: ...
-    def set_contact_listener(self, listener: Callable[..., None] | None) -> None:
-        """`listener(moment, id_a, id_b, contact, ...)` hears of contacts; see `listen_to_contacts`.
+    ) -> tuple[Float32Array, Float32Array]:
+        """Scans from any pose, without a lidar on a body. Releases the GIL.
 
-        It is called within `step`, and within `Body.remove` for the contacts that this ends, with
-        the Manifold of the step before at PRE_SOLVE, and the ContactImpulse at POST_SOLVE. What it
-        raises, `step` raises.
+        Args:
+            fan: directions of the n beams.
+            pose: in the world [m, m, rad].
+            range: largest distance that is measured [m].
+            layers: bits of the collision layers that are seen.
+            reflectance_layers: bits of those layers that return an intensity of 255.
+
+        Returns:
+            Ranges, shape (n,): the distance to what each beam meets first [m], or +infinity
+            (REP 117). Intensities, shape (n,): 255 for what reflects, 0 for the rest. A shape that
+            contains the pose is not seen.
+        """
+    def set_contact_listener(self, listener: Callable[..., None] | None) -> None:
+        """Sets the function that receives contact events, or None.
+
+        It is called as `listener(event, id_a, id_b, contact)` within `step`, and within
+        `Body.remove` for the contacts that end by it. Which events of which bodies it receives is
+        chosen by `Body.listen_to_contacts`. `id_a` and `id_b` are the `Body.id` of the two bodies.
+        A fifth argument is, at PRE_SOLVE, the Manifold of the previous step, and at POST_SOLVE the
+        ContactImpulse. After its first exception it is not called any more in that step, and `step`
+        or `remove` raises the exception at its end.
         """
     @property
-    def body_count(self) -> int: ...
+    def body_count(self) -> int:
+        """Number of bodies, layers included."""
     @property
-    def joint_count(self) -> int: ...
+    def joint_count(self) -> int:
+        """Number of joints."""
 
-class Body:
-    """A handle of a body, equal to others of the same body."""
+class Body(_WithoutConstructor):
+    """A handle of a body. Handles of the same body are equal."""
 
     @property
     def id(self) -> int:
-        """Unique among all bodies that the world has ever had."""
+        """A number that no other body of its world has or had. Never raises GoneError."""
+    def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
     @property
-    def alive(self) -> bool: ...
-    def remove(self) -> None: ...
+    def alive(self) -> bool:
+        """Whether the body still exists. Never raises GoneError."""
+    def remove(self) -> None:
+        """Removes the body with its fixtures, joints, drives, tweens and lidars.
+
+        Raises:
+            Exception: what the contact listener has raised about the contacts that end by it.
+        """
     def add_circle(
         self,
         center: _Pair,
@@ -82,7 +137,20 @@ class Body:
         collides: bool = True,
         visible: bool = True,
         layers: int = 0xFFFF,
-    ) -> Fixture: ...
+    ) -> Fixture:
+        """Adds a disc.
+
+        Args:
+            center: in the body's frame [m].
+            radius: 1e-4 to 1e5 [m].
+            density: 0, or 1e-6 or more [kg/m^2].
+            friction: Box2D's coefficient, 0 or more.
+            restitution: Box2D's coefficient, 0 or more.
+            sensor: whether it reports contacts, but passes through everything.
+            collides: whether it has contacts at all.
+            visible: whether lidars see it.
+            layers: bits of its collision layers.
+        """
     def add_polygon(
         self,
         vertices: Sequence[_Pair],
@@ -94,10 +162,14 @@ class Body:
         collides: bool = True,
         visible: bool = True,
         layers: int = 0xFFFF,
-    ) -> Fixture: ...
+    ) -> Fixture:
+        """Adds the convex hull of 3 to 8 vertices, in the body's frame [m].
+
+        The other arguments are those of `add_circle`.
+        """
     @property
     def fixtures(self) -> list[Fixture]:
-        """In the order in which they were added."""
+        """Its fixtures, in the order in which they were added."""
     def add_revolute(
         self,
         other: Body,
@@ -106,7 +178,16 @@ class Body:
         *,
         collide_connected: bool = False,
         limits: _Pair | None = None,
-    ) -> Joint: ...
+    ) -> Joint:
+        """Connects this body and another one by a hinge.
+
+        Args:
+            other: a body of the same world.
+            anchor: the hinge, in this body's frame [m].
+            other_anchor: the hinge, in the other body's frame [m].
+            collide_connected: whether the two bodies collide with each other.
+            limits: lower and upper limit of the other's angle minus this one's [rad].
+        """
     def add_weld(
         self,
         other: Body,
@@ -117,13 +198,31 @@ class Body:
         angle: float = 0.0,
         frequency: float = 0.0,
         damping: float = 0.0,
-    ) -> Joint: ...
+    ) -> Joint:
+        """Fixes the pose of another body relative to this one, rigidly or by a spring.
+
+        Args:
+            other: a body of the same world.
+            anchor: the weld, in this body's frame [m].
+            other_anchor: the weld, in the other body's frame [m].
+            collide_connected: whether the two bodies collide with each other.
+            angle: the other's angle minus this one's [rad].
+            frequency: of the spring [Hz]; 0 is rigid.
+            damping: damping ratio of the spring; 1 is critical.
+        """
     def add_drive(
         self,
         linear_limits: _Triple = (0.0, 0.0, 0.0),
         angular_limits: _Triple = (0.0, 0.0, 0.0),
     ) -> Drive:
-        """Limits: acceleration, deceleration, velocity; 0 is none."""
+        """Adds a drive, which moves the body at commanded velocities.
+
+        Limits are (acceleration, deceleration, velocity), 0 for no limit.
+
+        Args:
+            linear_limits: of the planar velocity [m/s^2, m/s^2, m/s].
+            angular_limits: of the yaw rate [rad/s^2, rad/s^2, rad/s].
+        """
     def add_tricycle(
         self,
         front_wheel: Joint,
@@ -132,7 +231,29 @@ class Body:
         linear_limits: _Triple = (0.0, 0.0, 0.0),
         steering_limits: _Triple = (0.0, 0.0, 0.0),
     ) -> Tricycle:
-        """`front_wheel` is a revolute joint of this body, `rear_axle` the axle's middle [m]."""
+        """Adds the drive of a tricycle, the front wheel of which is at the body's origin.
+
+        Limits are (acceleration, deceleration, velocity), 0 for no limit.
+
+        Args:
+            front_wheel: a revolute joint of this body that holds the body of the front wheel. That
+                body is rotated to show the steering angle.
+            rear_axle: middle of the rear axle, in the body's frame [m].
+            max_steer_angle: largest magnitude of the steering angle [rad]; 0 for no limit.
+            linear_limits: of the front wheel's speed [m/s^2, m/s^2, m/s].
+            steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
+        """
+    def add_tween(
+        self, delta: _Triple, duration: float, mode: str = "yoyo", easing: str = "linear"
+    ) -> Tween:
+        """Adds a tween, which moves the body along a straight line as a function of time.
+
+        Args:
+            delta: the end minus the present pose, in the world's frame [m, m, rad].
+            duration: from the start to the end [s].
+            mode: one of TWEEN_MODES.
+            easing: one of EASINGS.
+        """
     def add_lidar(
         self,
         fan: BeamFan,
@@ -141,52 +262,59 @@ class Body:
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
     ) -> Lidar:
-        """At a pose in this body's frame."""
-    def add_tween(
-        self, delta: _Triple, duration: float, mode: str = "yoyo", easing: str = "linear"
-    ) -> Tween:
-        """Mode and easing are of TWEEN_MODES and EASINGS."""
+        """Adds a lidar at a pose in the body's frame [m, m, rad].
+
+        The other arguments are those of `World.scan`.
+        """
     @property
     def pose(self) -> _Triple:
-        """Of the origin in the world [m, m, rad]; the yaw counts whole turns.
+        """Pose of its origin in the world [m, m, rad]. The yaw is not wrapped to [-pi, pi].
 
-        Not to be set in the hooks of contacts.
+        Setting it wakes the body, and keeps its velocity. Not possible in a contact listener.
         """
     @pose.setter
     def pose(self, pose: _Triple) -> None: ...
     @property
     def velocity(self) -> _Triple:
-        """Of the origin, in the world's frame [m/s, m/s, rad/s]."""
+        """Velocity of its origin, in the world's frame [m/s, m/s, rad/s]."""
     @velocity.setter
     def velocity(self, velocity: _Triple) -> None: ...
     @property
     def local_velocity(self) -> _Triple:
-        """Of the origin, in the body's frame."""
+        """Velocity of its origin, in its own frame [m/s, m/s, rad/s]."""
     def velocity_at(self, point: _Pair) -> _Pair:
-        """Of the body's matter at a point of the world."""
+        """Velocity of the body at a point of the world [m], in the world's frame [m/s]."""
     def halt(self) -> None:
-        """Stops the body and its drives."""
+        """Sets the velocities of the body and its drives, and their commands, to zero."""
     def apply_force(self, force: _Pair, point: _Pair | None = None) -> None:
-        """For the coming step [N], at a point of the world, by default the centre of mass.
+        """Applies a force, in the world's frame, during the next step [N].
 
-        In the hooks of contacts, for the next step.
+        At a point of the world [m], by default at the centre of mass. A force applied by a contact
+        listener acts in the step after the present one.
         """
     def apply_torque(self, torque: float) -> None:
-        """For the coming step [N m]."""
+        """Applies a torque during the next step [N m]; by a contact listener, the one after."""
     def apply_linear_impulse(self, impulse: _Pair, point: _Pair | None = None) -> None:
-        """At once [N s], at a point of the world, by default the centre of mass."""
+        """Changes the momentum immediately, in the world's frame [N s].
+
+        At a point of the world [m], by default at the centre of mass.
+        """
     def apply_angular_impulse(self, impulse: float) -> None:
-        """At once [N m s]."""
-    def world_point(self, point: _Pair) -> _Pair: ...
-    def local_point(self, point: _Pair) -> _Pair: ...
-    def world_vector(self, vector: _Pair) -> _Pair: ...
-    def local_vector(self, vector: _Pair) -> _Pair: ...
+        """Changes the angular momentum immediately [N m s]."""
+    def world_point(self, point: _Pair) -> _Pair:
+        """A point of the body's frame, in the world's frame [m]."""
+    def local_point(self, point: _Pair) -> _Pair:
+        """A point of the world, in the body's frame [m]."""
+    def world_vector(self, vector: _Pair) -> _Pair:
+        """A vector of the body's frame, in the world's frame."""
+    def local_vector(self, vector: _Pair) -> _Pair:
+        """A vector of the world's frame, in the body's frame."""
     @property
     def type(self) -> str:
-        """static, kinematic or dynamic."""
+        """Static, kinematic or dynamic, in lower case."""
     @property
     def mass(self) -> float:
-        """[kg]; 0 unless dynamic."""
+        """Mass [kg]; 0 unless dynamic."""
     @property
     def inertia(self) -> float:
         """Moment of inertia about the centre of mass [kg m^2]; 0 unless dynamic."""
@@ -194,132 +322,260 @@ class Body:
     def center(self) -> _Pair:
         """Centre of mass in the world [m]."""
     @property
-    def awake(self) -> bool: ...
-    def listen_to_contacts(self, hooks: int) -> None:
-        """Of which moments of its contacts the world's listener hears: BEGIN_CONTACT | ..."""
+    def awake(self) -> bool:
+        """Whether Box2D simulates it; a body at rest falls asleep."""
+    def listen_to_contacts(self, events: int) -> None:
+        """Chooses the events of its contacts that the world's contact listener receives.
 
-class RelativePoses:
-    """The poses of bodies in the frame of another one, all in one call."""
+        Args:
+            events: a bitwise or of BEGIN_CONTACT, END_CONTACT, PRE_SOLVE and POST_SOLVE, or 0 for
+                none. A contact's event is reported if either of its two bodies has chosen it.
+        """
+
+class RelativePoses(metaclass=_Metaclass):
+    """Reads the poses of bodies in the frame of another body, all in one call.
+
+    Args:
+        reference: the body in the frame of which the poses are.
+        bodies: n bodies of the same world.
+    """
 
     def __init__(self, reference: Body, bodies: Sequence[Body]) -> None: ...
     def read(self) -> list[_Triple]:
-        """By body [m, m, rad]: the difference of two yaws that lie within [-pi, pi]."""
+        """Returns n poses [m, m, rad]. Each yaw is the difference of two yaws in [-pi, pi]."""
 
-class Fixture:
-    """A shape of a body, or a wall of a layer."""
+class Fixture(_WithoutConstructor):
+    """A handle of a shape of a body, or of a wall of a layer. Handles of the same one are equal."""
 
     @property
-    def body(self) -> Body: ...
+    def body(self) -> Body:
+        """The body that it belongs to. Never raises GoneError."""
     @property
     def index(self) -> int:
-        """Among the fixtures of its body; of a wall, among those put up together with it."""
+        """Its index in `Body.fixtures`. Never raises GoneError."""
+    def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
     @property
-    def density(self) -> float: ...
+    def density(self) -> float:
+        """Density [kg/m^2]."""
     @property
-    def friction(self) -> float: ...
+    def friction(self) -> float:
+        """Coefficient of friction. When it is set, existing contacts keep theirs."""
     @friction.setter
     def friction(self, friction: float) -> None: ...
     @property
-    def restitution(self) -> float: ...
+    def restitution(self) -> float:
+        """Coefficient of restitution. When it is set, existing contacts keep theirs."""
     @restitution.setter
     def restitution(self, restitution: float) -> None: ...
     @property
-    def sensor(self) -> bool: ...
+    def sensor(self) -> bool:
+        """Whether it reports contacts, but passes through everything."""
     @property
-    def collides(self) -> bool: ...
+    def collides(self) -> bool:
+        """Whether it has contacts at all."""
     @property
-    def visible(self) -> bool: ...
+    def visible(self) -> bool:
+        """Whether lidars see it."""
     @property
     def layers(self) -> int:
         """Bits of its collision layers."""
     def test_point(self, point: _Pair) -> bool:
-        """Whether a point of the world is within; never within a wall."""
+        """Whether a point of the world [m] is within the shape; always False for a wall."""
 
-BEGIN_CONTACT: int
-END_CONTACT: int
-PRE_SOLVE: int
-POST_SOLVE: int
+class FixtureChecker(metaclass=_Metaclass):
+    """Checks the fixtures of a body without a world.
 
-class Contact:
-    """Two fixtures that touch. Of use only in the hook that it was given to; then GoneError.
+    Each method raises the same ValueError as that of Body would, for a body with the fixtures that
+    have passed so far. They matter because Box2D needs a positive moment of inertia, which is lost
+    in rounding if all fixtures of a body are small and far from its origin.
 
-    Equal, as a key too, to itself in its other hooks, from its begin to its end.
+    Args:
+        body_type: static, kinematic or dynamic.
     """
 
+    def __init__(self, body_type: str) -> None: ...
+    def add_circle(
+        self,
+        center: _Pair,
+        radius: float,
+        *,
+        density: float,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        sensor: bool = False,
+        collides: bool = True,
+        visible: bool = True,
+        layers: int = 0xFFFF,
+    ) -> None:
+        """Checks a disc; see `Body.add_circle`."""
+    def add_polygon(
+        self,
+        vertices: Sequence[_Pair],
+        *,
+        density: float,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        sensor: bool = False,
+        collides: bool = True,
+        visible: bool = True,
+        layers: int = 0xFFFF,
+    ) -> None:
+        """Checks the convex hull of 3 to 8 vertices; see `Body.add_polygon`."""
+
+class Joint(_WithoutConstructor):
+    """A handle of a joint."""
+
+    @property
+    def alive(self) -> bool:
+        """Whether the joint still exists: until one of its bodies is removed."""
+    @property
+    def angle(self) -> float:
+        """Angle of the second body minus that of the first, in [-pi, pi] [rad].
+
+        Of a weld, minus the weld's own angle.
+        """
+
+class Drive(_WithoutConstructor):
+    """A handle of a body's drive. Velocities are those of the body's origin, in its frame."""
+
+    def command(self, vx: float, vy: float, omega: float) -> None:
+        """Sets the velocity to reach [m/s, m/s, rad/s]."""
+    @property
+    def target(self) -> _Triple:
+        """The commanded velocity [m/s, m/s, rad/s]."""
+    @property
+    def velocity(self) -> _Triple:
+        """The present velocity within the limits, on its way to the target [m/s, m/s, rad/s]."""
+
+class Tricycle(_WithoutConstructor):
+    """A handle of a tricycle's drive."""
+
+    def command(self, speed: float, steer_angle: float) -> None:
+        """Sets the speed [m/s] and the angle [rad] of the front wheel to reach."""
+    @property
+    def speed(self) -> float:
+        """Present speed of the front wheel [m/s]."""
+    @property
+    def steer_angle(self) -> float:
+        """Present angle of the front wheel, positive to the left [rad]."""
+
+TWEEN_MODES: tuple[str, ...]
+"""Names of the modes of tweens."""
+EASINGS: tuple[str, ...]
+"""Names of the easings of tweens."""
+
+class Tween(_WithoutConstructor):
+    """A handle of a body's tween."""
+
+    def trigger(self, forward: bool) -> None:
+        """In mode trigger: moves towards the end, or back towards the start. Else no effect."""
+    @property
+    def progress(self) -> float:
+        """Elapsed fraction of the duration, 0 at the start and 1 at the end; before easing."""
+
+class BeamFan(metaclass=_Metaclass):
+    """The directions of a lidar's beams, in its frame.
+
+    Args:
+        angle_min: of the first beam [rad].
+        increment: from one beam to the next, counter-clockwise [rad]; negative for clockwise.
+        count: number of beams, 1 or more.
+    """
+
+    def __init__(self, angle_min: float, increment: float, count: int) -> None: ...
+    def __len__(self) -> int:
+        """Number of beams."""
+
+class Lidar(_WithoutConstructor):
+    """A handle of a lidar on a body."""
+
+    def expect_scan(self) -> None:
+        """Announces a call of `scan`.
+
+        The first `scan` of any lidar of the world computes all announced scans, in parallel on all
+        processor cores; the other calls return those results.
+        """
+    def scan(self) -> tuple[Float32Array, Float32Array]:
+        """Scans the present world. Releases the GIL.
+
+        Returns:
+            Ranges [m] and intensities of n beams, shape (n,) each, as `World.scan` does. Each call
+            returns new arrays.
+        """
+
+BEGIN_CONTACT: int
+"""Event: two fixtures begin to touch."""
+END_CONTACT: int
+"""Event: they cease to touch, or one of the bodies is removed."""
+PRE_SOLVE: int
+"""Event: in each step before the solver, while they touch; not with a sensor."""
+POST_SOLVE: int
+"""Event: in each step after the solver, while they touch; not with a sensor."""
+
+class Contact(_WithoutConstructor):
+    """A contact of two fixtures, at one of its events.
+
+    Valid only within the call that it is given to; after that its properties and methods raise
+    GoneError, except `fixture_a` and `fixture_b`. It may be kept as a key: contacts of all events
+    from begin to end are equal.
+    """
+
+    def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
     @property
-    def fixture_a(self) -> Fixture: ...
+    def fixture_a(self) -> Fixture:
+        """One of the two fixtures."""
     @property
-    def fixture_b(self) -> Fixture: ...
+    def fixture_b(self) -> Fixture:
+        """The other fixture."""
     @property
-    def touching(self) -> bool: ...
+    def touching(self) -> bool:
+        """Whether the two touch."""
     @property
-    def enabled(self) -> bool: ...
+    def enabled(self) -> bool:
+        """Whether the two push each other apart in this step; False with a sensor."""
     def set_enabled(self, enabled: bool) -> None:
-        """In pre_solve: whether the two push each other apart in this step."""
+        """At PRE_SOLVE: sets whether the two push each other apart in this step.
+
+        Raises:
+            RuntimeError: it is another event.
+        """
     @property
     def points(self) -> list[_Pair]:
-        """Up to two places in the world [m]; none with a sensor."""
+        """Up to two points in the world where they touch [m]; none with a sensor."""
     @property
     def normal(self) -> _Pair:
-        """Unit vector from a to b, in the world; zero with a sensor."""
+        """Unit vector from a to b in the world's frame; zero with a sensor."""
     @property
-    def friction(self) -> float: ...
+    def friction(self) -> float:
+        """Coefficient of friction of this contact."""
     @friction.setter
     def friction(self, friction: float) -> None: ...
     @property
-    def restitution(self) -> float: ...
+    def restitution(self) -> float:
+        """Coefficient of restitution of this contact."""
     @restitution.setter
     def restitution(self, restitution: float) -> None: ...
     @property
     def tangent_speed(self) -> float:
-        """The surface's own speed, as of a conveyor belt [m/s]."""
+        """Speed of the surface itself, as of a conveyor belt [m/s]."""
     @tangent_speed.setter
     def tangent_speed(self, tangent_speed: float) -> None: ...
 
-class ContactImpulse:
-    """What the solver did at the points of a contact [N s]."""
+class ContactImpulse(_WithoutConstructor):
+    """The solver's impulses at the points of a contact, one for each point."""
 
     @property
-    def normal_impulses(self) -> list[float]: ...
+    def normal_impulses(self) -> list[float]:
+        """Along the normal [N s]."""
     @property
-    def tangent_impulses(self) -> list[float]: ...
+    def tangent_impulses(self) -> list[float]:
+        """Across the normal [N s]."""
 
 class Manifold(ContactImpulse):
-    """The points of a contact in the step before, with its impulses."""
+    """The points of a contact in the previous step, with their impulses."""
 
     @property
     def local_points(self) -> list[_Pair]:
-        """In the frame of the body that Box2D reckons them in; see b2Manifold."""
-
-class Joint:
-    @property
-    def alive(self) -> bool: ...
-    @property
-    def angle(self) -> float: ...
-
-class Drive:
-    def command(self, vx: float, vy: float, omega: float) -> None: ...
-    @property
-    def target(self) -> _Triple: ...
-    @property
-    def velocity(self) -> _Triple: ...
-
-class Tricycle:
-    def command(self, speed: float, steer_angle: float) -> None:
-        """Of the front wheel [m/s, rad]."""
-    @property
-    def speed(self) -> float: ...
-    @property
-    def steer_angle(self) -> float: ...
-
-TWEEN_MODES: tuple[str, ...]
-EASINGS: tuple[str, ...]
-
-class Tween:
-    def trigger(self, forward: bool) -> None:
-        """In mode trigger: towards the end, or back towards the start."""
-    @property
-    def progress(self) -> float:
-        """How much of the way's time is behind it, 0 to 1; not eased."""
+        """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""

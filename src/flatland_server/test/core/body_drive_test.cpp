@@ -77,8 +77,8 @@ class DrivenRobot : public testing::Test {
     }
   }
 
-  // Steps the world for 10 s, and expects the robot all the time where the twists, constant in the
-  // robot's frame or not, lead it, at these very velocities.
+  // Steps the world for 10 s. At each step, expects the robot at the velocity `twist_at(time)`, in
+  // its frame, and at the pose to which these velocities lead.
   template <class TwistAt>
   void ExpectTravel(World::Body robot, double step_length, double place_tolerance,
                     double velocity_tolerance, TwistAt twist_at) {
@@ -100,7 +100,7 @@ class DrivenRobot : public testing::Test {
     }
   }
 
-  // Where a frame is that has moved from `start` with a constant twist of its own.
+  // The pose of a frame that has moved from `start` at a constant twist in its own frame.
   static Pose OnTheArc(const Pose& start, const Twist& twist, double time) {
     const double turned = twist.omega * time;
     const double s = std::sin(turned) / twist.omega;
@@ -139,7 +139,7 @@ TEST_F(DrivenRobot, StaysOnTheArcOfATurnToTheRight) { ExpectArc({0.5, -0.3, -0.8
 
 TEST_F(DrivenRobot, TurnsOnTheSpotAboutItsOrigin) { ExpectArc({0.0, 0.0, 1.0}); }
 
-// There, a step's way is rounded by up to 2 um, and all steps along x by the same.
+// There, the position is rounded by up to 2 um in each step, always to the same side.
 TEST_F(DrivenRobot, StaysOnTheArcFarFromTheOrigin) { ExpectArc({0.5, 0.1, 0.2}, {50, -60, 0}); }
 
 TEST_F(DrivenRobot, DrivesStraight) {
@@ -185,7 +185,7 @@ const DynamicsLimits kTurningLimits{0.5, 0.8, 1.0};
 
 class LimitedRobot : public DrivenRobot {
  protected:
-  // What kSpeed and kTurning are, told in time: now, and after 6 s.
+  // Gives the commands that kSpeed and kTurning follow: one now, one after 6 s.
   void ExpectCourses(const Twist& first, const Twist& then, double step_length,
                      double place_tolerance, double velocity_tolerance) {
     const World::Drive drive = world_.AddDrive(robot_, kSpeedLimits, kTurningLimits);
@@ -200,7 +200,7 @@ class LimitedRobot : public DrivenRobot {
   World::Body robot_ = AddRobot({1.0, -2.0, 0.7});
 };
 
-// Steps of 7.5 and 30 ms straddle the moments at which the acceleration changes.
+// The acceleration changes within steps of 7.5 and 30 ms.
 TEST_F(LimitedRobot, FollowsItsRampOnAStraightLine) {
   for (const double step_length : {0.005, 0.0075, 0.03}) {
     SCOPED_TRACE(step_length);
@@ -269,7 +269,7 @@ TEST_F(DrivenRobot, LetsASpringSwing) {
   EXPECT_LT(least, -0.1);
 }
 
-// What brakes a body a little is no wall: Box2D divides by 1 + damping * dt in every step.
+// Damping must not count as an obstacle. Box2D divides by 1 + damping * dt in every step.
 TEST_F(DrivenRobot, IsAsFastAsItsDampingLetsIt) {
   BodySettings settings;
   settings.linear_damping = 8.0;
@@ -291,7 +291,7 @@ class RobotAtAWall : public DrivenRobot {
  protected:
   RobotAtAWall() { world_.AddLayer({{{2.0, -100.0}, {2.0, 100.0}}}, 0xFFFF); }
 
-  // Whatever its velocity is said to be: it does not come nearer to the wall than it is.
+  // Whatever its reported velocity: it does not come nearer to the wall.
   void ExpectNoPhantomVelocity(const DynamicsLimits& limits, double heading) {
     BodySettings settings;
     settings.pose = {1.0, -50.0, heading};
@@ -326,7 +326,7 @@ TEST_F(RobotAtAWall, HasNoPhantomVelocity) {
   }
 }
 
-// What it would gain in a step is not had either.
+// Nor the velocity that a step of acceleration would add.
 TEST_F(RobotAtAWall, HasNoPhantomVelocityWhileItWouldSpeedUp) {
   BodySettings settings;
   settings.pose = {1.705, 0.0, 0.0};

@@ -1,4 +1,4 @@
-/// What makes a body move, and what stops it: mass, forces and impulses; halting and damping.
+/// Mass, forces and impulses; halting and damping.
 
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ TEST_F(WorldTest, WhatIsNotDynamicHasNoMass) {
   }
 }
 
-TEST_F(WorldTest, ForceAtTheCentreDoesNotTurn) {
+TEST_F(WorldTest, ForceAtTheCentreDoesNotRotate) {
   const World::Body plank = AddPlank(world_, {5, 6, 0.4});
 
   world_.ApplyForce(plank, {8, -4});
@@ -77,7 +77,7 @@ TEST_F(WorldTest, ForceAtTheCentreDoesNotTurn) {
   ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0.02, -0.01}, 1e-6);
 }
 
-TEST_F(WorldTest, ForceAtAPointTurnsByItsArm) {
+TEST_F(WorldTest, ForceAtAPointRotatesByItsArm) {
   const World::Body plank = AddPlank(world_, {5, 6, 0.4});
   const Vec2 center = world_.GetCenter(plank), point{7, 5.5}, force{8, -4};
 
@@ -89,7 +89,7 @@ TEST_F(WorldTest, ForceAtAPointTurnsByItsArm) {
   ExpectPoint(world_.GetVelocityAt(plank, world_.GetCenter(plank)), {0.02, -0.01}, 1e-6);
 }
 
-TEST_F(WorldTest, TorqueTurnsAboutTheCentre) {
+TEST_F(WorldTest, TorqueRotatesAboutTheCentre) {
   const World::Body plank = AddPlank(world_, {5, 6, 0.4});
 
   world_.ApplyTorque(plank, -3.0);
@@ -131,7 +131,7 @@ TEST_F(WorldTest, ImpulsesCountAtOnce) {
   EXPECT_NEAR(world_.GetVelocity(plank).omega, turn + 0.7 / kPlankInertia, 1e-6);
 }
 
-TEST_F(WorldTest, VelocityAtAPointIsThatOfTheTurnToo) {
+TEST_F(WorldTest, VelocityAtAPointIncludesTheRotation) {
   const World::Body plank = AddPlank(world_, {5, 6, 0.4});
   world_.SetVelocity(plank, {1, 2, 3});
 
@@ -175,7 +175,7 @@ TEST_F(WorldTest, PushesWakeABody) {
   }
 }
 
-TEST_F(WorldTest, TurnsPointsAndVectorsFromTheBodysFrameToTheWorldsAndBack) {
+TEST_F(WorldTest, ConvertsPointsAndVectorsBetweenTheBodysFrameAndTheWorlds) {
   const World::Body plank = AddPlank(world_, {5, 6, M_PI / 2});
 
   ExpectPoint(world_.ToWorldPoint(plank, {2, 1}), {4, 8}, 1e-6);

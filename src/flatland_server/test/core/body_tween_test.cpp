@@ -212,7 +212,7 @@ TEST(TweenLoop, StartsAgainInTheMiddleOfAStep) {
     teleports += tween.teleports() ? 1 : 0;
   }
 
-  EXPECT_EQ(teleports, 6999);  // 7000 s; at the last moment it is still at the end
+  EXPECT_EQ(teleports, 6999);  // 7000 s; at the end of the last one it has not jumped yet
 }
 
 TEST(TweenTrigger, WaitsAtItsStart) {
@@ -257,13 +257,13 @@ TEST(TweenTrigger, TurnsRoundOnItsWay) {
   EXPECT_NEAR(tween.target().x, 0.25, 1e-12);
 }
 
-TEST(TweenTrigger, IsNothingToTheOtherModes) {
+TEST(TweenTrigger, HasNoEffectInOtherModes) {
   for (TweenMode mode : {TweenMode::kYoyo, TweenMode::kOnce, TweenMode::kLoop}) {
-    BodyTween told = MakeUnitTween(mode, 1.0);
-    BodyTween untold = MakeUnitTween(mode, 1.0);
+    BodyTween triggered = MakeUnitTween(mode, 1.0);
+    BodyTween other = MakeUnitTween(mode, 1.0);
     for (int step = 0; step < 500; ++step) {
-      told.Trigger(step % 3 == 0);
-      EXPECT_EQ(told.Advance(0.007).x, untold.Advance(0.007).x);
+      triggered.Trigger(step % 3 == 0);
+      EXPECT_EQ(triggered.Advance(0.007).x, other.Advance(0.007).x);
     }
   }
 }

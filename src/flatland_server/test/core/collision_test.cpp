@@ -1,4 +1,4 @@
-/// What collides with what, and how it bounces and rubs.
+/// Which fixtures collide; restitution and friction.
 
 #include <gtest/gtest.h>
 

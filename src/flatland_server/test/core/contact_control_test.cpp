@@ -1,4 +1,5 @@
-/// What a listener may change of a contact: whether it counts, its friction, restitution and speed.
+/// What a listener may change of a contact: whether it is enabled, its friction, restitution and
+/// tangent speed.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST_F(Contacts, SwitchedOffBeforeTheyAreSolvedLetABodyPass) {
+TEST_F(Contacts, DisabledInPreSolveLetABodyPass) {
   for (const char* obstacle : {"a box", "a wall"}) {
     SCOPED_TRACE(obstacle);
     const bool is_box = std::string(obstacle) == "a box";
@@ -26,11 +27,11 @@ TEST_F(Contacts, SwitchedOffBeforeTheyAreSolvedLetABodyPass) {
         is_box ? AddBox({2, y, 0}) : world_.AddLayer({{{2, y - 5}, {2, y + 5}}}, 0xFFFF);
     const World::Body thrown = AddBox({0, y, 0});
     const World::Body driven = AddBox({-3, y, 0});
-    world_.ListenTo(waiting, kAllHooks);
+    world_.ListenToContacts(waiting, kAllContactEvents);
     world_.SetVelocity(thrown, {2, 0, 0});
     world_.Get(world_.AddDrive(driven, {}, {})).Command({2, 0, 0});
-    heard_.action = [](Contact& contact) {
-      if (contact.moment != kPreSolve) return;
+    recorder_.action = [](Contact& contact) {
+      if (contact.event != kPreSolve) return;
       EXPECT_TRUE(contact.is_enabled());
       contact.SetEnabled(false);
       EXPECT_FALSE(contact.is_enabled());
@@ -42,20 +43,20 @@ TEST_F(Contacts, SwitchedOffBeforeTheyAreSolvedLetABodyPass) {
     EXPECT_NEAR(world_.GetPose(driven).x, 5.0, 1e-4);
     EXPECT_NEAR(world_.GetVelocity(thrown).vx, 2.0, 1e-6);
     EXPECT_EQ(world_.GetPose(waiting).x, is_box ? 2.0 : 0.0);
-    EXPECT_EQ(heard_.Count(kBeginContact), 2);
-    EXPECT_EQ(heard_.Count(kEndContact), 2);
-    EXPECT_EQ(heard_.Count(kPostSolve), 0);
-    heard_.events.clear();
+    EXPECT_EQ(recorder_.Count(kBeginContact), 2);
+    EXPECT_EQ(recorder_.Count(kEndContact), 2);
+    EXPECT_EQ(recorder_.Count(kPostSolve), 0);
+    recorder_.events.clear();
   }
 }
 
-TEST_F(Contacts, SwitchedOffAreOnAgainInTheNextStep) {
+TEST_F(Contacts, DisabledAreEnabledAgainInTheNextStep) {
   const World::Body waiting = AddBox({1.02, 0, 0});
   const World::Body moving = AddBox({0, 0, 0});
-  world_.ListenTo(waiting, kPreSolve);
+  world_.ListenToContacts(waiting, kPreSolve);
   world_.SetVelocity(moving, {2, 0, 0});
-  heard_.action = [&](Contact& contact) {
-    if (heard_.Count(kPreSolve) <= 5) contact.SetEnabled(false);
+  recorder_.action = [&](Contact& contact) {
+    if (recorder_.Count(kPreSolve) <= 5) contact.SetEnabled(false);
   };
 
   StepTimes(100);
@@ -63,12 +64,12 @@ TEST_F(Contacts, SwitchedOffAreOnAgainInTheNextStep) {
   EXPECT_GT(world_.GetVelocity(waiting).vx, 0.9);
 }
 
-TEST_F(Contacts, TakeARestitutionAFrictionAndASpeedOfTheirOwn) {
+TEST_F(Contacts, HaveARestitutionOfTheirOwn) {
   AddWallAt(2.0);
   const World::Body ball = AddBall({0, 0, 0});
-  world_.ListenTo(ball, kPreSolve);
+  world_.ListenToContacts(ball, kPreSolve);
   world_.SetVelocity(ball, {3, 0, 0});
-  heard_.action = [](Contact& contact) {
+  recorder_.action = [](Contact& contact) {
     EXPECT_EQ(contact.friction(), 0.0);
     contact.SetRestitution(0.5);
     EXPECT_EQ(contact.restitution(), 0.5);
@@ -83,8 +84,8 @@ TEST_F(Contacts, TakeARestitutionAFrictionAndASpeedOfTheirOwn) {
 TEST_F(Contacts, CarryABodyAlongAMovingSurface) {
   const World::Body belt = world_.AddLayer({{{-9, 0}, {9, 0}}}, 0xFFFF);
   const World::Body box = AddBox({0, 0.51, 0});
-  world_.ListenTo(belt, kPreSolve);
-  heard_.action = [&](Contact& contact) {
+  world_.ListenToContacts(belt, kPreSolve);
+  recorder_.action = [&](Contact& contact) {
     contact.SetFriction(1.0);
     contact.SetTangentSpeed(AreSame(contact.a.body, belt) ? 0.3 : -0.3);
     EXPECT_NEAR(std::abs(contact.tangent_speed()), 0.3, 1e-6);
@@ -101,8 +102,8 @@ TEST_F(Contacts, CarryABodyAlongAMovingSurface) {
 
 TEST_F(Contacts, RefuseValuesThatAreNotFiniteOrNegative) {
   AddBox({0, 0, 0});
-  world_.ListenTo(AddBox({0.9, 0, 0}), kBeginContact);
-  heard_.action = [](Contact& contact) {
+  world_.ListenToContacts(AddBox({0.9, 0, 0}), kBeginContact);
+  recorder_.action = [](Contact& contact) {
     for (const double bad : {-0.1, kNaN, kInfinity}) {
       EXPECT_THROW(contact.SetFriction(bad), std::invalid_argument) << bad;
       EXPECT_THROW(contact.SetRestitution(bad), std::invalid_argument) << bad;
@@ -113,7 +114,7 @@ TEST_F(Contacts, RefuseValuesThatAreNotFiniteOrNegative) {
 
   StepTimes(10);
 
-  EXPECT_EQ(heard_.Story(), "b");
+  EXPECT_EQ(recorder_.Story(), "b");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// What is told of a contact: its fixtures, its points and normal, its impulses.
+/// The data of a contact: its fixtures, its points and normal, its impulses.
 
 #include <gtest/gtest.h>
 
@@ -16,12 +16,12 @@ TEST_F(Contacts, NameTheWallOfALayer) {
   const World::Body layer =
       world_.AddLayer({{{-5, 9}, {5, 9}}, {{-5, -9}, {5, -9}}, {{2, -5}, {2, 5}}}, 0xFFFF);
   const World::Body box = AddBox({1.55, 0, 0});
-  world_.ListenTo(layer, kBeginContact);
+  world_.ListenToContacts(layer, kBeginContact);
 
   world_.Step(kStep);
 
-  ASSERT_EQ(heard_.Story(), "b");
-  const Event& event = heard_.events[0];
+  ASSERT_EQ(recorder_.Story(), "b");
+  const Event& event = recorder_.events[0];
   const bool layer_is_a = AreSame(event.a.body, layer);
   EXPECT_EQ((layer_is_a ? event.a : event.b).index, 2u);
   EXPECT_TRUE(AreSame((layer_is_a ? event.b : event.a).body, box));
@@ -33,19 +33,19 @@ TEST_F(Contacts, NameTheFixtureOfABody) {
   const Fixture front = world_.AddCircle(robot, {2, 0}, 0.5, Solid());
   world_.AddCircle(robot, {0, -2}, 0.5, Solid());
   const World::Body other = AddBall({2.9, 0, 0});
-  world_.ListenTo(other, kBeginContact);
+  world_.ListenToContacts(other, kBeginContact);
 
   world_.Step(kStep);
 
-  ASSERT_EQ(heard_.Story(), "b");
-  const Event& event = heard_.events[0];
+  ASSERT_EQ(recorder_.Story(), "b");
+  const Event& event = recorder_.events[0];
   const Fixture of_robot = AreSame(event.a.body, robot) ? event.a : event.b;
   EXPECT_TRUE(AreSame(of_robot.body, robot));
   EXPECT_EQ(of_robot.index, front.index);
   EXPECT_NE(of_robot.index, left.index);
 }
 
-// Straight and askew; as polygons the two meet flat, in a line of two points.
+// Along the axes and askew. Two boxes meet side to side, in two points.
 TEST_F(Contacts, HaveTheNormalFromAToB) {
   for (const double towards : {0.0, M_PI_2, M_PI, -M_PI_2, 0.7, -2.5}) {
     for (const char* shapes : {"boxes", "balls", "box and ball", "ball and box"}) {
@@ -57,12 +57,12 @@ TEST_F(Contacts, HaveTheNormalFromAToB) {
       const Pose there{0.99 * direction.x, 0.99 * direction.y, towards};
       const World::Body first = first_is_box ? AddBox({0, 0, towards}) : AddBall({0, 0, towards});
       const World::Body second = second_is_box ? AddBox(there) : AddBall(there);
-      world_.ListenTo(first, kBeginContact);
+      world_.ListenToContacts(first, kBeginContact);
 
       world_.Step(kStep);
 
-      ASSERT_EQ(heard_.Story(), "b");
-      const Event& event = heard_.events[0];
+      ASSERT_EQ(recorder_.Story(), "b");
+      const Event& event = recorder_.events[0];
       const Vec2 a_to_b = AreSame(event.a.body, first) ? direction : -1.0 * direction;
       EXPECT_NEAR(event.normal.x, a_to_b.x, 1e-5);
       EXPECT_NEAR(event.normal.y, a_to_b.y, 1e-5);
@@ -78,7 +78,7 @@ TEST_F(Contacts, HaveTheNormalFromAToB) {
       }
       world_.RemoveBody(first);
       world_.RemoveBody(second);
-      heard_.events.clear();
+      recorder_.events.clear();
     }
   }
 }
@@ -87,12 +87,12 @@ TEST_F(Contacts, HaveTheNormalFromTheWallOrTowardsIt) {
   const World::Body layer = AddWallAt(0.0);
   for (const double side : {1.0, -1.0}) {
     const World::Body ball = AddBall({0.49 * side, 1.0, 0});
-    world_.ListenTo(ball, kBeginContact);
+    world_.ListenToContacts(ball, kBeginContact);
 
     world_.Step(kStep);
 
-    ASSERT_EQ(heard_.Story(), "b");
-    const Event& event = heard_.events[0];
+    ASSERT_EQ(recorder_.Story(), "b");
+    const Event& event = recorder_.events[0];
     const double from_layer = AreSame(event.a.body, layer) ? side : -side;
     EXPECT_NEAR(event.normal.x, from_layer, 1e-5);
     EXPECT_NEAR(event.normal.y, 0.0, 1e-5);
@@ -100,11 +100,12 @@ TEST_F(Contacts, HaveTheNormalFromTheWallOrTowardsIt) {
     EXPECT_NEAR(event.points[0].x, 0.0, kSkin);
     EXPECT_NEAR(event.points[0].y, 1.0, 1e-3);
     world_.RemoveBody(ball);
-    heard_.events.clear();
+    recorder_.events.clear();
   }
 }
 
-// Newton's third law: what one loses, over all the steps of the touch, the other gets.
+// Newton's third law: over all steps of the contact, one box gains the momentum that the other
+// loses.
 TEST_F(Contacts, HaveTheImpulsesOfAHeadOnHit) {
   for (const double restitution : {0.0, 0.5}) {
     SCOPED_TRACE(restitution);
@@ -112,38 +113,38 @@ TEST_F(Contacts, HaveTheImpulsesOfAHeadOnHit) {
     material.restitution = restitution;
     const World::Body moving = AddBox({0, 0, 0}, material);
     const World::Body waiting = AddBox({1.5, 0, 0}, material);
-    world_.ListenTo(moving, kPostSolve);
+    world_.ListenToContacts(moving, kPostSolve);
     world_.SetVelocity(moving, {4, 0, 0});
 
     StepTimes(200);
 
     // Of the same mass m: m v (1 + e) / 2.
     const double expected = world_.GetMass(moving) * 4.0 * (1.0 + restitution) / 2.0;
-    EXPECT_NEAR(heard_.TotalNormalImpulse(), expected, 1e-3);
+    EXPECT_NEAR(recorder_.TotalNormalImpulse(), expected, 1e-3);
     EXPECT_NEAR(world_.GetMass(waiting) * world_.GetVelocity(waiting).vx, expected, 1e-3);
     world_.RemoveBody(moving);
     world_.RemoveBody(waiting);
-    heard_.events.clear();
+    recorder_.events.clear();
   }
 }
 
 TEST_F(Contacts, HaveTheImpulsesOfAHitAtAWall) {
-  world_.ListenTo(AddWallAt(2.0), kPostSolve);
+  world_.ListenToContacts(AddWallAt(2.0), kPostSolve);
   const World::Body box = AddBox({0, 0, 0});
   world_.SetVelocity(box, {4, 0, 0});
 
   StepTimes(200);
 
-  EXPECT_NEAR(heard_.TotalNormalImpulse(), world_.GetMass(box) * 4.0, 1e-3);
-  for (const Event& event : heard_.events) {
+  EXPECT_NEAR(recorder_.TotalNormalImpulse(), world_.GetMass(box) * 4.0, 1e-3);
+  for (const Event& event : recorder_.events) {
     EXPECT_EQ(event.impulse.normal_impulses.size(), 2u);
     EXPECT_EQ(event.impulse.tangent_impulses.size(), 2u);
   }
 }
 
-// A box is pressed on a wall with 3 N and drawn along it, too weakly to slide: 0.4 N.
+// A box is pressed on a wall with 3 N, and pulled along it with 0.4 N, too weakly to slide.
 TEST_F(Contacts, HaveTheImpulsesOfPressingAndRubbing) {
-  world_.ListenTo(world_.AddLayer({{{-5, 0}, {5, 0}}}, 0xFFFF), kPostSolve | kPreSolve);
+  world_.ListenToContacts(world_.AddLayer({{{-5, 0}, {5, 0}}}, 0xFFFF), kPostSolve | kPreSolve);
   FixtureSettings rough = Solid();
   rough.friction = 1.0;
   const World::Body box = AddBox({0, 0.51, 0}, rough);
@@ -153,26 +154,26 @@ TEST_F(Contacts, HaveTheImpulsesOfPressingAndRubbing) {
     world_.Step(kStep);
   }
 
-  const Event& last = heard_.events.back();
-  ASSERT_EQ(last.moment, kPostSolve);
+  const Event& last = recorder_.events.back();
+  ASSERT_EQ(last.type, kPostSolve);
   EXPECT_NEAR(Sum(last.impulse.normal_impulses), 3.0 * kStep, 1e-4 * kStep);
   EXPECT_NEAR(std::abs(Sum(last.impulse.tangent_impulses)), 0.4 * kStep, 1e-4 * kStep);
 }
 
 TEST_F(Contacts, KnowTheirPointsAndImpulsesOfTheStepBefore) {
   const World::Body box = AddBox({0, 0, 0});
-  world_.ListenTo(AddWallAt(0.51), kPreSolve | kPostSolve);
+  world_.ListenToContacts(AddWallAt(0.51), kPreSolve | kPostSolve);
   for (int step = 0; step < 100; ++step) {
     world_.ApplyForce(box, {3.0, 0.0});
     world_.Step(kStep);
   }
 
-  ASSERT_EQ(heard_.events[0].moment, kPreSolve);
-  EXPECT_TRUE(heard_.events[0].old_manifold.local_points.empty());
-  const size_t count = heard_.events.size();
-  const Event &before = heard_.events[count - 3], &pre = heard_.events[count - 2];
-  ASSERT_EQ(before.moment, kPostSolve);
-  ASSERT_EQ(pre.moment, kPreSolve);
+  ASSERT_EQ(recorder_.events[0].type, kPreSolve);
+  EXPECT_TRUE(recorder_.events[0].old_manifold.local_points.empty());
+  const size_t count = recorder_.events.size();
+  const Event &before = recorder_.events[count - 3], &pre = recorder_.events[count - 2];
+  ASSERT_EQ(before.type, kPostSolve);
+  ASSERT_EQ(pre.type, kPreSolve);
   ASSERT_EQ(pre.old_manifold.local_points.size(), 2u);
   EXPECT_EQ(pre.old_manifold.normal_impulses, before.impulse.normal_impulses);
   EXPECT_EQ(pre.old_manifold.tangent_impulses, before.impulse.tangent_impulses);

@@ -1,4 +1,4 @@
-/// What a listener may do to the world while it is told of a contact, and what is refused it.
+/// What a contact listener may do to the world during an event, and what it may not.
 
 #include <gtest/gtest.h>
 
@@ -24,22 +24,22 @@ void ExpectTwist(const Twist& twist, const Twist& expected) {
 
 class Listening : public ContactTest {
  protected:
-  // Something for each moment: two boxes that meet and part again.
+  // Two boxes that meet and part again: this causes all kinds of events.
   Listening() {
     moving_ = AddBox({0, 0, 0}, Rubber());
     waiting_ = AddBox({1.5, 0, 0}, Rubber());
-    world_.ListenTo(waiting_, kAllHooks);
+    world_.ListenToContacts(waiting_, kAllContactEvents);
     world_.SetVelocity(moving_, {2, 0, 0});
     hinge_ = world_.AddRevolute(AddBody({8, 8, 0}), AddBody({8, 8, 0}), {});
     drive_ = world_.AddDrive(AddBody({9, 9, 0}), {}, {});
   }
 
-  // Expects that each moment has come, and that nothing has disturbed the boxes.
-  void ExpectAllAsEver() {
-    EXPECT_EQ(heard_.Count(kBeginContact), 1);
-    EXPECT_GE(heard_.Count(kPreSolve), 1);
-    EXPECT_GE(heard_.Count(kPostSolve), 1);
-    EXPECT_EQ(heard_.Count(kEndContact), 1);
+  // Expects that each kind of event has occurred, and that nothing has disturbed the boxes.
+  void ExpectAllEventsUndisturbed() {
+    EXPECT_EQ(recorder_.Count(kBeginContact), 1);
+    EXPECT_GE(recorder_.Count(kPreSolve), 1);
+    EXPECT_GE(recorder_.Count(kPostSolve), 1);
+    EXPECT_EQ(recorder_.Count(kEndContact), 1);
     EXPECT_NEAR(world_.GetVelocity(waiting_).vx, 2.0, 1e-3);
     EXPECT_NEAR(world_.GetVelocity(moving_).vx, 0.0, 1e-3);
     EXPECT_EQ(world_.body_count(), 5);
@@ -52,7 +52,7 @@ class Listening : public ContactTest {
 };
 
 TEST_F(Listening, MayLookAtTheWorld) {
-  heard_.action = [&](Contact& contact) {
+  recorder_.action = [&](Contact& contact) {
     const double apart = world_.GetPose(waiting_).x - world_.GetPose(moving_).x;
     EXPECT_NEAR(apart, 1.0, 2 * kSkin);
     EXPECT_GE(world_.GetVelocity(moving_).vx + world_.GetLocalVelocity(waiting_).vx, 1.9);
@@ -72,12 +72,12 @@ TEST_F(Listening, MayLookAtTheWorld) {
 
   StepTimes(400);
 
-  ExpectAllAsEver();
+  ExpectAllEventsUndisturbed();
 }
 
 TEST_F(Listening, MayPushAndSetVelocities) {
-  heard_.action = [&](Contact& contact) {
-    if (contact.moment != kBeginContact) return;
+  recorder_.action = [&](Contact& contact) {
+    if (contact.event != kBeginContact) return;
     world_.ApplyForce(waiting_, {0, 20});
     world_.ApplyLinearImpulse(moving_, {0, -0.3});
     world_.Get(drive_).Command({1, 0, 0});
@@ -91,19 +91,19 @@ TEST_F(Listening, MayPushAndSetVelocities) {
   EXPECT_GT(world_.Get(drive_).velocity().vx, 0.0);
 }
 
-// Box2D forgets the forces of a step once it is over; one that is given within it is for the next.
-TEST_F(Listening, MayPushAtAnyMoment) {
-  for (const ContactHooks moment : {kBeginContact, kPreSolve, kPostSolve, kEndContact}) {
-    SCOPED_TRACE(static_cast<int>(moment));
+// Box2D clears all forces at the end of a step; a force applied within it counts for the next.
+TEST_F(Listening, MayPushAtAnyEvent) {
+  for (const ContactEvent type : {kBeginContact, kPreSolve, kPostSolve, kEndContact}) {
+    SCOPED_TRACE(static_cast<int>(type));
     const World::Body pushed = AddBox({-5, 0, 0});
     const World::Body turned = AddBox({-5, 3, 0});
     world_.SetPose(moving_, {0, 0, 0});
     world_.SetPose(waiting_, {1.5, 0, 0});
     world_.SetVelocity(moving_, {2, 0, 0});
     world_.SetVelocity(waiting_, {0, 0, 0});
-    heard_.events.clear();
-    heard_.action = [&](Contact& contact) {
-      if (contact.moment != moment || heard_.Count(moment) > 1) return;
+    recorder_.events.clear();
+    recorder_.action = [&](Contact& contact) {
+      if (contact.event != type || recorder_.Count(type) > 1) return;
       world_.ApplyForce(pushed, {0, 20});
       world_.ApplyTorque(turned, 4);
       world_.ApplyForce(turned, {6, 0}, Vec2{-5, 3.5});
@@ -148,7 +148,7 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
       {"SetContactListener", [&] { world_.SetContactListener(nullptr); }},
       {"Step", [&] { world_.Step(kStep); }},
   };
-  heard_.action = [&](Contact&) {
+  recorder_.action = [&](Contact&) {
     for (const auto& [name, attempt] : attempts) {
       try {
         attempt();
@@ -156,7 +156,7 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
       } catch (const std::invalid_argument& error) {
         ADD_FAILURE() << name << ": " << error.what();
       } catch (const std::logic_error& error) {
-        EXPECT_NE(std::string(error.what()).find("while contacts are told of"), std::string::npos)
+        EXPECT_NE(std::string(error.what()).find("during contact events"), std::string::npos)
             << name << ": " << error.what();
         ++refusals;
       }
@@ -165,25 +165,25 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
 
   StepTimes(400);
 
-  ExpectAllAsEver();
-  EXPECT_EQ(refusals, static_cast<int>(attempts.size() * heard_.events.size()));
+  ExpectAllEventsUndisturbed();
+  EXPECT_EQ(refusals, static_cast<int>(attempts.size() * recorder_.events.size()));
   EXPECT_NO_THROW(world_.RemoveBody(moving_));
 }
 
 // As for a plugin that is switched off because it raised an exception.
-TEST_F(Listening, MayListenNoMore) {
-  heard_.action = [&](Contact& contact) {
-    if (contact.moment == kPreSolve) world_.ListenTo(waiting_, kNoHooks);
+TEST_F(Listening, MayStopListening) {
+  recorder_.action = [&](Contact& contact) {
+    if (contact.event == kPreSolve) world_.ListenToContacts(waiting_, kNoContactEvents);
   };
 
   StepTimes(400);
 
-  EXPECT_EQ(heard_.Story(), "bp");
+  EXPECT_EQ(recorder_.Story(), "bp");
   EXPECT_NEAR(world_.GetVelocity(waiting_).vx, 2.0, 1e-3);
 }
 
-// The other thread is let in again as soon as the step is over.
-TEST_F(Listening, LetsNoOtherThreadIn) {
+// Other threads have access again as soon as the step is over.
+TEST_F(Listening, IsSafeFromOtherThreads) {
   const auto refuse = [&](const char* name, const std::function<void()>& touch) {
     try {
       touch();
@@ -192,7 +192,7 @@ TEST_F(Listening, LetsNoOtherThreadIn) {
       EXPECT_STREQ(error.what(), "the world is in use by another thread") << name;
     }
   };
-  heard_.action = [&](Contact&) {
+  recorder_.action = [&](Contact&) {
     std::thread([&] {
       refuse("pose", [&] { world_.GetPose(moving_); });
       refuse("velocity", [&] { world_.SetVelocity(moving_, {9, 0, 0}); });
@@ -204,14 +204,14 @@ TEST_F(Listening, LetsNoOtherThreadIn) {
       refuse("place", [&] { world_.SetPose(moving_, {}); });
       refuse("add", [&] { world_.AddBody({}); });
       refuse("remove", [&] { world_.RemoveBody(moving_); });
-      refuse("listen", [&] { world_.ListenTo(moving_, 0); });
+      refuse("listen", [&] { world_.ListenToContacts(moving_, 0); });
       refuse("step", [&] { world_.Step(kStep); });
     }).join();
   };
 
   StepTimes(400);
 
-  ExpectAllAsEver();
+  ExpectAllEventsUndisturbed();
   std::thread([&] { EXPECT_NO_THROW(world_.GetPose(moving_)); }).join();
 }
 

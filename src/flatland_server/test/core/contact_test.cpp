@@ -1,10 +1,9 @@
-/// When a contact is told of: its moments and their order, to whom, and until its bodies go.
+/// When contact events are reported: their order, for which bodies, and when bodies are removed.
 
 #include "flatland_server/contact.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <string>
 
 #include "flatland_server/world.hpp"
@@ -13,40 +12,40 @@
 namespace flatland {
 namespace {
 
-TEST_F(Contacts, AreToldOfInOrder) {
+TEST_F(Contacts, HaveEventsInOrder) {
   const World::Body moving = AddBox({0, 0, 0}, Rubber());
   const World::Body waiting = AddBox({1.5, 0, 0}, Rubber());
-  world_.ListenTo(waiting, kAllHooks);
+  world_.ListenToContacts(waiting, kAllContactEvents);
   world_.SetVelocity(moving, {2, 0, 0});
 
   StepTimes(400);
 
-  // They touch for some steps, each with its pre and its post.
-  const std::string story = heard_.Story();
+  // They touch for some steps, each with a pre and a post event.
+  const std::string story = recorder_.Story();
   ASSERT_GE(story.size(), 4u) << story;
   EXPECT_EQ(story.front(), 'b');
   EXPECT_EQ(story.back(), 'e');
   for (size_t i = 1; i + 1 < story.size(); i += 2) EXPECT_EQ(story.substr(i, 2), "ps") << story;
-  for (const Event& event : heard_.events) {
-    EXPECT_EQ(event.id, heard_.events[0].id);
-    EXPECT_EQ(event.is_touching, event.moment != kEndContact);
+  for (const Event& event : recorder_.events) {
+    EXPECT_EQ(event.id, recorder_.events[0].id);
+    EXPECT_EQ(event.is_touching, event.type != kEndContact);
   }
 }
 
-// A wall is met between steps, where Box2D solves what touches once more.
-TEST_F(Contacts, WithAWallAreToldOfInOrder) {
-  world_.ListenTo(AddWallAt(2.0), kAllHooks);
+// Box2D finds the time of impact at a wall within the step, and solves the contact once more there.
+TEST_F(Contacts, WithAWallHaveEventsInOrder) {
+  world_.ListenToContacts(AddWallAt(2.0), kAllContactEvents);
   const World::Body ball = AddBall({0, 0, 0}, Rubber());
   world_.SetVelocity(ball, {3, 0, 0});
 
   StepTimes(400);
 
-  const std::string story = heard_.Story();
+  const std::string story = recorder_.Story();
   ASSERT_GE(story.size(), 4u) << story;
   EXPECT_EQ(story.front(), 'b');
   EXPECT_EQ(story.back(), 'e');
-  EXPECT_EQ(heard_.Count(kBeginContact), 1);
-  EXPECT_EQ(heard_.Count(kEndContact), 1);
+  EXPECT_EQ(recorder_.Count(kBeginContact), 1);
+  EXPECT_EQ(recorder_.Count(kEndContact), 1);
   for (size_t i = 0; i < story.size(); ++i) {
     if (story[i] == 's') {
       EXPECT_EQ(story[i - 1], 'p') << story;
@@ -55,94 +54,94 @@ TEST_F(Contacts, WithAWallAreToldOfInOrder) {
   EXPECT_LT(world_.GetVelocity(ball).vx, 0.0);
 }
 
-TEST_F(Contacts, AreToldOfAgainWhenTheyHappenAgain) {
+TEST_F(Contacts, BeginAndEndEachTime) {
   const World::Body ball = AddBall({0, 0, 0}, Rubber());
   AddWallAt(-1.0);
   AddWallAt(1.0);
-  world_.ListenTo(ball, kBeginContact | kEndContact);
+  world_.ListenToContacts(ball, kBeginContact | kEndContact);
   world_.SetVelocity(ball, {2, 0, 0});  // Box2D does not let bounce what is slower than 1 m/s
 
   StepTimes(500);  // 5 m in a room for 1 m
 
-  EXPECT_EQ(heard_.Story(), "bebebebebe");
+  EXPECT_EQ(recorder_.Story(), "bebebebebe");
 }
 
-TEST_F(Contacts, OfBodiesThatNobodyListensToAreNotToldOf) {
-  const World::Body unheard = AddBox({0, 0, 0});
+TEST_F(Contacts, OfOtherBodiesAreNotReported) {
+  const World::Body other = AddBox({0, 0, 0});
   AddBox({0.9, 0, 0});
-  const World::Body heard = AddBox({0, 3, 0});
+  const World::Body chosen = AddBox({0, 3, 0});
   const World::Body partner = AddBox({0.9, 3, 0});
-  world_.ListenTo(heard, kAllHooks);
-  world_.ListenTo(unheard, kNoHooks);
+  world_.ListenToContacts(chosen, kAllContactEvents);
+  world_.ListenToContacts(other, kNoContactEvents);
 
   StepTimes(10);
 
-  ASSERT_GT(heard_.events.size(), 2u);
-  for (const Event& event : heard_.events) {
-    EXPECT_TRUE(AreSame(event.a.body, heard) || AreSame(event.b.body, heard));
+  ASSERT_GT(recorder_.events.size(), 2u);
+  for (const Event& event : recorder_.events) {
+    EXPECT_TRUE(AreSame(event.a.body, chosen) || AreSame(event.b.body, chosen));
     EXPECT_TRUE(AreSame(event.a.body, partner) || AreSame(event.b.body, partner));
   }
 }
 
-TEST_F(Contacts, OfTwoBodiesThatAreListenedToAreToldOfOnce) {
-  world_.ListenTo(AddBox({0, 0, 0}), kBeginContact);
-  world_.ListenTo(AddBox({0.9, 0, 0}), kBeginContact);
+TEST_F(Contacts, OfTwoBodiesThatAreListenedToAreReportedOnce) {
+  world_.ListenToContacts(AddBox({0, 0, 0}), kBeginContact);
+  world_.ListenToContacts(AddBox({0.9, 0, 0}), kBeginContact);
 
   StepTimes(3);
 
-  EXPECT_EQ(heard_.Story(), "b");
+  EXPECT_EQ(recorder_.Story(), "b");
 }
 
-TEST_F(Contacts, AreToldOfAtTheMomentsAskedFor) {
-  for (const uint8_t hooks : {+kBeginContact, +kEndContact, +kPreSolve, +kPostSolve,
-                              kBeginContact | kPostSolve, +kNoHooks}) {
+TEST_F(Contacts, HaveOnlyTheChosenEvents) {
+  for (const ContactEvents chosen : {+kBeginContact, +kEndContact, +kPreSolve, +kPostSolve,
+                                     kBeginContact | kPostSolve, +kNoContactEvents}) {
     const World::Body moving = AddBox({0, 0, 0}, Rubber());
     const World::Body waiting = AddBox({1.5, 0, 0}, Rubber());
-    world_.ListenTo(moving, hooks);
+    world_.ListenToContacts(moving, chosen);
     world_.SetVelocity(moving, {2, 0, 0});
 
     StepTimes(400);
 
-    uint8_t told = kNoHooks;
-    for (const Event& event : heard_.events) told |= event.moment;
-    EXPECT_EQ(told, hooks);
+    ContactEvents reported = kNoContactEvents;
+    for (const Event& event : recorder_.events) reported |= event.type;
+    EXPECT_EQ(reported, chosen);
     world_.RemoveBody(moving);
     world_.RemoveBody(waiting);
-    heard_.events.clear();
+    recorder_.events.clear();
   }
 }
 
-TEST_F(Contacts, AreToldOfAtTheMomentsThatEitherSideAsksFor) {
+TEST_F(Contacts, HaveTheEventsThatEitherSideHasChosen) {
   const World::Body a = AddBox({0, 0, 0});
   const World::Body b = AddBox({0.9, 0, 0});
-  world_.ListenTo(a, kBeginContact);
-  world_.ListenTo(b, kPostSolve);
+  world_.ListenToContacts(a, kBeginContact);
+  world_.ListenToContacts(b, kPostSolve);
 
   world_.Step(kStep);
 
-  EXPECT_EQ(heard_.Story(), "bs");
+  EXPECT_EQ(recorder_.Story(), "bs");
 }
 
-TEST_F(Contacts, AreNoLongerToldOfOnceNobodyListens) {
+TEST_F(Contacts, AreNotReportedAfterListeningHasStopped) {
   const World::Body box = AddBox({0, 0, 0});
   AddBox({0.9, 0, 0});
-  world_.ListenTo(box, kPreSolve);
+  world_.ListenToContacts(box, kPreSolve);
   world_.Step(kStep);
-  ASSERT_EQ(heard_.Story(), "p");
+  ASSERT_EQ(recorder_.Story(), "p");
 
-  world_.ListenTo(box, kNoHooks);
+  world_.ListenToContacts(box, kNoContactEvents);
   world_.Step(kStep);
-  EXPECT_EQ(heard_.Story(), "p");
+  EXPECT_EQ(recorder_.Story(), "p");
 
-  world_.ListenTo(box, kPreSolve);
+  world_.ListenToContacts(box, kPreSolve);
   world_.SetContactListener(nullptr);
   world_.Step(kStep);
-  EXPECT_EQ(heard_.Story(), "p");
+  EXPECT_EQ(recorder_.Story(), "p");
 
   Recorder another;
   world_.SetContactListener(&another);
   world_.Step(kStep);
-  EXPECT_EQ(heard_.Story(), "p");
+  EXPECT_EQ(recorder_.Story(), "p");
   EXPECT_EQ(another.Story(), "p");
   world_.SetContactListener(nullptr);
 }
@@ -150,13 +149,13 @@ TEST_F(Contacts, AreNoLongerToldOfOnceNobodyListens) {
 TEST_F(Contacts, WithASensorBeginAndEndWithoutPoints) {
   const World::Body sensor = AddBox({2, 0, 0}, Sensor(), b2_staticBody);
   const World::Body box = AddBox({0, 0, 0});
-  world_.ListenTo(sensor, kAllHooks);
+  world_.ListenToContacts(sensor, kAllContactEvents);
   world_.SetVelocity(box, {2, 0, 0});
 
   StepTimes(400);
 
-  EXPECT_EQ(heard_.Story(), "be");
-  for (const Event& event : heard_.events) {
+  EXPECT_EQ(recorder_.Story(), "be");
+  for (const Event& event : recorder_.events) {
     EXPECT_FALSE(event.is_enabled);
     EXPECT_TRUE(event.points.empty());
     EXPECT_EQ(event.normal.x, 0.0);
@@ -165,14 +164,14 @@ TEST_F(Contacts, WithASensorBeginAndEndWithoutPoints) {
   EXPECT_NEAR(world_.GetPose(box).x, 4.0, 1e-4);
 }
 
-TEST_F(Contacts, EndWhenABodyIsRemovedThatCanStillBeLookedAt) {
+TEST_F(Contacts, EndWhenABodyIsRemovedWhichStillExistsThen) {
   const World::Body staying = AddBox({0, 0, 0});
   const World::Body leaving = AddBox({0.99, 0.1, 0});
   const World::Drive drive = world_.AddDrive(leaving, {}, {});
-  world_.ListenTo(staying, kBeginContact | kEndContact);
+  world_.ListenToContacts(staying, kBeginContact | kEndContact);
   world_.Step(kStep);
-  ASSERT_EQ(heard_.Story(), "b");
-  heard_.action = [&](Contact& contact) {
+  ASSERT_EQ(recorder_.Story(), "b");
+  recorder_.action = [&](Contact& contact) {
     const bool leaving_is_a = AreSame(contact.a.body, leaving);
     EXPECT_TRUE(AreSame((leaving_is_a ? contact.b : contact.a).body, staying));
     EXPECT_TRUE(world_.Contains(leaving));
@@ -186,32 +185,32 @@ TEST_F(Contacts, EndWhenABodyIsRemovedThatCanStillBeLookedAt) {
 
   world_.RemoveBody(leaving);
 
-  EXPECT_EQ(heard_.Story(), "be");
+  EXPECT_EQ(recorder_.Story(), "be");
   EXPECT_FALSE(world_.Contains(leaving));
   EXPECT_THROW(world_.GetPose(leaving), GoneError);
   EXPECT_NO_THROW(world_.GetPose(staying));
   StepTimes(10);
-  EXPECT_EQ(heard_.Story(), "be");
+  EXPECT_EQ(recorder_.Story(), "be");
 }
 
 TEST_F(Contacts, OfABodyThatIsListenedToEndWhenItIsRemoved) {
   AddBox({0, 0, 0});
   const World::Body leaving = AddBox({0.99, 0.1, 0});
-  world_.ListenTo(leaving, kBeginContact | kEndContact);
+  world_.ListenToContacts(leaving, kBeginContact | kEndContact);
   world_.Step(kStep);
 
   world_.RemoveBody(leaving);
 
-  EXPECT_EQ(heard_.Story(), "be");
-  // What takes its place is another body, and nobody listens to that.
+  EXPECT_EQ(recorder_.Story(), "be");
+  // The next body gets the same slot, but not the chosen events.
   const World::Body next = AddBox({0.99, 0.1, 0});
   ASSERT_EQ(next.index, leaving.index);
   StepTimes(10);
-  EXPECT_EQ(heard_.Story(), "be");
+  EXPECT_EQ(recorder_.Story(), "be");
 }
 
-TEST_F(Contacts, AreNotToldOfByAWorldThatGoes) {
-  Recorder heard;
+TEST_F(Contacts, AreNotReportedByAWorldThatIsDestroyed) {
+  Recorder recorder;
   {
     World world(10, 10);
     for (const double x : {0.0, 0.9}) {
@@ -219,48 +218,48 @@ TEST_F(Contacts, AreNotToldOfByAWorldThatGoes) {
       settings.pose.x = x;
       const World::Body body = world.AddBody(settings);
       world.AddCircle(body, {0, 0}, 0.5, Solid());
-      world.ListenTo(body, kAllHooks);
+      world.ListenToContacts(body, kAllContactEvents);
     }
-    world.SetContactListener(&heard);
+    world.SetContactListener(&recorder);
     world.Step(kStep);
-    ASSERT_EQ(heard.Story(), "bps");
+    ASSERT_EQ(recorder.Story(), "bps");
   }
-  EXPECT_EQ(heard.Story(), "bps");
+  EXPECT_EQ(recorder.Story(), "bps");
 }
 
-// Box2D does not compare a sleeping body with what is static.
+// Box2D does not test sleeping bodies against static ones.
 TEST_F(Contacts, BeginWhenAStaticSensorIsMovedOntoASleepingBody) {
   const World::Body box = AddBox({0, 0, 0});
   const World::Body sensor = AddBox({5, 0, 0}, Sensor(), b2_staticBody);
-  world_.ListenTo(sensor, kAllHooks);
+  world_.ListenToContacts(sensor, kAllContactEvents);
   StepTimes(400);
   ASSERT_FALSE(world_.IsAwake(box));
-  ASSERT_EQ(heard_.Story(), "");
+  ASSERT_EQ(recorder_.Story(), "");
 
   world_.SetPose(sensor, {0.5, 0, 0});
   world_.Step(kStep);
-  EXPECT_EQ(heard_.Story(), "b");
+  EXPECT_EQ(recorder_.Story(), "b");
 
   StepTimes(400);
   ASSERT_FALSE(world_.IsAwake(box));
-  EXPECT_EQ(heard_.Story(), "b");
+  EXPECT_EQ(recorder_.Story(), "b");
 
   world_.SetPose(sensor, {5, 0, 0});
   world_.Step(kStep);
-  EXPECT_EQ(heard_.Story(), "be");
+  EXPECT_EQ(recorder_.Story(), "be");
 }
 
 TEST_F(Contacts, BeginWhenASleepingBodyIsMovedOntoASensor) {
   const World::Body box = AddBox({0, 0, 0});
   const World::Body sensor = AddBox({5, 0, 0}, Sensor(), b2_staticBody);
-  world_.ListenTo(sensor, kAllHooks);
+  world_.ListenToContacts(sensor, kAllContactEvents);
   StepTimes(400);
   ASSERT_FALSE(world_.IsAwake(box));
 
   world_.SetPose(box, {5, 0.3, 0});
   world_.Step(kStep);
 
-  EXPECT_EQ(heard_.Story(), "b");
+  EXPECT_EQ(recorder_.Story(), "b");
 }
 
 TEST_F(Contacts, PushASleepingBodyOutOfAStaticOneThatIsMovedOntoIt) {

@@ -1,4 +1,4 @@
-/// What is drawn on a depth buffer besides the walls of a tree.
+/// Polygons, circles and bounding circles in a depth buffer; for walls see segment_tree_test.cpp.
 
 #include "flatland_server/depth_buffer.hpp"
 
@@ -21,13 +21,13 @@ TEST(DepthBuffer, SeesNoPolygonNearerThanItIsAlongItsSide) {
   std::mt19937 random(29);
   DepthBuffer buffer;
   for (int i = 0; i < 3000; ++i) {
-    const Rotation turn(std::uniform_real_distribution<double>(-3, 3)(random));
+    const Rotation rotation(std::uniform_real_distribution<double>(-3, 3)(random));
     const double near = 0.05 * (1 + random() % 100), far = near + 0.05 * (1 + random() % 100);
     const double side = i % 2 == 0 ? 1.0 : -1.0;
     Vec2 corners[] = {{near, 0}, {far, 0}, {0.5 * (near + far), side}};
     if (side < 0.0) std::swap(corners[0], corners[1]);
-    for (Vec2& corner : corners) corner = turn.Apply(corner);
-    const BeamFan fan(std::vector<Vec2>{turn.Apply({1, 0})});
+    for (Vec2& corner : corners) corner = rotation.Apply(corner);
+    const BeamFan fan(std::vector<Vec2>{rotation.Apply({1, 0})});
     float range;
     buffer.Begin(fan, kFar);
     buffer.DrawPolygon(corners, 3);
@@ -36,16 +36,16 @@ TEST(DepthBuffer, SeesNoPolygonNearerThanItIsAlongItsSide) {
   }
 }
 
-// Box2D can lose a body that is too light for what pushes it.
-TEST(DepthBuffer, SeesNothingOfWhatIsAtNoNumber) {
+// Box2D computes NaN for a body that is much too light for the force on it.
+TEST(DepthBuffer, SeesNothingAtNaN) {
   const BeamFan fan(-3.0, 0.01, 601);
   const Vec2 corners[] = {{1, 0}, {kNaN, kNaN}, {kNaN, kNaN}};
-  Discs discs;
-  discs.Add({kNaN, kNaN}, 1.0);
-  discs.Add({3, 0}, 1.0);
+  BoundingCircles circles;
+  circles.Add({kNaN, kNaN}, 1.0);
+  circles.Add({3, 0}, 1.0);
   DepthBuffer buffer;
   buffer.Begin(fan, 10.0);
-  buffer.FindSeen(discs, {});
+  buffer.FindVisible(circles, {});
   buffer.DrawCircle({kNaN, kNaN}, 1.0);
   buffer.DrawPolygon(corners, 3);
 

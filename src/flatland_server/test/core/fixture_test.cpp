@@ -1,4 +1,4 @@
-/// Fixtures: their settings, what these do, and their shapes.
+/// Fixtures: their settings and shapes.
 
 #include <gtest/gtest.h>
 
@@ -96,7 +96,7 @@ TEST_F(WorldTest, WhatIsNotVisibleCollidesButIsNotSeen) {
 
   EXPECT_NEAR(look(), 5.5, 1e-4);
 
-  // Of the fixtures of a body, each for itself.
+  // Each fixture of a body has a visibility of its own.
   world_.AddCircle(box, {0, 0}, 0.2, Solid());
   EXPECT_NEAR(look(), 2.8, 1e-4);
 

@@ -41,7 +41,7 @@ TEST_F(WorldTest, RevoluteHoldsTheAnchorsTogether) {
     const double before = world_.GetPose(arm).yaw;
     world_.Step(kStep);
     const Pose pose = world_.GetPose(arm);
-    turned += Turn(before, pose.yaw);
+    turned += AngleBetween(before, pose.yaw);
     const Vec2 anchor = Vec2{pose.x, pose.y} + Rotation(pose.yaw).Apply({0, -1});
     ASSERT_NEAR(anchor.x, 1.0, 0.005);
     ASSERT_NEAR(anchor.y, 1.0, 0.005);
@@ -90,7 +90,7 @@ TEST_F(WorldTest, SoftWeldYields) {
 }
 
 // The arm swings about a hinge beside the post, and after half a turn over the post.
-TEST_F(WorldTest, JointedBodiesCollideOnlyIfToldTo) {
+TEST_F(WorldTest, JointedBodiesCollideOnlyIfEnabled) {
   for (const bool collide : {false, true}) {
     World world(10, 10);
     const World::Body post = AddPost(world, {0, 0, 0});
@@ -111,7 +111,7 @@ TEST_F(WorldTest, JointedBodiesCollideOnlyIfToldTo) {
   }
 }
 
-TEST_F(WorldTest, JointAngleIsThatOfBLessThatOfA) {
+TEST_F(WorldTest, JointAngleIsThatOfBMinusThatOfA) {
   const World::Body a = AddBox(world_, {0, 0, 3.0});
   const World::Body b = AddBox(world_, {0, 0, -3.0});
 

@@ -1,4 +1,4 @@
-/// Layers: bodies of walls that stay where they are, and let nothing through that shares a layer.
+/// Layers: static bodies of walls, which stop bodies that share a layer with them.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ TEST_F(WorldTest, ALayerIsABodyOfWalls) {
   EXPECT_THROW(world_.GetSettings({layer, 2}), std::invalid_argument);
 }
 
-TEST_F(WorldTest, ALayerStaysForGoodWhereItIs) {
+TEST_F(WorldTest, ALayerCannotBeMovedOrRemoved) {
   const World::Body layer = world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
 
   EXPECT_THROW(world_.RemoveBody(layer), std::invalid_argument);
@@ -31,7 +31,7 @@ TEST_F(WorldTest, ALayerStaysForGoodWhereItIs) {
   EXPECT_THROW(world_.AddCircle(layer, {0, 0}, 1.0, Solid()), std::invalid_argument);
   EXPECT_THROW(world_.AddPolygon(layer, Square(1), Solid()), std::invalid_argument);
 
-  // Nor do pushes move it; and it stops what it did.
+  // Forces do not move it either, and it still stops bodies.
   world_.SetVelocity(layer, {1, 0, 0});
   world_.ApplyForce(layer, {5, 0});
   world_.ApplyLinearImpulse(layer, {5, 0});

@@ -40,7 +40,7 @@ class LidarOnABody : public testing::Test {
     return world_.AddLidar(body, {fan_, mount_, {20.0, 0xFFFF, 0}});
   }
 
-  // What a scan from the lidar's place says.
+  // The ranges of a scan from the lidar's pose.
   std::vector<float> Expected(World::Body body) {
     const Pose at = world_.GetPose(body);
     const Vec2 place = Vec2{at.x, at.y} + Rotation(at.yaw).Apply({mount_.x, mount_.y});
@@ -79,7 +79,7 @@ TEST_F(LidarOnABody, SeesTheSameTogetherAsAlone) {
   }
 }
 
-// Those that are expected are all as new as the one that is asked for; the others are left alone.
+// All expected lidars scan together with the requested one; the others do not.
 TEST_F(LidarOnABody, ScansTogetherWithAllThatAreExpected) {
   std::vector<World::LidarHandle> lidars;
   for (int i = 0; i < 3; ++i) lidars.push_back(AddLidar(AddRobot({3.0 + i, 3, 0})));
@@ -89,17 +89,17 @@ TEST_F(LidarOnABody, ScansTogetherWithAllThatAreExpected) {
 
   for (int step = 0; step < 3; ++step) {
     world_.Step(0.1);
-    const uint64_t before = other->seen_at;
+    const uint64_t before = other->scanned_revision;
     world_.ExpectScan(lidars[1]);
     world_.ExpectScan(lidars[1]);
     world_.Scan(lidars[0]);
-    EXPECT_GT(asked->seen_at, before);
-    EXPECT_EQ(expected->seen_at, asked->seen_at) << "step " << step;
-    EXPECT_EQ(other->seen_at, before);
+    EXPECT_GT(asked->scanned_revision, before);
+    EXPECT_EQ(expected->scanned_revision, asked->scanned_revision) << "step " << step;
+    EXPECT_EQ(other->scanned_revision, before);
 
     world_.Step(0.1);
     world_.Scan(lidars[0]);
-    EXPECT_LT(expected->seen_at, asked->seen_at) << "it is expected no more";
+    EXPECT_LT(expected->scanned_revision, asked->scanned_revision) << "it is expected no more";
     world_.Scan(lidars[2]);
   }
 }
@@ -149,7 +149,7 @@ TEST_F(LidarOnABody, IsForgottenWithItsBodyWhenItHasScanned) {
   EXPECT_LT(*std::max_element(seen.begin(), seen.end()), 20.0f);
 }
 
-TEST_F(LidarOnABody, RefusesWhatIsNoLidar) {
+TEST_F(LidarOnABody, RefusesInvalidSettings) {
   const World::Body robot = AddRobot({3, 2, 0});
 
   EXPECT_THROW(world_.AddLidar(robot, {nullptr, {}, {20.0, 1, 0}}), std::invalid_argument);

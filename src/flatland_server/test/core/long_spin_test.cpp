@@ -1,4 +1,4 @@
-/// Bodies that turn for a very long time, on which rounding errors must not gather.
+/// Bodies that rotate for a very long time: rounding errors must not accumulate.
 
 #include <gtest/gtest.h>
 
@@ -10,15 +10,16 @@
 namespace flatland {
 namespace {
 
-// In single precision an angle of 3000 rad would be wrong by a step's hundredth part.
+// In single precision the rounding error of 3000 rad is a hundredth of the rotation of a step.
 constexpr int kLongSpin = 200000;
 constexpr double kSpin = 3.0;
 
-void ExpectSteadyTurn(World& world, World::Body body) {
+void ExpectSteadyRotation(World& world, World::Body body) {
   for (int step = 0; step < kLongSpin; ++step) {
     const double before = world.GetPose(body).yaw;
     world.Step(kStep);
-    ASSERT_NEAR(Turn(before, world.GetPose(body).yaw), kSpin * kStep, 2e-6) << "step " << step;
+    ASSERT_NEAR(AngleBetween(before, world.GetPose(body).yaw), kSpin * kStep, 2e-6)
+        << "step " << step;
   }
 }
 
@@ -26,7 +27,7 @@ TEST_F(WorldTest, SpinsOnForAVeryLongTime) {
   const World::Body body = AddBox(world_, {1, 2, 0});
   world_.SetVelocity(body, {0, 0, kSpin});
 
-  ExpectSteadyTurn(world_, body);
+  ExpectSteadyRotation(world_, body);
 }
 
 TEST_F(WorldTest, SpinsOnWithAWeldedCompanionForAVeryLongTime) {
@@ -43,7 +44,7 @@ TEST_F(WorldTest, SpinsOnWithAWeldedCompanionForAVeryLongTime) {
     const double before = world_.GetPose(body).yaw;
     world_.Step(kStep);
     const Pose pose = world_.GetPose(body), other = world_.GetPose(companion);
-    ASSERT_NEAR(Turn(before, pose.yaw), kSpin * kStep, 2e-5) << "step " << step;
+    ASSERT_NEAR(AngleBetween(before, pose.yaw), kSpin * kStep, 2e-5) << "step " << step;
     ASSERT_LT(std::abs(world_.JointAngle(weld)), 0.01) << "step " << step;
     ASSERT_NEAR(std::hypot(other.x - pose.x, other.y - pose.y), 0.5, 0.005) << "step " << step;
   }
@@ -55,7 +56,7 @@ TEST_F(WorldTest, SpinsOnUponAHingeForAVeryLongTime) {
   world_.AddRevolute(post, wheel, {});
   world_.SetVelocity(wheel, {0, 0, kSpin});
 
-  ExpectSteadyTurn(world_, wheel);
+  ExpectSteadyRotation(world_, wheel);
 }
 
 TEST_F(WorldTest, SpinsOnWithAHingedArmWithinItsLimits) {

@@ -1,6 +1,6 @@
 #pragma once
 
-/// What motions are checked against: velocities that are known in closed form, and where they lead.
+/// Reference motions: velocities in closed form, and the poses to which they lead.
 
 #include <algorithm>
 #include <cmath>
@@ -11,54 +11,54 @@
 
 namespace flatland {
 
-/// A value that goes along straight lines from one given moment to the next, and stays as it is
-/// after the last. Two moments at the same time are a jump.
+/// A piecewise linear function of time, given by its corner points, and constant after the last.
+/// Two points at the same time are a jump.
 class Course {
  public:
-  struct Moment {
+  struct Point {
     double time;
     double value;
   };
 
-  Course(std::vector<Moment> moments) : moments_(std::move(moments)) {}
+  Course(std::vector<Point> points) : points_(std::move(points)) {}
 
   double At(double time) const {
-    for (size_t i = 0; i + 1 < moments_.size(); ++i) {
-      if (time < moments_[i + 1].time) return Between(moments_[i], moments_[i + 1], time);
+    for (size_t i = 0; i + 1 < points_.size(); ++i) {
+      if (time < points_[i + 1].time) return Between(points_[i], points_[i + 1], time);
     }
-    return moments_.back().value;
+    return points_.back().value;
   }
 
-  /// Whether it does not jump there.
+  /// Whether it is continuous there.
   bool IsSteadyAt(double time) const {
-    constexpr double kInstant = 1e-9;
-    return std::abs(At(time + kInstant) - At(time - kInstant)) < 1e3 * kInstant;
+    constexpr double kLittle = 1e-9;
+    return std::abs(At(time + kLittle) - At(time - kLittle)) < 1e3 * kLittle;
   }
 
-  /// From the first moment to `time`, exactly: a sum of trapezoids.
+  /// From the first point to `time`, exactly: a sum of trapezoids.
   double Integral(double time) const {
     double sum = 0.0;
-    for (size_t i = 0; i + 1 < moments_.size() && moments_[i].time < time; ++i) {
-      const Moment from = moments_[i];
-      const double until = std::min(time, moments_[i + 1].time);
-      const double value = until < moments_[i + 1].time ? Between(from, moments_[i + 1], until)
-                                                        : moments_[i + 1].value;
+    for (size_t i = 0; i + 1 < points_.size() && points_[i].time < time; ++i) {
+      const Point from = points_[i];
+      const double until = std::min(time, points_[i + 1].time);
+      const double value =
+          until < points_[i + 1].time ? Between(from, points_[i + 1], until) : points_[i + 1].value;
       sum += 0.5 * (from.value + value) * (until - from.time);
     }
-    return sum + moments_.back().value * std::max(0.0, time - moments_.back().time);
+    return sum + points_.back().value * std::max(0.0, time - points_.back().time);
   }
 
   double Mean(double from, double to) const {
     return (Integral(to) - Integral(from)) / (to - from);
   }
-  double end() const { return moments_.back().time; }
+  double end() const { return points_.back().time; }
 
  private:
-  static double Between(Moment a, Moment b, double time) {
+  static double Between(Point a, Point b, double time) {
     return a.value + (b.value - a.value) * (time - a.time) / (b.time - a.time);
   }
 
-  std::vector<Moment> moments_;
+  std::vector<Point> points_;
 };
 
 /// Where a frame gets to that moves from `pose` with the twist `twist_at(time)` of its own, from

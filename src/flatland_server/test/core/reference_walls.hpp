@@ -1,6 +1,6 @@
 #pragma once
 
-/// What scans are checked against: walls at random, and the nearest of them found by trying all.
+/// Reference scans: random walls, and the nearest one on a beam, found by testing all of them.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace flatland {
 
-/// What a beam measures that meets nothing [m].
+/// Range of a beam that meets nothing [m].
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Beyond every wall [m].
 inline constexpr double kFar = 1e6;
@@ -28,7 +28,7 @@ inline Vec2 RandomDirection(std::mt19937& random) {
   return Towards(std::uniform_real_distribution<double>(-M_PI, M_PI)(random));
 }
 
-/// The nearest hit by trying every wall, made longer at both ends by `longer` times its length.
+/// Distance to the nearest wall, each extended at both ends by `longer` times its length [m].
 inline double TryEveryWall(const std::vector<Segment>& walls, Vec2 origin, Vec2 direction,
                            double longer) {
   double nearest = kInfinity;
@@ -59,7 +59,7 @@ inline std::vector<Segment> RandomWalls(int count, double longest) {
   return walls;
 }
 
-/// The outlines of random unit pixels, as a map's loader makes them: a wall along every border
+/// The outlines of random unit pixels, as they are made from a map image: a wall along every border
 /// between black and white.
 inline std::vector<Segment> PixelWalls(int columns, int rows) {
   std::mt19937 random(3);

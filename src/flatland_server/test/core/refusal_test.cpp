@@ -1,4 +1,4 @@
-/// What a world refuses, and that it is then as it was.
+/// Invalid values are refused, and leave the world unchanged.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A finite number that single precision, and so Box2D, has no place for.
+// A finite number too large for single precision, and so for Box2D.
 constexpr double kTooMuch = 1e39;
 
 struct Refusal {
@@ -44,7 +44,7 @@ TEST_P(Refused, LeavesTheWorldAsItWas) {
   ExpectPose(world.GetPose(box), {1, 0, 0}, 1e-4);
 }
 
-// One refusal for each thing said here.
+// Each makes one refused call.
 Refusal PoseOf(const char* name, const Pose& pose) {
   return {name, [pose](World& w, World::Body, World::Body) { w.AddBody(At(pose)); }};
 }
@@ -229,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(Steps, Refused,
                                          Stepping("step_of_inf", kInfinity)),
                          NameOf);
 
-// What double precision holds and single precision, in Box2D, does not.
+// Values that single precision, and so Box2D, cannot represent.
 INSTANTIATE_TEST_SUITE_P(
     SinglePrecision, Refused,
     testing::Values(
@@ -252,8 +252,7 @@ INSTANTIATE_TEST_SUITE_P(
         Polygon("far_polygon_on_a_line", {{1000, 1000}, {1001, 1001}, {1002, 1002.00001}})),
     NameOf);
 
-// Such a circle's moment of inertia is lost in rounding. It is refused for what it does to the
-// mass, so without density it is welcome.
+// The moment of inertia of such a circle is lost in rounding. Without a density it is accepted.
 TEST_F(WorldTest, RefusesATinyCircleFarFromItsBodysOrigin) {
   const World::Body body = world_.AddBody({});
 

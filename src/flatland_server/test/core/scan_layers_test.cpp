@@ -1,4 +1,4 @@
-/// What a lidar sees and what it does not, by layers and settings; and how much that reflects.
+/// Which layers and fixtures a lidar sees; intensities.
 
 #include <gtest/gtest.h>
 
@@ -121,7 +121,7 @@ TEST_F(LidarTest, SaysTheIntensityOfWhatIsAMillimetreNearer) {
   EXPECT_EQ(Look(BeamFan(M_PI, 0.0, 1), {}).intensities[0], 255.0f);
 }
 
-TEST_F(LidarTest, ForgetsWhatAnotherOneHasSeen) {
+TEST_F(LidarTest, IsIndependentOfTheScanBefore) {
   AddWallAt(2.0, 0b01);
   AddWallAt(-4.0, 0b10);
   settings_.reflectance_layers = 0b10;

@@ -1,4 +1,4 @@
-/// How far a lidar measures: to walls and bodies, from without and within, and behind one another.
+/// Distances that a lidar measures: to walls and bodies, from outside and inside, and hidden ones.
 
 #include <gtest/gtest.h>
 
@@ -73,10 +73,10 @@ TEST_F(LidarTest, SeesACircleAtItsVeryRange) {
 TEST_F(LidarTest, SeesTheTipOfABody) {
   settings_.range = 2.0;
   for (int quarter = 0; quarter < 4; ++quarter) {
-    const Rotation turn(quarter * M_PI / 2);
+    const Rotation rotation(quarter * M_PI / 2);
     const World::Body body = AddBody({5, 0, M_PI - quarter * M_PI / 2});
-    world_.AddPolygon(body, {turn.Apply({3.1, 0}), turn.Apply({0, 0.2}), turn.Apply({0, -0.2})},
-                      {});
+    world_.AddPolygon(
+        body, {rotation.Apply({3.1, 0}), rotation.Apply({0, 0.2}), rotation.Apply({0, -0.2})}, {});
 
     EXPECT_NEAR(LookAhead({}), 1.9, 1e-5) << quarter << " quarter turns";
     world_.RemoveBody(body);
@@ -85,8 +85,8 @@ TEST_F(LidarTest, SeesTheTipOfABody) {
 
 TEST_F(LidarTest, MeasuresACircle) {
   const World::Body body = AddBody({2.0, 1.0, 0.5});
-  const Rotation turn(0.5);
-  const Vec2 center = Vec2{2.0, 1.0} + turn.Apply({0.3, -0.2});
+  const Rotation rotation(0.5);
+  const Vec2 center = Vec2{2.0, 1.0} + rotation.Apply({0.3, -0.2});
   world_.AddCircle(body, {0.3, -0.2}, 0.6, {});
 
   const View view = Look(forward_, {-1.0, 0.5, 0.2});
@@ -263,7 +263,7 @@ TEST_F(LidarTest, RefusesAPoseOrARangeThatIsNoNumber) {
   }
 }
 
-TEST_F(LidarTest, LetsNobodyElseInMeanwhile) {
+TEST_F(LidarTest, RefusesOtherThreadsMeanwhile) {
   const World::Body body = AddBody({});
   const World::Joint joint = world_.AddRevolute(body, AddBody({}), {});
   const World::Drive drive = world_.AddDrive(body, {}, {});
@@ -277,7 +277,7 @@ TEST_F(LidarTest, LetsNobodyElseInMeanwhile) {
 
   for (const auto& [name, touch] : touches) {
     bool refused = false;
-    // The scan may be over before this thread gets its turn: then once more.
+    // The scan may be over before this thread runs: then try again.
     for (int attempt = 0; attempt < 100 && !refused; ++attempt) {
       std::future<View> scan = std::async(std::launch::async, [&] { return Look(fan, {}); });
       while (!refused && scan.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {

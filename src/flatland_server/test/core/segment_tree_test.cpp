@@ -1,4 +1,4 @@
-/// Walls in a tree, seen along one beam as by trying every wall.
+/// Walls in a tree, along one beam, compared with a test of every wall.
 
 #include "flatland_server/segment_tree.hpp"
 
@@ -286,7 +286,7 @@ TEST(SegmentTree, IsNoDeeperThanItMayBe) {
       };
   descend(tree.root(), 0);
 
-  EXPECT_LE(most, SegmentTree::kMostDepth);
+  EXPECT_LE(most, SegmentTree::kMaxDepth);
   EXPECT_EQ(Cast(tree, {2.5, 0}, {1, 0}, kFar), 0.5);
   EXPECT_EQ(Cast(tree, {1.5, 0}, {-1, 0}, kFar), 0.5);
 }
@@ -299,7 +299,7 @@ TEST(SegmentTree, IsSharedByThoseWithTheSameWalls) {
   EXPECT_NE(first, other);
 
   const std::weak_ptr<const SegmentTree> gone = SegmentTree::Share(PixelWalls(6, 5));
-  EXPECT_TRUE(gone.expired()) << "nobody uses it any more";
+  EXPECT_TRUE(gone.expired()) << "it is not used any more";
 }
 
 TEST(SegmentTree, IsEmptyWithoutWalls) {

@@ -1,4 +1,4 @@
-/// Bodies that are put elsewhere.
+/// Moving bodies by SetPose.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ TEST_F(WorldTest, SetPoseKeepsTheVelocity) {
   ExpectPose(world_.GetPose(box), {-2, 4.5, 2.3}, 1e-4);
 }
 
-TEST_F(WorldTest, SetPoseKeepsTheVelocityOfABodyThatTurnsOffItsCentre) {
+TEST_F(WorldTest, SetPoseKeepsTheVelocityOfABodyThatRotatesOffItsCentre) {
   const World::Body body = world_.AddBody({});
   world_.AddCircle(body, {0.3, 0}, 0.2, Solid());
   world_.SetVelocity(body, {1, 0, 2});
@@ -51,7 +51,7 @@ TEST_F(WorldTest, SetPoseKeepsAHingeWithinItsLimitsAtAnyHeading) {
   settings.limits = {{-0.5, 0.5}};
   world_.AddRevolute(base, arm, settings);
 
-  // The same two headings, said differently.
+  // The same headings, whole rotations away.
   world_.SetPose(base, {0, 0, 3.0 + 2.0 * M_PI});
   world_.SetPose(arm, {0, 0, 3.0 - 4.0 * M_PI});
   StepTimes(world_, 100);

@@ -22,13 +22,13 @@ TEST(SlotMap, FindsWhatWasAdded) {
 
 TEST(SlotMap, DefaultHandleNamesNothing) {
   Names names("robot");
-  const Handle<std::string> nobody;
-  EXPECT_FALSE(names.Contains(nobody));
+  const Handle<std::string> nothing;
+  EXPECT_FALSE(names.Contains(nothing));
 
   names.Add("Anna");
 
-  EXPECT_FALSE(names.Contains(nobody));
-  EXPECT_THROW(names.Get(nobody), GoneError);
+  EXPECT_FALSE(names.Contains(nothing));
+  EXPECT_THROW(names.Get(nothing), GoneError);
 }
 
 TEST(SlotMap, RemovedHandleIsGone) {
@@ -42,7 +42,7 @@ TEST(SlotMap, RemovedHandleIsGone) {
   EXPECT_THROW(names.Remove(anna), GoneError);
 }
 
-TEST(SlotMap, RemovedHandleIsGoneAlsoAfterItsSlotIsUsedAgain) {
+TEST(SlotMap, RemovedHandleIsGoneAlsoAfterItsSlotIsReused) {
   Names names("robot");
   const Handle<std::string> anna = names.Add("Anna");
   names.Remove(anna);
@@ -66,7 +66,7 @@ TEST(SlotMap, ErrorSaysWhatIsGone) {
   }
 }
 
-TEST(SlotMap, RemovingLetsGoOfTheValue) {
+TEST(SlotMap, RemovingDestroysTheValue) {
   SlotMap<std::shared_ptr<int>> numbers("number");
   const auto number = std::make_shared<int>(7);
   const Handle<std::shared_ptr<int>> handle = numbers.Add(number);
@@ -76,7 +76,7 @@ TEST(SlotMap, RemovingLetsGoOfTheValue) {
   EXPECT_EQ(number.use_count(), 1);
 }
 
-TEST(SlotMap, ForEachVisitsOnlyTheLiving) {
+TEST(SlotMap, ForEachVisitsOnlyWhatIsThere) {
   Names names("robot");
   const Handle<std::string> anna = names.Add("Anna");
   const Handle<std::string> bert = names.Add("Bert");

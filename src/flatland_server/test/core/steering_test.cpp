@@ -11,151 +11,153 @@
 namespace flatland {
 namespace {
 
-struct Turn {
+struct Maneuver {
   const char* name;
   DynamicsLimits limits;
   SteeringState from;
   double to;
-  Course rate;  // exact, by hand; its integral is the way
+  Course rate;  // exact, by hand; its integral is the angle
 };
 
-void PrintTo(const Turn& turn, std::ostream* out) { *out << turn.name; }
+void PrintTo(const Maneuver& maneuver, std::ostream* out) { *out << maneuver.name; }
 
-class Steering : public testing::TestWithParam<Turn> {};
+class Steering : public testing::TestWithParam<Maneuver> {};
 
 // At steps of 1, 5 and 7 ms, at steps that straddle several pieces, and all at once.
 TEST_P(Steering, FollowsItsClosedFormAtStepsOfAnyLength) {
-  const Turn& turn = GetParam();
+  const Maneuver& maneuver = GetParam();
   for (const double dt : {0.001, 0.005, 0.007, 0.2, 0.6, 9.0}) {
-    SteeringState state = turn.from;
-    for (int step = 1; (step - 2) * dt < turn.rate.end(); ++step) {
-      state = Steer(state, turn.to, turn.limits, dt);
+    SteeringState state = maneuver.from;
+    for (int step = 1; (step - 2) * dt < maneuver.rate.end(); ++step) {
+      state = Steer(state, maneuver.to, maneuver.limits, dt);
 
       const double time = step * dt;
-      const double angle = turn.from.angle + turn.rate.Integral(time);
+      const double angle = maneuver.from.angle + maneuver.rate.Integral(time);
       ASSERT_NEAR(state.angle, angle, 1e-9) << dt << " s, step " << step;
-      if (turn.rate.IsSteadyAt(time)) {
-        ASSERT_NEAR(state.rate, turn.rate.At(time), 1e-9) << dt << " s, step " << step;
+      if (maneuver.rate.IsSteadyAt(time)) {
+        ASSERT_NEAR(state.rate, maneuver.rate.At(time), 1e-9) << dt << " s, step " << step;
       }
     }
-    EXPECT_EQ(state.angle, turn.to) << dt;
+    EXPECT_EQ(state.angle, maneuver.to) << dt;
     EXPECT_EQ(state.rate, 0.0) << dt;
   }
 }
 
-// Seen in a mirror it is the same.
+// Mirrored values give the mirrored motion.
 TEST_P(Steering, IsTheSameToTheOtherSide) {
-  const Turn& turn = GetParam();
-  for (double time = 0.0; time < turn.rate.end() + 0.1; time += 0.01) {
-    const SteeringState state = Steer(turn.from, turn.to, turn.limits, time);
+  const Maneuver& maneuver = GetParam();
+  for (double time = 0.0; time < maneuver.rate.end() + 0.1; time += 0.01) {
+    const SteeringState state = Steer(maneuver.from, maneuver.to, maneuver.limits, time);
     const SteeringState other =
-        Steer({-turn.from.angle, -turn.from.rate}, -turn.to, turn.limits, time);
+        Steer({-maneuver.from.angle, -maneuver.from.rate}, -maneuver.to, maneuver.limits, time);
 
     ASSERT_EQ(other.angle, -state.angle) << time;
     ASSERT_EQ(other.rate, -state.rate) << time;
   }
 }
 
-// Of the way `d` with limits a up and b down: the peak p of a triangle is p^2 = 2 d / (1/a + 1/b).
+// Without a velocity limit the rate is a triangle. For a distance d, an acceleration a and a
+// deceleration b, its peak p is given by p^2 = 2 d / (1/a + 1/b).
 INSTANTIATE_TEST_SUITE_P(
     FromRest, Steering,
     testing::Values(
         // 0.0625 rad up, 0.90625 along, 0.03125 down.
-        Turn{"trapezoid",
-             {2.0, 4.0, 0.5},
-             {0.0, 0.0},
-             1.0,
-             {{{0, 0}, {0.25, 0.5}, {2.0625, 0.5}, {2.1875, 0}}}},
-        Turn{"triangle",
-             {2.0, 4.0, 0.5},
-             {0.0, 0.0},
-             0.03,
-             {{{0, 0}, {std::sqrt(0.02), 2 * std::sqrt(0.02)}, {1.5 * std::sqrt(0.02), 0}}}},
-        Turn{"triangle_that_just_has_a_tip",
-             {2.0, 4.0, 0.5},
-             {-0.5, 0.0},
-             -0.40625,
-             {{{0, 0}, {0.25, 0.5}, {0.375, 0}}}},
-        Turn{"trapezoid_without_velocity_limit",
-             {2.0, 4.0, 0.0},
-             {0.0, 0.0},
-             1.5,
-             {{{0, 0}, {1.0, 2.0}, {1.5, 0}}}},
-        Turn{"velocity_limit_alone",
-             {0.0, 0.0, 0.5},
-             {0.2, 0.0},
-             -0.8,
-             {{{0, -0.5}, {2, -0.5}, {2, 0}}}},
-        Turn{"acceleration_limit_alone",
-             {2.0, 0.0, 0.0},
-             {0.0, 0.0},
-             1.0,
-             {{{0, 0}, {1, 2}, {1, 0}}}},
-        Turn{"deceleration_limit_alone", {0.0, 2.0, 0.0}, {0.0, 0.0}, 1.0, {{{0, 2}, {1, 0}}}},
-        Turn{"no_deceleration_limit",
-             {2.0, 0.0, 0.5},
-             {0.0, 0.0},
-             1.0625,
-             {{{0, 0}, {0.25, 0.5}, {2.25, 0.5}, {2.25, 0}}}},
-        Turn{"no_acceleration_limit",
-             {0.0, 2.0, 0.5},
-             {0.0, 0.0},
-             1.0625,
-             {{{0, 0.5}, {2, 0.5}, {2.25, 0}}}},
-        Turn{"nowhere", {2.0, 4.0, 0.5}, {0.3, 0.0}, 0.3, {{{0, 0}, {0.1, 0}}}}),
-    [](const testing::TestParamInfo<Turn>& info) { return info.param.name; });
+        Maneuver{"trapezoid",
+                 {2.0, 4.0, 0.5},
+                 {0.0, 0.0},
+                 1.0,
+                 {{{0, 0}, {0.25, 0.5}, {2.0625, 0.5}, {2.1875, 0}}}},
+        Maneuver{"triangle",
+                 {2.0, 4.0, 0.5},
+                 {0.0, 0.0},
+                 0.03,
+                 {{{0, 0}, {std::sqrt(0.02), 2 * std::sqrt(0.02)}, {1.5 * std::sqrt(0.02), 0}}}},
+        Maneuver{"triangle_that_just_has_a_tip",
+                 {2.0, 4.0, 0.5},
+                 {-0.5, 0.0},
+                 -0.40625,
+                 {{{0, 0}, {0.25, 0.5}, {0.375, 0}}}},
+        Maneuver{"trapezoid_without_velocity_limit",
+                 {2.0, 4.0, 0.0},
+                 {0.0, 0.0},
+                 1.5,
+                 {{{0, 0}, {1.0, 2.0}, {1.5, 0}}}},
+        Maneuver{"velocity_limit_alone",
+                 {0.0, 0.0, 0.5},
+                 {0.2, 0.0},
+                 -0.8,
+                 {{{0, -0.5}, {2, -0.5}, {2, 0}}}},
+        Maneuver{"acceleration_limit_alone",
+                 {2.0, 0.0, 0.0},
+                 {0.0, 0.0},
+                 1.0,
+                 {{{0, 0}, {1, 2}, {1, 0}}}},
+        Maneuver{"deceleration_limit_alone", {0.0, 2.0, 0.0}, {0.0, 0.0}, 1.0, {{{0, 2}, {1, 0}}}},
+        Maneuver{"no_deceleration_limit",
+                 {2.0, 0.0, 0.5},
+                 {0.0, 0.0},
+                 1.0625,
+                 {{{0, 0}, {0.25, 0.5}, {2.25, 0.5}, {2.25, 0}}}},
+        Maneuver{"no_acceleration_limit",
+                 {0.0, 2.0, 0.5},
+                 {0.0, 0.0},
+                 1.0625,
+                 {{{0, 0.5}, {2, 0.5}, {2.25, 0}}}},
+        Maneuver{"nowhere", {2.0, 4.0, 0.5}, {0.3, 0.0}, 0.3, {{{0, 0}, {0.1, 0}}}}),
+    [](const testing::TestParamInfo<Maneuver>& info) { return info.param.name; });
 
-// The target is another than the one that the rate is of.
+// The target changes while the wheel is moving.
 INSTANTIATE_TEST_SUITE_P(
     InMotion, Steering,
     testing::Values(
         // Half a second along and 0.125 s down: 0.25 + 0.03125 rad.
-        Turn{"goes_on", {2.0, 4.0, 0.5}, {0.1, 0.5}, 0.38125, {{{0, 0.5}, {0.5, 0.5}, {0.625, 0}}}},
-        Turn{"speeds_up_further",
-             {2.0, 4.0, 0.5},
-             {0.0, 0.2},
-             0.08375,
-             {{{0, 0.2}, {0.15, 0.5}, {0.275, 0}}}},
-        Turn{"slows_down_at_once", {2.0, 4.0, 0.5}, {0.0, 0.4}, 0.02, {{{0, 0.4}, {0.1, 0}}}},
+        Maneuver{
+            "goes_on", {2.0, 4.0, 0.5}, {0.1, 0.5}, 0.38125, {{{0, 0.5}, {0.5, 0.5}, {0.625, 0}}}},
+        Maneuver{"speeds_up_further",
+                 {2.0, 4.0, 0.5},
+                 {0.0, 0.2},
+                 0.08375,
+                 {{{0, 0.2}, {0.15, 0.5}, {0.275, 0}}}},
+        Maneuver{"slows_down_at_once", {2.0, 4.0, 0.5}, {0.0, 0.4}, 0.02, {{{0, 0.4}, {0.1, 0}}}},
         // 0.03125 rad on until it rests, 1 rad back.
-        Turn{"turns_round",
-             {2.0, 4.0, 0.5},
-             {0.2, 0.5},
-             0.23125 - 1.0,
-             {{{0, 0.5}, {0.125, 0}, {0.375, -0.5}, {2.1875, -0.5}, {2.3125, 0}}}},
+        Maneuver{"turns_round",
+                 {2.0, 4.0, 0.5},
+                 {0.2, 0.5},
+                 0.23125 - 1.0,
+                 {{{0, 0.5}, {0.125, 0}, {0.375, -0.5}, {2.1875, -0.5}, {2.3125, 0}}}},
         // To rest 0.03125 rad further on, 0.03 rad past the target, and back in a triangle.
-        Turn{"is_too_fast_to_stop",
-             {2.0, 4.0, 0.5},
-             {0.0, 0.5},
-             0.00125,
-             {{{0, 0.5},
-               {0.125, 0},
-               {0.125 + std::sqrt(0.02), -2 * std::sqrt(0.02)},
-               {0.125 + 1.5 * std::sqrt(0.02), 0}}}},
-        Turn{"is_told_to_stay_where_it_is",
-             {2.0, 4.0, 0.5},
-             {0.0, -0.4},
-             0.0,
-             {{{0, -0.4},
-               {0.1, 0},
-               {0.1 + std::sqrt(0.04 / 3.0), 2.0 * std::sqrt(0.04 / 3.0)},
-               {0.1 + 1.5 * std::sqrt(0.04 / 3.0), 0}}}},
-        Turn{"stays_at_once_without_deceleration_limit",
-             {2.0, 0.0, 0.5},
-             {0.1, -0.4},
-             0.1,
-             {{{0, 0}, {0.1, 0}}}},
-        Turn{"turns_round_at_once_without_deceleration_limit",
-             {2.0, 0.0, 0.0},
-             {1.0, 0.7},
-             0.0,
-             {{{0, 0}, {1, -2}, {1, 0}}}},
-        Turn{"turns_round_without_acceleration_limit",
-             {0.0, 2.0, 0.5},
-             {0.0, 0.5},
-             -1.0,
-             {{{0, 0.5}, {0.25, 0}, {0.25, -0.5}, {2.25, -0.5}, {2.5, 0}}}}),
-    [](const testing::TestParamInfo<Turn>& info) { return info.param.name; });
+        Maneuver{"is_too_fast_to_stop",
+                 {2.0, 4.0, 0.5},
+                 {0.0, 0.5},
+                 0.00125,
+                 {{{0, 0.5},
+                   {0.125, 0},
+                   {0.125 + std::sqrt(0.02), -2 * std::sqrt(0.02)},
+                   {0.125 + 1.5 * std::sqrt(0.02), 0}}}},
+        Maneuver{"is_commanded_to_stay",
+                 {2.0, 4.0, 0.5},
+                 {0.0, -0.4},
+                 0.0,
+                 {{{0, -0.4},
+                   {0.1, 0},
+                   {0.1 + std::sqrt(0.04 / 3.0), 2.0 * std::sqrt(0.04 / 3.0)},
+                   {0.1 + 1.5 * std::sqrt(0.04 / 3.0), 0}}}},
+        Maneuver{"stays_at_once_without_deceleration_limit",
+                 {2.0, 0.0, 0.5},
+                 {0.1, -0.4},
+                 0.1,
+                 {{{0, 0}, {0.1, 0}}}},
+        Maneuver{"turns_round_at_once_without_deceleration_limit",
+                 {2.0, 0.0, 0.0},
+                 {1.0, 0.7},
+                 0.0,
+                 {{{0, 0}, {1, -2}, {1, 0}}}},
+        Maneuver{"turns_round_without_acceleration_limit",
+                 {0.0, 2.0, 0.5},
+                 {0.0, 0.5},
+                 -1.0,
+                 {{{0, 0.5}, {0.25, 0}, {0.25, -0.5}, {2.25, -0.5}, {2.5, 0}}}}),
+    [](const testing::TestParamInfo<Maneuver>& info) { return info.param.name; });
 
 TEST(Steer, IsAtOnceWithoutLimits) {
   for (const double time : {0.0, 0.005, 3.0}) {

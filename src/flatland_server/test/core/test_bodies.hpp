@@ -1,6 +1,6 @@
 #pragma once
 
-/// A world with boxes and posts to put into it, and how to compare where they get to.
+/// A world, bodies to put into it, and comparisons of poses and twists.
 
 #include <gtest/gtest.h>
 
@@ -58,12 +58,12 @@ inline void StepTimes(World& world, int steps) {
   for (int step = 0; step < steps; ++step) world.Step(kStep);
 }
 
-inline double Turn(double from, double to) { return std::remainder(to - from, 2.0 * M_PI); }
+inline double AngleBetween(double from, double to) { return std::remainder(to - from, 2.0 * M_PI); }
 
 inline void ExpectPose(const Pose& pose, const Pose& expected, double tolerance) {
   EXPECT_NEAR(pose.x, expected.x, tolerance);
   EXPECT_NEAR(pose.y, expected.y, tolerance);
-  EXPECT_NEAR(Turn(expected.yaw, pose.yaw), 0.0, tolerance);
+  EXPECT_NEAR(AngleBetween(expected.yaw, pose.yaw), 0.0, tolerance);
 }
 
 inline void ExpectTwist(const Twist& twist, const Twist& expected, double tolerance) {

@@ -1,10 +1,9 @@
 #pragma once
 
-/// A world whose contacts are written down.
+/// A world with a contact listener that records all events.
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <functional>
 #include <numeric>
 #include <string>
@@ -17,11 +16,12 @@
 namespace flatland {
 
 inline constexpr double kSkin = 0.02;  ///< Box2D's rounded corners and slop [m]
-inline constexpr uint8_t kAllHooks = kBeginContact | kEndContact | kPreSolve | kPostSolve;
+inline constexpr ContactEvents kAllContactEvents =
+    kBeginContact | kEndContact | kPreSolve | kPostSolve;
 
-/// What was told of a contact at one of its moments.
+/// A contact as it was at one of its events.
 struct Event {
-  ContactHooks moment;
+  ContactEvent type;
   Fixture a, b;
   const void* id;
   bool is_touching, is_enabled;
@@ -35,31 +35,31 @@ inline double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// Writes down all it hears, and does what the test wants done.
+/// Records all events, and calls the test's action for each.
 class Recorder : public ContactListener {
  public:
   void OnContact(Contact& contact) override {
-    events.push_back({contact.moment, contact.a, contact.b, contact.id(), contact.is_touching(),
+    events.push_back({contact.event, contact.a, contact.b, contact.id(), contact.is_touching(),
                       contact.is_enabled(), contact.Points(), contact.Normal(),
                       contact.old_manifold, contact.impulse});
     if (action) action(contact);
   }
 
-  // A letter for each event: (b)egin, (p)re solve, post (s)olve, (e)nd.
+  // All events in their order, a letter each: (b)egin, (p)re solve, post (s)olve, (e)nd.
   std::string Story() const {
     std::string story;
     for (const Event& event : events) {
-      story += event.moment == kBeginContact ? 'b'
-               : event.moment == kEndContact ? 'e'
-               : event.moment == kPreSolve   ? 'p'
-                                             : 's';
+      story += event.type == kBeginContact ? 'b'
+               : event.type == kEndContact ? 'e'
+               : event.type == kPreSolve   ? 'p'
+                                           : 's';
     }
     return story;
   }
 
-  int Count(ContactHooks moment) const {
+  int Count(ContactEvent type) const {
     int count = 0;
-    for (const Event& event : events) count += event.moment == moment;
+    for (const Event& event : events) count += event.type == type;
     return count;
   }
 
@@ -85,7 +85,7 @@ inline bool AreSame(World::Body a, World::Body b) {
 
 class ContactTest : public testing::Test {
  protected:
-  ContactTest() { world_.SetContactListener(&heard_); }
+  ContactTest() { world_.SetContactListener(&recorder_); }
 
   World::Body AddBody(const Pose& pose, b2BodyType type = b2_dynamicBody) {
     BodySettings settings;
@@ -113,7 +113,7 @@ class ContactTest : public testing::Test {
     for (int step = 0; step < steps; ++step) world_.Step(kStep);
   }
 
-  Recorder heard_;
+  Recorder recorder_;
   World world_{10, 10};
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-/// A world to scan, and what a lidar anywhere in it sees.
+/// A world, and scans from any pose in it.
 
 #include <gtest/gtest.h>
 

@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kStep = 0.005;
 constexpr double kWheelbase = 1.4;
 
-double Turn(double from, double to) { return std::remainder(to - from, 2.0 * M_PI); }
+double AngleBetween(double from, double to) { return std::remainder(to - from, 2.0 * M_PI); }
 
 double Apart(Vec2 a, Vec2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
@@ -87,9 +87,9 @@ class Tricycle : public testing::Test {
     return {pose.x, pose.y};
   }
 
-  // The angle that the front wheel's body shows, from straight ahead.
+  // The angle of the front wheel's body, from straight ahead.
   double ShownAngle(double heading = 0.0) const {
-    return Turn(world_.GetPose(base_).yaw + heading, world_.GetPose(wheel_).yaw);
+    return AngleBetween(world_.GetPose(base_).yaw + heading, world_.GetPose(wheel_).yaw);
   }
 
   // All lines through the wheels' axles meet in one point; about it the robot turns.
@@ -109,7 +109,7 @@ class Tricycle : public testing::Test {
       const double turned = speed * std::sin(angle) / kWheelbase * step * kStep;
       const Vec2 expected = center + Rotation(turned).Apply(start);
       ASSERT_LT(Apart(FrontWheel(), expected), 1e-3) << "step " << step;
-      ASSERT_NEAR(Turn(pose.yaw + turned, world_.GetPose(base_).yaw), 0.0, 1e-3);
+      ASSERT_NEAR(AngleBetween(pose.yaw + turned, world_.GetPose(base_).yaw), 0.0, 1e-3);
       const Vec2 axle = world_.ToWorldPoint(base_, settings.rear_axle);
       ASSERT_NEAR(Apart(axle, center), std::abs(axle_radius), 1e-3) << "step " << step;
       ASSERT_NEAR(Apart(FrontWheel(), center), std::abs(kWheelbase / std::sin(angle)), 1e-3);
@@ -164,7 +164,7 @@ TEST_F(Tricycle, TurnsOnTheSpotAboutItsAxle) {
     const Vec2 axle = world_.ToWorldPoint(base_, {-kWheelbase, 0.0});
     ASSERT_LT(Apart(axle, {-kWheelbase, 0.0}), 1e-3) << "step " << step;
   }
-  EXPECT_NEAR(Turn(5.0, world_.GetPose(base_).yaw), 0.0, 1e-3);
+  EXPECT_NEAR(AngleBetween(5.0, world_.GetPose(base_).yaw), 0.0, 1e-3);
 }
 
 TEST_F(Tricycle, DrivesStraight) {
@@ -203,7 +203,8 @@ TEST_F(Tricycle, FollowsItsLimitsInSpeedAndSteering) {
     ASSERT_NEAR(world_.Get(drive_).steer_angle(), steering.Integral(time), 1e-9) << step;
     ASSERT_NEAR(ShownAngle(), steering.Integral(time), 1e-5) << "step " << step;
     ASSERT_LT(Apart(FrontWheel(), {expected.x, expected.y}), 1e-3) << "step " << step;
-    ASSERT_NEAR(Turn(expected.yaw, world_.GetPose(base_).yaw), 0.0, 1e-3) << "step " << step;
+    ASSERT_NEAR(AngleBetween(expected.yaw, world_.GetPose(base_).yaw), 0.0, 1e-3)
+        << "step " << step;
     const Twist velocity = world_.GetLocalVelocity(base_), twist = twist_at(time);
     ASSERT_NEAR(velocity.vx, twist.vx, 2e-3) << "step " << step;
     ASSERT_NEAR(velocity.vy, twist.vy, 2e-3) << "step " << step;
@@ -267,7 +268,7 @@ TEST_F(Tricycle, ShowsTheAngleOnAWheelThatHangsElsewhere) {
       1e-5);
 }
 
-// The limits are the joint's, of what is shown; the robot drives as it is steered.
+// The joint's limits apply to what is shown; the robot drives at the steering angle all the same.
 TEST_F(Tricycle, ShowsNoMoreThanItsJointAllows) {
   for (const bool wheel_is_b : {true, false}) {
     SCOPED_TRACE(wheel_is_b ? "wheel is b" : "wheel is a");
@@ -285,15 +286,15 @@ TEST_F(Tricycle, ShowsNoMoreThanItsJointAllows) {
   }
 }
 
-// Half a turn to the left is half a turn to the right; the joint's limits are about one of them.
-TEST_F(Tricycle, ShowsTheAngleWithinLimitsAboutAnyTurn) {
-  for (const double turns : {-1.5, -0.5, 0.5, 1.5}) {
+// The joint's limits may lie around an angle that is some whole rotations away.
+TEST_F(Tricycle, ShowsTheAngleWithinLimitsWholeRotationsAway) {
+  for (const double rotations : {-1.5, -0.5, 0.5, 1.5}) {
     for (const bool wheel_is_b : {true, false}) {
-      SCOPED_TRACE(testing::Message() << turns << " turns, " << wheel_is_b);
-      const double middle = 2.0 * M_PI * turns;
+      SCOPED_TRACE(testing::Message() << rotations << " rotations, " << wheel_is_b);
+      const double middle = 2.0 * M_PI * rotations;
       RevoluteSettings hinge;
       hinge.limits = std::pair(middle - 0.3, middle + 0.3);
-      const Pose pose{0.0, 10.0 * turns + 5.0 * wheel_is_b, 0.2};
+      const Pose pose{0.0, 10.0 * rotations + 5.0 * wheel_is_b, 0.2};
       Build(pose, WithAxleAt({kWheelbase, 0.0}), hinge, wheel_is_b);
       world_.SetPose(wheel_, {pose.x, pose.y, pose.yaw});
 

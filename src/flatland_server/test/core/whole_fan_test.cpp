@@ -1,4 +1,4 @@
-/// Walls seen by all the beams of a fan together, each as if it were alone.
+/// Scans with many beams, compared beam by beam with a test of every wall.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace flatland {
 namespace {
 
-// Walls are drawn on several beams at a time, and passed over where nearer ones are there already.
+// Walls are drawn onto several beams at a time, and skipped if they are hidden.
 void ExpectEachBeamAsIfAlone(const std::vector<Segment>& walls, const BeamFan& fan, Vec2 low,
                              Vec2 high) {
   const SegmentTree tree(walls);

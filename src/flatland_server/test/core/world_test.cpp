@@ -1,4 +1,4 @@
-/// What goes with a body that is removed; turns; and that equal worlds go the same way.
+/// Removal of bodies; access by one thread at a time; reproducibility.
 
 #include "flatland_server/world.hpp"
 
@@ -40,7 +40,7 @@ TEST_F(WorldTest, RemovedBodyTakesItsJointsAndDrivesWithIt) {
   StepTimes(world_, 10);
 }
 
-TEST_F(WorldTest, NothingCanBeDoneWithARemovedBody) {
+TEST_F(WorldTest, EachUseOfARemovedBodyThrows) {
   const World::Body gone = AddBox(world_, {0, 0, 0});
   world_.RemoveBody(gone);
   const World::Body here = AddBox(world_, {0, 0, 0});
@@ -74,10 +74,10 @@ TEST_F(WorldTest, NothingCanBeDoneWithARemovedBody) {
   EXPECT_THROW(world_.SetFriction({gone, 0}, 0.5), GoneError);
   EXPECT_THROW(world_.TestPoint({gone, 0}, {0, 0}), GoneError);
   EXPECT_THROW(world_.AddTricycle(gone, {}, {}), GoneError);
-  EXPECT_THROW(world_.ListenTo(gone, kBeginContact), GoneError);
+  EXPECT_THROW(world_.ListenToContacts(gone, kBeginContact), GoneError);
 }
 
-TEST_F(WorldTest, BodyInARemovedOnesPlaceHasNotItsDrive) {
+TEST_F(WorldTest, BodyInTheSlotOfARemovedOneDoesNotGetItsDrive) {
   const World::Body a = AddBox(world_, {0, 0, 0});
   const World::Body b = AddBox(world_, {2, 0, 0});
   world_.Get(world_.AddDrive(b, {}, {})).Command({1, 0, 0});
@@ -90,18 +90,18 @@ TEST_F(WorldTest, BodyInARemovedOnesPlaceHasNotItsDrive) {
   ExpectPose(world_.GetPose(c), {4, 0, 0}, 0.0);
 }
 
-TEST_F(WorldTest, IsOneThreadsForATurn) {
+TEST_F(WorldTest, IsForOneThreadWhileGuarded) {
   const World::Body box = AddBox(world_, {0, 0, 0});
   const auto on_another_thread = [](auto act) { std::thread(act).join(); };
   {
-    const World::Turn turn(world_);
+    const World::AccessGuard guard(world_);
 
     on_another_thread([&] {
       EXPECT_THROW(world_.GetPose(box), std::logic_error);
       EXPECT_THROW(world_.Step(kStep), std::logic_error);
-      EXPECT_THROW(World::Turn{world_}, std::logic_error);
+      EXPECT_THROW(World::AccessGuard{world_}, std::logic_error);
     });
-    EXPECT_NO_THROW(world_.Step(kStep, turn));
+    EXPECT_NO_THROW(world_.Step(kStep, guard));
     on_another_thread([&] { EXPECT_THROW(world_.AddBody({}), std::logic_error); });
   }
   on_another_thread([&] { EXPECT_NO_THROW(world_.Step(kStep)); });
@@ -128,7 +128,7 @@ std::vector<Pose> PlayOut() {
   return poses;
 }
 
-TEST(World, EqualWorldsGoTheSameWayToTheLastBit) {
+TEST(World, EqualWorldsMoveEquallyToTheLastBit) {
   const std::vector<Pose> once = PlayOut();
   const std::vector<Pose> again = PlayOut();
 

@@ -4,6 +4,8 @@ import math
 
 import pytest
 
+from flatland_server import _core
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.footprint import Circle, Footprint, Polygon
 from flatland_server.models.model import ModelConfig
 
@@ -90,6 +92,16 @@ def test_the_layers_of_a_footprint_are_their_bits_together(files):
     footprint = read(files, "{type: circle, radius: 1, density: 1, layers: [c, a]}", "a", "b", "c")
 
     assert footprint.layer_bits == 0b101
+
+
+def test_footprints_are_checked_without_a_physical_world(tmp_path, monkeypatch):
+    monkeypatch.setattr(_core, "World", None)
+    file = tmp_path / "model.yaml"
+    file.write_text(model("{type: circle, radius: 1, density: 1}"))
+
+    config = ModelConfig.from_file(file, CollisionFilterRegistry())
+
+    assert [len(body.footprints) for body in config.bodies] == [1, 1]
 
 
 @pytest.mark.parametrize(

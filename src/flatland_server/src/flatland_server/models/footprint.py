@@ -56,14 +56,14 @@ class Footprint:
 
     @classmethod
     def read(
-        cls, reader: YamlReader, registry: CollisionFilterRegistry, scratch: _core.Body
+        cls, reader: YamlReader, registry: CollisionFilterRegistry, checker: _core.FixtureChecker
     ) -> "Footprint":
         """Reads an entry.
 
         Args:
             reader: the entry.
             registry: the layers that there are.
-            scratch: a body to try it on, with the body's footprints before this one.
+            checker: has checked the body's footprints before this one.
 
         Raises:
             YamlError: something in it is wrong, or Box2D cannot take the shape.
@@ -96,13 +96,13 @@ class Footprint:
         )
         reader.finish()
         try:
-            footprint.attach(scratch)
+            footprint.attach(checker)
         except ValueError as error:
             raise reader.error(str(error)) from None
         return footprint
 
-    def attach(self, body: _core.Body) -> None:
-        """Gives a physics body this shape.
+    def attach(self, body: Union[_core.Body, _core.FixtureChecker]) -> None:
+        """Gives a physics body this shape, or only checks whether it could have it.
 
         Raises:
             ValueError: Box2D cannot take the shape.

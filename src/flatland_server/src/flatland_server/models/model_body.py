@@ -32,7 +32,7 @@ class BodyConfig:
             YamlError: something in it is wrong.
         """
         body_type = reader.get_choice("type", BODY_TYPES, "dynamic")
-        scratch = _core.World().add_body(body_type, (0.0, 0.0, 0.0))
+        checker = _core.FixtureChecker(body_type)
         body = cls(
             name=reader.get_string("name"),
             pose=reader.get_pose("pose", Pose()),
@@ -43,7 +43,7 @@ class BodyConfig:
             footprints=tuple(
                 reader.get_sections(
                     "footprints",
-                    lambda section: Footprint.read(section, registry, scratch),
+                    lambda section: Footprint.read(section, registry, checker),
                     required=True,
                 )
             ),

@@ -124,11 +124,11 @@ WRONG_MODELS: Dict[str, Case] = {
     "vertices in a line": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
      "[[0, 0], [1, 1], [2, 2]]",
      "robot.model.yaml:21: bodies[1].footprints[0]: a polygon is too small or too "
-     "thin: its corners fall together"),
+     "thin: Box2D finds no area in it"),
     "three equal vertices": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
      "[[1, 1], [1, 1], [1, 1]]",
      "robot.model.yaml:21: bodies[1].footprints[0]: a polygon is too small or too "
-     "thin: its corners fall together"),
+     "thin: Box2D finds no area in it"),
     # Joints
     "no type of a joint": (MODEL, "- type: revolute\n    name", "- name",
      'robot.model.yaml:25: joints[0] "hinge": the required key "type" is missing'),

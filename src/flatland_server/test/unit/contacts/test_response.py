@@ -63,7 +63,7 @@ def test_a_contact_is_not_switched_in_another_hook(room, hook, caplog):
 
     [failure] = room.world.plugin_failures
     assert failure.reason == (
-        f"{hook}: RuntimeError: a contact is switched on or off in pre_solve alone"
+        f"{hook}: RuntimeError: a contact can be enabled or disabled only in pre_solve"
     )
 
 

@@ -1,11 +1,11 @@
-#include "flatland_server/mover.hpp"
+#include "flatland_server/visible_fixture.hpp"
 
 #include <algorithm>
 
 namespace flatland {
 namespace {
 
-b2Vec2 MiddleOf(const b2Shape& shape) {
+b2Vec2 CentroidOf(const b2Shape& shape) {
   return shape.GetType() == b2Shape::e_circle
              ? static_cast<const b2CircleShape&>(shape).m_p
              : static_cast<const b2PolygonShape&>(shape).m_centroid;
@@ -18,27 +18,27 @@ Vec2 ToWorld(const b2Transform& body, b2Vec2 local) {
 
 }  // namespace
 
-double ReachOf(const b2Shape& shape) {
+double BoundingRadius(const b2Shape& shape) {
   if (shape.GetType() == b2Shape::e_circle) return shape.m_radius;
   const auto& polygon = static_cast<const b2PolygonShape&>(shape);
-  double reach = 0.0;
+  double radius = 0.0;
   for (int i = 0; i < polygon.m_count; ++i) {
     const Vec2 arm{double{polygon.m_vertices[i].x} - polygon.m_centroid.x,
                    double{polygon.m_vertices[i].y} - polygon.m_centroid.y};
-    reach = std::max(reach, std::sqrt(Dot(arm, arm)));
+    radius = std::max(radius, std::sqrt(Dot(arm, arm)));
   }
-  return reach;
+  return radius;
 }
 
-Mover::Mover(const b2Fixture& fixture, double reach)
+VisibleFixture::VisibleFixture(const b2Fixture& fixture, double bounding_radius)
     : fixture(&fixture),
       layers(fixture.GetFilterData().categoryBits),
-      middle(ToWorld(fixture.GetBody()->GetTransform(), MiddleOf(*fixture.GetShape()))),
-      reach(reach) {}
+      center(ToWorld(fixture.GetBody()->GetTransform(), CentroidOf(*fixture.GetShape()))),
+      bounding_radius(bounding_radius) {}
 
-void Mover::DrawOn(DepthBuffer& buffer, Vec2 origin, const Rotation& rotation) const {
+void VisibleFixture::DrawOn(DepthBuffer& buffer, Vec2 origin, const Rotation& rotation) const {
   if (fixture->GetType() == b2Shape::e_circle) {
-    buffer.DrawCircle(rotation.ApplyInverse(middle - origin), reach);
+    buffer.DrawCircle(rotation.ApplyInverse(center - origin), bounding_radius);
     return;
   }
   const auto& polygon = static_cast<const b2PolygonShape&>(*fixture->GetShape());

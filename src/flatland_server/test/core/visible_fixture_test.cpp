@@ -1,6 +1,6 @@
-/// Circles and polygons, seen as by Box2D's own ray casts.
+/// Circles and polygons, compared with Box2D's own ray casts.
 
-#include "flatland_server/mover.hpp"
+#include "flatland_server/visible_fixture.hpp"
 
 #include <box2d/box2d.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace flatland {
 namespace {
 
-// Box2D's own answer; nothing where it depends on a hair's breadth.
+// Box2D's own distance; nothing where a tiny change of the angle changes it much.
 std::optional<double> AskBox2D(const b2Fixture& fixture, const Pose& lidar, double angle) {
   double distances[3];
   for (int i = 0; i < 3; ++i) {
@@ -43,11 +43,11 @@ void ExpectAsBox2D(const b2Fixture& fixture, std::mt19937& random) {
   const BeamFan fan(-3.14, 0.02, 315);
   DepthBuffer buffer;
   buffer.Begin(fan, 100.0);
-  const Mover mover(fixture, ReachOf(*fixture.GetShape()));
-  Discs discs;
-  discs.Add(mover.middle, mover.reach);
-  const std::vector<int> seen = buffer.FindSeen(discs, lidar);
-  mover.DrawOn(buffer, at, Rotation(lidar.yaw));
+  const VisibleFixture visible(fixture, BoundingRadius(*fixture.GetShape()));
+  BoundingCircles circles;
+  circles.Add(visible.center, visible.bounding_radius);
+  const std::vector<int> seen = buffer.FindVisible(circles, lidar);
+  visible.DrawOn(buffer, at, Rotation(lidar.yaw));
   std::vector<float> ranges(fan.size());
   buffer.GetRanges(ranges.data());
   for (int beam = 0; beam < fan.size(); ++beam) {
@@ -64,7 +64,7 @@ void ExpectAsBox2D(const b2Fixture& fixture, std::mt19937& random) {
   }
 }
 
-class MoverTest : public testing::Test {
+class VisibleFixtureTest : public testing::Test {
  protected:
   b2Body& AddBody() {
     b2BodyDef definition;
@@ -78,7 +78,7 @@ class MoverTest : public testing::Test {
   std::mt19937 random_{17};
 };
 
-TEST_F(MoverTest, CastsAtPolygonsAsBox2DDoes) {
+TEST_F(VisibleFixtureTest, CastsAtPolygonsAsBox2DDoes) {
   for (int i = 0; i < 300; ++i) {
     std::vector<b2Vec2> corners(3 + i % 6);
     for (b2Vec2& corner : corners) {
@@ -93,7 +93,7 @@ TEST_F(MoverTest, CastsAtPolygonsAsBox2DDoes) {
   }
 }
 
-TEST_F(MoverTest, CastsAtCirclesAsBox2DDoes) {
+TEST_F(VisibleFixtureTest, CastsAtCirclesAsBox2DDoes) {
   for (int i = 0; i < 300; ++i) {
     b2CircleShape circle;
     const Vec2 at = RandomPoint(random_, {-1, -1}, {1, 1});

@@ -1,0 +1,35 @@
+#pragma once
+
+/// Rigid bodies.
+
+#include <box2d/box2d.h>
+
+#include <vector>
+
+#include "flatland_server/contact.hpp"
+#include "flatland_server/geometry.hpp"
+
+namespace flatland {
+
+struct BodySettings {
+  b2BodyType type = b2_dynamicBody;
+  Pose pose;                     ///< of the body's origin, in the world [m, m, rad]
+  double linear_damping = 0.0;   ///< [1/s]
+  double angular_damping = 0.0;  ///< [1/s]
+};
+
+/// What a World stores for each body, including the static body that holds a layer's walls.
+struct BodyRecord {
+  struct FixtureRecord {
+    b2Fixture* fixture = nullptr;
+    bool visible = true;           // to lidars
+    double bounding_radius = 0.0;  // of its shape [m]; see VisibleFixture
+  };
+
+  b2Body* body = nullptr;
+  bool is_layer = false;
+  ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
+  std::vector<FixtureRecord> fixtures;              // by Fixture::index
+};
+
+}  // namespace flatland

@@ -1,0 +1,32 @@
+#pragma once
+
+/// Joints: how two bodies are connected.
+
+#include <optional>
+#include <utility>
+
+#include "flatland_server/geometry.hpp"
+
+namespace flatland {
+
+/// A joint keeps `anchor_a` of body a and `anchor_b` of body b at the same point.
+struct JointSettings {
+  Vec2 anchor_a;                   ///< in the frame of body a [m]
+  Vec2 anchor_b;                   ///< in the frame of body b [m]
+  bool collide_connected = false;  ///< whether the two bodies collide with each other
+};
+
+/// A hinge.
+struct RevoluteSettings : JointSettings {
+  /// Lower and upper limit of the angle of b minus that of a [rad]; none: it rotates freely.
+  std::optional<std::pair<double, double>> limits;
+};
+
+/// Fixes the relative pose of two bodies, rigidly or by a spring.
+struct WeldSettings : JointSettings {
+  double angle = 0.0;      ///< angle of b minus that of a [rad]
+  double frequency = 0.0;  ///< of the spring [Hz]; 0 is rigid
+  double damping = 0.0;    ///< damping ratio of the spring; 1 is critical
+};
+
+}  // namespace flatland

@@ -1,0 +1,86 @@
+/// World: fixtures.
+
+#include "box2d_limits.hpp"
+#include "flatland_server/world.hpp"
+#include "to_box2d.hpp"
+
+namespace flatland {
+
+Fixture World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
+  return AddFixture(body, MakeCircle(center, radius), settings);
+}
+
+Fixture World::AddPolygon(Body body, const std::vector<Vec2>& vertices,
+                          const FixtureSettings& settings) {
+  return AddFixture(body, MakePolygon(vertices), settings);
+}
+
+Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettings& settings) {
+  b2Body& body = Find(handle);
+  Require(!bodies_.Get(handle).is_layer, "a layer has no fixtures but its walls");
+  RequireMaterial(settings);
+  if (body.GetType() == b2_dynamicBody) {
+    std::vector<b2MassData> parts{ComputeMass(shape, settings)};
+    for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
+      if (f->GetDensity() == 0.0f) continue;
+      f->GetMassData(&parts.emplace_back());
+    }
+    RequireInertia(parts);
+  }
+  const AccessGuard guard(*this);
+  auto& fixtures = bodies_.Get(handle).fixtures;
+  b2FixtureDef definition;
+  definition.userData.pointer = fixtures.size();
+  definition.shape = &shape;
+  definition.density = static_cast<float>(settings.density);
+  definition.friction = static_cast<float>(settings.friction);
+  definition.restitution = static_cast<float>(settings.restitution);
+  definition.isSensor = settings.sensor;
+  definition.filter.categoryBits = settings.layers;
+  definition.filter.maskBits = settings.collides ? settings.layers : 0;
+  fixtures.push_back({body.CreateFixture(&definition), settings.visible, BoundingRadius(shape)});
+  ++revision_;
+  return {handle, static_cast<uint32_t>(fixtures.size() - 1)};
+}
+
+b2Fixture& World::Find(Fixture fixture) const {
+  RequireAccess();
+  const auto& fixtures = bodies_.Get(fixture.body).fixtures;
+  Require(fixture.index < fixtures.size(), "the body has no such fixture");
+  return *fixtures[fixture.index].fixture;
+}
+
+int World::GetFixtureCount(Body body) const {
+  RequireAccess();
+  return static_cast<int>(bodies_.Get(body).fixtures.size());
+}
+
+FixtureSettings World::GetSettings(Fixture fixture) const {
+  const b2Fixture& found = Find(fixture);
+  FixtureSettings settings;
+  settings.density = found.GetDensity();
+  settings.friction = found.GetFriction();
+  settings.restitution = found.GetRestitution();
+  settings.sensor = found.IsSensor();
+  settings.collides = found.GetFilterData().maskBits != 0;
+  settings.visible = bodies_.Get(fixture.body).fixtures[fixture.index].visible;
+  settings.layers = found.GetFilterData().categoryBits;
+  return settings;
+}
+
+void World::SetFriction(Fixture fixture, double friction) {
+  RequireNotNegative(friction, "friction must be finite and not negative");
+  Find(fixture).SetFriction(static_cast<float>(friction));
+}
+
+void World::SetRestitution(Fixture fixture, double restitution) {
+  RequireNotNegative(restitution, "restitution must be finite and not negative");
+  Find(fixture).SetRestitution(static_cast<float>(restitution));
+}
+
+bool World::TestPoint(Fixture fixture, Vec2 point) const {
+  RequirePosition(point);
+  return Find(fixture).TestPoint(ToBox2D(point));
+}
+
+}  // namespace flatland
