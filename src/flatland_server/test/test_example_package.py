@@ -1,7 +1,7 @@
 """flatland_example_plugins as a user's package: in a workspace of its own, Flatland installed.
 
-Flatland is built once into build/test/installed, which takes half a minute the first time; the
-workspace is a new one each time.
+Flatland is built into build/test/installed, out of ccache if the workspace has been built with it;
+the user's workspace is a new one each time.
 """
 
 import os
@@ -52,6 +52,7 @@ class Shell:
             self.port = probe.getsockname()[1]
         self.environment = {
             "PATH": "/usr/bin:/bin",
+            **{name: value for name, value in os.environ.items() if "CCACHE" in name},
             "HOME": str(home),
             "LANG": "C.UTF-8",
             "PYTHONUNBUFFERED": "1",
@@ -98,9 +99,9 @@ def workspace(tmp_path_factory):
     FLATLAND.mkdir(parents=True, exist_ok=True)
     shutil.rmtree(prefix, ignore_errors=True)
     shell.run(
-        f"catkin_make -C {FLATLAND} --source {ROOT}/src {CONFIGURE} -DCATKIN_ENABLE_TESTING=OFF "
-        f"-DCMAKE_INSTALL_PREFIX={prefix} "
-        "'-DCATKIN_BLACKLIST_PACKAGES=flatland_example_plugins;flatland_viz' install"
+        f"catkin_make -C {FLATLAND} --source {ROOT} {CONFIGURE} -DCATKIN_ENABLE_TESTING=OFF "
+        f"-DCMAKE_INSTALL_PREFIX={prefix} -DFLATLAND_WERROR=ON "
+        "'-DCATKIN_WHITELIST_PACKAGES=flatland_msgs;flatland_plugins;flatland_server' install"
     )
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(PACKAGE, folder / "src" / PACKAGE.name, ignore=ignored)
