@@ -1,10 +1,11 @@
 """flatland_example_plugins as a user's package: in a workspace of its own, Flatland installed.
 
-Flatland is built into build/test/installed, out of ccache if the workspace has been built with it;
-the user's workspace is a new one each time.
+Flatland is installed out of the clone's build folder, below a DESTDIR, as packagers do it:
+setup.bash finds an install space where it lies. The user's workspace is a new one each time.
 """
 
 import os
+import re
 import shutil
 import signal
 import socket
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-FLATLAND = ROOT / "build" / "test" / "installed"
+BUILD = ROOT / "build"
 PACKAGE = ROOT / "src" / "flatland_example_plugins"
 
 LIMIT = 300.0  # s of real time, for each command; other builds may be running
@@ -52,7 +53,6 @@ class Shell:
             self.port = probe.getsockname()[1]
         self.environment = {
             "PATH": "/usr/bin:/bin",
-            **{name: value for name, value in os.environ.items() if "CCACHE" in name},
             "HOME": str(home),
             "LANG": "C.UTF-8",
             "PYTHONUNBUFFERED": "1",
@@ -91,22 +91,29 @@ def shell(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory):
+def flatland(tmp_path_factory):
+    """The install space of a Flatland without the example package."""
+    folder = tmp_path_factory.mktemp("flatland")
+    cache = (BUILD / "CMakeCache.txt").read_text()
+    [prefix] = re.findall(r"^CMAKE_INSTALL_PREFIX:PATH=/(.*)$", cache, flags=re.MULTILINE)
+    packages = ("flatland_msgs", "flatland_plugins", "flatland_server")
+    Shell(folder).run(
+        f"export DESTDIR={folder}",
+        f"cmake -DCMAKE_INSTALL_LOCAL_ONLY=1 -P {BUILD}/cmake_install.cmake",  # setup.bash etc.
+        *(f"cmake -P {BUILD}/src/{package}/cmake_install.cmake" for package in packages),
+    )
+    return folder / prefix
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory, flatland):
     """A catkin workspace with the package alone, built and installed."""
     folder = tmp_path_factory.mktemp("workspace")
     shell = Shell(folder)
-    prefix = FLATLAND / "prefix"
-    FLATLAND.mkdir(parents=True, exist_ok=True)
-    shutil.rmtree(prefix, ignore_errors=True)
-    shell.run(
-        f"catkin_make -C {FLATLAND} --source {ROOT} {CONFIGURE} -DCATKIN_ENABLE_TESTING=OFF "
-        f"-DCMAKE_INSTALL_PREFIX={prefix} -DFLATLAND_WERROR=ON "
-        "'-DCATKIN_WHITELIST_PACKAGES=flatland_msgs;flatland_plugins;flatland_server' install"
-    )
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(PACKAGE, folder / "src" / PACKAGE.name, ignore=ignored)
     shell.run(
-        f"source {prefix}/setup.bash",
+        f"source {flatland}/setup.bash",
         f"cd {folder}",
         f"catkin_make {CONFIGURE} install",
     )
@@ -114,13 +121,13 @@ def workspace(tmp_path_factory):
 
 
 @pytest.mark.parametrize("space", ["devel", "install"])
-def test_rospack_lists_its_plugins(workspace, shell, space):
+def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
     setup = f"source {workspace}/{space}/setup.bash"
 
     plugins = shell.run(setup, "rospack plugins --attrib=plugin flatland_server").splitlines()
     server = shell.run(setup, "rospack find flatland_server").strip()
 
-    installed = FLATLAND / "prefix" / "share"
+    installed = flatland / "share"
     assert sorted(plugins) == [
         f"flatland_example_plugins {workspace / FOLDERS[space]}/flatland_plugins.xml",
         f"flatland_plugins {installed}/flatland_plugins/flatland_plugins.xml",
