@@ -14,6 +14,13 @@ export PATH="/usr/bin:$PATH"
 # What a node says is seen at once, through a pipe as on a terminal.
 export PYTHONUNBUFFERED=1
 
+# What was compiled before, in this clone or another, is taken from ccache's store. The settings make
+# clones in different folders, and precompiled headers, count as the same.
+if [[ -x /usr/bin/ccache ]]; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=/usr/bin/ccache
+  export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+fi
+
 # Ctrl-C ends the script, also if the program that is running makes little of it.
 trap 'exit 130' INT
 

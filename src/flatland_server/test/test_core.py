@@ -1,4 +1,4 @@
-"""The C++ tests of the core (test/core): built, plain and with the sanitizers, and run."""
+"""The C++ tests of the core (test/core): built and run, plain and with the sanitizers."""
 
 import os
 import subprocess
@@ -22,17 +22,18 @@ def run(*command):
         )
 
 
-@pytest.mark.parametrize(
-    ("folder", "options"),
-    [
-        pytest.param("core_test", [], id="plain"),
-        pytest.param("core_test_sanitized", ["-DFLATLAND_SANITIZE=ON"], id="sanitized"),
-    ],
-)
-def test_core(folder, options):
-    build = BUILD / folder
+def test_core_as_the_server_uses_it():
+    """With the objects of the extension module; only the tests are compiled."""
+    run("nice", "cmake", "--build", BUILD, "--target", "core_test", "--parallel", os.cpu_count())
 
-    run("cmake", "-S", SOURCE, "-B", build, *options)
-    run("cmake", "--build", build, "--parallel", os.cpu_count())
+    run(BUILD / "src" / "flatland_server" / "test" / "core" / "core_test")
+
+
+def test_core_under_the_sanitizers():
+    """With AddressSanitizer and UndefinedBehaviorSanitizer, the core and the tests."""
+    build = BUILD / "core_test_sanitized"
+
+    run("cmake", "-S", SOURCE, "-B", build, "-DFLATLAND_SANITIZE=ON")
+    run("nice", "cmake", "--build", build, "--parallel", os.cpu_count())
 
     run(build / "core_test")

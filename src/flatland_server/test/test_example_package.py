@@ -1,20 +1,21 @@
 """flatland_example_plugins as a user's package: in a workspace of its own, Flatland installed.
 
-Flatland is built once into build/test/installed, which takes half a minute the first time; the
-workspace is a new one each time.
+Flatland is installed out of the clone's build folder, below a DESTDIR, as packagers do it:
+setup.bash finds an install space where it lies. The user's workspace is a new one each time.
 """
 
 import os
+import re
 import shutil
 import signal
-import socket
 import subprocess
 from pathlib import Path
 
 import pytest
+from ros_processes import free_port
 
 ROOT = Path(__file__).resolve().parents[3]
-FLATLAND = ROOT / "build" / "test" / "installed"
+BUILD = ROOT / "build"
 PACKAGE = ROOT / "src" / "flatland_example_plugins"
 
 LIMIT = 300.0  # s of real time, for each command; other builds may be running
@@ -47,9 +48,7 @@ class Shell:
     """A user's bash in which nothing is sourced yet, and in which no ROS master is running."""
 
     def __init__(self, home):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.environment = {
             "PATH": "/usr/bin:/bin",
             "HOME": str(home),
@@ -90,22 +89,29 @@ def shell(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory):
+def flatland(tmp_path_factory):
+    """The install space of a Flatland without the example package."""
+    folder = tmp_path_factory.mktemp("flatland")
+    cache = (BUILD / "CMakeCache.txt").read_text()
+    [prefix] = re.findall(r"^CMAKE_INSTALL_PREFIX:PATH=/(.*)$", cache, flags=re.MULTILINE)
+    packages = ("flatland_msgs", "flatland_plugins", "flatland_server")
+    Shell(folder).run(
+        f"export DESTDIR={folder}",
+        f"cmake -DCMAKE_INSTALL_LOCAL_ONLY=1 -P {BUILD}/cmake_install.cmake",  # setup.bash etc.
+        *(f"cmake -P {BUILD}/src/{package}/cmake_install.cmake" for package in packages),
+    )
+    return folder / prefix
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory, flatland):
     """A catkin workspace with the package alone, built and installed."""
     folder = tmp_path_factory.mktemp("workspace")
     shell = Shell(folder)
-    prefix = FLATLAND / "prefix"
-    FLATLAND.mkdir(parents=True, exist_ok=True)
-    shutil.rmtree(prefix, ignore_errors=True)
-    shell.run(
-        f"catkin_make -C {FLATLAND} --source {ROOT}/src {CONFIGURE} -DCATKIN_ENABLE_TESTING=OFF "
-        f"-DCMAKE_INSTALL_PREFIX={prefix} "
-        "'-DCATKIN_BLACKLIST_PACKAGES=flatland_example_plugins;flatland_viz' install"
-    )
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(PACKAGE, folder / "src" / PACKAGE.name, ignore=ignored)
     shell.run(
-        f"source {prefix}/setup.bash",
+        f"source {flatland}/setup.bash",
         f"cd {folder}",
         f"catkin_make {CONFIGURE} install",
     )
@@ -113,13 +119,13 @@ def workspace(tmp_path_factory):
 
 
 @pytest.mark.parametrize("space", ["devel", "install"])
-def test_rospack_lists_its_plugins(workspace, shell, space):
+def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
     setup = f"source {workspace}/{space}/setup.bash"
 
     plugins = shell.run(setup, "rospack plugins --attrib=plugin flatland_server").splitlines()
     server = shell.run(setup, "rospack find flatland_server").strip()
 
-    installed = FLATLAND / "prefix" / "share"
+    installed = flatland / "share"
     assert sorted(plugins) == [
         f"flatland_example_plugins {workspace / FOLDERS[space]}/flatland_plugins.xml",
         f"flatland_plugins {installed}/flatland_plugins/flatland_plugins.xml",

@@ -1,5 +1,5 @@
-/// flatland_benchmark._box2d_rays: lidar scans by b2World::RayCast, beam by beam, the baseline of the
-/// benchmark's ray cases. Uses nothing of Flatland.
+/// flatland_benchmark._box2d_rays: lidar scans by b2World::RayCast, beam by beam, the baseline of
+/// the benchmark's ray cases. Uses nothing of Flatland.
 
 #include <box2d/box2d.h>
 #include <pybind11/numpy.h>
