@@ -8,7 +8,6 @@
 /// with perimeters). A leaf holds up to kLeafSize walls. DepthBuffer traverses the tree.
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -66,17 +65,8 @@ class SegmentTree {
  private:
   using Iterator = std::vector<uint32_t>::iterator;
 
-  class Binning;
-  /// A division of walls: those in the bins below `bin` along an axis, and the others.
-  struct Cut {
-    int axis = 0;
-    int bin = 0;  // 0: no division
-    double cost = std::numeric_limits<double>::infinity();
-  };
-
   Child Build(Iterator begin, Iterator end, int depth);
   Iterator Split(Iterator begin, Iterator end, int depth);
-  Cut FindCut(const Binning& binning, Iterator begin, Iterator end) const;
   int32_t AddLeaf(Iterator begin, Iterator end);
 
   std::vector<Segment> segments_;

@@ -1,27 +1,28 @@
-/// How a whole scan is computed at once.
+/// Computes all beams of a scan together.
 ///
 /// Need: hundreds of lidars with a thousand beams each, ten times a second and more, with the
 /// results of exact geometry. A ray cast for each beam tests the same walls again and again.
 ///
 /// Method: as in rasterisation, each wall is drawn once onto the beams between its two ends, and
-/// each beam keeps the nearest wall.
+/// each beam keeps the nearest wall. Beams are numbered by their rank, counter-clockwise:
 ///
-///     wall 2   b----------------------------------a
-///               \     \    \   |   /    /     /
-///     wall 1     \     \  b=============a    /
-///                 \     \   \  |  /   /     /
-///                  \     \   \ | /   /     /
-///     rank          7     6   5 4 3   2     1     0
-///                             lidar
+///     ranks       7                                   1
+///     wall 2  b-----------------------------------------a         0
+///                    \                             /         /
+///                       \     6  5  4  3  2     /       /
+///     wall 1               \b===============a/     /
+///                             \ \ \ | / / /   /
+///                                \\\|/// /
+///                                 lidar
 ///
 ///     rank           0    1    2    3    4    5    6    7
-///     nearest wall   -    2    1    1    1    1    2    2
+///     nearest wall   -    2    1    1    1    1    1    2
 ///
-/// Data: the buffer holds one number for each beam, the inverse distance 1 / t, by rank: the beams
-/// are sorted by direction (BeamFan), so that the beams between two directions are one run of
-/// ranks, or two if the beam at +-180 degrees lies between them. Along a wall from a to b, with b
-/// counter-clockwise of a as seen by the lidar, a beam in the direction of the unit vector u ends
-/// at
+/// Data: the buffer holds one number for each beam, the inverse distance 1 / t. Ranks sort the
+/// beams by direction (BeamFan), so the beams between two directions are one run of ranks, or two
+/// runs if the backward direction, where ranks begin and end, is between them. Along a wall from a
+/// to b, with b counter-clockwise of a as seen by the lidar, a beam in the direction of the unit
+/// vector u ends at
 ///
 ///     1 / t = cross(u, b - a) / cross(a, b).
 ///

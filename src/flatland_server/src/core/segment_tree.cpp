@@ -12,6 +12,8 @@
 namespace flatland {
 namespace {
 
+using Iterator = std::vector<uint32_t>::iterator;
+
 constexpr int kBins = 16;
 /// From this depth on each node is split in half, whatever the boxes: this limits the depth.
 constexpr int kMaxHeuristicDepth = 64;
@@ -36,21 +38,17 @@ double CostOf(const Box& box, int walls) {
   return walls == 0 ? 0.0 : box.half_perimeter() * ((walls + kLeafSize - 1) / kLeafSize);
 }
 
-}  // namespace
-
 /// Sorts walls by their centres along an axis into bins of equal width. A cut lies between two
 /// bins.
-class SegmentTree::Binning {
+class Binning {
  public:
   /// `centers` is the box of all the walls' doubled centres.
   Binning(const Box& centers, int axis)
-      : axis_(axis), from_(Along(centers.low, axis)), size_(Along(centers.high, axis) - from_) {
-    is_possible_ = Along(centers.high, axis) > from_;
-  }
+      : axis_(axis), from_(Along(centers.low, axis)), size_(Along(centers.high, axis) - from_) {}
 
   int axis() const { return axis_; }
   /// False if all centres are equal along the axis.
-  bool is_possible() const { return is_possible_; }
+  bool is_possible() const { return size_ > 0.0; }
   int BinOf(const Segment& segment) const {
     const double part = (Along(TwiceCenter(segment), axis_) - from_) / size_;
     return std::min(kBins - 1, static_cast<int>(part * kBins));
@@ -60,8 +58,47 @@ class SegmentTree::Binning {
   int axis_;
   double from_;
   double size_;
-  bool is_possible_;
 };
+
+/// A division of walls: those in the bins below `bin` along an axis, and the others.
+struct Cut {
+  int axis = 0;
+  int bin = 0;  // 0: no division
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+/// The cheapest cut between two bins, with walls on both sides; an infinite cost if there is none.
+Cut FindCut(const Binning& binning, const std::vector<Segment>& segments, Iterator begin,
+            Iterator end) {
+  Box boxes[kBins];
+  int counts[kBins] = {};
+  for (Iterator i = begin; i != end; ++i) {
+    const int bin = binning.BinOf(segments[*i]);
+    boxes[bin].Add(segments[*i]);
+    ++counts[bin];
+  }
+  double costs_above[kBins] = {};
+  Box box;
+  int count = 0;
+  for (int bin = kBins - 1; bin > 0; --bin) {
+    box.Add(boxes[bin]);
+    count += counts[bin];
+    costs_above[bin] = CostOf(box, count);
+  }
+  box = Box();
+  count = 0;
+  Cut best;
+  for (int bin = 1; bin < kBins; ++bin) {
+    box.Add(boxes[bin - 1]);
+    count += counts[bin - 1];
+    const double cost = CostOf(box, count) + costs_above[bin];
+    if (count == 0 || count == end - begin || cost >= best.cost) continue;
+    best = {binning.axis(), bin, cost};
+  }
+  return best;
+}
+
+}  // namespace
 
 void Box::Add(const Segment& segment) {
   for (const Vec2& end : {segment.a, segment.b}) {
@@ -144,7 +181,7 @@ SegmentTree::Iterator SegmentTree::Split(Iterator begin, Iterator end, int depth
   for (int axis = 0; axis < 2 && depth < kMaxHeuristicDepth; ++axis) {
     const Binning binning(centers, axis);
     if (!binning.is_possible()) continue;
-    const Cut cut = FindCut(binning, begin, end);
+    const Cut cut = FindCut(binning, segments_, begin, end);
     if (cut.cost < best.cost) best = cut;
   }
   if (best.bin > 0) {
@@ -159,36 +196,6 @@ SegmentTree::Iterator SegmentTree::Split(Iterator begin, Iterator end, int depth
     return Along(TwiceCenter(segments_[a]), axis) < Along(TwiceCenter(segments_[b]), axis);
   });
   return middle;
-}
-
-/// The cheapest cut between two bins, with walls on both sides; an infinite cost if there is none.
-SegmentTree::Cut SegmentTree::FindCut(const Binning& binning, Iterator begin, Iterator end) const {
-  Box boxes[kBins];
-  int counts[kBins] = {};
-  for (Iterator i = begin; i != end; ++i) {
-    const int bin = binning.BinOf(segments_[*i]);
-    boxes[bin].Add(segments_[*i]);
-    ++counts[bin];
-  }
-  double costs_above[kBins] = {};
-  Box box;
-  int count = 0;
-  for (int bin = kBins - 1; bin > 0; --bin) {
-    box.Add(boxes[bin]);
-    count += counts[bin];
-    costs_above[bin] = CostOf(box, count);
-  }
-  box = Box();
-  count = 0;
-  Cut best;
-  for (int bin = 1; bin < kBins; ++bin) {
-    box.Add(boxes[bin - 1]);
-    count += counts[bin - 1];
-    const double cost = CostOf(box, count) + costs_above[bin];
-    if (count == 0 || count == end - begin || cost >= best.cost) continue;
-    best = {binning.axis(), bin, cost};
-  }
-  return best;
 }
 
 }  // namespace flatland

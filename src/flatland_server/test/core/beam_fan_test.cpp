@@ -19,7 +19,7 @@ void ExpectDirection(Vec2 direction, double angle) {
   EXPECT_NEAR(direction.y, std::sin(angle), 1e-12);
 }
 
-TEST(BeamFan, TurnsCounterClockwise) {
+TEST(BeamFan, GoesCounterClockwise) {
   const BeamFan fan(-0.5, 0.25, 5);
 
   ASSERT_EQ(fan.size(), 5);
@@ -28,7 +28,7 @@ TEST(BeamFan, TurnsCounterClockwise) {
   ExpectDirection(fan.direction(4), 0.5);
 }
 
-TEST(BeamFan, TurnsClockwiseWithANegativeIncrement) {
+TEST(BeamFan, GoesClockwiseWithANegativeIncrement) {
   const BeamFan fan(0.5, -0.25, 5);
 
   ASSERT_EQ(fan.size(), 5);
@@ -126,9 +126,9 @@ TEST_P(BeamsNear, AreAllVisitedStraightBehind) {
 TEST_P(BeamsNear, AreFewForNarrowThings) {
   for (double bearing = -3.0; bearing < 3.0; bearing += 0.1) {
     const double increment = std::abs(GetParam().span) / (GetParam().count - 1);
-    const double per_turn = 2.0 * (0.01 / increment + 1.0) + 1.0;
-    const double turns = std::ceil(std::abs(GetParam().span) / (2.0 * M_PI)) + 1.0;
-    EXPECT_LE(Visit(bearing, 0.01).size(), per_turn * turns) << "near " << bearing;
+    const double per_rotation = 2.0 * (0.01 / increment + 1.0) + 1.0;
+    const double rotations = std::ceil(std::abs(GetParam().span) / (2.0 * M_PI)) + 1.0;
+    EXPECT_LE(Visit(bearing, 0.01).size(), per_rotation * rotations) << "near " << bearing;
   }
 }
 
@@ -137,14 +137,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(FanCase{"narrow", -0.4, 0.8, 81}, FanCase{"narrow_clockwise", 0.4, -0.8, 81},
                     FanCase{"behind", 2.9, 0.6, 61}, FanCase{"behind_clockwise", -2.9, -0.6, 61},
                     FanCase{"three_quarters", -2.356, 4.712, 1081},
-                    FanCase{"full_turn", -M_PI, 2.0 * M_PI, 361},
-                    FanCase{"full_turn_clockwise", M_PI, -2.0 * M_PI, 361},
-                    FanCase{"two_turns", -M_PI, 4.0 * M_PI, 500},
-                    FanCase{"two_turns_clockwise", M_PI, -4.0 * M_PI, 500},
-                    FanCase{"many_turns_from_afar", 50.0, 3.5 * M_PI, 400}),
+                    FanCase{"full_rotation", -M_PI, 2.0 * M_PI, 361},
+                    FanCase{"full_rotation_clockwise", M_PI, -2.0 * M_PI, 361},
+                    FanCase{"two_rotations", -M_PI, 4.0 * M_PI, 500},
+                    FanCase{"two_rotations_clockwise", M_PI, -4.0 * M_PI, 500},
+                    FanCase{"many_rotations_from_afar", 50.0, 3.5 * M_PI, 400}),
     [](const testing::TestParamInfo<FanCase>& info) { return info.param.name; });
 
-TEST(BeamFan, CoarseFanOfManyTurnsMissesNothing) {
+TEST(BeamFan, CoarseFanOfManyRotationsMissesNothing) {
   const BeamFan fan(0.0, 5.0, 40);
 
   std::set<int> visited;

@@ -69,7 +69,7 @@ TEST_F(WorldTest, WallStopsFromBothSides) {
   EXPECT_GT(world_.GetPose(right).x, 0.4);
 }
 
-// The box is shorter than what it moves in a step.
+// In a step the box moves by more than its own length.
 TEST_F(WorldTest, FastBoxDoesNotPassThroughAWall) {
   world_.AddLayer({{{3.03, -5}, {3.03, 5}}}, 0xFFFF);
   const World::Body box = AddBox(world_, {0, 0, 0}, 0.04);

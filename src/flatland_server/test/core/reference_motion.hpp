@@ -61,8 +61,8 @@ class Course {
   std::vector<Point> points_;
 };
 
-/// Where a frame gets to that moves from `pose` with the twist `twist_at(time)` of its own, from
-/// one time to another. The midpoint rule, in steps that are short beside anything of interest.
+/// The pose of a frame that moves from `pose` at the twist `twist_at(time)`, in its own frame, from
+/// one time to another [s]. By the midpoint rule, with steps of 0.1 ms.
 template <class TwistAt>
 Pose Travel(Pose pose, double from, double to, TwistAt twist_at) {
   constexpr double kLongest = 1e-4;

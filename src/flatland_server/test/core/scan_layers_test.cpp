@@ -54,7 +54,7 @@ TEST_F(LidarTest, SeesOnlyItsLayers) {
   EXPECT_EQ(LookAhead({}), kInfinity);
 }
 
-TEST_F(LidarTest, SaysTheIntensityOfTheNearestThing) {
+TEST_F(LidarTest, MeasuresTheIntensityOfTheNearestThing) {
   settings_.reflectance_layers = 0b10;
   FixtureSettings dull, bright;
   dull.layers = 0b01;
@@ -110,7 +110,7 @@ TEST_F(LidarTest, SeesADullWallAtItsVeryRangeBesideWhatReflects) {
   EXPECT_EQ(LookAhead({}), 5.0f);
 }
 
-TEST_F(LidarTest, SaysTheIntensityOfWhatIsAMillimetreNearer) {
+TEST_F(LidarTest, MeasuresTheIntensityOfWhatIsAMillimetreNearer) {
   settings_.reflectance_layers = 0b10;
   AddWallAt(5.0, 0b01);
   AddWallAt(5.001, 0b10);

@@ -37,7 +37,7 @@ TEST_F(LidarTest, MeasuresARoom) {
   }
 }
 
-TEST_F(LidarTest, SaysInfinityWhereNothingIsInRange) {
+TEST_F(LidarTest, MeasuresInfinityWhereNothingIsInRange) {
   AddWallAt(5.0);
   const World::Body body = AddBody({0.0, 8.0, 0.0});
   world_.AddCircle(body, {0, 0}, 1.0, {});

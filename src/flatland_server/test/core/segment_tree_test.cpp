@@ -29,7 +29,7 @@ double Cast(const SegmentTree& walls, Vec2 origin, Vec2 direction, double limit)
   return range;
 }
 
-// A ray past the very end of a wall may stop there or go on; anywhere else there is one answer.
+// At the very end of a wall a ray may hit it or miss it; anywhere else the result is unambiguous.
 void ExpectAsTryingEveryWall(const std::vector<Segment>& walls, const SegmentTree& tree,
                              Vec2 origin, Vec2 direction) {
   const double with_longer_walls = TryEveryWall(walls, origin, direction, 1e-8);

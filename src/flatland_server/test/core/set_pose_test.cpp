@@ -37,7 +37,7 @@ TEST_F(WorldTest, SetPoseWakesASleepingBody) {
   world_.AddLayer({{{0, 2}, {4, 2}}}, 0xFFFF);
   StepTimes(world_, 400);
 
-  // Half a metre deep in a wall: only what is awake is pushed out of it.
+  // Half a metre deep in a wall: Box2D pushes only awake bodies out of it.
   world_.SetPose(box, {2, 1.6, 0});
   StepTimes(world_, 400);
 

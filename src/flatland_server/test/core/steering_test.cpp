@@ -184,7 +184,7 @@ class AnySteering : public testing::Test {
   std::mt19937 random_{11};
 };
 
-// Targets that change at any moment, to anywhere.
+// Random targets, changed at random times.
 TEST_F(AnySteering, NeverExceedsItsLimitsAndArrives) {
   const double dt = 0.005;
   for (int i = 0; i < 500; ++i) {
@@ -209,7 +209,7 @@ TEST_F(AnySteering, NeverExceedsItsLimitsAndArrives) {
         state = next;
       }
     }
-    // No way is longer than these, over there and back again.
+    // Upper bounds of the time, there and back again.
     const double stop = limits.velocity / limits.deceleration;
     const double longest = 2.0 * stop + 3.0 / limits.velocity + 0.5 * limits.velocity * stop +
                            limits.velocity / limits.acceleration + 10.0;
@@ -236,7 +236,7 @@ TEST_F(AnySteering, IsTheSameInTwoStepsAsInOne) {
   }
 }
 
-// Once it is on its way to a target that it can stop at, it gets there without passing it.
+// If it moves towards a target at which it can stop, it never passes it.
 TEST_F(AnySteering, DoesNotPassATargetThatItCanStopAt) {
   for (int i = 0; i < 500; ++i) {
     const DynamicsLimits limits{Between(0.1, 5), Between(0.1, 5), Between(0.1, 2)};

@@ -79,8 +79,8 @@ INSTANTIATE_TEST_SUITE_P(
     Fans, WholeFan,
     testing::Values(NamedFan{"three_quarters", {-0.75 * M_PI, 1.5 * M_PI / 400, 401}},
                     NamedFan{"clockwise", {0.75 * M_PI, -1.5 * M_PI / 400, 401}},
-                    NamedFan{"full_turn", {0.0, 2.0 * M_PI / 360, 360}},
-                    NamedFan{"two_turns", {-M_PI, 4.0 * M_PI / 300, 301}},
+                    NamedFan{"full_rotation", {0.0, 2.0 * M_PI / 360, 360}},
+                    NamedFan{"two_rotations", {-M_PI, 4.0 * M_PI / 300, 301}},
                     NamedFan{"coarse", {0.3, 1.1, 7}}, NamedFan{"single", {2.0, 0.0, 1}}),
     [](const testing::TestParamInfo<NamedFan>& info) { return info.param.name; });
 
