@@ -143,7 +143,7 @@ class YamlPreprocessor:
                     raise _error(value, "expected a map or a list of maps after <<")
                 for pair in source.value:
                     if not isinstance(pair[0], yaml.ScalarNode):
-                        raise _error(pair[0], "expected a text as a key")
+                        raise _error(pair[0], "expected a string as a key")
                     inherited.setdefault(pair[0].value, pair)
         for key, _ in own:
             inherited.pop(key.value if isinstance(key, yaml.ScalarNode) else "", None)

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
-from flatland_server.config.enabled_entries import read_enabled
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import ModelError, suggestion
@@ -57,11 +56,13 @@ class ModelConfig:
             names.append(section.get_string("name"))
             return BodyConfig.read(section, registry)
 
-        bodies = read_enabled(reader, "bodies", read_body, required=True)
+        bodies = reader.get_enabled_sections("bodies", read_body, required=True)
         if not bodies and reader.is_sound:
             reader.problem("expected at least one body, found none", "bodies")
-        joints = read_enabled(reader, "joints", lambda section: JointConfig.read(section, names))
-        plugins = read_enabled(reader, "plugins", PluginConfig.read)
+        joints = reader.get_enabled_sections(
+            "joints", lambda section: JointConfig.read(section, names)
+        )
+        plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
         return cls(reader.file, tuple(bodies), tuple(joints), tuple(plugins))
 

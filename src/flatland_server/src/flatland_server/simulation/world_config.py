@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Dict, Optional, Tuple
 
-from flatland_server.config.enabled_entries import read_enabled
 from flatland_server.config.ros_names import check_topic_name, namespace_problem
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
 from flatland_server.config.yaml_reader import YamlReader
@@ -91,10 +90,10 @@ class WorldConfig:
                 files[path] = ModelConfig.from_file(path, registry, preprocessor)
             return files[path]
 
-        models = read_enabled(
-            reader, "models", lambda section: _read_model_entry(section, read_model)
+        models = reader.get_enabled_sections(
+            "models", lambda section: _read_model_entry(section, read_model)
         )
-        plugins = read_enabled(reader, "plugins", PluginConfig.read)
+        plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
         return cls(
             velocity_iterations,

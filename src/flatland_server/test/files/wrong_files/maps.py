@@ -13,7 +13,7 @@ WRONG_MAPS: Dict[str, Case] = {
     "an image that is a folder": (MAP, "map.png", "folder",
      "map.yaml:1: image: expected a file, but folder is a folder"),
     "an empty name of an image": (MAP, "map.png", "''",
-     "map.yaml:1: image: expected a file, found an empty text"),
+     "map.yaml:1: image: expected a file, found an empty string"),
     "an image that is no image": (MAP, "map.png", "lines.dat",
      "lines.dat: is not an image of a known format"),
     "an empty image file": (MAP, "map.png", "empty.png",

@@ -43,7 +43,7 @@ WRONG_WORLDS: Dict[str, Case] = {
     "an empty list of names": (WORLD, "- name: floor", "- name: []",
      "world.yaml:8: layers[2].name: expected a name or a list of names, found an " "empty list"),
     "a map for a layer's name": (WORLD, "- name: floor", "- name: {first: floor}",
-     "world.yaml:8: layers[2].name: expected a text, found a map"),
+     "world.yaml:8: layers[2].name: expected a string, found a map"),
     "a layer's name that is no topic": (WORLD, "- name: floor", "- name: ground floor",
      'world.yaml:8: layers[2].name: expected a name of letters, digits and "_" (it '
      'names a ROS topic), found "ground floor"'),
@@ -78,7 +78,7 @@ WRONG_WORLDS: Dict[str, Case] = {
     "a number for a map": (WORLD, "map: map.yaml", "map: 5",
      "world.yaml:4: layers[0].map: expected a file, but 5 is not there"),
     "a list for a map": (WORLD, "map: map.yaml", "map: [map.yaml]",
-     'world.yaml:4: layers[0].map: expected a text, found ["map.yaml"]'),
+     'world.yaml:4: layers[0].map: expected a string, found ["map.yaml"]'),
     # Entries of models
     "no name of a model": (WORLD, "- name: robot\n    namespace", "- namespace",
      'world.yaml:10: models[0]: the required key "name" is missing'),
