@@ -16,7 +16,7 @@ ONE_PIXEL = {((1, 1), (2, 1)), ((1, 2), (2, 2)), ((1, 1), (1, 2)), ((2, 1), (2, 
 
 @pytest.fixture
 def maps(files):
-    """A folder with an image of one dark pixel in the middle of 3 x 3, its map, and a wall of 1 m."""
+    """An image map of one dark pixel in the middle of 3 x 3, and the data of a wall of 1 m."""
     pixels = np.full((3, 3), 255, dtype=np.uint8)
     pixels[1, 1] = 0
     Image.fromarray(pixels).save(files.folder / "map.png")
