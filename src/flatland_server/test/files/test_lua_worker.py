@@ -66,7 +66,7 @@ def test_without_lupa_the_error_tells_how_to_check_for_it(files, evaluate, monke
 
 def test_the_worker_ends_with_the_preprocessor(evaluate, preprocessor):
     assert evaluate("1 + 1") == "2"
-    worker = preprocessor._lua._worker
+    worker = preprocessor._expressions._lua._worker
     assert worker is not None
 
     preprocessor.close()
@@ -77,13 +77,13 @@ def test_the_worker_ends_with_the_preprocessor(evaluate, preprocessor):
 def test_without_expressions_there_is_no_worker(files, preprocessor):
     preprocessor.read(files.write("file.yaml", "value: 1\n"))
 
-    assert preprocessor._lua._worker is None
+    assert preprocessor._expressions._lua._worker is None
 
 
 def test_a_worker_that_is_killed_is_an_error_and_is_started_again(evaluate, preprocessor):
     evaluate("1")
-    preprocessor._lua._worker.kill()
-    preprocessor._lua._worker.wait()
+    preprocessor._expressions._lua._worker.kill()
+    preprocessor._expressions._lua._worker.wait()
 
     with pytest.raises(YamlError):
         evaluate("1")
