@@ -17,7 +17,7 @@ class YamlMap:
     """A map, the keys of it that were read, and the problems found in it.
 
     Args:
-        node: the composed mapping, whose marks name its file.
+        node: the composed mapping; its marks name the file.
         path: its place in the document, such as `models[0]`; empty for the whole document.
         root: the file of the document, if the map was included into it from another one.
         problems: where problems are noted; by default in a collector of its own.
@@ -78,7 +78,7 @@ class YamlMap:
     def suggest(self, missing: str) -> None:
         """Notes keys that look like a misspelling of one that is missing.
 
-        For a map some of whose keys are read later, so that `finish` cannot be called yet.
+        For a map of which some keys are read later, so that `finish` cannot be called yet.
         """
         for key in self._unread():
             hint = suggestion(key, [missing])

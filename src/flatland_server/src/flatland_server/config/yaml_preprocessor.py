@@ -26,10 +26,10 @@ _MERGE_TAG = "tag:yaml.org,2002:merge"
 
 
 class YamlPreprocessor:
-    """Reads YAML files whose expressions may use parameters.
+    """Reads YAML files, and resolves the includes and expressions in them.
 
     Args:
-        get_param: the value of a parameter, or the default: `get_param(path, default)`.
+        get_param: for expressions, the value of a parameter or the default: `get_param(path, default)`.
     """
 
     def __init__(
