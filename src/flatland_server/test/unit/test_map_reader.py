@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flatland_server.exceptions import YamlError
 from flatland_server.maps.map_reader import MapConfig, read_map
 
 ONE_PIXEL = {((1, 1), (2, 1)), ((1, 2), (2, 2)), ((1, 1), (1, 2)), ((2, 1), (2, 2))}
@@ -42,13 +41,6 @@ def walls(path: Path, digits: int = 9) -> set:
     """The walls of a map as a set of pairs of rounded points."""
     rows = np.round(read_map(path), digits) + 0.0
     return {tuple(sorted([(x1, y1), (x2, y2)])) for x1, y1, x2, y2 in rows.tolist()}
-
-
-def refusal(files, path: Path) -> str:
-    """Why a map is not read, without the folder's name."""
-    with pytest.raises(YamlError) as caught:
-        read_map(path)
-    return str(caught.value).replace(f"{files.folder}/", "")
 
 
 def test_resolution_scales_an_image(maps):
@@ -90,105 +82,6 @@ def test_line_segments_are_scaled_turned_and_moved(files):
     assert second[2:] == pytest.approx(
         [-1.2 - 0.1 * cos - 0.2 * sin, -5 - 0.1 * sin + 0.2 * cos], abs=1e-12
     )
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        pytest.param(
-            image_map(more="occupied_tresh: 0.5\n"),
-            '7: unknown key "occupied_tresh"',
-            id="unknown key of an image map",
-        ),
-        pytest.param(
-            image_map(resolution=0.0),
-            "2: resolution: expected a number above 0, found 0.0",
-            id="no resolution",
-        ),
-        pytest.param(
-            image_map(origin="[0, 0]"),
-            "3: origin: expected [x, y, yaw], found [0, 0]",
-            id="origin without yaw",
-        ),
-        pytest.param(
-            "image: map.png\nresolution: 1\noccupied_thresh: 0.5\n",
-            '1: the required key "origin" is missing',
-            id="origin missing",
-        ),
-        pytest.param(
-            "image: map.png\nresolution: 1\norigin: [0, 0, 0]\n",
-            '1: the required key "occupied_thresh" is missing',
-            id="threshold missing",
-        ),
-        pytest.param(
-            segment_map(scale=-1.0),
-            "3: scale: expected a number above 0, found -1.0",
-            id="negative scale",
-        ),
-        pytest.param(
-            segment_map() + "resolution: 1\n",
-            '5: unknown key "resolution"',
-            id="an image's key for line segments",
-        ),
-        pytest.param(
-            segment_map().replace("line_segments", "line_segment"),
-            '1: type: expected image or line_segments (did you mean "line_segments"?), '
-            'found "line_segment"',
-            id="unknown type",
-        ),
-    ],
-)
-def test_a_wrong_map_file_is_refused_at_its_line(maps, text, message):
-    path = maps.write("any.yaml", text)
-
-    assert refusal(maps, path) == f"any.yaml:{message}"
-
-
-@pytest.mark.parametrize(
-    ("line", "problem"),
-    [
-        ("0 0 1", 'expected "x1 y1 x2 y2", found "0 0 1"'),
-        ("0 0 1 1 1", 'expected "x1 y1 x2 y2", found "0 0 1 1 1"'),
-        ("0, 0, 1, 1", 'expected "x1 y1 x2 y2", found "0, 0, 1, 1"'),
-        ("0 0 nan 1", 'expected "x1 y1 x2 y2", found "0 0 nan 1"'),
-        ("0 0 inf 1", 'expected "x1 y1 x2 y2", found "0 0 inf 1"'),
-        ("1 2 1.0 2", "expected two different ends, found one point twice"),
-    ],
-)
-def test_a_wrong_line_segment_is_named_with_its_file_and_line(files, line, problem):
-    files.write("wall.dat", f"0 0 1 0\n\n{line}\n0 1 1 1\n")
-    path = files.write("wall.yaml", segment_map())
-
-    assert refusal(files, path) == f"wall.dat:3: {problem}"
-
-
-def test_line_segments_that_are_not_there_are_named(files):
-    path = files.write("wall.yaml", segment_map())
-
-    assert refusal(files, path) == "wall.yaml:2: data: expected a file, but wall.dat is not there"
-
-
-def test_an_image_that_is_not_there_is_named(files):
-    path = files.write("map.yaml", image_map())
-
-    assert refusal(files, path) == "map.yaml:1: image: expected a file, but map.png is not there"
-
-
-def test_a_file_that_is_no_image_is_named(files):
-    files.write("map.png", "a map")
-    path = files.write("map.yaml", image_map())
-
-    assert refusal(files, path) == "map.png: is not an image of a known format"
-
-
-def test_an_image_cut_short_is_refused(maps):
-    content = (maps.folder / "map.png").read_bytes()
-    cut_in_its_pixels = content.index(b"IDAT") + 6
-    (maps.folder / "map.png").write_bytes(content[:cut_in_its_pixels])
-
-    message = refusal(maps, maps.folder / "map.yaml")
-
-    assert message.startswith("map.png: cannot be read as an image: ")
 
 
 def test_the_yaml_file_is_read_without_the_image_that_it_names(maps):

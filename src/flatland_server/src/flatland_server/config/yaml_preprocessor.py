@@ -29,7 +29,7 @@ class YamlPreprocessor:
     """Reads YAML files, and resolves the includes and expressions in them.
 
     Args:
-        get_param: for expressions, the value of a parameter or the default: `get_param(path, default)`.
+        get_param: for expressions, the value of a parameter: `get_param(path, default)`.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Wrong in a model file: bodies, footprints, joints and plugins."""
+"""Wrong model files: bodies, footprints, joints and plugins."""
 
 from typing import Dict
 
