@@ -125,10 +125,10 @@ class Reading(NamedTuple):
 def readings(monkeypatch):
     """What plugins read: the keys that are given, and the names of those that are not."""
     given, missing = [], set()
-    get = YamlReader._get
+    get = YamlReader._value
 
-    def note(reader, key, default, convert, harmless):
-        value = get(reader, key, default, convert, harmless)
+    def note(reader, key, default, convert):
+        value = get(reader, key, default, convert)
         if reader.path.startswith("plugins[") and key not in ("type", "name", "enabled"):
             if reader.has(key):
                 mark = reader._values[key].start_mark
@@ -138,7 +138,7 @@ def readings(monkeypatch):
                 missing.add(key)
         return value
 
-    monkeypatch.setattr(YamlReader, "_get", note)
+    monkeypatch.setattr(YamlReader, "_value", note)
     return given, missing
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatland_benchmark.robot_worlds import RADIUS, free_places, write_world
-from flatland_server.models.layer import read_map
+from flatland_server.maps.map_reader import read_map
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 

@@ -370,7 +370,7 @@ WRONG: Dict[str, str] = {
     ),
     "update_rate: -1": "plugins[0].update_rate: expected a number above 0, found -1",
     "update_rate: nan": 'plugins[0].update_rate: expected a number, found "nan"',
-    "topic: [1, 2]": "plugins[0].topic: expected a text, found [1, 2]",
+    "topic: [1, 2]": "plugins[0].topic: expected a string, found [1, 2]",
 }
 
 

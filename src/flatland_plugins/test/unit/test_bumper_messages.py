@@ -137,7 +137,7 @@ def test_a_key_without_its_last_letter_is_refused_with_a_suggestion(files, key):
         ),
         pytest.param(
             "exclude: {base: true}",
-            "plugins[0].exclude: expected a text, found a map",
+            "plugins[0].exclude: expected a string, found a map",
             id="no list",
         ),
     ],

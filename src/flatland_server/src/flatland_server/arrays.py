@@ -1,6 +1,6 @@
-"""Names for NumPy's arrays, with their element types for the type checker.
+"""Type names for NumPy arrays, with their element types for the type checker.
 
-NumPy of ROS Noetic's age has no `numpy.typing`; at run time they are all `numpy.ndarray`.
+The NumPy version of ROS Noetic has no `numpy.typing`; at run time they are all `numpy.ndarray`.
 """
 
 from typing import TYPE_CHECKING
@@ -18,4 +18,4 @@ else:
     BoolArray = IntArray = FloatArray = Float32Array = np.ndarray
 
 Segments = FloatArray
-"""Wall segments, shape (n, 4): x1, y1, x2, y2."""
+"""Wall segments: shape (n, 4), x1, y1, x2, y2; in metres unless stated otherwise."""

@@ -1,13 +1,13 @@
-"""What can go wrong, as one tree.
+"""The exceptions of Flatland, as one tree.
 
     FlatlandError
-    ├── YamlError      files that cannot be read or say something impossible; knows file and line
-    ├── ModelError     a model that is not there, or a name that is taken or cannot be used
-    ├── LayerError     a layer that is not there
-    └── PluginError    a plugin that is unknown or cannot be imported
+    ├── YamlError      a file is missing, unreadable or wrong; has file, line and column
+    ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
+    ├── LayerError     a layer does not exist
+    └── PluginError    a plugin is unknown or cannot be imported
 
-The core adds `GoneError` (a `ReferenceError`): a handle whose body, joint or drive was deleted.
-Messages are written for the person who can act on them: where, what was expected, what was found.
+The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
+Messages tell the user where the problem is, what was expected and what was found.
 """
 
 import difflib
@@ -17,18 +17,18 @@ from typing import Iterable, Optional, Tuple
 
 
 class FlatlandError(Exception):
-    """Anything that Flatland refuses, with a message for its user."""
+    """The base of all errors that Flatland raises on purpose, with a message for the user."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Something wrong in a file: where, and what was expected and found.
+    """One problem in a file.
 
     Attributes:
-        file: the file at fault.
-        message: with the place within the document.
-        line: 1-based line of the offending value, if it is known.
-        column: 1-based column of it.
+        file: the file that has the problem.
+        message: the place within the document, what was expected and what was found.
+        line: of the wrong value, from 1; None if it is not known.
+        column: of the wrong value, from 1; None if it is not known.
     """
 
     file: Path
@@ -42,15 +42,19 @@ class Problem:
 
     @property
     def with_column(self) -> str:
-        """The same as editors and compilers write it, `file:line:column: message`."""
+        """The problem in the format of compilers: `file:line:column: message`."""
         where = [str(self.file), *(str(n) for n in (self.line, self.column) if n is not None)]
         return f"{':'.join(where)}: {self.message}"
 
 
 class YamlError(FlatlandError):
-    """One or more things wrong in YAML, image or data files; a line for each.
+    """One or more problems in YAML, image or data files.
 
-    Args: those of the first `Problem`; `YamlError.of` makes one of several.
+    The arguments are the attributes of its only `Problem`; `YamlError.of` makes an error of several
+    problems. Its text has a line for each problem.
+
+    Attributes:
+        problems: all problems, in the order in which they were found; at least one.
     """
 
     def __init__(
@@ -61,7 +65,7 @@ class YamlError(FlatlandError):
 
     @classmethod
     def of(cls, problems: Iterable[Problem]) -> "YamlError":
-        """An error of all these problems, each named once; there must be one at least."""
+        """An error of several problems, without duplicates. There must be one at least."""
         unique = tuple(dict.fromkeys(problems))
         error = cls(unique[0].file, unique[0].message, unique[0].line, unique[0].column)
         error.problems = unique
@@ -87,18 +91,23 @@ class YamlError(FlatlandError):
 
 
 class ModelError(FlatlandError):
-    """A model that does not exist, or a name that is taken or cannot be used."""
+    """A model or a part of it does not exist or cannot be created, or its name cannot be used."""
 
 
 class LayerError(FlatlandError):
-    """A layer that does not exist."""
+    """A layer does not exist."""
 
 
 class PluginError(FlatlandError):
-    """A plugin that is unknown or cannot be imported."""
+    """A plugin is unknown or cannot be imported."""
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """` (did you mean "range"?)` for a near miss of a known word, or the empty string."""
+    """A hint for a misspelt word, such as ` (did you mean "range"?)`; else the empty string.
+
+    Args:
+        word: the word that is not known.
+        known: the words that it may stand for.
+    """
     near = difflib.get_close_matches(word, list(known), n=1)
     return f' (did you mean "{near[0]}"?)' if near else ""

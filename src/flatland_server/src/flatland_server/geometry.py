@@ -1,4 +1,4 @@
-"""Poses in the plane: metres and radians, counter-clockwise (REP 103)."""
+"""Poses in the plane, in metres and radians; angles are counter-clockwise (REP 103)."""
 
 import math
 from typing import NamedTuple, Tuple
@@ -8,43 +8,49 @@ Point = Tuple[float, float]
 
 
 class Pose(NamedTuple):
-    """Position [m] and heading [rad] of one frame in another."""
+    """Position [m] and heading [rad] of an inner frame relative to an outer one."""
 
     x: float = 0.0
     y: float = 0.0
     yaw: float = 0.0
 
     def apply(self, x: float, y: float) -> Tuple[float, float]:
-        """A point of this frame, in the frame that this pose is given in."""
+        """Transforms a point [m] from the inner frame to the outer one."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return self.x + cos * x - sin * y, self.y + sin * x + cos * y
 
     def compose(self, inner: "Pose") -> "Pose":
-        """The pose of `inner`, given in this frame, in the frame that this pose is given in.
+        """Transforms a pose from the inner frame to the outer one.
 
-        The yaws are added as they are: a joint compares its bodies' angles, whole turns included.
+        The yaw of the result is not wrapped: a joint compares the angles of its bodies, including
+        whole revolutions.
         """
         x, y = self.apply(inner.x, inner.y)
         return Pose(x, y, self.yaw + inner.yaw)
 
     def inverse(self) -> "Pose":
-        """The pose of the outer frame in this one."""
+        """The pose of the outer frame relative to the inner one."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return Pose(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
 
     def wrapped(self) -> "Pose":
-        """The same pose, its yaw within [-pi, pi]."""
+        """The same pose with its yaw within [-pi, pi]."""
         return Pose(self.x, self.y, wrap_angle(self.yaw))
 
     def is_finite(self) -> bool:
-        """Whether no component is infinite or not a number."""
+        """Whether all components are finite numbers."""
         return all(math.isfinite(value) for value in self)
 
 
 class Transform(NamedTuple):
-    """A frame's pose in its parent frame at one moment, for TF.
+    """The pose of a frame in its parent frame at one time, for TF.
 
-    `roll` is 0, or pi for a frame that is mounted upside down.
+    Attributes:
+        nanoseconds: the simulated time [ns].
+        parent: name of the parent frame.
+        child: name of the frame.
+        pose: of the frame in its parent frame.
+        roll: [rad]; 0, or pi for a frame that is mounted upside down.
     """
 
     nanoseconds: int
@@ -62,7 +68,10 @@ def wrap_angle(angle: float) -> float:
 def quaternion(
     yaw: float, roll: float = 0.0, pitch: float = 0.0
 ) -> Tuple[float, float, float, float]:
-    """(x, y, z, w) of turns about the fixed axes: by roll about x, pitch about y, yaw about z."""
+    """The quaternion (x, y, z, w) of rotations about fixed axes [rad].
+
+    First by roll about x, then by pitch about y, then by yaw about z (REP 103).
+    """
     cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
     if roll == pitch == 0.0:
         return 0.0, 0.0, sy, cy

@@ -2,10 +2,10 @@
 
 
 class Timekeeper:
-    """Counts simulated time in whole nanoseconds, so that it is exact and equal in every run.
+    """Counts simulated time in whole nanoseconds, so that it is exact and the same in every run.
 
     Args:
-        step_size: length of a step [s]; rounded to a nanosecond.
+        step_size: length of a step [s]; rounded to whole nanoseconds.
 
     Raises:
         ValueError: the step is shorter than a nanosecond, or not finite.
@@ -36,5 +36,5 @@ class Timekeeper:
         return self._step_nanoseconds * 1e-9
 
     def step(self) -> None:
-        """Moves on by one step."""
+        """Advances simulated time by one step."""
         self._nanoseconds += self._step_nanoseconds

@@ -1,4 +1,4 @@
-"""A rate slower than the simulation's."""
+"""Updates at a rate slower than that of the simulation's steps."""
 
 import math
 
@@ -6,13 +6,16 @@ from flatland_server.timekeeper import Timekeeper
 
 
 class UpdateTimer:
-    """Says when something that has a rate of its own is due, in simulated time.
+    """Tells when an update is due, in simulated time.
 
-    It is due at the first check and then at multiples of its period from there: a period that is no
-    multiple of the step is kept on average, without drift.
+    The first update is due at the first check, further ones at multiples of the period after it. A
+    period that is not a multiple of the step is kept on average, without drift.
 
     Args:
-        rate: [Hz] above zero; infinity is due at every check.
+        rate: of updates [Hz], above zero; with infinity, one is due at every check.
+
+    Raises:
+        ValueError: the rate is not above zero.
     """
 
     def __init__(self, rate: float = math.inf) -> None:
@@ -21,7 +24,7 @@ class UpdateTimer:
         self._period = 1e9 / rate  # ns
         self._start = 0
         self.due: float = -1
-        """The time [ns] from which on the next check says yes."""
+        """The simulated time [ns] from which on an update is due; -1 for any time."""
 
     @property
     def period(self) -> float:
@@ -29,7 +32,7 @@ class UpdateTimer:
         return self._period * 1e-9
 
     def check_update(self, timekeeper: Timekeeper) -> bool:
-        """Whether an update is due now. True only once for each."""
+        """Whether an update is due now; true once for each update."""
         now = timekeeper.nanoseconds
         if now < self.due:
             return False

@@ -1,4 +1,4 @@
-"""What the tests of files share: a folder of good files, each of which a test may spoil."""
+"""Shared by the tests of files: a folder of valid files, which a test may then change."""
 
 import re
 import textwrap
@@ -15,7 +15,7 @@ from flatland_server.plugins.plugin_loader import PluginLoader, _read_declaratio
 from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
 
-# Equal cases in every run, and no files left behind.
+# The same cases in every run, and no database of examples on disk.
 hypothesis.settings.register_profile("flatland", derandomize=True, database=None, deadline=None)
 hypothesis.settings.load_profile("flatland")
 
@@ -120,7 +120,7 @@ class Files:
         self.loader = PluginLoader(self.declarations)
 
     def write(self, name: str, content: Union[str, bytes]) -> Path:
-        """Writes a file; a text may be indented as a whole."""
+        """Writes a file; a string may be indented as a whole."""
         path = self.folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         if isinstance(content, str):
@@ -143,14 +143,14 @@ class Files:
         image.save(self.folder / name)
 
     def edit(self, name: str, old: str, new: str) -> None:
-        """Changes the first such text in a file."""
+        """Replaces the first occurrence of a string in a file."""
         path = self.folder / name
         text = path.read_text(encoding="utf-8")
         assert old in text
         path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
     def load(self, name: str = "world.yaml", **options: Any) -> World:
-        """The world of a file."""
+        """Loads a world file."""
         return World.from_file(self.folder / name, **{"loader": self.loader, **options})
 
     def spawn(self, text: str, **params: Any) -> World:
@@ -162,13 +162,13 @@ class Files:
         return world
 
     def refusal(self, name: str = "world.yaml") -> str:
-        """Why a world is not loaded, without the folder's name."""
+        """The error of loading a world, without the folder's name."""
         with pytest.raises(FlatlandError) as caught:
             self.load(name).close()
         return self.without_folder(str(caught.value))
 
     def without_folder(self, text: str) -> str:
-        """A text with file names instead of paths."""
+        """A string with file names in place of paths in the folder."""
         return re.sub(rf"{re.escape(str(self.folder))}/", "", text)
 
 

@@ -1,4 +1,4 @@
-"""The command check_world: no master, no rospy; what is wrong with its place, or what there is."""
+"""The command check_world, without a ROS master and rospy: summaries, problems, pictures."""
 
 import os
 import subprocess
@@ -25,7 +25,7 @@ SUMMARY = "3 layers, {} segments, 1 model, 2 bodies, 2 plugins"
 
 
 def run(*command: object, cwd: Path) -> "subprocess.CompletedProcess[str]":
-    """Runs a command with a ROS master that is not there."""
+    """Runs a command without a ROS master."""
     return subprocess.run(
         [str(word) for word in command],
         cwd=cwd,
@@ -38,7 +38,7 @@ def run(*command: object, cwd: Path) -> "subprocess.CompletedProcess[str]":
 
 @pytest.fixture
 def check(files):
-    """Checks files of the folder; rospy cannot be imported."""
+    """Runs check_world on files of the folder; rospy cannot be imported."""
 
     def check(*arguments: str) -> "subprocess.CompletedProcess[str]":
         return run(sys.executable, "-c", WITHOUT_ROSPY, *arguments, cwd=files.folder)
@@ -69,7 +69,7 @@ def test_rosrun_finds_it(good_files):
     assert_answer(answer, 0, f"world.yaml: {summary}\n")
 
 
-def test_rosrun_hands_on_the_exit_code(files):
+def test_rosrun_returns_the_exit_code(files):
     answer = run("rosrun", "flatland_server", "check_world", "world.yaml", cwd=files.folder)
 
     assert_answer(answer, 1, "", "world.yaml: cannot be read: No such file or directory\n")
@@ -128,7 +128,7 @@ def test_a_wrong_model_alone_is_refused(good_files, check):
     )
 
 
-def test_one_wrong_file_of_several_is_enough(good_files, check):
+def test_one_wrong_file_of_several_fails_the_check(good_files, check):
     good_files.write("broken.yaml", "properties: {}\n")
 
     answer = check("robot.model.yaml", "broken.yaml", "missing.yaml")
@@ -142,7 +142,7 @@ def test_one_wrong_file_of_several_is_enough(good_files, check):
 
 
 @pytest.mark.parametrize("file", ["map.yaml", "lines.dat", "map.png", "."])
-def test_what_is_no_world_and_no_model_is_refused_without_a_traceback(good_files, check, file):
+def test_a_file_of_another_kind_is_refused_without_a_traceback(good_files, check, file):
     answer = check(file)
 
     assert answer.returncode == 1
@@ -163,7 +163,7 @@ def test_a_warning_of_an_expression_does_not_fail_the_check(good_files, check):
     )
 
 
-def test_without_a_file_it_says_how_it_is_used(check):
+def test_without_a_file_the_usage_is_printed(check):
     answer = check()
 
     assert answer.returncode == 2
@@ -234,7 +234,7 @@ def test_a_picture_that_cannot_be_written_is_an_error_without_a_traceback(good_f
     assert "Traceback" not in answer.stderr
 
 
-def test_a_picture_is_of_one_file(good_files, check):
+def test_render_takes_a_single_file(good_files, check):
     answer = check("world.yaml", "robot.model.yaml", "--render", "world.png")
 
     assert answer.returncode == 2

@@ -1,4 +1,4 @@
-"""Joints, as models have them: what they hold, how firmly, and what they let go."""
+"""Joints of models: limits, anchors, stiffness, and collisions of joined bodies."""
 
 import math
 from typing import Tuple
@@ -15,7 +15,7 @@ ARM = "{type: polygon, points: [[0, -0.05], [1, -0.05], [1, 0.05], [0, 0.05]], d
 
 
 def hinged(options: str = "", arm_pose: str = "[0, 0, 0]") -> str:
-    """An arm that hangs on a wall by its origin, one metre to the right of the wall's."""
+    """A model file of an arm, joined by its origin to a wall at (1, 0) in the wall's frame."""
     return f"""
         bodies:
           - name: wall
@@ -35,7 +35,7 @@ def hinged(options: str = "", arm_pose: str = "[0, 0, 0]") -> str:
 
 
 def towing(weld: str = "", trailer_density: float = 1.0) -> str:
-    """A robot with two wheels that are welded on, and a trailer behind it that is too."""
+    """A model file of a robot, to which two wheels and a trailer are welded."""
     ends = {
         "left": ([0, 0.3], [0, 0]),
         "right": ([0, -0.3], [0, 0]),
@@ -62,19 +62,19 @@ def towing(weld: str = "", trailer_density: float = 1.0) -> str:
         """
 
 
-def turning(model, joint: str = "hinge") -> float:
+def joint_angle(model, joint: str = "hinge") -> float:
     return next(j for j in model.joints if j.name == joint).physics_joint.angle
 
 
-def turned_in_all(world, seconds: float, torque: float) -> float:
-    """How far the arm turns under a torque, whole turns included."""
+def total_turn(world, seconds: float, torque: float) -> float:
+    """The angle [rad] by which the arm turns under a torque, with whole revolutions."""
     robot = world.get_model("robot")
     arm = robot.get_body("arm").physics_body
-    before, total = turning(robot), [0.0]
+    before, total = joint_angle(robot), [0.0]
 
     def push() -> None:
         nonlocal before
-        now = turning(robot)
+        now = joint_angle(robot)
         total[0] += math.remainder(now - before, math.tau)
         before = now
         arm.apply_torque(torque)
@@ -98,7 +98,7 @@ def command(world, vx: float, omega: float) -> None:
 
 
 def drive_with_turns(world, watch) -> None:
-    """Ten seconds: ahead, left, sharply right, back, and on the spot; watches after each step."""
+    """Drives for 10 s with turns to both sides and on the spot; calls `watch` after each step."""
     timekeeper = Timekeeper(0.005)
     for vx, omega in [(1.0, 0.0), (1.0, 1.0), (0.8, -2.0), (-1.0, 0.5), (0.0, 3.0)]:
         command(world, vx, omega)
@@ -109,14 +109,14 @@ def drive_with_turns(world, watch) -> None:
 
 
 def deviation(model, body: str, expected: Pose) -> Tuple[float, float]:
-    """How far a body is off its place at the base: metres, degrees."""
+    """The deviation of a body from its place relative to the base: metres, degrees."""
     actual = model.base.pose.inverse().compose(model.get_body(body).pose)
     off = expected.inverse().compose(actual)
     return math.hypot(off.x, off.y), abs(math.degrees(off.yaw))
 
 
 def worst_deviation(world) -> Tuple[float, float]:
-    """Of wheels and trailer in a drive with turns."""
+    """The greatest deviation of wheels and trailer in a drive with turns."""
     robot = world.get_model("robot")
     places = {
         name: robot.base.pose.inverse().compose(robot.get_body(name).pose)
@@ -139,18 +139,18 @@ def test_a_hinge_stops_at_its_limits_under_torque(files, torque):
     arm = robot.get_body("arm").physics_body
     angles = []
 
-    step(world, 3.0, lambda: (arm.apply_torque(torque), angles.append(turning(robot))))
+    step(world, 3.0, lambda: (arm.apply_torque(torque), angles.append(joint_angle(robot))))
 
     # Box2D lets a limit give by 2 degrees (b2_angularSlop) and pushes back what is beyond.
     assert -0.5 - math.radians(2) <= min(angles)
     assert max(angles) <= 0.25 + math.radians(2)
-    assert turning(robot) == pytest.approx(0.25 if torque > 0 else -0.5, abs=math.radians(2))
+    assert joint_angle(robot) == pytest.approx(0.25 if torque > 0 else -0.5, abs=math.radians(2))
 
 
-def test_a_hinge_without_limits_goes_round_and_round(files):
+def test_a_hinge_without_limits_turns_by_whole_revolutions(files):
     world = files.spawn(hinged())
 
-    assert turned_in_all(world, 5.0, 0.5) > math.tau
+    assert total_turn(world, 5.0, 0.5) > math.tau
 
     arm = world.get_model("robot").get_body("arm").pose
     assert (arm.x, arm.y) == pytest.approx((1.0, 0.0), abs=0.01)
@@ -163,15 +163,15 @@ def test_a_hinge_with_equal_limits_holds_its_angle(files):
 
     step(world, 2.0, lambda: arm.apply_torque(0.5))
 
-    assert turning(robot) == pytest.approx(0.0, abs=math.radians(2))
+    assert joint_angle(robot) == pytest.approx(0.0, abs=math.radians(2))
 
 
-def test_limits_are_counted_from_where_the_bodies_point_the_same_way(files):
+def test_limits_are_relative_to_equal_headings_of_the_bodies(files):
     world = files.spawn(hinged("limits: [-0.5, 0.5]", arm_pose="[1, 0, 2.0]"))
 
     step(world, 3.0)
 
-    assert turning(world.get_model("robot")) <= 0.5 + math.radians(2.1)
+    assert joint_angle(world.get_model("robot")) <= 0.5 + math.radians(2.1)
 
 
 # Anchors
@@ -197,7 +197,7 @@ def test_a_weld_snaps_its_anchors_together(files):
     )
 
 
-def test_the_angle_of_a_weld_is_the_second_bodys_against_the_firsts(files):
+def test_the_angle_of_a_weld_is_that_of_the_second_body_relative_to_the_first(files):
     world = files.spawn(hinged("angle: 0.7").replace("revolute", "weld"))
 
     step(world, 3.0)
@@ -218,7 +218,7 @@ def test_a_rigid_weld_stays_within_a_millimetre_and_a_tenth_of_a_degree(files, t
     assert turned < 0.1
 
 
-def test_a_robot_that_tows_drives_as_it_is_told(files):
+def test_a_robot_with_a_trailer_drives_as_commanded(files):
     world = files.spawn(towing(trailer_density=10))
     command(world, 1.0, 0.0)
 
@@ -235,7 +235,7 @@ def test_a_soft_weld_gives_way_and_a_rigid_one_does_not(files):
     assert soft > 10 * rigid
 
 
-def test_a_soft_weld_comes_back(files):
+def test_a_soft_weld_returns_to_its_angle(files):
     world = files.spawn(
         hinged("frequency: 2\n            damping: 0.7", arm_pose="[1, 0, 0]").replace(
             "revolute", "weld"
@@ -244,12 +244,12 @@ def test_a_soft_weld_comes_back(files):
     robot = world.get_model("robot")
     arm = robot.get_body("arm").physics_body
     step(world, 0.5, lambda: arm.apply_torque(1.0))
-    bent = abs(turning(robot))
+    bent = abs(joint_angle(robot))
 
     step(world, 3.0)
 
     assert bent > 0.02
-    assert abs(turning(robot)) < bent / 20
+    assert abs(joint_angle(robot)) < bent / 20
 
 
 # Collisions of joined bodies
@@ -258,18 +258,18 @@ def test_a_soft_weld_comes_back(files):
 @pytest.mark.parametrize(("collide", "is_stopped"), [("false", False), ("true", True), ("", False)])
 def test_joined_bodies_collide_only_if_asked_to(files, collide, is_stopped):
     option = f"collide_connected: {collide}" if collide else ""
-    # A post of the wall's stands in the arm's way, a quarter turn on.
+    # The wall has a post in the path of the arm, after a quarter turn.
     text = hinged(option, arm_pose="[1, 0, 0]").replace(
         f"footprints: [{SQUARE}]",
         "footprints: [{type: circle, center: [1, 0.8], radius: 0.1, density: 1}]",
     )
     world = files.spawn(text)
 
-    assert (turned_in_all(world, 3.0, 0.2) < math.pi / 2) is is_stopped
+    assert (total_turn(world, 3.0, 0.2) < math.pi / 2) is is_stopped
 
 
 @pytest.mark.parametrize("kind", ["revolute", "weld"])
-def test_a_joint_that_is_not_enabled_holds_nothing(files, kind):
+def test_a_joint_that_is_not_enabled_has_no_effect(files, kind):
     world = files.spawn(hinged("enabled: false", arm_pose="[1, 0, 0]").replace("revolute", kind))
     robot = world.get_model("robot")
     robot.get_body("arm").physics_body.velocity = (1.0, 0.0, 0.0)

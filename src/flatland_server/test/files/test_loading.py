@@ -1,4 +1,4 @@
-"""Loading: which file a name means, and that a file is loaded wholly or not at all."""
+"""Loading: where files are looked for, and that a world or model loads completely or not at all."""
 
 import pytest
 
@@ -10,7 +10,7 @@ from flatland_server.transport.local_transport import LocalTransport
 
 DISC = "{bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]}"
 FILES = [
-    # the file that names it, the key, its value
+    # the file that names another one, the key, its value
     ("world.yaml", "map", "map.yaml"),
     ("world.yaml", "model", "robot.model.yaml"),
     ("map.yaml", "image", "map.png"),
@@ -40,7 +40,7 @@ def test_a_file_is_relative_to_the_one_that_names_it(good_files, file, key, name
     good_files.load().close()
 
 
-def test_a_map_in_another_folder_names_its_image_from_there(files):
+def test_a_map_in_another_folder_may_have_its_image_beside_it(files):
     files.write_good_ones()
     for name in ("map.yaml", "map.png", "lines.yaml", "lines.dat"):
         files.write(f"maps/{name}", (files.folder / name).read_bytes())
@@ -53,7 +53,7 @@ def test_a_map_in_another_folder_names_its_image_from_there(files):
     assert all(len(layer.segments) for layer in world.layers[:2])
 
 
-def test_the_folder_that_the_program_runs_in_does_not_matter(good_files, monkeypatch, tmp_path):
+def test_the_working_directory_does_not_matter(good_files, monkeypatch, tmp_path):
     (tmp_path / "cwd").mkdir()
     monkeypatch.chdir(tmp_path / "cwd")
 
@@ -68,7 +68,7 @@ def test_a_file_named_in_an_include_is_relative_to_the_root_document(files):
     assert list(files.load().models) == ["disc"]
 
 
-def test_or_else_to_the_included_file(files):
+def test_or_relative_to_the_included_file(files):
     files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
     files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
     files.write("parts/disc.yaml", DISC)
@@ -76,7 +76,7 @@ def test_or_else_to_the_included_file(files):
     assert list(files.load().models) == ["disc"]
 
 
-def test_the_root_document_comes_first(files):
+def test_relative_to_the_root_document_takes_precedence(files):
     files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
     files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
     files.write("parts/disc.yaml", "wrong: true\n")
@@ -85,7 +85,7 @@ def test_the_root_document_comes_first(files):
     assert list(files.load().models) == ["disc"]
 
 
-def test_a_file_that_is_in_neither_place_is_named_where_it_should_be(files):
+def test_for_a_file_in_neither_place_the_error_has_the_path_beside_the_root_document(files):
     files.write("world.yaml", "properties: {}\nlayers: []\nmodels: $include parts/models.yaml\n")
     files.write("parts/models.yaml", "- {name: disc, model: disc.yaml}\n")
 
@@ -113,7 +113,7 @@ def test_reading_a_world_starts_nothing(good_files):
         ("name: wheel", "name: wheel\n    pose: [1e6, 0, 0]"),
     ],
 )
-def test_a_world_that_is_refused_leaves_nothing_behind(good_files, old, new):
+def test_a_world_that_is_refused_leaves_no_topics_behind(good_files, old, new):
     good_files.edit("robot.model.yaml", old, new)
     transport = LocalTransport()
 
@@ -167,7 +167,7 @@ def test_a_model_that_is_refused_leaves_the_world_as_it_was(good_files, old, new
     )
 
 
-def test_a_model_can_be_spawned_after_its_file_was_mended(good_files):
+def test_a_model_can_be_spawned_after_its_file_was_corrected(good_files):
     world = good_files.load()
     path = good_files.folder / "robot.model.yaml"
     good_files.edit("robot.model.yaml", "range: 10", "range: 0")
@@ -180,7 +180,7 @@ def test_a_model_can_be_spawned_after_its_file_was_mended(good_files):
     assert list(world.models) == ["robot", "second"]
 
 
-def test_every_problem_of_a_spawned_model_is_said(good_files):
+def test_all_problems_of_a_spawned_model_are_reported(good_files):
     world = good_files.load()
     good_files.edit("robot.model.yaml", "radius: 0.5", "radius: 0")
     good_files.edit("robot.model.yaml", "[-1, 1]", "[1, -1]")

@@ -1,4 +1,4 @@
-"""Random files: valid ones are read as they were written, others are refused by our own errors."""
+"""Random files: valid ones are read as written, others are refused with a FlatlandError."""
 
 import contextlib
 import copy
@@ -30,7 +30,7 @@ POSITIVE = st.floats(0.05, 50).map(lambda x: round(x, 4))
 NOT_NEGATIVE = st.floats(0, 50).map(lambda x: round(x, 4))
 POSES = st.lists(NUMBERS, min_size=3, max_size=3)
 POINTS = st.lists(NUMBERS, min_size=2, max_size=2)
-# Physics refuses what is small and far from its body's origin.
+# Box2D cannot represent a small shape that is far from the origin of its body.
 NEAR_POINTS = st.lists(st.floats(-0.5, 0.5).map(lambda x: round(x, 4)), min_size=2, max_size=2)
 COLORS = st.lists(st.floats(0, 1).map(lambda x: round(x, 3)), min_size=4, max_size=4)
 
@@ -113,7 +113,7 @@ def models(draw: Any, layers: List[str]) -> Dict[str, Any]:
 
 @st.composite
 def worlds(draw: Any) -> Dict[str, Any]:
-    """A world, and under "model" the model that all its entries use."""
+    """A world, and under "model" the model file of all its entries."""
     layers = draw(st.lists(NAMES, min_size=1, max_size=5, unique=True))
     split = draw(st.integers(1, len(layers)))
     entries = [{"name": layers[:split] if split > 1 else layers[0]}]
@@ -172,7 +172,7 @@ def test_a_valid_world_is_read_as_it_was_written(files, written):
         names = entry["name"] if isinstance(entry["name"], list) else [entry["name"]]
         assert list(layer.names) == names
         assert list(layer.color) == entry.get("color", [1, 1, 1, 1])
-        assert len(layer.segments) == ("map" in entry)
+        assert len(config.walls_of(layer)) == ("map" in entry)
     assert len(config.layers) == len(world["layers"])
     assert len(config.models) == len(world["models"])
     for read, entry in zip(config.models, world["models"]):
@@ -183,7 +183,7 @@ def test_a_valid_world_is_read_as_it_was_written(files, written):
 
 
 def assert_model(config: Any, model: Any) -> None:
-    """A model's configuration says what its file says."""
+    """Asserts that the configuration of a model is that of its file."""
     for body, entry in zip(config.bodies, model["bodies"]):
         assert body.name == entry["name"]
         assert list(body.pose) == entry.get("pose", [0, 0, 0])
@@ -216,7 +216,7 @@ def assert_model(config: Any, model: Any) -> None:
         assert joint.collide_connected == entry.get("collide_connected", False)
 
 
-# What does not belong there
+# Invalid files
 
 BYTES = st.one_of(st.integers(0, 255), st.sampled_from(list(b" \n\t:-[]{},'\"#&*!|>%@`?0.e$<")))
 
@@ -241,7 +241,7 @@ def places(node: Any, path: tuple = ()) -> List[tuple]:
 
 
 def mutate(draw: Any, document: Any) -> None:
-    """Changes one thing in a document."""
+    """Changes a random value or key of a document."""
     paths = places(document)
     if not paths:
         return
@@ -278,7 +278,7 @@ def spoilt_worlds(draw: Any) -> Dict[str, Any]:
 
 
 def assert_loads_or_is_refused(files) -> None:
-    """Any other exception than ours fails the test."""
+    """Fails by any other exception than a FlatlandError."""
     with contextlib.suppress(FlatlandError):
         files.load().close()
 

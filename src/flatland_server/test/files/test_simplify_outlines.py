@@ -1,4 +1,4 @@
-"""Simplified outlines: fewer segments, within the stated tolerance of the original, both ways."""
+"""Simplified outlines have fewer segments; they and the original are within the tolerance."""
 
 import math
 
@@ -11,7 +11,7 @@ from flatland_server.maps.wall_outlines import outlines
 
 
 def picture(draw_on, size: int = 120) -> np.ndarray:
-    """Which pixels of a drawing in black on white are bright."""
+    """The bright pixels of a drawing in black on white."""
     image = Image.new("1", (size, size), 1)
     draw_on(ImageDraw.Draw(image))
     return np.asarray(image)
@@ -43,7 +43,7 @@ DRAWINGS = {
 @pytest.mark.parametrize("name", DRAWINGS)
 def test_an_outline_gets_fewer_segments_within_the_tolerance(name, level):
     original = outlines(picture(DRAWINGS[name]))
-    # Outlines of pixels that touch only at corners cross there: less of them can go.
+    # Outlines of pixels that touch only at corners cross there, and cannot be simplified as much.
     share = 1.0 if name == "a thin diagonal" else 1 / 3
 
     simplified = simplify(original, TOLERANCES[level])
@@ -91,7 +91,7 @@ def test_without_a_tolerance_nothing_moves():
     assert directionless(simplify(original, 0.0)) == directionless(original)
 
 
-def test_where_two_blocks_touch_at_a_corner_the_corner_stays():
+def test_a_corner_at_which_two_blocks_touch_is_kept():
     def checkerboard(draw):
         draw.rectangle([20, 20, 49, 49], fill=0)
         draw.rectangle([50, 50, 79, 79], fill=0)
@@ -101,7 +101,7 @@ def test_where_two_blocks_touch_at_a_corner_the_corner_stays():
     assert farthest(np.array([[50.0, 70.0]]), simplified) == 0.0
 
 
-def test_a_junction_of_three_lines_stays():
+def test_a_junction_of_three_lines_is_kept():
     lines = np.array([[0, 0, 50, 0.5], [50, 0.5, 100, 0], [50, 0.5, 50, 80]], dtype=float)
 
     simplified = simplify(lines, 2.0)
@@ -110,7 +110,7 @@ def test_a_junction_of_three_lines_stays():
     assert len(simplified) == 3
 
 
-def test_the_ends_of_an_open_line_stay():
+def test_the_ends_of_an_open_line_are_kept():
     points = [(float(i), float(i % 2)) for i in range(20)]
     line = np.array([(*a, *b) for a, b in zip(points, points[1:])])
 
@@ -144,12 +144,12 @@ def test_a_thin_ring_has_no_gap(level):
         assert ((distance > 0) & (share >= -1e-9) & (share <= 1 + 1e-9)).any(), angle
 
 
-def test_nothing_stays_nothing():
+def test_no_segments_are_simplified_to_no_segments():
     assert simplify(np.empty((0, 4)), 1.0).shape == (0, 4)
 
 
 @pytest.mark.parametrize("level", [0, 1, 2])
-def test_a_world_is_simplified_as_asked_for(good_files, level):
+def test_a_world_is_simplified_by_its_level(good_files, level):
     image = Image.new("L", (200, 200), 255)
     ImageDraw.Draw(image).ellipse([20, 20, 180, 180], fill=0)
     image.save(good_files.folder / "map.png")

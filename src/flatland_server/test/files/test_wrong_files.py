@@ -1,4 +1,4 @@
-"""Wrong files: each is answered by exactly what is wrong and where, and never by a traceback.
+"""Wrong files: the error says exactly what is wrong and where.
 
 The cases are in `wrong_files/`, by what is wrong.
 """
@@ -16,8 +16,8 @@ from flatland_server.exceptions import FlatlandError, YamlError
 
 WRONG = {**WRONG_WORLDS, **WRONG_MAPS, **WRONG_MODELS, **WRONG_SYNTAX}
 
-# Numbers that are numbers, and too much for physics: file, replaced, by, the file that is at fault.
-# How it is said is physics' own affair.
+# Numbers that are too large or too small for physics: the file, the string in it that is replaced,
+# its replacement, and how the error begins. The rest of the message is that of the core.
 TOO_MUCH = {
     "iterations": (WORLD, "velocity_iterations: 10", "velocity_iterations: 99999999999", WORLD),
     "a model's position": (WORLD, "[1, 2, 0.5]", "[1e39, 2, 0.5]", ""),
@@ -46,7 +46,7 @@ TOO_MUCH = {
 
 @pytest.fixture
 def spoilt(good_files):
-    """A folder with a world that loads, and with files that could not be part of one."""
+    """A folder with a world that loads, and with invalid files that it can be made to name."""
     (good_files.folder / "folder").mkdir()
     image = (good_files.folder / "map.png").read_bytes()
     middle = len(image) // 2
@@ -61,7 +61,7 @@ def spoilt(good_files):
     return good_files
 
 
-def test_the_files_are_good_before_they_are_spoilt(spoilt):
+def test_the_files_are_valid_before_they_are_changed(spoilt):
     world = spoilt.load()
 
     assert [layer.name for layer in world.layers] == ["map", "lines", "floor"]
@@ -70,7 +70,7 @@ def test_the_files_are_good_before_they_are_spoilt(spoilt):
 
 
 @pytest.mark.parametrize(("file", "old", "new", "message"), WRONG.values(), ids=WRONG.keys())
-def test_a_wrong_file_is_answered_by_what_is_wrong_and_where(spoilt, file, old, new, message):
+def test_the_error_of_a_wrong_file_says_what_is_wrong_and_where(spoilt, file, old, new, message):
     if old is None:
         (spoilt.folder / file).write_bytes(new if isinstance(new, bytes) else new.encode())
     else:
@@ -80,13 +80,13 @@ def test_a_wrong_file_is_answered_by_what_is_wrong_and_where(spoilt, file, old, 
 
 
 @pytest.mark.parametrize(("file", "old", "new", "fault"), TOO_MUCH.values(), ids=TOO_MUCH.keys())
-def test_a_number_that_is_too_much_for_physics_is_refused(spoilt, file, old, new, fault):
+def test_a_number_that_physics_cannot_represent_is_refused(spoilt, file, old, new, fault):
     spoilt.edit(file, old, new)
 
     assert spoilt.refusal().startswith(fault)
 
 
-def test_a_world_that_is_not_there_is_named(files):
+def test_a_missing_world_is_named(files):
     assert files.refusal() == "world.yaml: cannot be read: No such file or directory"
 
 
@@ -100,7 +100,7 @@ def test_a_world_that_is_a_folder_is_named(files):
     ("old", "new"),
     [("map: map.yaml", "map: {}"), ("model: robot", "model: {}"), ("[1, 2, 0.5]", "$include {}")],
 )
-def test_a_file_name_that_is_too_long_is_not_there(good_files, old, new):
+def test_a_file_name_that_is_too_long_is_refused(good_files, old, new):
     name = "a" * 300
     good_files.edit("world.yaml", old, new.format(name))
 
@@ -117,7 +117,7 @@ def test_a_list_for_a_merge_key_is_refused(good_files):
 
 
 def bomb(kind: str) -> str:
-    """Nine times nine times nine ... of something."""
+    """A document in which each alias stands for nine of the previous one."""
     levels = ["x0: &x0 {k: 1}" if kind != "lists" else "x0: &x0 [1]"]
     for i in range(1, 9):
         nine = [f"*x{i - 1}"] * 9
@@ -139,7 +139,7 @@ def bomb(kind: str) -> str:
         ("merged maps", "x"),
     ],
 )
-def test_an_alias_bomb_is_answered_at_once(files, kind, key):
+def test_an_alias_bomb_is_refused_quickly(files, kind, key):
     files.write("world.yaml", f"{bomb(kind)}\n{key}: *x8\n")
 
     begin = time.monotonic()
@@ -150,7 +150,7 @@ def test_an_alias_bomb_is_answered_at_once(files, kind, key):
     assert len(message) < 5_000
 
 
-def test_an_include_bomb_is_answered_at_once(files):
+def test_an_include_bomb_is_refused_quickly(files):
     files.write("world.yaml", "properties: {}\nlayers: []\nx: $include 0.yaml\n")
     for i in range(5):
         files.write(f"{i}.yaml", f"[{', '.join([f'$include {i + 1}.yaml'] * 9)}]\n")
@@ -202,7 +202,7 @@ def test_problems_of_all_plugins_are_reported_together(good_files):
     ]
 
 
-def test_an_error_knows_file_line_and_column_of_what_is_wrong(good_files):
+def test_an_error_has_the_file_line_and_column_of_the_wrong_value(good_files):
     good_files.edit("robot.model.yaml", "radius: 0.5", "radius: none")
 
     with pytest.raises(YamlError) as caught:

@@ -1,4 +1,4 @@
-"""The preprocessor: includes, and expressions with exactly the documented results."""
+"""The preprocessor: includes, and expressions with the documented results."""
 
 import logging
 from typing import Any
@@ -12,7 +12,7 @@ from flatland_server.exceptions import YamlError
 
 @pytest.fixture
 def read(files):
-    """Reads a file's text as YAML would after preprocessing: `read(text, **params)`."""
+    """Reads the text of a file into plain values: `read(text, params)`."""
     preprocessors = []
 
     def read(text: str, params: Any = None) -> Any:
@@ -27,7 +27,7 @@ def read(files):
 
 
 def plain(node: yaml.Node) -> Any:
-    """What a composed node means."""
+    """The value of a composed node."""
     return yaml.SafeLoader("").construct_object(node, deep=True)
 
 
@@ -54,7 +54,7 @@ def test_the_documented_include_of_several_documents_into_a_sequence(files, read
     assert result == {"foo": ["first", "one", {"a": "foo", "b": "baz"}, "three", "last"]}
 
 
-def test_an_include_is_relative_to_the_file_that_it_stands_in(files, read):
+def test_an_include_is_relative_to_the_file_that_it_is_written_in(files, read):
     files.write("parts/wheel.yaml", "radius: $include sizes/radius.yaml\n")
     files.write("parts/sizes/radius.yaml", "0.25\n")
 
@@ -73,7 +73,7 @@ def test_an_item_of_a_list_may_be_an_include_of_one_document(files, read):
     assert read("foo: [$include child.yaml, 3]\n") == {"foo": [[1, 2], 3]}
 
 
-def test_a_file_may_be_included_twice_beside_each_other(files, read):
+def test_a_file_may_be_included_twice(files, read):
     files.write("child.yaml", "1\n")
 
     assert read("[$include child.yaml, $include child.yaml]\n") == [1, 1]
@@ -86,7 +86,7 @@ def test_an_included_file_may_have_expressions_and_includes_of_several(files, re
     assert read("foo: $include child.yaml\n") == {"foo": [2, 3]}
 
 
-def test_a_cycle_is_refused_though_a_file_has_two_names(files, read):
+def test_a_cycle_by_a_symbolic_link_is_refused(files, read):
     (files.folder / "other.yaml").symlink_to("parent.yaml")
 
     with pytest.raises(YamlError) as caught:
@@ -107,7 +107,7 @@ def test_a_value_from_an_include_keeps_its_file_and_line(files):
 
 
 @pytest.mark.parametrize("text", ["$included", "$ include a", "a $include b", "$evaluate", "$eval"])
-def test_what_only_looks_like_a_keyword_stays_a_text(read, text):
+def test_a_string_that_only_resembles_a_keyword_is_kept(read, text):
     assert read(f"foo: '{text}'\n") == {"foo": text}
 
 
@@ -216,7 +216,7 @@ def test_the_documented_blank_of_a_parameter_that_is_not_set(read, caplog):
     ("text", "value"),
     [("1.5", 1.5), ("7", 7), ("false", False), ("True", "True"), ("", ""), ("nan", "nan")],
 )
-def test_an_environment_variable_is_typed_as_lua_should_see_it(read, monkeypatch, text, value):
+def test_an_environment_variable_becomes_a_bool_number_or_string(read, monkeypatch, text, value):
     monkeypatch.setenv("SOME_ENV", text)
 
     result = evaluate(read, 'env("SOME_ENV", 1)')
@@ -226,7 +226,7 @@ def test_an_environment_variable_is_typed_as_lua_should_see_it(read, monkeypatch
 
 
 @pytest.mark.parametrize(
-    "value", [True, 3, 2.5, "a text", ["a", 1, [2]], {"x": 1, "y": {"z": [1, 2]}}, [], ""]
+    "value", [True, 3, 2.5, "a string", ["a", 1, [2]], {"x": 1, "y": {"z": [1, 2]}}, [], ""]
 )
 def test_a_parameter_comes_back_as_it_was_set(read, value):
     assert evaluate(read, 'param("/p")', {"/p": value}) == value
@@ -250,12 +250,12 @@ def test_the_enabled_flag_follows_an_expression(good_files, monkeypatch):
     world.close()
 
 
-def test_expressions_do_not_see_each_others_variables(read):
+def test_an_expression_cannot_access_the_variables_of_another(read):
     with pytest.raises(YamlError, match='"y" is not available in'):
         read('a: "$eval y = 1; return y"\nb: $eval y\n')
 
 
-def test_an_expression_that_fails_is_named_with_its_place(files, read):
+def test_the_error_of_a_failing_expression_has_its_place(files, read):
     files.write("child.yaml", "a: 1\nb: $eval nothing.at.all\n")
 
     with pytest.raises(YamlError) as caught:

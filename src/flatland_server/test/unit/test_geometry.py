@@ -1,4 +1,4 @@
-"""Poses: composing, inverting and turning, against matrices."""
+"""Poses and quaternions, checked against rotation matrices."""
 
 import math
 

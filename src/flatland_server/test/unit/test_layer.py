@@ -1,44 +1,31 @@
-"""Layers: walls out of images and line segments, placed, scaled and named."""
+"""Layers: their names, collision layers and walls."""
 
 import math
-from pathlib import Path
 
-import numpy as np
 import pytest
 from PIL import Image
 
 from flatland_server import _core
-from flatland_server.exceptions import YamlError
-from flatland_server.models.layer import read_map
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.models.layer import LayerConfig
+from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
 
-ONE_PIXEL = {((1, 1), (2, 1)), ((1, 2), (2, 2)), ((1, 1), (1, 2)), ((2, 1), (2, 2))}
-"""The walls around the dark middle of 3 x 3 pixels, in pixels."""
+LINES = "{type: line_segments, data: wall.dat, scale: 1, origin: [0, 0, 0]}"
+IMAGE = "{image: map.png, resolution: 1, origin: [0, 0, 0], occupied_thresh: 0.65}"
 
 
 @pytest.fixture
 def maps(files):
-    """A folder with an image map of one dark pixel in the middle of 3 x 3, and a wall of 1 m."""
-    pixels = np.full((3, 3), 255, dtype=np.uint8)
-    pixels[1, 1] = 0
-    Image.fromarray(pixels).save(files.folder / "map.png")
-    files.write("map.yaml", image_map())
+    """A folder with a map of an image of one dark pixel at (1, 1), and one of a wall of 1 m."""
+    image = Image.new("L", (3, 3), 255)
+    image.putpixel((1, 1), 0)
+    image.save(files.folder / "map.png")
+    files.write("map.yaml", IMAGE)
     files.write("wall.dat", "0 0 1 0\n")
-    files.write("wall.yaml", segment_map())
+    files.write("wall.yaml", LINES)
     return files
-
-
-def image_map(resolution: float = 1.0, origin: str = "[0, 0, 0]", more: str = "") -> str:
-    """A map file for the image map.png."""
-    return (
-        f"image: map.png\nresolution: {resolution}\norigin: {origin}\n"
-        f"occupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n{more}"
-    )
-
-
-def segment_map(scale: float = 1.0, origin: str = "[0, 0, 0]") -> str:
-    """A map file for the line segments wall.dat."""
-    return f"type: line_segments\ndata: wall.dat\nscale: {scale}\norigin: {origin}\n"
 
 
 def world(*layers: str) -> str:
@@ -47,65 +34,11 @@ def world(*layers: str) -> str:
     return f"properties: {{}}\nlayers:{entries or ' []'}\n"
 
 
-def place(path: Path, digits: int = 9) -> set:
-    """A map's walls as a set of pairs of rounded points."""
-    rows = np.round(read_map(path), digits) + 0.0
-    return {tuple(sorted([(x1, y1), (x2, y2)])) for x1, y1, x2, y2 in rows.tolist()}
-
-
-def refusal(files, path: Path) -> str:
-    """Why a map is not read, without the folder's name."""
-    with pytest.raises(YamlError) as caught:
-        read_map(path)
-    return str(caught.value).replace(f"{files.folder}/", "")
-
-
-def test_resolution_scales_an_image(maps):
-    path = maps.write("map.yaml", image_map(resolution=0.5))
-
-    assert place(path) == {
-        tuple(sorted(((x1 / 2, y1 / 2), (x2 / 2, y2 / 2)))) for (x1, y1), (x2, y2) in ONE_PIXEL
-    }
-
-
-def test_the_origin_is_where_the_bottom_left_corner_lies(maps):
-    path = maps.write("map.yaml", image_map(origin="[-10, 20, 0]"))
-
-    assert place(path) == {
-        tuple(sorted(((x1 - 10, y1 + 20), (x2 - 10, y2 + 20)))) for (x1, y1), (x2, y2) in ONE_PIXEL
-    }
-
-
-def test_the_origins_yaw_turns_the_map_about_its_corner(maps):
-    # A quarter turn counter-clockwise takes (x, y) to (-y, x).
-    path = maps.write("map.yaml", image_map(origin=f"[5, 7, {math.pi / 2}]"))
-
-    assert place(path) == {
-        tuple(sorted(((5 - y1, 7 + x1), (5 - y2, 7 + x2)))) for (x1, y1), (x2, y2) in ONE_PIXEL
-    }
-
-
-def test_line_segments_are_scaled_turned_and_moved(files):
-    files.write("wall.dat", "0    0    1    1\n\n2    3   -1    2\n")
-    path = files.write("wall.yaml", segment_map(scale=0.1, origin="[-1.2, -5, 1.23]"))
-
-    [first, second] = read_map(path).tolist()
-
-    cos, sin = math.cos(1.23), math.sin(1.23)
-    assert first == pytest.approx([-1.2, -5, -1.2 + 0.1 * (cos - sin), -5 + 0.1 * (sin + cos)])
-    assert second[:2] == pytest.approx(
-        [-1.2 + 0.2 * cos - 0.3 * sin, -5 + 0.2 * sin + 0.3 * cos], abs=1e-12
-    )
-    assert second[2:] == pytest.approx(
-        [-1.2 - 0.1 * cos - 0.2 * sin, -5 - 0.1 * sin + 0.2 * cos], abs=1e-12
-    )
-
-
 def test_paths_are_relative_to_the_file_that_names_them(files):
     (files.folder / "maps").mkdir()
     (files.folder / "maps" / "data").mkdir()
     files.write("maps/data/wall.dat", "0 0 0 1")
-    files.write("maps/wall.yaml", segment_map().replace("wall.dat", "data/wall.dat"))
+    files.write("maps/wall.yaml", LINES.replace("wall.dat", "data/wall.dat"))
 
     loaded = files.load(world("{name: a, map: maps/wall.yaml}"))
 
@@ -115,7 +48,7 @@ def test_paths_are_relative_to_the_file_that_names_them(files):
 def test_an_absolute_path_stays_as_it_is(files, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (elsewhere / "wall.dat").write_text("0 0 0 1")
-    (elsewhere / "wall.yaml").write_text(segment_map())
+    (elsewhere / "wall.yaml").write_text(LINES)
 
     loaded = files.load(world(f"{{name: a, map: {elsewhere}/wall.yaml}}"))
 
@@ -182,171 +115,6 @@ def test_a_layer_without_a_map_has_no_walls_but_footprints_may_name_it(files):
 
 
 @pytest.mark.parametrize(
-    ("layers", "message"),
-    [
-        pytest.param(
-            ["{name: a}", "{name: [b, a]}"],
-            '4: layers[1].name: the layer name "a" is given twice',
-            id="a name given twice",
-        ),
-        pytest.param(
-            ["{name: all}"],
-            '3: layers[0].name: the name "all" stands for all layers',
-            id="the reserved name",
-        ),
-        pytest.param(
-            ["{name: []}"],
-            "3: layers[0].name: expected a name or a list of names, found an empty list",
-            id="no name",
-        ),
-        pytest.param(
-            ["{name: ''}"],
-            "3: layers[0].name: expected a name, found an empty one",
-            id="an empty name",
-        ),
-        pytest.param(
-            ["{name: ground floor}"],
-            '3: layers[0].name: expected a name of letters, digits and "_" (it names a ROS topic), '
-            'found "ground floor"',
-            id="a name with a space",
-        ),
-        pytest.param(
-            ["{map: wall.yaml}"],
-            '3: layers[0]: the required key "name" is missing',
-            id="name missing",
-        ),
-        pytest.param(
-            ["{name: a, mapp: wall.yaml}"],
-            '3: layers[0] "a": unknown key "mapp" (did you mean "map"?)',
-            id="unknown key",
-        ),
-        pytest.param(
-            ["{name: a, properties: {debug: {min: 1}}}"],
-            '3: layers[0].properties.debug: unknown key "min" (did you mean "min_z"?)',
-            id="unknown key in debug",
-        ),
-        pytest.param(
-            ["{name: a, properties: {debgu: {min_z: 1}}}"],
-            '3: layers[0].properties: unknown key "debgu" (did you mean "debug"?)',
-            id="unknown key in properties",
-        ),
-        pytest.param(
-            ["{name: a, color: [1, 1, 1]}"],
-            "3: layers[0].color: expected [r, g, b, alpha], found [1, 1, 1]",
-            id="a short colour",
-        ),
-    ],
-)
-def test_a_wrong_layer_is_refused_at_its_line(maps, layers, message):
-    assert maps.refusal(world(*layers)) == f"world.yaml:{message}"
-
-
-def test_a_map_that_is_not_there_is_named_where_it_is_written(files):
-    message = files.refusal(world("{name: a}", "{name: b, map: nowhere.yaml}"))
-
-    assert message == "world.yaml:4: layers[1].map: expected a file, but nowhere.yaml is not there"
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        pytest.param(
-            image_map(more="occupied_tresh: 0.5\n"),
-            '7: unknown key "occupied_tresh"',
-            id="unknown key of an image map",
-        ),
-        pytest.param(
-            image_map(resolution=0.0),
-            "2: resolution: expected a number above 0, found 0.0",
-            id="no resolution",
-        ),
-        pytest.param(
-            image_map(origin="[0, 0]"),
-            "3: origin: expected [x, y, yaw], found [0, 0]",
-            id="origin without yaw",
-        ),
-        pytest.param(
-            "image: map.png\nresolution: 1\noccupied_thresh: 0.5\n",
-            '1: the required key "origin" is missing',
-            id="origin missing",
-        ),
-        pytest.param(
-            "image: map.png\nresolution: 1\norigin: [0, 0, 0]\n",
-            '1: the required key "occupied_thresh" is missing',
-            id="threshold missing",
-        ),
-        pytest.param(
-            segment_map(scale=-1.0),
-            "3: scale: expected a number above 0, found -1.0",
-            id="negative scale",
-        ),
-        pytest.param(
-            segment_map() + "resolution: 1\n",
-            '5: unknown key "resolution"',
-            id="an image's key for line segments",
-        ),
-        pytest.param(
-            segment_map().replace("line_segments", "line_segment"),
-            '1: type: expected image or line_segments (did you mean "line_segments"?), '
-            'found "line_segment"',
-            id="unknown type",
-        ),
-    ],
-)
-def test_a_wrong_map_file_is_refused_at_its_line(maps, text, message):
-    path = maps.write("any.yaml", text)
-
-    assert refusal(maps, path) == f"any.yaml:{message}"
-
-
-@pytest.mark.parametrize(
-    ("line", "problem"),
-    [
-        ("0 0 1", 'expected "x1 y1 x2 y2", found "0 0 1"'),
-        ("0 0 1 1 1", 'expected "x1 y1 x2 y2", found "0 0 1 1 1"'),
-        ("0, 0, 1, 1", 'expected "x1 y1 x2 y2", found "0, 0, 1, 1"'),
-        ("0 0 nan 1", 'expected "x1 y1 x2 y2", found "0 0 nan 1"'),
-        ("0 0 inf 1", 'expected "x1 y1 x2 y2", found "0 0 inf 1"'),
-        ("1 2 1.0 2", "expected two different ends, found one point twice"),
-    ],
-)
-def test_a_wrong_line_segment_is_named_with_its_file_and_line(files, line, problem):
-    files.write("wall.dat", f"0 0 1 0\n\n{line}\n0 1 1 1\n")
-    path = files.write("wall.yaml", segment_map())
-
-    assert refusal(files, path) == f"wall.dat:3: {problem}"
-
-
-def test_line_segments_that_are_not_there_are_named(files):
-    path = files.write("wall.yaml", segment_map())
-
-    assert refusal(files, path) == "wall.yaml:2: data: expected a file, but wall.dat is not there"
-
-
-def test_an_image_that_is_not_there_is_named(files):
-    path = files.write("map.yaml", image_map())
-
-    assert refusal(files, path) == "map.yaml:1: image: expected a file, but map.png is not there"
-
-
-def test_a_file_that_is_no_image_is_named(files):
-    files.write("map.png", "a map")
-    path = files.write("map.yaml", image_map())
-
-    assert refusal(files, path) == "map.png: is not an image of a known format"
-
-
-def test_an_image_cut_short_is_refused(maps):
-    content = (maps.folder / "map.png").read_bytes()
-    cut_in_its_pixels = content.index(b"IDAT") + 6
-    (maps.folder / "map.png").write_bytes(content[:cut_in_its_pixels])
-
-    message = refusal(maps, maps.folder / "map.yaml")
-
-    assert message.startswith("map.png: cannot be read as an image: ")
-
-
-@pytest.mark.parametrize(
     ("segments", "origin"),
     [
         pytest.param("0 0 1e6 0", "[0, 0, 0]", id="a wall of 1000 km"),
@@ -355,8 +123,42 @@ def test_an_image_cut_short_is_refused(maps):
 )
 def test_a_wall_that_physics_cannot_take_is_an_error_of_its_file(files, segments, origin):
     files.write("wall.dat", segments)
-    files.write("wall.yaml", segment_map(origin=origin))
+    files.write("wall.yaml", LINES.replace("[0, 0, 0]", origin))
 
     message = files.refusal(world("{name: a, map: wall.yaml}"))
 
     assert any(name in message for name in ("wall.dat", "wall.yaml", "world.yaml:3: layers[0]"))
+
+
+# Reading
+
+
+def test_reading_a_layer_names_its_map_and_leaves_it_unread(files):
+    files.write("map.yaml", "[this is no map file")
+    files.write("world.yaml", world("{name: [a, b], map: map.yaml}", "{name: c}"))
+    reader = YamlReader.from_file(files.folder / "world.yaml")
+    registry = CollisionFilterRegistry()
+
+    first, second = reader.get_sections("layers", lambda entry: LayerConfig.read(entry, registry))
+
+    assert (first.names, first.bits, first.map) == (("a", "b"), 0b11, files.folder / "map.yaml")
+    assert (second.names, second.bits, second.map) == (("c",), 0b100, None)
+
+
+def test_a_map_of_two_layers_is_read_once(maps):
+    path = maps.write("world.yaml", world("{name: a, map: wall.yaml}", "{name: b, map: wall.yaml}"))
+
+    config = WorldConfig.from_file(path)
+
+    first, second = (config.walls_of(layer) for layer in config.layers)
+    assert first is second
+    assert first.tolist() == [[0, 0, 1, 0]]
+
+
+def test_problems_of_a_layer_and_of_its_map_are_reported_together(maps):
+    maps.write("wall.dat", "0 0 1\n")
+
+    assert maps.refusal(world("{name: a, map: wall.yaml, color: grey}")).splitlines() == [
+        'world.yaml:3: layers[0].color: expected [r, g, b, alpha], found "grey"',
+        'wall.dat:1: expected "x1 y1 x2 y2", found "0 0 1"',
+    ]

@@ -1,21 +1,21 @@
-"""A line for the user when something takes long, and none when it does not."""
+"""A message is logged for a slow operation, and none for a quick one."""
 
 import threading
 
-from flatland_server.maps import slow_log as module
+from flatland_server.maps import slow_log
 from flatland_server.maps.slow_log import log_if_slow
 
 
-def test_what_takes_long_is_announced_while_it_lasts(monkeypatch):
-    said = threading.Event()
-    monkeypatch.setattr(module, "PATIENCE", 0.01)
-    monkeypatch.setattr(module.logger, "info", lambda message: said.set())
+def test_a_slow_block_is_logged_while_it_runs(monkeypatch):
+    logged = threading.Event()
+    monkeypatch.setattr(slow_log, "DELAY", 0.01)
+    monkeypatch.setattr(slow_log.logger, "info", lambda message: logged.set())
 
     with log_if_slow("reading walls"):
-        assert said.wait(10.0)
+        assert logged.wait(10.0)
 
 
-def test_what_is_quick_is_not_announced(caplog):
+def test_a_quick_block_is_not_logged(caplog):
     caplog.set_level("INFO")
 
     with log_if_slow("reading walls"):

@@ -1,4 +1,4 @@
-"""Simulated time, exact to the nanosecond, and rates slower than the simulation's."""
+"""Simulated time is exact to the nanosecond; updates at lower rates do not drift."""
 
 import math
 from typing import List
@@ -10,7 +10,7 @@ from flatland_server.update_timer import UpdateTimer
 
 
 def update_times(rate: float, seconds: float, step_size: float = 0.005) -> List[int]:
-    """The times [ns] at which a timer was due, asked at each step."""
+    """The times [ns] at which an update was due, checked at each step."""
     timekeeper, timer = Timekeeper(step_size), UpdateTimer(rate)
     times = []
     for _ in range(round(seconds / step_size)):
@@ -44,7 +44,7 @@ def test_a_step_is_rounded_to_a_nanosecond():
 
 
 @pytest.mark.parametrize("step_size", [0.0, -0.005, 1e-10, math.nan, math.inf])
-def test_a_step_that_is_no_step_is_refused(step_size):
+def test_an_invalid_step_size_is_refused(step_size):
     with pytest.raises(ValueError, match=r"expected a step of more than 0 s, found "):
         Timekeeper(step_size)
 
@@ -65,18 +65,18 @@ def test_30_hz_at_steps_of_5_ms_is_kept_on_average():
 
 
 @pytest.mark.parametrize("rate", [200.0, 1000.0, math.inf])
-def test_a_rate_of_the_simulations_or_more_is_every_step(rate):
+def test_at_the_rate_of_the_steps_or_a_higher_one_every_step_is_due(rate):
     assert update_times(rate, 1.0) == [5_000_000 * i for i in range(200)]
 
 
-def test_a_rate_that_is_no_fraction_of_the_steps_does_not_drift():
+def test_a_rate_that_does_not_divide_the_rate_of_the_steps_does_not_drift():
     times = update_times(7.0, 1000.0)
 
     assert len(times) == 7000
     assert times[-1] == pytest.approx(6999 / 7 * 1e9, abs=5e6)
 
 
-def test_a_timer_is_due_at_the_first_check_whenever_that_is():
+def test_the_first_check_is_due_at_any_time():
     timekeeper, timer = Timekeeper(0.005), UpdateTimer(10.0)
     for _ in range(7):
         timekeeper.step()
@@ -85,7 +85,7 @@ def test_a_timer_is_due_at_the_first_check_whenever_that_is():
     assert not timer.check_update(timekeeper)
 
 
-def test_updates_that_were_slept_through_are_not_caught_up():
+def test_missed_updates_are_not_caught_up():
     timekeeper, timer = Timekeeper(0.005), UpdateTimer(10.0)
     timer.check_update(timekeeper)
     for _ in range(71):  # 355 ms
@@ -104,7 +104,7 @@ def test_a_very_low_rate_is_due_once(rate):
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, math.nan, -math.inf])
-def test_a_rate_that_is_no_rate_is_refused(rate):
+def test_an_invalid_rate_is_refused(rate):
     with pytest.raises(ValueError, match=r"expected a rate above 0 Hz, found "):
         UpdateTimer(rate)
 

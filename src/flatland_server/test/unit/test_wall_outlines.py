@@ -1,4 +1,4 @@
-"""From pixels to walls: between every two neighbours that differ, and nowhere else."""
+"""Outlines of images: walls are between bright and dark pixels, and nowhere else."""
 
 from pathlib import Path
 from typing import List, Set, Tuple
@@ -20,7 +20,7 @@ WIDE_BITMAPS = st_numpy.arrays(bool, st.tuples(st.integers(1, 3), st.integers(30
 
 
 def bitmap(*rows: str) -> np.ndarray:
-    """Bright pixels out of rows of "." (bright) and "#" (dark), the top row first."""
+    """Bright pixels from rows of "." (bright) and "#" (dark), the top row first."""
     return np.array([[pixel == "." for pixel in row] for row in rows])
 
 
@@ -34,7 +34,7 @@ def walls(bright: np.ndarray) -> List[Segment]:
 
 
 def edges_between_different_pixels(bright: np.ndarray) -> Set[Segment]:
-    """Brute force: every unit edge between two pixels that differ, the outside being bright."""
+    """All edges of length 1 between different pixels, by brute force; the outside is bright."""
     height, width = bright.shape
 
     def is_bright(column: int, row: int) -> bool:
@@ -96,7 +96,7 @@ def test_the_origin_is_the_bottom_left_corner_of_the_image():
     ]
 
 
-def test_dark_pixels_at_the_border_are_closed_off_against_the_bright_outside():
+def test_dark_pixels_at_the_border_have_walls_on_the_border():
     assert walls(bitmap("###", "###")) == [
         ((0, 0), (0, 2)),
         ((0, 0), (3, 0)),
@@ -110,7 +110,7 @@ def test_a_bright_image_has_no_walls():
 
 
 def saved_and_opened(image: Image.Image, folder: Path) -> Image.Image:
-    """An image as a map file holds it."""
+    """An image that was saved and opened again."""
     image.save(folder / "map.png")
     return Image.open(folder / "map.png")
 
@@ -129,7 +129,7 @@ def test_a_pixel_is_bright_above_the_threshold_times_255(tmp_path, threshold, da
     assert bright_pixels(image, threshold).tolist() == [[False, True]]
 
 
-def test_a_16_bit_image_is_compared_with_its_own_white(tmp_path):
+def test_the_threshold_of_a_16_bit_image_is_relative_to_its_white(tmp_path):
     # 0.65 * 65535 = 42597.75
     grey = image_of([0, 255, 42597, 42598, 65535], "I;16", np.uint16)
     image = saved_and_opened(grey, tmp_path)
@@ -138,7 +138,7 @@ def test_a_16_bit_image_is_compared_with_its_own_white(tmp_path):
     assert bright_pixels(image, 0.65).tolist() == [[False, False, False, True, True]]
 
 
-def test_a_palette_image_counts_by_its_colours_not_by_their_numbers(tmp_path):
+def test_a_palette_image_is_read_by_its_colours_not_by_their_indices(tmp_path):
     palette = image_of([0, 1, 2], "P")
     palette.putpalette([255, 255, 255, 0, 0, 0, 200, 200, 200])
     image = saved_and_opened(palette, tmp_path)
@@ -148,7 +148,7 @@ def test_a_palette_image_counts_by_its_colours_not_by_their_numbers(tmp_path):
 
 
 @pytest.mark.parametrize("mode", ["RGBA", "LA"])
-def test_alpha_does_not_count(tmp_path, mode):
+def test_alpha_is_ignored(tmp_path, mode):
     image = Image.new(mode, (4, 1))
     white, black = (255,) * (len(mode) - 1), (0,) * (len(mode) - 1)
     image.putdata([(*white, 255), (*white, 0), (*black, 255), (*black, 0)])
@@ -166,7 +166,7 @@ def test_a_1_bit_image_is_black_and_white(tmp_path):
     assert bright_pixels(image, 0.65).tolist() == [[False, True]]
 
 
-def test_colours_count_by_their_luminance(tmp_path):
+def test_colours_are_converted_to_their_luminance(tmp_path):
     # ITU-R 601: 0.299 R + 0.587 G + 0.114 B; green alone is brighter than half
     image = Image.new("RGB", (3, 1))
     image.putdata([(255, 0, 0), (0, 255, 0), (0, 0, 255)])

@@ -1,1 +1,1 @@
-"""YAML files into checked values: includes, Lua expressions, and errors with file and line."""
+"""Reads YAML files into checked values: includes, Lua expressions, errors with file and line."""

@@ -1,4 +1,7 @@
-"""Lua expressions of YAML files, evaluated out of reach of everything else."""
+"""Lua expressions in YAML files, evaluated in a sandbox: a process of its own.
+
+`lua_worker` is the program of that process, and says why it is one.
+"""
 
 import json
 import os
@@ -10,19 +13,21 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
 TIME_LIMIT = 1.0  # s per expression
+_START_LIMIT = 30.0  # s until the worker answers for the first time, on a busy machine
 
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
 
 class LuaError(Exception):
-    """An expression that cannot be evaluated, and why."""
+    """An expression cannot be evaluated; the message says why."""
 
 
 class LuaEvaluator:
-    """Evaluates expressions in a process of its own, which is started when it is needed.
+    """Evaluates expressions in a worker process, which is started for the first one.
 
     Args:
-        functions: what `env` and `param` do, by name. They get the arguments as a list.
+        functions: the functions `env` and `param` of the expressions, by name. They get a list of
+            arguments, and raise a LuaError to make the expression fail.
     """
 
     def __init__(self, functions: Dict[str, Callable[[List[Any]], Any]]) -> None:
@@ -31,13 +36,14 @@ class LuaEvaluator:
         self._unread = b""
 
     def evaluate(self, code: str) -> Any:
-        """The value of an expression, or what a chunk of code returns.
+        """Evaluates an expression, or a chunk of code that returns a value.
 
         Returns:
             None, a bool, a number, a string, or a list or dict of these.
 
         Raises:
-            LuaError: it is not Lua, fails, does not end in time, or takes too much memory.
+            LuaError: the code is not Lua, fails, does not end in time or takes too much memory; or
+                there is no Lua.
         """
         if self._worker is None:
             self._start()
@@ -46,7 +52,7 @@ class LuaEvaluator:
         while True:
             message = self._receive(deadline)
             if "error" in message:
-                self.close()  # whatever state it is in; memory that is used up, for one
+                self.close()  # its state is unknown; it may have used up its memory
                 raise LuaError(message["error"])
             if "value" in message:
                 return message["value"]
@@ -60,11 +66,11 @@ class LuaEvaluator:
                 self.close()
                 kind = type(answer["value"]).__name__
                 raise LuaError(
-                    f"{message['call']}: Lua has nothing for a value of the type {kind}"
+                    f"{message['call']}: a value of the type {kind} cannot be passed to Lua"
                 ) from None
 
     def close(self) -> None:
-        """Ends the process, if there is one."""
+        """Ends the worker process, if there is one."""
         worker, self._worker = self._worker, None
         if worker is not None:
             worker.kill()
@@ -72,18 +78,23 @@ class LuaEvaluator:
 
     def _start(self) -> None:
         self._unread = b""
+        # Started by its file, so that it does not import the package and its dependencies. Isolated
+        # (-I), so that it imports nothing from the working directory or from PYTHONPATH.
+        command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER)]
         self._worker = subprocess.Popen(
-            # By its file, so that no package is imported; isolated (-I), so that neither the
-            # working directory nor PYTHONPATH has a say in what is.
-            [sys.executable or "/usr/bin/python3", "-I", str(_WORKER)],
+            command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C is for the simulator; it ends the worker itself
+            start_new_session=True,  # Ctrl-C in a terminal does not reach it; `close` ends it
         )
-        # A first answer shows that it is there: starting does not count as the expression's time.
+        # Waits for a first answer, so that starting does not count towards the expression's time.
         self._send({"code": "true"})
-        self._receive(time.monotonic() + 30.0)
+        try:
+            self._receive(time.monotonic() + _START_LIMIT)
+        except LuaError:
+            check = f"{command[0]} -I -c 'import lupa'"
+            raise LuaError(f"Lua does not start: is lupa installed? Try {check}") from None
 
     def _send(self, message: Dict[str, Any]) -> None:
         assert self._worker is not None
@@ -92,7 +103,7 @@ class LuaEvaluator:
             self._worker.stdin.write(json.dumps(message).encode() + b"\n")
             self._worker.stdin.flush()
         except OSError:
-            pass  # it has died; `_receive` says so
+            pass  # the worker has ended; `_receive` reports that
 
     def _receive(self, deadline: float) -> Dict[str, Any]:
         assert self._worker is not None

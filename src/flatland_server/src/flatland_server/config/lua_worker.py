@@ -1,12 +1,13 @@
-"""Evaluates Lua for `flatland_server.config.lua`, in a process of its own with little memory.
+"""The program that evaluates Lua for `flatland_server.config.lua`, with limited memory.
 
-World files are data, not programs: an expression gets the tables and functions named below and
-nothing else. It runs here, and not in the simulator, because an endless loop within one of Lua's
-own functions (a pattern that backtracks, a string repeated a billion times) can only be ended with
-its process.
+World files are data, not programs: an expression has access to the tables and functions named below
+and to nothing else. It is evaluated in a separate process because an endless loop within one of
+Lua's own functions (a pattern that backtracks, a string repeated a billion times) can only be
+stopped by killing the process.
 
-Speaks JSON, a message a line. In: `{"code": ...}`. Out: `{"value": ...}`, `{"error": ...}`, or
-`{"call": "env" | "param", "arguments": [...]}`, which is answered with `{"value": ...}`.
+The protocol is JSON, one message per line. Input: `{"code": ...}`. Output: `{"value": ...}`,
+`{"error": ...}`, or `{"call": "env" | "param", "arguments": [...]}`, to which the parent process
+replies with `{"value": ...}` or `{"error": ...}`.
 """
 
 import json
@@ -18,12 +19,12 @@ from typing import Any, Dict, List
 
 import lupa
 
-MEMORY_LIMIT = 256 * 1024 * 1024  # bytes of address space, beyond what the interpreter itself takes
+MEMORY_LIMIT = 256 * 1024 * 1024  # bytes of address space, in addition to the interpreter's own
 _MAX_VALUES = 10_000  # in a table that is returned
-_MAX_DEPTH = 50  # of tables in tables
+_MAX_DEPTH = 50  # of nested tables
 
-# Everything that an expression can see; its globals are a new table each time. `env` and `param`
-# are Lua functions around Python ones, so that no Python object is within reach.
+# Everything that an expression has access to. Each expression gets new tables. `env` and `param`
+# are Lua functions that wrap a Python one, so that expressions have access to no Python object.
 _SANDBOX = """
 local ask_python = ...
 local load_text, set_globals, count, raise = loadstring, setfenv, select, error
@@ -50,7 +51,7 @@ local function globals()
 end
 
 return function(code)
-  -- The "=" keeps the code out of the messages; a text that begins with an escape is bytecode.
+  -- The "=" keeps the code out of messages. A string that begins with an escape is bytecode.
   if code:sub(1, 1) == "\\27" then raise("bytecode is not allowed", 0) end
   local chunk, problem = load_text("return " .. code, "=$eval")
   if not chunk then chunk, problem = load_text(code, "=$eval") end
@@ -61,11 +62,11 @@ end
 
 
 def _deny(_object: Any, _name: Any, _is_setting: bool) -> Any:
-    raise AttributeError("Python is out of reach")
+    raise AttributeError("Python is not available in $eval")
 
 
 class Worker:
-    """Lua with a sandbox, and the conversation about it."""
+    """A Lua interpreter with a sandbox, which serves the parent process."""
 
     def __init__(self) -> None:
         self._lua = lupa.LuaRuntime(
@@ -74,22 +75,22 @@ class Worker:
             register_builtins=False,
             unpack_returned_tuples=True,
         )
-        self._evaluate = self._lua.execute(_SANDBOX, self._ask)
+        self._evaluate = self._lua.execute(_SANDBOX, self._call)
 
     def serve(self) -> None:
-        """Answers until the input ends."""
+        """Evaluates expressions until standard input ends."""
         for line in sys.stdin:
             try:
                 value = self._to_python(self._evaluate(json.loads(line)["code"]), [_MAX_VALUES])
-                _say({"value": value})
+                _send({"value": value})
             except MemoryError:
-                _say({"error": "not enough memory"})
+                _send({"error": "not enough memory"})
             except Exception as error:
-                _say({"error": _message(error)})
+                _send({"error": _message(error)})
 
-    def _ask(self, name: str, count: float, *arguments: Any) -> Any:
+    def _call(self, name: str, count: float, *arguments: Any) -> Any:
         given = list(arguments) + [None] * (int(count) - len(arguments))
-        _say({"call": name, "arguments": [self._to_python(a, [_MAX_VALUES]) for a in given]})
+        _send({"call": name, "arguments": [self._to_python(a, [_MAX_VALUES]) for a in given]})
         answer = json.loads(sys.stdin.readline())
         if "error" in answer:
             raise ValueError(answer["error"])
@@ -103,7 +104,16 @@ class Worker:
         return value
 
     def _to_python(self, value: Any, left: List[int], depth: int = 0) -> Any:
-        """A number, bool, string, None, list or dict; `left` counts down the values that may be."""
+        """Converts a value of Lua to None, a bool, number, string, list or dict.
+
+        Args:
+            value: of Lua.
+            left: its only item is the number of values still allowed; counted down.
+            depth: of the table that the value is in.
+
+        Raises:
+            ValueError: it cannot be converted, or is too large.
+        """
         left[0] -= 1
         if left[0] < 0:
             raise ValueError("the table that is returned is too large")
@@ -125,13 +135,13 @@ class Worker:
 
 
 def _message(error: Exception) -> str:
-    """What Lua or the sandbox says, without its traceback and place: YAML knows better."""
+    """The message of an error of Lua or the sandbox, without a traceback or a place in the code."""
     first_line = (str(error).splitlines() or [""])[0]
     text = re.sub(r'^(\$eval|\[string ".*?"\]):\d+: ', "", first_line).strip()
     return text or "it fails without a message"
 
 
-def _say(message: Dict[str, Any]) -> None:
+def _send(message: Dict[str, Any]) -> None:
     sys.stdout.write(json.dumps(message) + "\n")
     sys.stdout.flush()
 

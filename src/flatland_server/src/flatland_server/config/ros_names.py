@@ -1,4 +1,4 @@
-"""Names that become part of a ROS topic."""
+"""Checks of names that become part of ROS topics: of models, layers and namespaces."""
 
 import re
 from typing import Optional
@@ -9,7 +9,7 @@ _TOPIC_NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
 
 
 def topic_name_problem(name: str) -> Optional[str]:
-    """Why a model's or layer's name cannot be part of a topic, or None."""
+    """Why the name of a model or layer cannot be part of a topic, or None if it can."""
     if _TOPIC_NAME.fullmatch(name):
         return None
     if not name:
@@ -18,7 +18,7 @@ def topic_name_problem(name: str) -> Optional[str]:
 
 
 def namespace_problem(namespace: str) -> Optional[str]:
-    """Why a namespace cannot be used, or None. The empty namespace can be."""
+    """Why a namespace cannot be used, or None if it can. The empty namespace is valid."""
     bare = namespace.strip("/")
     if not bare or (_TOPIC_NAME.fullmatch(bare) and not bare[0].isdigit() and bare[0] != "_"):
         return None
@@ -29,7 +29,13 @@ def namespace_problem(namespace: str) -> Optional[str]:
 
 
 def check_topic_name(reader: YamlReader, key: str, name: str) -> None:
-    """Notes a problem at `key` if the name that is given there cannot be part of a topic."""
+    """Notes a problem if the name given at a key cannot be part of a topic.
+
+    Args:
+        reader: of the map that has the key.
+        key: at which the name is given.
+        name: the name.
+    """
     problem = topic_name_problem(name)
     if problem and reader.has(key):
         reader.problem(problem, key)

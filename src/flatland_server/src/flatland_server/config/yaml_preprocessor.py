@@ -1,52 +1,45 @@
-"""From a YAML file to one tree of nodes: `$include`, `$[include]` and `$eval` resolved.
+"""Composes a YAML file to a tree of nodes, with `$include`, `$[include]` and `$eval` resolved.
 
-A node keeps the file and line that it was written in (its `start_mark`), so that an error names the
-right place whatever it was included from.
+A node keeps the file and line that it is written in (its `start_mark`), so that errors name that
+place, also in a file that is included.
 """
 
 import io
-import logging
-import os
-import re
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import yaml
 
-from flatland_server.config.lua import LuaError, LuaEvaluator
+from flatland_server.config.yaml_expressions import Expressions
+from flatland_server.config.yaml_map import error_at
 from flatland_server.exceptions import YamlError
-
-logger = logging.getLogger(__name__)
 
 _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
 _EVAL = "$eval"
 
-_NUMBER = re.compile(r"-?(0|[1-9][0-9]{0,14})(\.[0-9]+)?")
-_MAX_DEPTH = 100  # of maps and lists in each other
+_MAX_DEPTH = 100  # of nested maps and lists
 _MAX_ITEMS = 100_000  # of a list
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_TAG = "tag:yaml.org,2002:"
+_MERGE_TAG = "tag:yaml.org,2002:merge"
 
 
 class YamlPreprocessor:
-    """Reads YAML files, with the parameters that their expressions may ask for.
+    """Reads YAML files, and resolves the includes and expressions in them.
 
     Args:
-        get_param: the value of a parameter, or the default: `get_param(path, default)`.
+        get_param: for expressions, the value of a parameter: `get_param(path, default)`.
     """
 
     def __init__(
         self, get_param: Callable[[str, Any], Any] = lambda _path, default: default
     ) -> None:
-        self._get_param = get_param
-        self._included: Dict[Path, List[yaml.Node]] = {}  # by this `read`, each file once
-        self._place = ""  # of the expression that is being evaluated
-        self._lua = LuaEvaluator({"env": self._env, "param": self._param})
+        self._expressions = Expressions(get_param)
+        self._included: Dict[Path, List[yaml.Node]] = {}  # by the current `read`, each file once
 
     def read(self, path: Path) -> yaml.Node:
-        """The root of a file's only document.
+        """The root node of a file, which must consist of one document.
 
         Raises:
             YamlError: it or a file that it includes is missing, unreadable, empty or not YAML; an
@@ -55,21 +48,18 @@ class YamlPreprocessor:
         self._included.clear()
         documents = self._compose(path)
         if len(documents) > 1:
-            mark = documents[1].start_mark
-            raise YamlError(
-                path, "expected one document, found another one", mark.line + 1, mark.column + 1
-            )
+            raise error_at(documents[1], "expected one document, found another one")
         try:
             return self._resolve(documents[0], (path,), {})
         except RecursionError:
             raise YamlError(path, "is nested too deeply") from None
 
     def close(self) -> None:
-        """Ends what evaluates expressions."""
-        self._lua.close()
+        """Ends the process that evaluates expressions."""
+        self._expressions.close()
 
     def _compose(self, path: Path) -> List[yaml.Node]:
-        """The documents of a file, as they are written."""
+        """The documents of a file, without anything resolved."""
         try:
             text = path.read_bytes().decode("utf-8-sig")
             _check_depth(path, text)
@@ -93,32 +83,24 @@ class YamlPreprocessor:
     def _resolve(
         self, node: yaml.Node, files: Tuple[Path, ...], done: Dict[int, Optional[yaml.Node]]
     ) -> yaml.Node:
-        """A node with all in it resolved.
+        """A copy of a node in which everything is resolved.
 
         Args:
             node: as it is written.
-            files: the file that it stands in, last, and those that include it.
-            done: the results for nodes that aliases bring here again; None while under way.
+            files: the files that include each other down to the one that the node is written in.
+            done: the results by the `id` of the node, for aliases; None while a node is resolved.
         """
         if isinstance(node, yaml.ScalarNode):
             return self._resolve_scalar(node, files)
         if id(node) in done:
             before = done[id(node)]
             if before is None:
-                raise _error(node, "contains itself")
+                raise error_at(node, "contains itself")
             return before
         done[id(node)] = None
         result: yaml.Node
         if isinstance(node, yaml.SequenceNode):
-            items: List[yaml.Node] = []
-            for item in node.value:
-                path = _directive(item, _INCLUDE_ALL)
-                if path is None:
-                    items.append(self._resolve(item, files, done))
-                else:
-                    items.extend(self._include(item, path, files))
-                if len(items) > _MAX_ITEMS:
-                    raise _error(item, f"expected a list of at most {_MAX_ITEMS}, found more")
+            items = self._resolve_items(node, files, done)
             result = yaml.SequenceNode(node.tag, items, node.start_mark, node.end_mark)
         else:
             pairs = self._resolve_pairs(node, files, done)
@@ -126,24 +108,39 @@ class YamlPreprocessor:
         done[id(node)] = result
         return result
 
+    def _resolve_items(
+        self, node: yaml.Node, files: Tuple[Path, ...], done: Dict[int, Optional[yaml.Node]]
+    ) -> List[yaml.Node]:
+        """The items of a list, with those of each file that `$[include]` inserts."""
+        items: List[yaml.Node] = []
+        for item in node.value:
+            path = _directive(item, _INCLUDE_ALL)
+            if path is None:
+                items.append(self._resolve(item, files, done))
+            else:
+                items.extend(self._include(item, path, files))
+            if len(items) > _MAX_ITEMS:
+                raise error_at(item, f"expected a list of at most {_MAX_ITEMS}, found more")
+        return items
+
     def _resolve_pairs(
         self, node: yaml.Node, files: Tuple[Path, ...], done: Dict[int, Optional[yaml.Node]]
     ) -> List[Tuple[yaml.Node, yaml.Node]]:
-        """A mapping's pairs, with those of `<<: *defaults` that it does not give itself."""
+        """A mapping's keys and values, and those of `<<: *defaults` for keys that it lacks."""
         own: List[Tuple[yaml.Node, yaml.Node]] = []
         inherited: Dict[str, Tuple[yaml.Node, yaml.Node]] = {}
         for key, value in node.value:
             resolved = self._resolve(value, files, done)
-            if key.tag != f"{_TAG}merge":
+            if key.tag != _MERGE_TAG:
                 own.append((key, resolved))
                 continue
             sources = resolved.value if isinstance(resolved, yaml.SequenceNode) else [resolved]
             for source in sources:
                 if not isinstance(source, yaml.MappingNode):
-                    raise _error(value, "expected a map or a list of maps after <<")
+                    raise error_at(value, "expected a map or a list of maps after <<")
                 for pair in source.value:
                     if not isinstance(pair[0], yaml.ScalarNode):
-                        raise _error(pair[0], "expected a text as a key")
+                        raise error_at(pair[0], "expected a string as a key")
                     inherited.setdefault(pair[0].value, pair)
         for key, _ in own:
             inherited.pop(key.value if isinstance(key, yaml.ScalarNode) else "", None)
@@ -155,24 +152,20 @@ class YamlPreprocessor:
             documents = self._include(node, path, files)
             if len(documents) != 1:
                 message = f"expected one document in {path}, found {len(documents)}"
-                raise _error(node, f"{message}; {_INCLUDE_ALL} takes several")
+                raise error_at(node, f"{message}; {_INCLUDE_ALL} takes several")
             return documents[0]
         code = _directive(node, _EVAL)
         if code is None:
             return node
-        self._place = f"{node.start_mark.name}:{node.start_mark.line + 1}"
-        try:
-            return _to_node(self._lua.evaluate(code), node)
-        except LuaError as error:
-            raise _error(node, f"$eval: {error}, in: {_one_line(code)}") from None
+        return self._expressions.evaluate(node, code)
 
     def _include(self, node: yaml.Node, name: str, files: Tuple[Path, ...]) -> List[yaml.Node]:
         """The resolved documents of a file that a node includes."""
         path = files[-1].parent / name
         if not is_file(path):
-            raise _error(node, f"there is no file {path}")
+            raise error_at(node, f"there is no file {path}")
         if any(path.samefile(file) for file in files):
-            raise _error(node, f"{path} includes itself")
+            raise error_at(node, f"{path} includes itself")
         real = path.resolve()
         if real not in self._included:
             self._included[real] = [
@@ -180,32 +173,9 @@ class YamlPreprocessor:
             ]
         return self._included[real]
 
-    def _env(self, arguments: List[Any]) -> Any:
-        name = _name(arguments, "env")
-        if name in os.environ:
-            return _typed(os.environ[name])
-        return self._default(arguments, f'the environment variable "{name}" is not set')
-
-    def _param(self, arguments: List[Any]) -> Any:
-        path = _name(arguments, "param")
-        missing = object()
-        try:
-            value = self._get_param(path, missing)
-        except Exception as error:
-            raise LuaError(f'the parameter "{path}" cannot be read: {error}') from None
-        if value is not missing:
-            return value
-        return self._default(arguments, f'the parameter "{path}" is not set')
-
-    def _default(self, arguments: List[Any], problem: str) -> Any:
-        if len(arguments) == 2:
-            return arguments[1]
-        logger.warning("%s: %s and has no default; a blank string is used", self._place, problem)
-        return ""
-
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; there is none of a name that no file can have."""
+    """Whether there is such a file; False also for a name that is too long for a file."""
     try:
         return path.is_file()
     except OSError:
@@ -213,14 +183,14 @@ def is_file(path: Path) -> bool:
 
 
 def _named(text: str, path: Path) -> io.StringIO:
-    """A stream whose name appears in the nodes' marks."""
+    """A stream with a name, which PyYAML puts into the marks of nodes."""
     stream = io.StringIO(text)
     stream.name = str(path)
     return stream
 
 
 def _check_depth(path: Path, text: str) -> None:
-    """Refuses what is nested so deeply that composing it would overflow the stack."""
+    """Refuses text that is nested so deeply that composing it would overflow the stack."""
     depth = 0
     for event in yaml.parse(_named(text, path), Loader=_LOADER):
         if isinstance(event, yaml.CollectionStartEvent):
@@ -234,7 +204,7 @@ def _check_depth(path: Path, text: str) -> None:
 
 
 def _directive(node: yaml.Node, keyword: str) -> Any:
-    """What follows a keyword at the beginning of a scalar, or None."""
+    """The text after a keyword at the beginning of a scalar, or None without the keyword."""
     if not isinstance(node, yaml.ScalarNode):
         return None
     text = node.value.lstrip()
@@ -242,45 +212,3 @@ def _directive(node: yaml.Node, keyword: str) -> Any:
         return None
     rest = text[len(keyword) :]
     return rest.strip() if rest[:1].isspace() else None
-
-
-def _name(arguments: List[Any], function: str) -> str:
-    if len(arguments) not in (1, 2) or not isinstance(arguments[0], str):
-        raise LuaError(f"expected {function}(name) or {function}(name, default)")
-    return arguments[0]
-
-
-def _typed(text: str) -> Any:
-    """A text of the environment as Lua should see it, so that `if env("FLAG") then` works."""
-    if text in ("true", "false"):
-        return text == "true"
-    return float(text) if _NUMBER.fullmatch(text) else text  # 007 is no number but a name
-
-
-def _to_node(value: Any, origin: yaml.ScalarNode) -> yaml.Node:
-    """A value that an expression has returned, in the place of the expression."""
-    marks = (origin.start_mark, origin.end_mark)
-    if isinstance(value, dict):
-        pairs = [(_to_node(key, origin), _to_node(item, origin)) for key, item in value.items()]
-        return yaml.MappingNode(f"{_TAG}map", pairs, *marks)
-    if isinstance(value, list):
-        return yaml.SequenceNode(f"{_TAG}seq", [_to_node(v, origin) for v in value], *marks)
-    if value is None:
-        return yaml.ScalarNode(f"{_TAG}null", "", *marks)
-    if isinstance(value, bool):
-        return yaml.ScalarNode(f"{_TAG}bool", "true" if value else "false", *marks)
-    if isinstance(value, str):
-        return yaml.ScalarNode(f"{_TAG}str", value, *marks)
-    if float(value).is_integer() and abs(value) < 2**53:
-        return yaml.ScalarNode(f"{_TAG}int", str(int(value)), *marks)
-    return yaml.ScalarNode(f"{_TAG}float", repr(value), *marks)
-
-
-def _error(node: yaml.Node, message: str) -> YamlError:
-    mark = node.start_mark
-    return YamlError(Path(mark.name), message, mark.line + 1, mark.column + 1)
-
-
-def _one_line(code: str) -> str:
-    text = " ".join(code.split())
-    return text if len(text) <= 60 else text[:57] + "..."

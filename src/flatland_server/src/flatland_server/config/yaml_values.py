@@ -1,96 +1,186 @@
-"""What a YAML node says, as text, truth or numbers, and how it looks to its author."""
+"""Conversion of YAML nodes to values, and descriptions of nodes for error messages.
+
+The functions `to_...` convert a node. The others return such a function for values that are
+restricted further.
+"""
 
 import math
-from typing import Tuple
+from typing import Callable, List, Optional, Sequence, Tuple, cast
 
 import yaml
 
-LARGEST = 1e9
-"""What physics can reckon with in single precision."""
+from flatland_server.exceptions import suggestion
 
-_INFINITE = {"inf", ".inf", "+inf", "+.inf"}
+LARGEST = 1e9
+"""The largest magnitude of a number: physics is computed in single precision."""
+
+_INFINITY = {"inf", ".inf", "+inf", "+.inf"}
+_MINUS_INFINITY = {"-inf", "-.inf"}
 _TRUE = {"true", "yes", "on", "y"}
 _FALSE = {"false", "no", "off", "n"}
 
+_LONGEST = 60  # characters of a description
+_MOST_ITEMS = 12  # of a list in a description
 
-class Unexpected(Exception):
-    """What was expected; whoever catches it adds where, and what was found."""
+
+class ConversionError(Exception):
+    """A node is not what was expected. The message says what was, such as "a whole number"."""
 
 
 def is_null(node: yaml.Node) -> bool:
-    """Whether nothing is given."""
+    """Whether a node is `null`, `~` or empty."""
     return node.tag == "tag:yaml.org,2002:null"
 
 
 def to_string(node: yaml.Node) -> str:
-    """The text of a scalar, whatever YAML takes it for."""
+    """The text of a scalar, whatever type YAML gives it."""
     if not isinstance(node, yaml.ScalarNode):
-        raise Unexpected("a text")
+        raise ConversionError("a string")
     return str(node.value)
 
 
 def to_strings(node: yaml.Node) -> Tuple[str, ...]:
-    """The texts of a list; a single text is a list of one."""
+    """The strings of a list; a single string is a list of one."""
     items = node.value if isinstance(node, yaml.SequenceNode) else [node]
     return tuple(to_string(item) for item in items)
+
+
+def to_items(node: yaml.Node) -> List[yaml.Node]:
+    """The items of a list, not converted."""
+    if not isinstance(node, yaml.SequenceNode):
+        raise ConversionError("a list")
+    return cast(List[yaml.Node], node.value)
 
 
 def to_bool(node: yaml.Node) -> bool:
     """True or false, in any of YAML's spellings."""
     text = to_string(node).lower()
     if text not in _TRUE | _FALSE:
-        raise Unexpected("true or false")
+        raise ConversionError("true or false")
     return text in _TRUE
 
 
 def to_int(node: yaml.Node) -> int:
-    """A whole number."""
+    """A whole number, in decimal notation."""
     try:
-        return int(to_string(node).replace("_", "?"))  # in Python, 1_0 is a number
+        return int(to_string(node).replace("_", "?"))  # int() takes 1_0 for 10
     except ValueError:
-        raise Unexpected("a whole number") from None
+        raise ConversionError("a whole number") from None
 
 
 def to_float(node: yaml.Node) -> float:
     """A number or infinity, in YAML's spelling or Python's; not NaN."""
     text = node.value if isinstance(node, yaml.ScalarNode) else ""
-    if text.lower() in _INFINITE:
+    if text.lower() in _INFINITY:
         return math.inf
-    if text.lower() in {"-inf", "-.inf"}:
+    if text.lower() in _MINUS_INFINITY:
         return -math.inf
     try:
-        value = float(text.replace("_", "?"))
+        value = float(text.replace("_", "?"))  # float() takes 1_0 for 10
     except ValueError:
-        raise Unexpected("a number") from None
+        raise ConversionError("a number") from None
     if math.isnan(value):
-        raise Unexpected("a number")
+        raise ConversionError("a number")
     return value
 
 
-def to_floats(node: yaml.Node, length: int, shown: str) -> Tuple[float, ...]:
-    """A list of finite numbers; `shown` is what an error calls it."""
-    if not isinstance(node, yaml.SequenceNode) or len(node.value) != length:
-        raise Unexpected(shown)
-    try:
-        values = tuple(to_float(item) for item in node.value)
-    except Unexpected:
-        raise Unexpected(shown) from None
-    if not all(abs(value) <= LARGEST for value in values):
-        raise Unexpected(shown)
-    return values
+def one_of(choices: Sequence[str]) -> Callable[[yaml.Node], str]:
+    """Converts to one of some words."""
+
+    def convert(node: yaml.Node) -> str:
+        text = to_string(node)
+        if text not in choices:
+            words = ", ".join(choices[:-1]) + " or " + choices[-1]
+            raise ConversionError(f"{words}{suggestion(text, choices)}")
+        return text
+
+    return convert
+
+
+def int_between(minimum: Optional[int], maximum: Optional[int]) -> Callable[[yaml.Node], int]:
+    """Converts to a whole number between two bounds, which may be None for no bound."""
+
+    def convert(node: yaml.Node) -> int:
+        value = to_int(node)
+        if minimum is not None and value < minimum:
+            raise ConversionError(f"a whole number of {minimum} or more")
+        if maximum is not None and value > maximum:
+            raise ConversionError(f"a whole number of {maximum} or less")
+        return value
+
+    return convert
+
+
+def float_from(minimum: float, above: float, allow_infinity: bool) -> Callable[[yaml.Node], float]:
+    """Converts to a number, at least `minimum` and larger than `above`; never NaN."""
+
+    def convert(node: yaml.Node) -> float:
+        value = to_float(node)
+        if math.isinf(value):
+            if not allow_infinity:
+                raise ConversionError("a finite number")
+        elif abs(value) > LARGEST:
+            raise ConversionError(f"a number within {LARGEST:g} of zero")
+        if value < minimum:
+            raise ConversionError(f"a number of {minimum:g} or more")
+        if value <= above:
+            raise ConversionError(f"a number above {above:g}")
+        return value
+
+    return convert
+
+
+def floats_between(
+    length: int, expected: str, minimum: float = -math.inf, maximum: float = math.inf
+) -> Callable[[yaml.Node], Tuple[float, ...]]:
+    """Converts to a list of `length` finite numbers between two bounds, both included.
+
+    Args:
+        length: of the list.
+        expected: what an error says was expected, such as "[x, y]".
+        minimum: of each number.
+        maximum: of each number.
+    """
+
+    def convert(node: yaml.Node) -> Tuple[float, ...]:
+        if not isinstance(node, yaml.SequenceNode) or len(node.value) != length:
+            raise ConversionError(expected)
+        try:
+            values = tuple(to_float(item) for item in node.value)
+        except ConversionError:
+            raise ConversionError(expected) from None
+        if not all(abs(value) <= LARGEST and minimum <= value <= maximum for value in values):
+            raise ConversionError(expected)
+        return values
+
+    return convert
+
+
+def points(minimum: int, maximum: int) -> Callable[[yaml.Node], List[Tuple[float, float]]]:
+    """Converts to a list of `minimum` to `maximum` points `[x, y]`."""
+    to_point = floats_between(2, "[x, y]")
+
+    def convert(node: yaml.Node) -> List[Tuple[float, float]]:
+        items = node.value if isinstance(node, yaml.SequenceNode) else []
+        if not minimum <= len(items) <= maximum:
+            raise ConversionError(f"a list of {minimum} to {maximum} points [x, y]")
+        return [cast(Tuple[float, float], to_point(item)) for item in items]
+
+    return convert
 
 
 def describe(node: yaml.Node, depth: int = 2) -> str:
-    """A value as its author would recognise it, cut to a readable length."""
+    """A value as it is written, cut to a readable length; lists to the given depth."""
     if isinstance(node, yaml.ScalarNode):
         if is_null(node):
             return "nothing"
-        quoted = node.tag == "tag:yaml.org,2002:str"
-        text = f'"{node.value}"' if quoted else str(node.value)
+        is_string = node.tag == "tag:yaml.org,2002:str"
+        text = f'"{node.value}"' if is_string else str(node.value)
     elif isinstance(node, yaml.SequenceNode):
         if depth == 0:
             return "a list"
-        text = "[" + ", ".join(describe(item, depth - 1) for item in node.value[:12]) + "]"
+        items = [describe(item, depth - 1) for item in node.value[:_MOST_ITEMS]]
+        text = f"[{', '.join(items)}]"
     else:
         return "a map"
-    return text if len(text) <= 60 else text[:57] + "..."
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

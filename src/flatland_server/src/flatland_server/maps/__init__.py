@@ -1,1 +1,1 @@
-"""Map files into wall segments: images and lists of line segments."""
+"""Reads maps into wall segments: images and lists of line segments."""

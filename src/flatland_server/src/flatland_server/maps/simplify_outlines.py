@@ -1,8 +1,8 @@
-"""Fewer segments for the outlines of a map image, within a stated distance.
+"""Reduces the number of segments of the outlines of a map image, within a tolerance.
 
-The outlines of an image run along pixels: a wall that is not parallel to them is a staircase. Here
-the segments are chained into lines, and each line is replaced by one with fewer corners that stays
-within a tolerance of it (Ramer, 1972; Douglas and Peucker, 1973).
+The outlines of an image run along the edges of pixels: a wall that is not parallel to an axis is a
+staircase. Here the segments are chained into lines, and each line is replaced by one with fewer
+corners within a tolerance of it (Ramer, 1972; Douglas and Peucker, 1973).
 """
 
 from collections import defaultdict
@@ -13,22 +13,25 @@ import numpy as np
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 
 TOLERANCES = (0.0, 1.0, 2.0)
-"""How far outlines may move, in pixels: not at all, moderately, strongly."""
+"""How far outlines may move [px], by the level of `simplify_map`: none, moderate, strong."""
 
 Corner = Tuple[float, float]
 
 
 def simplify(segments: Segments, tolerance: float) -> Segments:
-    """The same outlines with fewer corners, none of which moves by more than the tolerance.
+    """Outlines with fewer corners, none of which is farther than the tolerance from a line.
 
     Args:
-        segments: shape (n, 4), x1, y1, x2, y2; those that touch share an end exactly.
+        segments: shape (n, 4), x1, y1, x2, y2; adjacent segments share a corner exactly.
         tolerance: in the same unit.
+
+    Returns:
+        Segments: shape (m, 4), m <= n; their corners are corners of the given segments.
     """
     pieces = []
     for line in _chains(segments):
         kept = line[_essential(line, tolerance)]
-        if len(kept) == 3 and (kept[0] == kept[2]).all():  # a speck: there and back again
+        if len(kept) == 3 and (kept[0] == kept[2]).all():  # a speck becomes one segment
             kept = kept[:2]
         pieces.append(np.column_stack([kept[:-1], kept[1:]]))
     if not pieces:
@@ -38,13 +41,16 @@ def simplify(segments: Segments, tolerance: float) -> Segments:
 
 
 def _chains(segments: Segments) -> List[FloatArray]:
-    """The corners of lines that pass through corners of two segments, and end at others."""
+    """Chains segments to lines, each of shape (corners, 2).
+
+    A line ends at a corner of one segment, or of three and more; others are closed.
+    """
     neighbours: Dict[Corner, List[Corner]] = defaultdict(list)
     for x1, y1, x2, y2 in segments.tolist():
         neighbours[x1, y1].append((x2, y2))
         neighbours[x2, y2].append((x1, y1))
 
-    def walk(start: Corner) -> List[Corner]:
+    def follow(start: Corner) -> List[Corner]:
         chain = [start]
         here = start
         while neighbours[here]:
@@ -61,16 +67,19 @@ def _chains(segments: Segments) -> List[FloatArray]:
     for starts in (sorted(ends), sorted(neighbours)):  # first the lines with ends, then the loops
         for start in starts:
             while neighbours[start]:
-                chains.append(np.array(walk(start)))
+                chains.append(np.array(follow(start)))
     return chains
 
 
 def _essential(line: FloatArray, tolerance: float) -> BoolArray:
-    """Which corners of a line stay. Of a loop, also the one farthest from where it begins."""
+    """Which corners of a line are kept: shape (corners,).
+
+    Of a closed line, they include the corner farthest from the first one.
+    """
     keep = np.zeros(len(line), dtype=bool)
     keep[[0, -1]] = True
     spans = [(0, len(line) - 1)]
-    if (line[0] == line[-1]).all():  # even a speck must not vanish
+    if (line[0] == line[-1]).all():  # closed; must not collapse to a point
         middle = int(np.hypot(*(line - line[0]).T).argmax())
         keep[middle] = True
         spans = [(0, middle), (middle, len(line) - 1)]

@@ -1,4 +1,4 @@
-"""A line for the user when something takes long."""
+"""Log messages for operations that can be slow, so that the user does not take them for hung."""
 
 import logging
 import threading
@@ -7,13 +7,13 @@ from typing import Iterator
 
 logger = logging.getLogger(__name__)
 
-PATIENCE = 2.0  # s
+DELAY = 2.0  # s until the message is logged
 
 
 @contextmanager
 def log_if_slow(message: str) -> Iterator[None]:
-    """Logs the message if what is done within lasts longer than `PATIENCE`, while it does."""
-    timer = threading.Timer(PATIENCE, logger.info, (message,))
+    """Logs a message if the block is still running after `DELAY`."""
+    timer = threading.Timer(DELAY, logger.info, (message,))
     timer.start()
     try:
         yield

@@ -1,8 +1,8 @@
-"""From a map image to wall segments, as array operations.
+"""Wall segments from a map image, by operations on arrays.
 
-A pixel is bright or dark; beyond the image's border everything is bright. A segment lies between
-two neighbouring pixels that differ, and collinear segments that touch are one. The bottom left
-corner of the image is the layer's origin.
+A pixel is bright or dark; outside the image everything is bright. A wall is the edge between a
+bright and a dark pixel; collinear edges that touch are one segment. The bottom left corner of the
+image is the origin of the layer.
 """
 
 from typing import Tuple
@@ -14,11 +14,14 @@ from flatland_server.arrays import BoolArray, IntArray, Segments
 
 
 def bright_pixels(image: Image.Image, occupied_thresh: float) -> BoolArray:
-    """Which pixels are brighter than the threshold: shape (height, width), the top row first.
+    """Which pixels are brighter than a threshold.
 
     Args:
-        image: of any mode; colours count by their luminance, and alpha does not count.
-        occupied_thresh: between 0 (black) and 1 (white).
+        image: of any mode; colours are converted to their luminance, alpha is ignored.
+        occupied_thresh: grey value between 0 (black) and 1 (white).
+
+    Returns:
+        Shape (height, width), the top row first.
     """
     if image.mode in ("I", "I;16", "I;16B", "I;16L", "I;16N"):
         grey = np.asarray(image, dtype=np.float64) / 65535.0
@@ -32,31 +35,34 @@ def bright_pixels(image: Image.Image, occupied_thresh: float) -> BoolArray:
 
 
 def outlines(bright: BoolArray) -> Segments:
-    """The boundaries between bright and dark pixels, in pixels from the bottom left corner.
+    """The edges between bright and dark pixels.
 
     Args:
         bright: shape (height, width), the top row first.
+
+    Returns:
+        Segments in pixels from the bottom left corner: shape (n, 4), x1, y1, x2, y2.
     """
     height = bright.shape[0]
     padded = np.pad(bright, 1, constant_values=True)
-    # Entry (i, j): whether the line above row i of the image is a boundary along column j.
+    # Element (i, j): whether the upper side of the pixel in row i and column j is an edge.
     row, first, last = _runs((padded[1:, :] != padded[:-1, :])[:, 1:-1])
     horizontal = np.column_stack([first, height - row, last, height - row])
-    # The same for the line left of column j along row i, with rows and columns exchanged.
+    # Element (j, i): the same for the left side of that pixel.
     column, top, bottom = _runs((padded[:, 1:] != padded[:, :-1])[1:-1, :].T)
     vertical = np.column_stack([column, height - bottom, column, height - top])
-    return _near_ones_together(np.concatenate([horizontal, vertical]).astype(np.float64))
+    return _sorted_by_tile(np.concatenate([horizontal, vertical]).astype(np.float64))
 
 
 def _runs(lines: BoolArray) -> Tuple[IntArray, IntArray, IntArray]:
-    """Runs of true values in each row: their rows, first indices, and indices past the last."""
+    """Runs of true values in each row: their rows, first indices, and indices after the last."""
     edges = np.diff(np.pad(lines, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     row, first = np.nonzero(edges == 1)
     last = np.nonzero(edges == -1)[1]
     return row, first, last
 
 
-def _near_ones_together(segments: Segments, tile: float = 32.0) -> Segments:
-    """Ordered tile by tile (of 32 pixels), so that Box2D's tree of edges is built well."""
+def _sorted_by_tile(segments: Segments, tile: float = 32.0) -> Segments:
+    """Sorts segments by square tiles [px], so that Box2D builds a balanced tree of edges."""
     middle = (segments[:, :2] + segments[:, 2:]) / 2 // tile
     return np.asarray(segments[np.lexsort((middle[:, 0], middle[:, 1]))])

@@ -1,1 +1,1 @@
-"""What a world consists of: layers, and models with their bodies, footprints and joints."""
+"""The parts of a world: layers, and models with their bodies, footprints and joints."""

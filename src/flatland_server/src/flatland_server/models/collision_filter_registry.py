@@ -1,16 +1,18 @@
-"""Names of collision layers, as the bits of Box2D's filters."""
+"""Names of collision layers, as bits of Box2D's collision filters."""
 
 from typing import Dict, Iterable, List
 
 from flatland_server.exceptions import suggestion
 
 MAX_LAYERS = 16
+"""The number of bits of Box2D's filters."""
 ALL_LAYERS = 0xFFFF
 ALL = "all"
+"""The name that stands for all layers."""
 
 
 class CollisionFilterRegistry:
-    """Gives each layer name one of Box2D's 16 bits."""
+    """The collision layers of a world: assigns one of 16 bits to each name."""
 
     def __init__(self) -> None:
         self._bits: Dict[str, int] = {}
@@ -21,7 +23,7 @@ class CollisionFilterRegistry:
         return list(self._bits)
 
     def register(self, name: str) -> int:
-        """The bit of a new name.
+        """Assigns a bit to a new name, and returns it.
 
         Raises:
             ValueError: the name is taken or reserved, or all 16 bits are.
@@ -36,7 +38,7 @@ class CollisionFilterRegistry:
         return self._bits[name]
 
     def bits(self, names: Iterable[str]) -> int:
-        """The bits of some names together; `all` is every bit, no names are none.
+        """The bits of some names together. `all` has all bits; no names have none.
 
         Raises:
             ValueError: a name is unknown.
@@ -54,8 +56,8 @@ class CollisionFilterRegistry:
 
 
 class AnyLayer(CollisionFilterRegistry):
-    """For a model alone: whatever layer it names may exist in the world that it is made for."""
+    """For a model that is checked without a world: every name is a collision layer."""
 
     def bits(self, names: Iterable[str]) -> int:
-        """A bit for each name."""
+        """All bits, or none without a name."""
         return ALL_LAYERS if list(names) else 0

@@ -1,4 +1,4 @@
-"""Entities: what bodies belong to, a model or a layer."""
+"""Entities: the models and layers of a world, which own its bodies."""
 
 from abc import ABC, abstractmethod
 from typing import Dict, Iterable, Iterator, List, Optional
@@ -7,51 +7,51 @@ from flatland_server import _core
 
 
 class Entity(ABC):
-    """A model or a layer, as contacts have to do with it."""
+    """A model or a layer: what a plugin is told that it is in contact with."""
 
     @property
     @abstractmethod
     def name(self) -> str:
-        """The model's name, or the first of the layer's."""
+        """The name of the model, or the first name of the layer."""
 
     @property
     @abstractmethod
     def physics_bodies(self) -> List[_core.Body]:
-        """Its bodies in the core."""
+        """Its bodies in the physical world."""
 
     @abstractmethod
     def body_name(self, fixture: _core.Fixture) -> str:
-        """The name of the body that a fixture of this entity belongs to; a layer's is its own."""
+        """The name of the body of a fixture of this entity; for a layer, the name of the layer."""
 
 
 class Entities:
-    """Which entity a body belongs to."""
+    """The entities of a world, by the bodies that they own."""
 
     def __init__(self) -> None:
         self._owners: Dict[int, Entity] = {}
 
     def add(self, entity: Entity, bodies: Iterable[_core.Body]) -> None:
-        """Notes whose these bodies are."""
+        """Registers an entity as the owner of bodies."""
         self._owners.update((body.id, entity) for body in bodies)
 
     def remove(self, bodies: Iterable[_core.Body]) -> None:
-        """Forgets bodies that are gone."""
+        """Unregisters bodies."""
         for body in bodies:
             self._owners.pop(body.id, None)
 
     def owner(self, body_id: int) -> Entity:
-        """Whose the body of this `id` is.
+        """The entity that owns the body with this `id`.
 
         Raises:
-            GoneError: the body has been deleted, or is neither a model's nor a layer's.
+            GoneError: the body has been deleted, or belongs to no model or layer.
         """
         owner = self.find(body_id)
         if owner is None:
-            raise _core.GoneError("this body has been deleted, or is of no model or layer")
+            raise _core.GoneError("this body has been deleted, or belongs to no model or layer")
         return owner
 
     def find(self, body_id: int) -> Optional[Entity]:
-        """The same; None if it is nobody's, as a body that a plugin has made for itself."""
+        """The same, or None if it has no owner, such as a body that a plugin has created."""
         return self._owners.get(body_id)
 
     def __iter__(self) -> Iterator[Entity]:

@@ -14,13 +14,13 @@ _CIRCLE_SIDES = 36
 
 @dataclass(frozen=True)
 class Circle:
-    """A disc [m], in the body's frame."""
+    """A disc: center and radius [m], in the body's frame."""
 
     center: Point
     radius: float
 
     def outline(self) -> Sequence[Point]:
-        """Corners of a polygon that looks like it."""
+        """The corners of a regular polygon that approximates it [m]."""
         x, y = self.center
         angles = [math.tau * i / _CIRCLE_SIDES for i in range(_CIRCLE_SIDES)]
         return [(x + self.radius * math.cos(a), y + self.radius * math.sin(a)) for a in angles]
@@ -28,20 +28,29 @@ class Circle:
 
 @dataclass(frozen=True)
 class Polygon:
-    """A convex polygon of 3 to 8 vertices [m], in the body's frame, either way round."""
+    """A convex polygon of 3 to 8 vertices [m], in the body's frame and in either order."""
 
     vertices: Tuple[Point, ...]
 
     def outline(self) -> Sequence[Point]:
-        """Its corners."""
+        """Its vertices [m]."""
         return self.vertices
 
 
 @dataclass(frozen=True)
 class Footprint:
-    """An entry of a body's `footprints`. Densities in kg/m^2, the rest are Box2D's coefficients.
+    """An entry of a body's `footprints`.
 
-    `visible` is for plugins that make bodies of their own: lasers do not see what is not.
+    Attributes:
+        shape: in the body's frame.
+        density: [kg/m^2].
+        friction: Box2D's coefficient of friction.
+        restitution: Box2D's coefficient of restitution.
+        sensor: whether it reports contacts without responding to them.
+        collision: whether it collides at all.
+        layers: names of the collision layers that it is on.
+        layer_bits: the bits of these layers.
+        visible: whether lasers see it. Always true in files; for bodies that plugins create.
     """
 
     shape: Union[Circle, Polygon]
@@ -102,10 +111,10 @@ class Footprint:
         return footprint
 
     def attach(self, body: Union[_core.Body, _core.FixtureChecker]) -> None:
-        """Gives a physics body this shape, or only checks whether it could have it.
+        """Adds this shape, with its material, to a body, or checks whether a body can have it.
 
         Raises:
-            ValueError: Box2D cannot take the shape.
+            ValueError: Box2D cannot represent the shape.
         """
         material: Dict[str, Any] = {
             "density": self.density,
@@ -123,13 +132,13 @@ class Footprint:
 
 
 def _is_convex(vertices: Tuple[Point, ...]) -> bool:
-    """Whether a closed path turns one way only, and goes round once."""
-    turns = []
+    """Whether a polygon is convex: it turns in one direction only, by one revolution in total."""
+    angles = []  # between consecutive sides
     for (ax, ay), (bx, by), (cx, cy) in zip(
         vertices, vertices[1:] + vertices[:1], vertices[2:] + vertices[:2]
     ):
         ux, uy, vx, vy = bx - ax, by - ay, cx - bx, cy - by
-        turns.append(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
-    # Corners on a straight side turn by nothing but rounding.
-    one_way = all(turn > -1e-6 for turn in turns) or all(turn < 1e-6 for turn in turns)
-    return one_way and abs(sum(turns)) < 3 * math.pi
+        angles.append(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+    # At a vertex within a straight side the angle is zero up to rounding.
+    one_direction = all(a > -1e-6 for a in angles) or all(a < 1e-6 for a in angles)
+    return one_direction and abs(sum(angles)) < 3 * math.pi

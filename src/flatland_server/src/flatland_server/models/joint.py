@@ -1,4 +1,4 @@
-"""Joints: what holds two bodies of a model together."""
+"""Joints: connections between two bodies of a model."""
 
 from dataclasses import dataclass
 from typing import Mapping, Optional, Sequence, Tuple
@@ -11,7 +11,21 @@ from flatland_server.models.model_body import ModelBody
 
 @dataclass(frozen=True)
 class JointConfig:
-    """An entry of a model's `joints`: the anchor on one body held on the anchor on the other."""
+    """An entry of a model's `joints`: holds an anchor on one body at an anchor on another.
+
+    Attributes:
+        type: revolute or weld.
+        name: unique within the model.
+        color: of its marker in rviz.
+        collide_connected: whether the two bodies collide with each other.
+        bodies: the names of the two bodies.
+        anchors: a point of each body, in its frame [m].
+        limits: of a revolute joint: lowest and highest angle of the second body relative to the
+            first [rad].
+        angle: of a weld: angle of the second body relative to the first [rad].
+        frequency: of a weld [Hz]; 0 is rigid.
+        damping: of a weld: damping ratio.
+    """
 
     type: str
     name: str
@@ -26,7 +40,7 @@ class JointConfig:
 
     @classmethod
     def read(cls, reader: YamlReader, body_names: Sequence[str]) -> "JointConfig":
-        """Reads an entry, its `enabled` aside.
+        """Reads an entry; its `enabled` has been read.
 
         Raises:
             YamlError: something in it is wrong, or a body is not one of `body_names`.
@@ -66,7 +80,7 @@ class JointConfig:
 
 
 def _read_end(reader: YamlReader, body_names: Sequence[str]) -> Tuple[str, Point]:
-    """A joint's body and the anchor on it."""
+    """Reads an entry of a joint's `bodies`: the name of a body, and the anchor on it [m]."""
     name = reader.get_string("name")
     if name and name not in body_names:
         reader.problem(f'the model has no body "{name}"{suggestion(name, body_names)}', "name")
@@ -76,7 +90,12 @@ def _read_end(reader: YamlReader, body_names: Sequence[str]) -> Tuple[str, Point
 
 
 class Joint:
-    """A joint of a model in the world."""
+    """A joint of a model in the world.
+
+    Args:
+        config: its entry in the model file.
+        bodies: the bodies of the model, by name.
+    """
 
     def __init__(self, config: JointConfig, bodies: Mapping[str, ModelBody]) -> None:
         self.config = config

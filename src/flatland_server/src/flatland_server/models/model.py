@@ -1,4 +1,4 @@
-"""Models: robots, people, doors, boxes; collections of bodies, joints and plugins."""
+"""Models: robots, people, doors, boxes. A model consists of bodies, joints and plugins."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
-from flatland_server.config.enabled_entries import read_enabled
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import ModelError, suggestion
@@ -21,7 +20,14 @@ from flatland_server.models.plugin_config import PluginConfig
 
 @dataclass(frozen=True)
 class ModelConfig:
-    """A model file."""
+    """The contents of a model file.
+
+    Attributes:
+        path: the file.
+        bodies: its bodies, at least one; the first is the base.
+        joints: its joints.
+        plugins: its plugins, which read their own keys when they start.
+    """
 
     path: Path
     bodies: Tuple[BodyConfig, ...]
@@ -43,25 +49,26 @@ class ModelConfig:
             preprocessor: has the parameters for the file's expressions.
 
         Raises:
-            YamlError: something in it is wrong. What is in a plugin's entry is for the plugin to
-                say, when it starts.
+            YamlError: something in it is wrong. Plugins check their own keys when they start.
         """
         return cls.read(YamlReader.from_file(path, preprocessor), registry)
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":
-        """The same of a file that is being read already."""
+        """Reads a model from a file that is open in a reader; see `from_file`."""
         names: List[str] = []  # also of bodies that cannot be read: joints may name them
 
         def read_body(section: YamlReader) -> BodyConfig:
             names.append(section.get_string("name"))
             return BodyConfig.read(section, registry)
 
-        bodies = read_enabled(reader, "bodies", read_body, required=True)
+        bodies = reader.get_enabled_sections("bodies", read_body, required=True)
         if not bodies and reader.is_sound:
             reader.problem("expected at least one body, found none", "bodies")
-        joints = read_enabled(reader, "joints", lambda section: JointConfig.read(section, names))
-        plugins = read_enabled(reader, "plugins", PluginConfig.read)
+        joints = reader.get_enabled_sections(
+            "joints", lambda section: JointConfig.read(section, names)
+        )
+        plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
         return cls(reader.file, tuple(bodies), tuple(joints), tuple(plugins))
 
@@ -71,15 +78,15 @@ class Model(Entity):
 
     Args:
         name: unique in the world.
-        namespace: put before its topics and frames; may be empty.
-        config: what its file says.
-        pose: where its origin is put.
-        physics: the world it is put in.
+        namespace: of its topics and frames; may be empty.
+        config: the contents of its file.
+        pose: of its origin in the world.
+        physics: the physical world that it is added to.
         registry: the collision layers of that world.
-        entities: who has a part in that world's contacts.
+        entities: the entities of that world; the model adds itself.
 
     Raises:
-        ModelError: Box2D cannot take it.
+        ModelError: Box2D cannot represent it.
     """
 
     def __init__(
@@ -123,10 +130,10 @@ class Model(Entity):
         for body in self.bodies.values():
             if body.physics_body == fixture.body:
                 return body.name
-        self._require_there()
-        raise ModelError(f'the fixture is none of the model "{self.name}"')
+        self._require_existing()
+        raise ModelError(f'the fixture does not belong to the model "{self.name}"')
 
-    def _require_there(self) -> None:
+    def _require_existing(self) -> None:
         if not self.bodies:
             raise ModelError(f'the model "{self.name}" has been deleted')
 
@@ -137,7 +144,7 @@ class Model(Entity):
             ModelError: there is none, or the model has been deleted.
         """
         if name not in self.bodies:
-            self._require_there()
+            self._require_existing()
             hint = suggestion(name, self.bodies)
             known = ", ".join(self.bodies)
             raise ModelError(f'the model has no body "{name}"{hint}; it has: {known}')
@@ -151,7 +158,7 @@ class Model(Entity):
         """
         joints = {joint.name: joint for joint in self.joints}
         if name not in joints:
-            self._require_there()
+            self._require_existing()
             hint = suggestion(name, joints)
             known = ", ".join(joints) or "none"
             raise ModelError(f'the model has no joint "{name}"{hint}; it has: {known}')
@@ -159,22 +166,22 @@ class Model(Entity):
 
     @property
     def base(self) -> ModelBody:
-        """Its first body.
+        """The base: its first body.
 
         Raises:
             ModelError: the model has been deleted.
         """
-        self._require_there()
+        self._require_existing()
         return next(iter(self.bodies.values()))
 
     @property
     def pose(self) -> Pose:
-        """Where its origin is now, going by its first body."""
+        """The pose of its origin in the world, derived from the pose of its base."""
         return self.base.pose.compose(self.base.config.pose.inverse()).wrapped()
 
     @property
     def radius(self) -> float:
-        """How far its footprints reach from its origin, with its joints as they are now [m]."""
+        """The greatest distance [m] of a point of its footprints to its origin, as they are now."""
         origin = self.pose[:2]
         reach = 0.0
         for body in self.bodies.values():
@@ -187,13 +194,16 @@ class Model(Entity):
         return reach
 
     def move(self, pose: Pose) -> None:
-        """Puts it somewhere else as it is, its bodies as they stand to each other, at rest.
+        """Moves it as a rigid whole, and stops it.
+
+        Args:
+            pose: the new pose of its origin in the world.
 
         Raises:
-            ModelError: it cannot be there; it stays where it was.
+            ModelError: Box2D cannot represent a body there; the model stays where it was.
         """
         displacement = pose.compose(self.pose.inverse()).wrapped()
-        # The bodies' own poses, with all their turns: joints would feel a turn that only one makes.
+        # With whole revolutions: joints compare the angles of their bodies without wrapping them.
         before = [
             (body.physics_body, Pose(*body.physics_body.pose)) for body in self.bodies.values()
         ]
@@ -208,7 +218,7 @@ class Model(Entity):
             body.halt()
 
     def remove(self) -> None:
-        """Takes its bodies and joints out of the world."""
+        """Removes its bodies and joints from the world."""
         bodies = self.physics_bodies
         for body in bodies:
             body.remove()
@@ -217,9 +227,11 @@ class Model(Entity):
         self.joints.clear()
 
     def name_space_tf(self, frame_id: str) -> str:
-        """A frame's name with this model's namespace: `<namespace>_<frame>`.
+        """The name of a frame of this model, with its namespace: `<namespace>_<frame>`.
 
-        A leading "/" keeps the namespace away, and is taken off.
+        Args:
+            frame_id: the name without the namespace; a leading "/" is removed, and the namespace
+                is then not added.
         """
         if frame_id.startswith("/"):
             return frame_id[1:]

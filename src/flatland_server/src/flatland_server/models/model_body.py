@@ -1,4 +1,4 @@
-"""Bodies: the rigid pieces of a model."""
+"""Bodies: the rigid parts of a model."""
 
 from dataclasses import dataclass
 from typing import Tuple
@@ -14,7 +14,17 @@ BODY_TYPES = ("static", "kinematic", "dynamic")
 
 @dataclass(frozen=True)
 class BodyConfig:
-    """An entry of a model's `bodies`."""
+    """An entry of a model's `bodies`.
+
+    Attributes:
+        name: unique within the model.
+        pose: in the model's frame.
+        type: one of `BODY_TYPES`.
+        color: of its footprints in rviz.
+        linear_damping: [1/s].
+        angular_damping: [1/s].
+        footprints: its shapes.
+    """
 
     name: str
     pose: Pose
@@ -26,7 +36,7 @@ class BodyConfig:
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "BodyConfig":
-        """Reads an entry, its `enabled` aside.
+        """Reads an entry; its `enabled` has been read.
 
         Raises:
             YamlError: something in it is wrong.

@@ -1,4 +1,4 @@
-"""An entry of `plugins`, in a model's or a world's file."""
+"""An entry of `plugins` in the file of a model or a world."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,13 @@ from flatland_server.config.yaml_reader import YamlReader
 
 @dataclass(frozen=True)
 class PluginConfig:
-    """Which plugin, under which name; the rest of the entry is the plugin's own to read."""
+    """The type and name of a plugin.
+
+    Attributes:
+        type: the name of its class.
+        name: unique within the model or the world.
+        reader: of the entry; the plugin reads its other keys when it starts.
+    """
 
     type: str
     name: str
@@ -15,14 +21,14 @@ class PluginConfig:
 
     @classmethod
     def read(cls, reader: YamlReader) -> "PluginConfig":
-        """Reads what all plugins have.
+        """Reads the keys that all plugins have.
 
         Raises:
             YamlError: there is no type or no name.
         """
         plugin = cls(reader.get_string("type"), reader.get_string("name"), reader)
         for key in ("type", "name"):
-            if not reader.has(key):  # which keys there are besides, only the plugin knows
+            if not reader.has(key):  # only the plugin knows which other keys there are
                 reader.suggest(key)
         reader.raise_problems()
         return plugin

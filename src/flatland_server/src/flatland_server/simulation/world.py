@@ -74,7 +74,10 @@ class World:
         self._unsettled: Set[str] = set()  # models that are being started or stopped
         self._deferred: List[Callable[[], None]] = []
         try:
-            self.layers = [Layer(layer, self.physics, self.entities) for layer in config.layers]
+            self.layers = [
+                Layer(layer, config.walls_of(layer), self.physics, self.entities)
+                for layer in config.layers
+            ]
             problems: List[Problem] = []
             for entry in config.models:
                 try:

@@ -1,15 +1,18 @@
 """What a world's files say: its properties, layers, models and plugins."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Dict, Optional, Tuple
+from typing import Callable, Dict, Mapping, Optional, Tuple
 
-from flatland_server.config.enabled_entries import read_enabled
+import numpy as np
+
+from flatland_server.arrays import Segments
 from flatland_server.config.ros_names import check_topic_name, namespace_problem
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
+from flatland_server.maps.map_reader import read_map
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.layer import LayerConfig
 from flatland_server.models.model import ModelConfig
@@ -39,6 +42,8 @@ class WorldConfig:
     layers: Tuple[LayerConfig, ...]
     models: Tuple[ModelEntry, ...]
     plugins: Tuple[PluginConfig, ...]
+    walls: Mapping[Path, Segments] = field(default_factory=dict, repr=False, compare=False)
+    """The walls of each map file, in the world [m]."""
 
     @classmethod
     def from_file(
@@ -80,10 +85,9 @@ class WorldConfig:
         properties.finish()
         registry = CollisionFilterRegistry()
         layers = reader.get_sections(
-            "layers",
-            lambda section: LayerConfig.read(section, registry, preprocessor, simplify_map),
-            required=True,
+            "layers", lambda section: LayerConfig.read(section, registry), required=True
         )
+        walls = _read_walls(reader, lambda path: read_map(path, preprocessor, simplify_map))
         files: Dict[Path, ModelConfig] = {}  # each is read once, however many models there are
 
         def read_model(path: Path) -> ModelConfig:
@@ -91,10 +95,10 @@ class WorldConfig:
                 files[path] = ModelConfig.from_file(path, registry, preprocessor)
             return files[path]
 
-        models = read_enabled(
-            reader, "models", lambda section: _read_model_entry(section, read_model)
+        models = reader.get_enabled_sections(
+            "models", lambda section: _read_model_entry(section, read_model)
         )
-        plugins = read_enabled(reader, "plugins", PluginConfig.read)
+        plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
         return cls(
             velocity_iterations,
@@ -103,7 +107,27 @@ class WorldConfig:
             tuple(layers),
             tuple(models),
             tuple(plugins),
+            walls,
         )
+
+    def walls_of(self, layer: LayerConfig) -> Segments:
+        """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2."""
+        return self.walls[layer.map] if layer.map is not None else np.empty((0, 4))
+
+
+def _read_walls(reader: YamlReader, read: Callable[[Path], Segments]) -> Dict[Path, Segments]:
+    """The walls of each map file that a layer names.
+
+    Includes layers whose entry has problems, so that those of all files are reported together.
+    """
+    walls: Dict[Path, Segments] = {}
+    for path in dict.fromkeys(reader.get_sections("layers", LayerConfig.read_map_path)):
+        if path is not None and is_file(path):
+            try:
+                walls[path] = read(path)
+            except YamlError as error:
+                reader.note(error)
+    return walls
 
 
 def _read_model_entry(reader: YamlReader, read_model: Callable[[Path], ModelConfig]) -> ModelEntry:

@@ -1,1 +1,1 @@
-"""Commands for a user's files: checking and drawing worlds, without a ROS master."""
+"""Command-line tools that check and draw worlds without a ROS master."""

@@ -18,7 +18,11 @@ from flatland_server.tools.render import render
 
 
 def load(path: Path, preprocessor: YamlPreprocessor) -> World:
-    """The world of a world file, or an empty one with the model of a model file in it.
+    """Loads a world file; or a model file, into an otherwise empty world.
+
+    Args:
+        path: of the file; one with a key `bodies` is a model file.
+        preprocessor: for its expressions.
 
     Raises:
         FlatlandError: something in the files is wrong.
@@ -33,7 +37,7 @@ def load(path: Path, preprocessor: YamlPreprocessor) -> World:
 
 
 def summary(world: World) -> str:
-    """What there is in a world, in a line."""
+    """The numbers of layers, models and other parts of a world, in a line."""
     models = world.models.values()
     counts = (
         (len(world.layers), "layer"),
@@ -49,7 +53,15 @@ def summary(world: World) -> str:
 
 
 def check(path: Path, picture: Optional[Path]) -> List[str]:
-    """Loads a file, draws it if asked to, and says what there is; returns what is wrong."""
+    """Checks a file, and prints a summary if it is valid.
+
+    Args:
+        path: of a world or model file.
+        picture: the image file to draw the world into, if any.
+
+    Returns:
+        The problems, a line for each; empty if there are none.
+    """
     preprocessor = YamlPreprocessor()
     try:
         world = load(path, preprocessor)
@@ -64,14 +76,21 @@ def check(path: Path, picture: Optional[Path]) -> List[str]:
     if picture is not None:
         try:
             render(world).save(picture)
-        except (OSError, ValueError) as error:  # ValueError: Pillow does not know the ending
+        except (OSError, ValueError) as error:  # ValueError: an unknown file extension
             problems = [f"{picture}: cannot be written: {error}"]
     world.close()
     return problems
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """The command. Returns its exit code: 0 if all is well, 1 if something is wrong."""
+    """Runs the command.
+
+    Args:
+        arguments: of the command line; by default those of the process.
+
+    Returns:
+        The exit code: 0 if all files are valid, else 1.
+    """
     parser = argparse.ArgumentParser(
         prog="check_world", description="Check Flatland world and model files."
     )

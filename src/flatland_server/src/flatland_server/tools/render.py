@@ -1,4 +1,4 @@
-"""Draws a world from above, for a look without rviz."""
+"""Draws a world as seen from above, to look at it without rviz."""
 
 from typing import List, Tuple
 
@@ -18,7 +18,11 @@ _NAMES = (32, 32, 32)
 
 
 class _View:
-    """From metres to pixels: x to the right, y upwards."""
+    """Converts metres in the world to pixels of the picture: x to the right, y upwards.
+
+    Args:
+        points: that the picture must show [m]: shape (n, 2).
+    """
 
     def __init__(self, points: FloatArray) -> None:
         low, high = points.min(axis=0), points.max(axis=0)
@@ -37,7 +41,7 @@ class _View:
 
 
 def render(world: World) -> Image.Image:
-    """A picture of the walls, footprints and models' names, about 1600 pixels long."""
+    """A picture of walls, footprints and names of models; its longer side has 1600 pixels."""
     shapes = _shapes(world)
     corners = [point for outline, _ in shapes for point in outline]
     corners += [model.pose[:2] for model in world.models.values()]
@@ -47,12 +51,13 @@ def render(world: World) -> Image.Image:
     image = Image.new("RGB", view.size, _BACKGROUND)
     draw = ImageDraw.Draw(image, "RGBA")
     for layer in world.layers:
-        wall = _rgba(layer.config.color)
+        color = _rgba(layer.config.color)
         for x1, y1, x2, y2 in layer.segments.tolist():
-            draw.line([view(x1, y1), view(x2, y2)], fill=wall, width=2)
-    for outline, color in shapes:
+            draw.line([view(x1, y1), view(x2, y2)], fill=color, width=2)
+    for outline, shape_color in shapes:
         pixels = [view(*point) for point in outline]
-        draw.polygon(pixels, fill=_rgba(color), outline=(*_rgba(color)[:3], 255))
+        fill = _rgba(shape_color)
+        draw.polygon(pixels, fill=fill, outline=(*fill[:3], 255))
     font = ImageFont.load_default()
     for model in world.models.values():
         draw.text(view(*model.pose[:2]), model.name, fill=_NAMES, font=font)
@@ -60,7 +65,7 @@ def render(world: World) -> Image.Image:
 
 
 def _shapes(world: World) -> List[Tuple[List[Point], Color]]:
-    """The outlines of all footprints in the world, and their colours."""
+    """The outlines of all footprints in the world [m], with their colours."""
     return [
         ([body.pose.apply(*corner) for corner in footprint.shape.outline()], body.config.color)
         for model in world.models.values()
@@ -70,5 +75,6 @@ def _shapes(world: World) -> List[Tuple[List[Point], Color]]:
 
 
 def _rgba(color: Color) -> Tuple[int, int, int, int]:
+    """A colour with parts from 0 to 255."""
     red, green, blue, alpha = (round(255 * part) for part in color)
     return red, green, blue, alpha

@@ -1,4 +1,4 @@
-"""The documentation's pages of drives: their examples run, their defaults are as stated."""
+"""The documentation's pages about drives: the examples run, and the defaults are as stated."""
 
 import logging
 import math
@@ -22,7 +22,14 @@ TRICYCLE_DRIVE = (
 
 
 class Drive(NamedTuple):
-    """A drive with what it needs alone, and with all that its page writes down."""
+    """A drive.
+
+    Attributes:
+        least: its entry with the required keys only.
+        example: the example of its page.
+        model: the model that it is part of.
+        topics: that the example publishes to.
+    """
 
     least: str
     example: str
@@ -53,11 +60,11 @@ def velocity_in(odometry: Any) -> Tuple[float, float, float]:
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """What was warned of so far."""
+    """The warnings logged so far."""
     return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
-def test_the_defaults_are_what_the_example_writes_down(documented, drive):
+def test_the_defaults_are_those_of_the_example(documented, drive):
     readers = [documented.reader(plugins, drive.model) for plugins in (drive.least, drive.example)]
 
     least, example = (OdometryConfig.read(reader) for reader in readers)
@@ -82,7 +89,7 @@ def test_the_topics_and_frames_by_default_and_in_the_example(documented, drive, 
     truth = robot.transport.last("/odometry/ground_truth")
     assert (odometry[-1].header.frame_id, odometry[-1].child_frame_id) == ("odom", "base")
     assert (truth.header.frame_id, truth.child_frame_id) == ("map", "base")
-    # Without noise the two say the same.
+    # Without noise, the two are equal.
     assert odometry[-1].pose == truth.pose
     assert odometry[-1].twist == truth.twist
     assert truth.pose.pose.position.x == pytest.approx(0.25, abs=0.01)
@@ -113,7 +120,7 @@ def test_a_tricycle_has_no_limits_by_default(documented, tricycle_drive, which, 
     assert velocity_in(odometry) == pytest.approx((forwards, sideways, turning), rel=1e-3)
 
 
-def test_a_tricycles_front_wheel_turns_no_further_than_its_limit(documented):
+def test_the_front_wheel_of_a_tricycle_stops_at_its_limit(documented):
     robot = documented.robot(f"{TRICYCLE_DRIVE}, max_steer_angle: 0.3", documented.tricycle)
 
     robot.drive(0.0, 1.0).run(1.0)
@@ -129,9 +136,7 @@ DEPRECATED = {
 
 
 @pytest.mark.parametrize("key", DEPRECATED)
-def test_a_deprecated_key_limits_the_steering_as_its_successor_does_and_warns(
-    documented, caplog, key
-):
+def test_a_deprecated_key_limits_the_steering_like_its_successor_and_warns(documented, caplog, key):
     limit, angle = DEPRECATED[key]
     new = f"{TRICYCLE_DRIVE}, angular_dynamics: {{{limit}: 0.5}}"
     successor = documented.robot(new, documented.tricycle)

@@ -1,6 +1,6 @@
-"""The documentation's pages of sensors and such: examples run, defaults are as stated.
+"""The documentation's pages about other plugins: the examples run, the defaults are as stated.
 
-Those of drives are in test_drives.py.
+The pages about drives are tested in test_drives.py.
 """
 
 import math
@@ -20,7 +20,7 @@ EXAMPLES = {
     "tween": (("some_body",), 1, set()),
     "gps": (("base",), 1, {"/gps/fix"}),
 }
-"""By page: the bodies that the example needs, how many plugins it has, and what they publish."""
+"""For each page: the bodies that its example needs, the number of its plugins, and their topics."""
 
 
 @pytest.mark.parametrize(
@@ -45,23 +45,23 @@ def test_the_bumpers_of_the_example_have_frames_and_rates_of_their_own(documente
 
     messages = robot.record("/collisions", 1.0)
 
-    # Both publish to the same topic, whose last message at a step is that of the second.
+    # Both publish to the same topic; the last message of a step is that of the second.
     frames = [message.header.frame_id for message in messages]
     assert (frames.count("world"), frames.count("map")) == (STEPS_PER_SECOND - 60, 60)
 
 
-def test_the_bumpers_of_the_example_ignore_the_bodies_that_they_are_told_to(documented):
+def test_the_bumpers_of_the_example_ignore_the_excluded_bodies(documented):
     names = ("base", "left_wheel", "right_wheel")
     robot = documented.robot(documented.page("bumper"), documented.discs(*names))
 
     messages = robot.throw(1.0, *names).record("/collisions", 1.0)
 
-    told = {
+    reported = {
         (message.header.frame_id, collision.body_A)
         for message in messages
         for collision in message.collisions
     }
-    assert told == {("map", "base"), *(("world", name) for name in names)}
+    assert reported == {("map", "base"), *(("world", name) for name in names)}
 
 
 def test_the_bumpers_defaults(documented):
@@ -88,7 +88,7 @@ def test_the_bumpers_defaults(documented):
 def test_a_bumper_publishes_all_collisions_by_default(documented, key, colliding):
     robot = documented.robot(f"type: Bumper, name: bumper, update_rate: 2{key}")
 
-    # 0.8 m to the wall, where it stays.
+    # It is 0.8 m to the wall.
     free = robot.throw(1.0, "base").record("/collisions", 0.5)
     robot.run(0.5)
     touching = robot.record("/collisions", 1.0)[-colliding:]
@@ -154,7 +154,7 @@ def test_the_lasers_defaults(documented):
         assert scan.ranges == pytest.approx(distances)
 
 
-def test_a_laser_goes_clockwise_as_the_page_says(documented):
+def test_a_laser_with_a_negative_increment_scans_clockwise(documented):
     angle = "angle: {min: 2, max: -2, increment: -0.1}"
     robot = documented.robot(
         f"type: Laser, name: back, body: base, range: 4, origin: [0, 0, 0.5], {angle}"
@@ -199,7 +199,7 @@ def test_the_worlds_frame_is_map_by_default(documented):
 # Tween
 
 
-def test_the_tween_of_the_example_goes_to_and_fro_in_twenty_seconds(documented):
+def test_the_tween_of_the_example_returns_after_twenty_seconds(documented):
     bodies = documented.discs("some_body")
     robot = documented.robot(documented.page("tween"), bodies, pose="[2, 0, 0]")
 
@@ -213,7 +213,7 @@ def test_the_tween_of_the_example_goes_to_and_fro_in_twenty_seconds(documented):
     assert start == pytest.approx((2.0, 0.0, 0.0), abs=1e-5)
 
 
-def test_the_tweens_defaults_are_yoyo_linear_and_a_second(documented):
+def test_a_tween_is_yoyo_linear_and_lasts_a_second_by_default(documented):
     robot = documented.robot("type: Tween, name: least, body: base, delta: [0, 1, 0]")
 
     ways = [robot.run(0.25).pose().y for _ in range(9)]
@@ -240,7 +240,7 @@ def test_a_tween_is_triggered_by_tween_trigger_by_default(documented, namespace,
 # GPS
 
 
-def test_the_gps_of_the_example_is_where_the_world_begins(documented):
+def test_the_gps_of_the_example_is_at_the_origin_of_the_world(documented):
     robot = documented.robot(documented.page("gps"))
 
     fixes = robot.record("/gps/fix", 1.0)
@@ -257,7 +257,7 @@ def test_the_gps_defaults(documented):
 
     fixes = robot.record("/gps/fix", 1.0)
 
-    # On the equator of WGS 84, whose radius is 6378137 m.
+    # On the equator of WGS 84, with a radius of 6378137 m.
     longitude = math.degrees(math.atan2(-500.0, 6378137.0))
     assert len(fixes) == 10
     assert (fixes[0].latitude, fixes[0].longitude) == pytest.approx((0.0, longitude), abs=1e-9)

@@ -1,4 +1,4 @@
-"""The documentation's tutorials, followed: what they have written runs, and drives if it can."""
+"""The files of the documentation's tutorials run, and the robots in them drive."""
 
 import logging
 import math
@@ -23,7 +23,7 @@ def test_the_turtlebot_of_quick_start_drives(documented):
     assert turtlebot.pose == pytest.approx(arc, abs=1e-3)
 
 
-def test_the_cleaner_of_create_model_is_as_written(documented):
+def test_the_cleaner_of_create_model_has_its_bodies_joints_and_plugins(documented):
     cleaner = documented.model("cleaner.model.yaml")
 
     assert [body.name for body in cleaner.bodies] == [
@@ -48,8 +48,8 @@ def test_the_cleaner_of_create_model_drives(documented, steering):
 
     scans = cleaner.drive(speed, steering).record("/scan", seconds)
 
-    # The front wheel, at the base's origin, goes where it is steered; the base turns about the
-    # point where the axles meet.
+    # The front wheel, at the base's origin, moves in its heading; the base turns about the
+    # intersection of the axles.
     turn_rate = speed * math.sin(steering) / wheelbase
     yaw = turn_rate * seconds
     x, y = speed * seconds, 0.0
@@ -83,7 +83,7 @@ def test_the_plugin_of_create_plugin_says_hello_from_the_cleaner(documented, cap
     assert [record.getMessage() for record in caplog.records].count("Hello world") == 1
 
 
-def test_the_model_of_create_custom_robot_stands_where_it_was_put(documented):
+def test_the_model_of_create_custom_robot_is_at_its_pose(documented):
     simulation = documented.load("your_custom_world.yaml").run(0.1)
 
     robot = simulation.world.get_model("your_custom_model")

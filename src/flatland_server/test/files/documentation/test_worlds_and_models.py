@@ -46,7 +46,7 @@ def test_the_map_example_loads(documented):
 
     segments = documented.load("least.yaml").world.layers[0].segments
 
-    # 40 pixels of 5 cm, from the origin on.
+    # 40 pixels of 5 cm, from the origin.
     assert segments.reshape(-1, 2).min(axis=0) == pytest.approx((-16.6, -6.65))
     assert segments.reshape(-1, 2).max(axis=0) == pytest.approx((-14.6, -4.65))
 
@@ -158,7 +158,7 @@ def test_joints_and_plugins_are_optional(documented):
 
 
 @pytest.mark.parametrize("section", ["bodies", "joints", "plugins"])
-def test_what_is_listed_is_enabled_by_default(documented, section):
+def test_entries_are_enabled_by_default(documented, section):
     given = [entry["name"] for entry in yaml.safe_load(documented.text("model.yaml"))[section]]
 
     model = documented.model("model.yaml")

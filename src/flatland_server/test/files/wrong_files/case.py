@@ -1,4 +1,4 @@
-"""What a case of a wrong file is, and the names that all of them use."""
+"""The type of a case of a wrong file, and names that all cases use."""
 
 from typing import Optional, Tuple, Union
 

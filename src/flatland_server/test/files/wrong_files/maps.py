@@ -1,4 +1,4 @@
-"""Wrong in the maps of layers: images and line segments."""
+"""Wrong map files of layers: images and line segments."""
 
 from typing import Dict
 
@@ -13,7 +13,7 @@ WRONG_MAPS: Dict[str, Case] = {
     "an image that is a folder": (MAP, "map.png", "folder",
      "map.yaml:1: image: expected a file, but folder is a folder"),
     "an empty name of an image": (MAP, "map.png", "''",
-     "map.yaml:1: image: expected a file, found an empty text"),
+     "map.yaml:1: image: expected a file, found an empty string"),
     "an image that is no image": (MAP, "map.png", "lines.dat",
      "lines.dat: is not an image of a known format"),
     "an empty image file": (MAP, "map.png", "empty.png",
@@ -46,6 +46,9 @@ WRONG_MAPS: Dict[str, Case] = {
      'map.yaml:5: occupied_thresh: expected a number, found "dark"'),
     "an unknown type of map": (MAP, "negate: 0", "type: lines",
      'map.yaml:4: type: expected image or line_segments, found "lines"'),
+    "a type of map nearly known": (LINES, "line_segments", "line_segment",
+     'lines.yaml:1: type: expected image or line_segments (did you mean '
+     '"line_segments"?), found "line_segment"'),
     "an unknown key of a map": (MAP, "resolution: 0.05", "resolution: 0.05\nresolutoin: 0.05",
      'map.yaml:3: unknown key "resolutoin"'),
     "a map that is a list": (MAP, None, "- image: map.png\n",
@@ -57,6 +60,8 @@ WRONG_MAPS: Dict[str, Case] = {
     "data that is not there": (LINES, "lines.dat", "walls.dat",
      "lines.yaml:2: data: expected a file, but walls.dat is not there"),
     "no scale": (LINES, "scale: 0.1\n", "", 'lines.yaml:1: the required key "scale" is missing'),
+    "a negative scale": (LINES, "scale: 0.1", "scale: -0.1",
+     "lines.yaml:3: scale: expected a number above 0, found -0.1"),
     "a scale of zero": (LINES, "scale: 0.1", "scale: 0",
      "lines.yaml:3: scale: expected a number above 0, found 0"),
     "an image's key": (LINES, "scale: 0.1", "scale: 0.1\nresolution: 0.1",
@@ -73,7 +78,7 @@ WRONG_MAPS: Dict[str, Case] = {
      'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 nan 2"'),
     "infinity in a line": (DATA, "2 3 -1 2", "2 3 inf 2",
      'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 inf 2"'),
-    "a line without length": (DATA, "2 3 -1 2", "2 3 2 3",
+    "a line without length": (DATA, "2 3 -1 2", "2 3 2.0 3",
      "lines.dat:2: expected two different ends, found one point twice"),
     "data that is not text": (DATA, None, b"0 0 1 1\n\xff\xfe",
      "lines.dat: cannot be read: it is not UTF-8 text"),

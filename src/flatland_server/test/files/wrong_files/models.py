@@ -1,4 +1,4 @@
-"""Wrong in a model file: bodies, footprints, joints and plugins."""
+"""Wrong model files: bodies, footprints, joints and plugins."""
 
 from typing import Dict
 
@@ -80,7 +80,7 @@ WRONG_MODELS: Dict[str, Case] = {
      'robot.model.yaml:16: bodies[0].footprints[0].layers: no layer is named "wals" '
      '(did you mean "walls"?); there are: map, walls, lines, floor'),
     "a map for layers of a footprint": (MODEL, "[map, walls]", "{map: true}",
-     "robot.model.yaml:16: bodies[0].footprints[0].layers: expected a text, found a map"),
+     "robot.model.yaml:16: bodies[0].footprints[0].layers: expected a string, found a map"),
     "a number for collision": (MODEL, "collision: true", "collision: 2",
      "robot.model.yaml:17: bodies[0].footprints[0].collision: expected true or false, "
      "found 2"),

@@ -1,4 +1,4 @@
-"""Wrong before anything is read of it: YAML, includes and expressions."""
+"""Wrong YAML syntax, includes and expressions."""
 
 from typing import Dict
 
@@ -15,7 +15,7 @@ WRONG_SYNTAX: Dict[str, Case] = {
      "world.yaml:2: expected a map, found nothing"),
     "a list for a world": (WORLD, None, "- properties: {}\n",
      "world.yaml:1: expected a map, found [a map]"),
-    "a text for a world": (WORLD, None, "world\n", 'world.yaml:1: expected a map, found "world"'),
+    "a string for a world": (WORLD, None, "world\n", 'world.yaml:1: expected a map, found "world"'),
     "two documents": (WORLD, None, "properties: {}\n---\nlayers: []\n",
      "world.yaml:3: expected one document, found another one"),
     "a tab for indentation": (WORLD, None, "properties: {}\nlayers:\n\t- name: map\n",
@@ -53,7 +53,7 @@ WRONG_SYNTAX: Dict[str, Case] = {
      "world.yaml:1: contains itself"),
     "a map merged with itself": (WORLD, None, "&world\nproperties: {}\n<<: *world\n",
      "world.yaml:1: contains itself"),
-    "a merged text": (WORLD, None, "properties: {}\n<<: layers\n",
+    "a merged string": (WORLD, None, "properties: {}\n<<: layers\n",
      "world.yaml:2: expected a map or a list of maps after <<"),
     "a model that is not YAML": (MODEL, None, "bodies: [\n",
      "robot.model.yaml:2: is not valid YAML: while parsing a flow node did not find "

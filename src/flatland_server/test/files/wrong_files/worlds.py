@@ -1,4 +1,4 @@
-"""Wrong in the world file: the world itself, its layers and entries of models."""
+"""Wrong world files: properties, layers, and entries of models."""
 
 from typing import Dict
 
@@ -9,7 +9,7 @@ WRONG_WORLDS: Dict[str, Case] = {
     # The world
     "no properties": (WORLD, "properties: {velocity_iterations: 10, position_iterations: 10}\n",
      "", 'world.yaml:1: the required key "properties" is missing'),
-    "a text for properties": (WORLD, "{velocity_iterations: 10, position_iterations: 10}", "fast",
+    "a string for properties": (WORLD, "{velocity_iterations: 10, position_iterations: 10}", "fast",
      'world.yaml:1: properties: expected a map, found "fast"'),
     "no iterations": (WORLD, "velocity_iterations: 10", "velocity_iterations: 0",
      "world.yaml:1: properties.velocity_iterations: expected a whole number of 1 or "
@@ -23,7 +23,7 @@ WRONG_WORLDS: Dict[str, Case] = {
      'world.yaml:1: the required key "layers" is missing'),
     "a map for layers": (WORLD, None, "properties: {}\nlayers: {name: map}\n",
      "world.yaml:2: layers: expected a list, found a map"),
-    "a text for a layer": (WORLD, "{name: lines, map: lines.yaml}", "lines.yaml",
+    "a string for a layer": (WORLD, "{name: lines, map: lines.yaml}", "lines.yaml",
      'world.yaml:7: layers[1]: expected a map, found "lines.yaml"'),
     "an unknown key of the world": (WORLD, "models:", "model:",
      'world.yaml:9: unknown key "model" (did you mean "models"?)'),
@@ -43,7 +43,7 @@ WRONG_WORLDS: Dict[str, Case] = {
     "an empty list of names": (WORLD, "- name: floor", "- name: []",
      "world.yaml:8: layers[2].name: expected a name or a list of names, found an " "empty list"),
     "a map for a layer's name": (WORLD, "- name: floor", "- name: {first: floor}",
-     "world.yaml:8: layers[2].name: expected a text, found a map"),
+     "world.yaml:8: layers[2].name: expected a string, found a map"),
     "a layer's name that is no topic": (WORLD, "- name: floor", "- name: ground floor",
      'world.yaml:8: layers[2].name: expected a name of letters, digits and "_" (it '
      'names a ROS topic), found "ground floor"'),
@@ -69,6 +69,8 @@ WRONG_WORLDS: Dict[str, Case] = {
      'world.yaml:5: layers[0]: unknown key "colour" (did you mean "color"?)'),
     "an unknown key of a layer's properties": (WORLD, "{min_z: 0, max_z: 1}", "{minz: 0}",
      'world.yaml:6: layers[0].properties.debug: unknown key "minz" (did you mean "min_z"?)'),
+    "an unknown section of a layer's properties": (WORLD, "{debug: {", "{debgu: {",
+     'world.yaml:6: layers[0].properties: unknown key "debgu" (did you mean "debug"?)'),
     "a layer's height that is no number": (WORLD, "{min_z: 0, max_z: 1}", "{min_z: low}",
      'world.yaml:6: layers[0].properties.debug.min_z: expected a number, found "low"'),
     "a map that is not there": (WORLD, "map: map.yaml", "map: office.yaml",
@@ -78,7 +80,7 @@ WRONG_WORLDS: Dict[str, Case] = {
     "a number for a map": (WORLD, "map: map.yaml", "map: 5",
      "world.yaml:4: layers[0].map: expected a file, but 5 is not there"),
     "a list for a map": (WORLD, "map: map.yaml", "map: [map.yaml]",
-     'world.yaml:4: layers[0].map: expected a text, found ["map.yaml"]'),
+     'world.yaml:4: layers[0].map: expected a string, found ["map.yaml"]'),
     # Entries of models
     "no name of a model": (WORLD, "- name: robot\n    namespace", "- namespace",
      'world.yaml:10: models[0]: the required key "name" is missing'),

@@ -102,7 +102,7 @@ def test_a_body_that_is_nobodys_is_felt_but_has_no_entity(room, caplog):
     assert heard("ball/p1") == ["begin_contact"]
     [failure] = room.world.plugin_failures
     assert failure.label == "ball/p0"
-    assert failure.reason.endswith("this body has been deleted, or is of no model or layer")
+    assert failure.reason.endswith("this body has been deleted, or belongs to no model or layer")
 
 
 def test_the_points_of_a_contact_lie_where_the_two_touch(room):

@@ -1,4 +1,4 @@
-"""What the tests of YamlReader share: reading a text, and what is wrong with one."""
+"""Shared by the tests of YamlReader: reading a file, and the problems found in one."""
 
 from pathlib import Path
 from typing import Any, Callable
@@ -24,7 +24,7 @@ def read(folder: Path, text: str) -> YamlReader:
 
 
 def refusal(folder: Path, text: str, getter: Read) -> str:
-    """What is wrong with a file's text, without the folder's name."""
+    """The problems that a getter finds in a file with this text, without the folder's name."""
 
     def read_all() -> None:
         reader = read(folder, text)

@@ -1,4 +1,4 @@
-"""YamlReader: whatever stands in a file, it is read or refused."""
+"""YamlReader: a file with any content is read, or refused with a YamlError."""
 
 import contextlib
 from typing import Dict

@@ -1,4 +1,4 @@
-"""YamlReader: what is no file, no YAML or no map is refused; what is, may be written in any way."""
+"""YamlReader: a file that is missing, not YAML or not a map is refused; any YAML syntax is read."""
 
 import subprocess
 import sys
@@ -14,7 +14,7 @@ WRONG_STRUCTURES = {
     "a key given twice": ("mass: 1\nmass: 2", '2: the key "mass" is given twice'),
     "a list as a key": ("[a]: 1", '1: expected a key, found ["a"]'),
     "a list for the whole": ("# robots\n- a\n- b", '2: expected a map, found ["a", "b"]'),
-    "a text for the whole": ("hello", '1: expected a map, found "hello"'),
+    "a string for the whole": ("hello", '1: expected a map, found "hello"'),
 }
 
 NOT_YAML = {

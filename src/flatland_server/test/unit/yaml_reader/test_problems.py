@@ -1,4 +1,4 @@
-"""YamlReader: problems of a whole file, unknown keys among them, are said at once."""
+"""YamlReader: all problems of a file, unknown keys included, are reported together."""
 
 from yaml_reader.reading import SHAPES, nothing, read, refusal
 
@@ -6,7 +6,7 @@ from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.geometry import Pose
 
 
-def test_all_that_is_wrong_is_said_at_once_in_the_order_of_reading(tmp_path):
+def test_all_problems_are_reported_together_in_the_order_of_reading(tmp_path):
     text = """\
 properties: {gravity: heavy}
 name: [a]
@@ -36,7 +36,7 @@ weight: 1
     assert refusal(tmp_path, text, read_all).splitlines() == [
         'file.yaml:1: properties.gravity: expected a number, found "heavy"',
         'file.yaml:1: properties: the required key "mass" is missing',
-        'file.yaml:2: name: expected a text, found ["a"]',
+        'file.yaml:2: name: expected a string, found ["a"]',
         'file.yaml:4: models[0].pose: expected [x, y, yaw], found "foo"',
         'file.yaml:6: models[2] "c": the required key "model" is missing',
         'file.yaml:7: models[3]: expected a map, found "d"',
@@ -44,7 +44,7 @@ weight: 1
     ]
 
 
-def test_a_wrong_choice_is_said_at_once_with_all_before_it(tmp_path):
+def test_a_wrong_choice_is_raised_at_once_with_all_problems_before_it(tmp_path):
     def read_both(reader: YamlReader) -> None:
         reader.get_string("name")
         reader.get_choice("type", SHAPES)
@@ -76,7 +76,7 @@ def test_an_unknown_key_has_the_line_of_the_key_not_of_its_value(tmp_path):
     assert message == 'file.yaml:1: unknown key "modles" (did you mean "models"?)'
 
 
-def test_whoever_knows_more_than_the_reader_names_problems_at_its_places(tmp_path):
+def test_problems_that_only_the_caller_can_find_have_the_places_of_their_values(tmp_path):
     def read_model(section: YamlReader) -> None:
         section.problem("there is no such body", "body")
         section.problem("is too heavy")

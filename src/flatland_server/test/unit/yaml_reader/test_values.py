@@ -1,4 +1,4 @@
-"""YamlReader: values are read as what is asked for; a wrong one has a file and a line."""
+"""YamlReader: the getter decides about the type; an error for a wrong value has file and line."""
 
 import math
 from typing import Any, Dict
@@ -14,7 +14,7 @@ TYPES = ["static", "kinematic", "dynamic"]
 
 
 WRONG_VALUES: Dict[str, Any] = {
-    # what is wrong: text, who reads it, message after "<file>:"
+    # what is wrong: text of the file, how it is read, message after "<file>:"
     "a word for a number": (
         "mass: heavy",
         lambda r: r.get_float("mass"),
@@ -95,10 +95,10 @@ WRONG_VALUES: Dict[str, Any] = {
         lambda r: r.get_bool("sensor"),
         "1: sensor: expected true or false, found 1",
     ),
-    "a list for a text": (
+    "a list for a string": (
         "name: [a, b]",
         lambda r: r.get_string("name"),
-        '1: name: expected a text, found ["a", "b"]',
+        '1: name: expected a string, found ["a", "b"]',
     ),
     "none of the choices": (
         "type: wobbly",
@@ -155,10 +155,10 @@ WRONG_VALUES: Dict[str, Any] = {
         lambda r: r.get_color("color"),
         "1: color: expected [r, g, b, alpha], found [0, 0, 0, 255]",
     ),
-    "a map for texts": (
+    "a map for strings": (
         "layers: {a: b}",
         lambda r: r.get_strings("layers"),
-        "1: layers: expected a text, found a map",
+        "1: layers: expected a string, found a map",
     ),
     "a list for a section": (
         "angle:\n  [1, 2]",
@@ -260,7 +260,7 @@ READINGS: Dict[str, Any] = {
     "-7": (lambda r: r.get_int("v"), -7),
     "0x": (lambda r: r.get_string("v"), "0x"),
     "007": (lambda r: r.get_string("v"), "007"),
-    "no # a text": (lambda r: r.get_string("v"), "no"),
+    "no # a string": (lambda r: r.get_string("v"), "no"),
     "''": (lambda r: r.get_string("v"), ""),
     "map": (lambda r: r.get_strings("v"), ("map",)),
     "[a, 2]": (lambda r: r.get_strings("v"), ("a", "2")),
@@ -296,7 +296,7 @@ def test_a_wrong_value_is_named_with_its_place(tmp_path, case):
         (lambda r: r.get_sections("v", nothing), list),
     ],
 )
-def test_a_wrong_value_is_replaced_by_a_harmless_one_until_all_is_read(tmp_path, getter, kind):
+def test_a_wrong_value_is_replaced_by_a_placeholder_of_its_type(tmp_path, getter, kind):
     for text in ("v: {a: [b]}" if kind is not YamlReader else "v: [1]", "w: 1"):
         reader = read(tmp_path, text)
 
@@ -310,7 +310,7 @@ def test_a_wrong_value_is_replaced_by_a_harmless_one_until_all_is_read(tmp_path,
 
 
 @pytest.mark.parametrize("text", READINGS)
-def test_a_value_is_read_as_what_is_asked_for(tmp_path, text):
+def test_the_getter_decides_about_the_type_of_a_value(tmp_path, text):
     getter, expected = READINGS[text]
 
     assert getter(read(tmp_path, f"v: {text}\n")) == expected

@@ -1,0 +1,176 @@
+"""One map of a YAML document: which keys it has, and the problems that are found in it."""
+
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Set
+
+import yaml
+
+from flatland_server.config.problem_collector import ProblemCollector
+from flatland_server.config.yaml_values import ConversionError, describe, is_null
+from flatland_server.exceptions import YamlError, suggestion
+
+REQUIRED: Any = object()
+"""As a default: the key must be given."""
+
+
+class YamlMap:
+    """A map, the keys of it that were read, and the problems found in it.
+
+    Args:
+        node: the composed mapping; its marks name the file.
+        path: its place in the document, such as `models[0]`; empty for the whole document.
+        root: the file of the document, if the map was included into it from another one.
+        problems: where problems are noted; by default in a collector of its own.
+
+    Raises:
+        YamlError: it is not a map, or one of its keys is a list or a map.
+    """
+
+    def __init__(
+        self,
+        node: yaml.Node,
+        path: str = "",
+        root: Optional[Path] = None,
+        problems: Optional[ProblemCollector] = None,
+    ) -> None:
+        self.file = file_of(node)
+        """The file that the map is written in."""
+        self.path = path
+        """The map's place in the document, such as `models[0]`; empty for the whole document."""
+        self._root = root or self.file
+        self._node = node
+        self._keys: Dict[str, yaml.Node] = {}
+        self._values: Dict[str, yaml.Node] = {}
+        self._read: Set[str] = set()
+        self._problems = ProblemCollector() if problems is None else problems
+        if not isinstance(node, yaml.MappingNode):
+            raise error_at(node, f"expected a map, found {describe(node)}", path)
+        for key, value in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                raise error_at(key, f"expected a key, found {describe(key)}", path)
+            if key.value in self._values:
+                self.note(error_at(key, f'the key "{key.value}" is given twice', path))
+            self._keys[key.value], self._values[key.value] = key, value
+
+    def has(self, key: str) -> bool:
+        """Whether the key is given; a `null` counts as not given."""
+        return key in self._values and not is_null(self._values[key])
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether no problem was noted so far."""
+        return self._problems.is_empty
+
+    def problem(self, message: str, key: Optional[str] = None) -> None:
+        """Notes a problem at a key's value, or with this map; `finish` raises it."""
+        self.note(self.error(message, key))
+
+    def note(self, error: YamlError) -> None:
+        """Notes the problems of another file that this map refers to."""
+        self._problems.note(error)
+
+    def error(self, message: str, key: Optional[str] = None) -> YamlError:
+        """An error at a key's value, or at this map, to be raised at once."""
+        if key is None or key not in self._values:
+            return error_at(self._node, message, self._label())
+        return error_at(self._values[key], message, self._path_of(key))
+
+    def suggest(self, missing: str) -> None:
+        """Notes keys that look like a misspelling of one that is missing.
+
+        For a map of which some keys are read later, so that `finish` cannot be called yet.
+        """
+        for key in self._unread():
+            hint = suggestion(key, [missing])
+            if hint:
+                self._note_unknown_key(key, hint)
+
+    def raise_problems(self) -> None:
+        """Raises what was noted so far, where going on would only lead to further problems.
+
+        Raises:
+            YamlError: something was noted in this document or entry, its sections included.
+        """
+        if not self._problems.is_empty:
+            raise self._problems.take()
+
+    def finish(self) -> None:
+        """Refuses keys that no getter has asked for, and raises all that was noted.
+
+        Raises:
+            YamlError: something was noted in this document or entry, its sections included. The
+                message for an unknown key suggests the most similar known one.
+        """
+        self._note_unknown_keys()
+        self.raise_problems()
+
+    def _note_unknown_keys(self) -> None:
+        for key in self._unread():
+            hint = suggestion(key, self._read - self._keys.keys())
+            self._note_unknown_key(key, hint)
+        self._read.update(self._keys)
+
+    def _note_unknown_key(self, key: str, hint: str) -> None:
+        self.note(error_at(self._keys[key], f'unknown key "{key}"{hint}', self._label()))
+
+    def _unread(self) -> List[str]:
+        return [key for key in self._keys if key not in self._read]
+
+    def _missing(self, key: str) -> YamlError:
+        return self.error(f'the required key "{key}" is missing')
+
+    def _value(self, key: str, default: Any, converter: Callable[[yaml.Node], Any]) -> Any:
+        """A key's value, or the default.
+
+        Raises:
+            YamlError: it is missing or wrong.
+        """
+        self._read.add(key)
+        if not self.has(key):
+            if default is REQUIRED:
+                raise self._missing(key)
+            return default
+        try:
+            return converter(self._values[key])
+        except ConversionError as error:
+            found = describe(self._values[key])
+            raise self.error(f"expected {error}, found {found}", key) from None
+
+    def _get(
+        self, key: str, default: Any, converter: Callable[[yaml.Node], Any], placeholder: Any
+    ) -> Any:
+        """The same; if it is missing or wrong, notes that and returns the placeholder."""
+        try:
+            return self._value(key, default, converter)
+        except YamlError as error:
+            self.note(error)
+            return placeholder
+
+    def _path_of(self, key: str) -> str:
+        """The place of a key's value in the document."""
+        return f"{self.path}.{key}" if self.path else key
+
+    def _label(self) -> str:
+        """The map's place in the document; for an entry of a list, with its name."""
+        name = self._values.get("name")
+        if self.path.endswith("]") and isinstance(name, yaml.ScalarNode):
+            return f'{self.path} "{name.value}"'
+        return self.path
+
+
+def file_of(node: yaml.Node) -> Path:
+    """The file that a node is written in."""
+    return Path(node.start_mark.name)
+
+
+def error_at(node: yaml.Node, message: str, path: str = "") -> YamlError:
+    """An error at a node.
+
+    Args:
+        node: the node at fault.
+        message: what is wrong with it.
+        path: its place in the document, which is put before the message.
+    """
+    mark = node.start_mark
+    message = f"{path}: {message}" if path else message
+    return YamlError(file_of(node), message, mark.line + 1, mark.column + 1)

@@ -1,0 +1,93 @@
+"""Map files: walls from images and line segments, scaled and placed in the world."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from flatland_server.maps.map_reader import MapConfig, read_map
+
+ONE_PIXEL = {((1, 1), (2, 1)), ((1, 2), (2, 2)), ((1, 1), (1, 2)), ((2, 1), (2, 2))}
+"""The walls around the dark middle of 3 x 3 pixels, in pixels."""
+
+
+@pytest.fixture
+def maps(files):
+    """An image map of one dark pixel in the middle of 3 x 3, and the data of a wall of 1 m."""
+    pixels = np.full((3, 3), 255, dtype=np.uint8)
+    pixels[1, 1] = 0
+    Image.fromarray(pixels).save(files.folder / "map.png")
+    files.write("map.yaml", image_map())
+    files.write("wall.dat", "0 0 1 0\n")
+    return files
+
+
+def image_map(resolution: float = 1.0, origin: str = "[0, 0, 0]", more: str = "") -> str:
+    """A map file for the image map.png."""
+    return (
+        f"image: map.png\nresolution: {resolution}\norigin: {origin}\n"
+        f"occupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n{more}"
+    )
+
+
+def segment_map(scale: float = 1.0, origin: str = "[0, 0, 0]") -> str:
+    """A map file for the line segments wall.dat."""
+    return f"type: line_segments\ndata: wall.dat\nscale: {scale}\norigin: {origin}\n"
+
+
+def walls(path: Path, digits: int = 9) -> set:
+    """The walls of a map as a set of pairs of rounded points."""
+    rows = np.round(read_map(path), digits) + 0.0
+    return {tuple(sorted([(x1, y1), (x2, y2)])) for x1, y1, x2, y2 in rows.tolist()}
+
+
+def test_resolution_scales_an_image(maps):
+    path = maps.write("map.yaml", image_map(resolution=0.5))
+
+    assert walls(path) == {
+        tuple(sorted(((x1 / 2, y1 / 2), (x2 / 2, y2 / 2)))) for (x1, y1), (x2, y2) in ONE_PIXEL
+    }
+
+
+def test_the_origin_is_where_the_bottom_left_corner_lies(maps):
+    path = maps.write("map.yaml", image_map(origin="[-10, 20, 0]"))
+
+    assert walls(path) == {
+        tuple(sorted(((x1 - 10, y1 + 20), (x2 - 10, y2 + 20)))) for (x1, y1), (x2, y2) in ONE_PIXEL
+    }
+
+
+def test_the_origins_yaw_turns_the_map_about_its_corner(maps):
+    # A quarter turn counter-clockwise takes (x, y) to (-y, x).
+    path = maps.write("map.yaml", image_map(origin=f"[5, 7, {math.pi / 2}]"))
+
+    assert walls(path) == {
+        tuple(sorted(((5 - y1, 7 + x1), (5 - y2, 7 + x2)))) for (x1, y1), (x2, y2) in ONE_PIXEL
+    }
+
+
+def test_line_segments_are_scaled_turned_and_moved(files):
+    files.write("wall.dat", "0    0    1    1\n\n2    3   -1    2\n")
+    path = files.write("wall.yaml", segment_map(scale=0.1, origin="[-1.2, -5, 1.23]"))
+
+    [first, second] = read_map(path).tolist()
+
+    cos, sin = math.cos(1.23), math.sin(1.23)
+    assert first == pytest.approx([-1.2, -5, -1.2 + 0.1 * (cos - sin), -5 + 0.1 * (sin + cos)])
+    assert second[:2] == pytest.approx(
+        [-1.2 + 0.2 * cos - 0.3 * sin, -5 + 0.2 * sin + 0.3 * cos], abs=1e-12
+    )
+    assert second[2:] == pytest.approx(
+        [-1.2 - 0.1 * cos - 0.2 * sin, -5 - 0.1 * sin + 0.2 * cos], abs=1e-12
+    )
+
+
+def test_the_yaml_file_is_read_without_the_image_that_it_names(maps):
+    maps.write("map.png", "not an image")
+
+    config = MapConfig.from_file(maps.folder / "map.yaml")
+
+    assert config.source == maps.folder / "map.png"
+    assert (config.is_image, config.scale, config.occupied_thresh) == (True, 1.0, 0.65)
