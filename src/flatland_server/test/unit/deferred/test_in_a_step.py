@@ -152,7 +152,7 @@ def test_what_fails_only_at_the_end_of_the_step_is_logged(stage, hook, caplog):
         "no luck",
         f'the model "distant" is not spawned: the model "distant" does not fit into the world: '
         f"{limit}",
-        f'the model "post" cannot be there: {limit}',
+        f'the model "post" is not moved: the model "post" cannot be there: {limit}',
     ]
     assert set(stage.world.models) == {"robot", "post"}
     starts.subtract(newcomer=1)  # the one that failed; it was never ended
@@ -181,3 +181,18 @@ def test_the_hooks_of_a_model_that_is_deleted_in_a_step_go_on_to_its_end(stage):
 
     assert hooks == ["after"]
     assert "bystander" not in stage.world.models
+
+
+def test_hundreds_of_models_may_be_spawned_in_one_hook(stage):
+    def ask():
+        config = stage.world.read_model(stage.files.folder / "ball.yaml")
+        stage.world.read_model = lambda _: config  # reading the file takes most of the time
+        for i in range(400):
+            stage.spawn(f"m{i}", Pose(float(i), 5.0, 0.0))
+
+    plans["robot", "before_physics_step"] = ask
+    stage.run_until_done()
+
+    assert len(stage.world.models) == 403
+    for name in [name for name in stage.world.models if name.startswith("m")]:
+        stage.world.delete_model(name)
