@@ -62,10 +62,13 @@ def test_locks_nest(deferred, request_action, done):
 def test_a_lock_is_released_by_an_exception_and_the_actions_are_kept(
     deferred, request_action, done
 ):
-    with pytest.raises(KeyboardInterrupt), deferred.locked():
-        request_action("a")
-        raise KeyboardInterrupt
+    def interrupted_step() -> None:
+        with deferred.locked():
+            request_action("a")
+            raise KeyboardInterrupt
 
+    with pytest.raises(KeyboardInterrupt):
+        interrupted_step()
     deferred.run_pending()
 
     assert done == ["a"]
