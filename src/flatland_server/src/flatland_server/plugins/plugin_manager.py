@@ -62,7 +62,7 @@ class PluginManager:
         self._factory = PluginFactory(node, loader, seed)
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
-        self._contacts = ContactDispatcher(physics, entities, self._call)
+        self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
         self._schedule = Schedule(self._has_work)
         self._step_calls = StepCalls([])
 
@@ -150,9 +150,12 @@ class PluginManager:
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:
             if not scheduled.is_removed:
-                self._call(scheduled.plugin, name, hook, timekeeper)
+                try:
+                    hook(timekeeper)
+                except Exception:
+                    self._fail(scheduled.plugin, name)
 
-    def _call(self, plugin: Plugin, name: str, hook: Hook, *arguments: Any) -> None:
+    def _call_contact_hook(self, plugin: Plugin, name: str, hook: Hook, *arguments: Any) -> None:
         try:
             hook(*arguments)
         except Exception:

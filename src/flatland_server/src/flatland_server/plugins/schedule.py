@@ -61,9 +61,9 @@ class Schedule:
         """
         calls = self._work_cache.calls(subscriber_revision)
         due = self._timer_queue.pop_due(timekeeper)
-        with_work = [each for each in due if self._has_work(each.plugin) and not each.is_removed]
-        if not with_work:
+        if not due:
             return calls
+        with_work = [each for each in due if self._has_work(each.plugin) and not each.is_removed]
         return StepCalls(sorted([*calls.plugins, *with_work], key=attrgetter("order")))
 
     def _insert(self, scheduled: ScheduledPlugin) -> None:

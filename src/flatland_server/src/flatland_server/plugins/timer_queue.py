@@ -26,11 +26,11 @@ class TimerQueue:
     def pop_due(self, timekeeper: Timekeeper) -> List[ScheduledPlugin]:
         """The plugins that are due now, in any order; each is queued again for its next time."""
         now = timekeeper.nanoseconds
-        reached: List[ScheduledPlugin] = []
+        if not self._heap or self._heap[0][0] > now:
+            return []
+        reached = []
         while self._heap and self._heap[0][0] <= now:
             reached.append(heappop(self._heap)[2])
-        if not reached:
-            return reached
         # A plugin may have asked its timer itself; then it is due later than it was queued for.
         due = [each for each in reached if each.timer and each.timer.check_update(timekeeper)]
         for each in reached:

@@ -105,7 +105,9 @@ class DeferredActions:
 
 
 class _Lock(ContextManager[None]):
-    """Counts how deeply its contexts are nested. One object, since every step enters it."""
+    """Counts how deeply its contexts are nested. Lean, since every step enters it."""
+
+    __slots__ = ("depth",)
 
     def __init__(self) -> None:
         self.depth = 0
