@@ -60,8 +60,11 @@ class World:
         self.transport: Transport = transport if transport is not None else LocalTransport()
         self.registry = config.registry
         self.models: Dict[str, Model] = {}
+        """By name."""
         self.physics = _core.World(config.velocity_iterations, config.position_iterations)
+        """The world of the core."""
         self.entities = Entities()
+        """The model or layer that each body belongs to."""
         self._plugins = PluginManager(
             Node(self.transport), loader or PluginLoader(), seed, self.physics, self.entities
         )
