@@ -9,8 +9,8 @@ from typing import List
 def free_port() -> int:
     """A TCP port of this machine for a ROS master that is about to start.
 
-    It lies below the range in which the kernel chooses ports itself (32768 and up), so that no other
-    program gets it meanwhile.
+    It lies below the range in which the kernel chooses ports itself (32768 and up), so that no
+    other program gets it meanwhile.
     """
     draw = random.SystemRandom()  # hypothesis seeds the module's own generator
     while True:

@@ -42,6 +42,10 @@ _MOVED = {
 """Modules by their former name, both within `flatland_server`."""
 
 
+class FormerNameWarning(DeprecationWarning):
+    """A former name of `flatland_server` is in use. Python hides it, `PluginLoader` logs it."""
+
+
 def warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
     """Warns that a name is deprecated, at the line that uses it.
 
@@ -50,7 +54,7 @@ def warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
         new: what to write instead.
         stacklevel: of `warnings.warn`; 3 is the caller of the function that calls this one.
     """
-    warnings.warn(f"{old} is deprecated; use {new}", DeprecationWarning, stacklevel)
+    warnings.warn(f"{old} is deprecated; use {new}", FormerNameWarning, stacklevel)
 
 
 def renamed(old: str, new: str) -> Any:
@@ -64,7 +68,10 @@ def renamed(old: str, new: str) -> Any:
 
 
 class _MovedModuleFinder(MetaPathFinder, Loader):
-    """Imports a module by its former name: an empty module that forwards to the new one."""
+    """Imports a module by its former name: an empty module that forwards to the new one.
+
+    It warns at each use, and not only when it is made: there may be several modules to correct.
+    """
 
     def __init__(self, package: str) -> None:
         self._package = package
@@ -80,13 +87,17 @@ class _MovedModuleFinder(MetaPathFinder, Loader):
     def exec_module(self, module: ModuleType) -> None:
         name = module.__name__.rpartition(".")[2]
         new = importlib.import_module(f"{self._package}.{_MOVED[name]}")
-        warnings.warn(
+        message = (
             f"the module {module.__name__} has moved: import from {self._package}, "
-            f"or from {new.__name__} what that does not export",
-            DeprecationWarning,
-            stacklevel=2,  # importlib's own frames do not count
+            f"or from {new.__name__} what that does not export"
         )
-        vars(module)["__getattr__"] = lambda attribute: getattr(new, attribute)
+
+        def get(attribute: str) -> Any:
+            value = getattr(new, attribute)
+            warnings.warn(message, FormerNameWarning, stacklevel=2)
+            return value
+
+        vars(module)["__getattr__"] = get
         vars(module)["__dir__"] = lambda: dir(new)
 
 

@@ -1,4 +1,4 @@
-"""A crowded world where everything happens at random, in hooks and between steps."""
+"""A crowded world with random actions, in hooks and between steps."""
 
 import random
 from collections import Counter
@@ -19,7 +19,7 @@ from flatland_server.simulation.world import World
 
 DISC = "{type: circle, radius: 0.12, density: 1, restitution: 0.8, friction: 0.5}"
 SQUARE = "{type: polygon, points: [[-.1, -.1], [.1, -.1], [.1, .1], [-.1, .1]], density: 2}"
-PLUGINS = "plugins:\n  - {type: Whimsical, name: a}\n  - {type: Whimsical, name: b}\n"
+PLUGINS = "plugins:\n  - {type: RandomPlugin, name: a}\n  - {type: RandomPlugin, name: b}\n"
 MODELS = {
     "disc.yaml": f"bodies: [{{name: base, footprints: [{DISC}]}}]\n{PLUGINS}",
     "post.yaml": f"bodies: [{{name: base, type: static, footprints: [{SQUARE}]}}]\n{PLUGINS}",
@@ -27,11 +27,11 @@ MODELS = {
     "train.yaml": f"""
 bodies:
   - {{name: engine, footprints: [{DISC}]}}
-  - {{name: waggon, pose: [0.25, 0, 0], footprints: [{SQUARE}]}}
+  - {{name: wagon, pose: [0.25, 0, 0], footprints: [{SQUARE}]}}
 joints:
   - type: revolute
     name: coupling
-    bodies: [{{name: engine, anchor: [0.125, 0]}}, {{name: waggon, anchor: [-0.125, 0]}}]
+    bodies: [{{name: engine, anchor: [0.125, 0]}}, {{name: wagon, anchor: [-0.125, 0]}}]
 {PLUGINS}""",
     "bad.yaml": f"bodies: [{{name: base, footprints: [{DISC}]}}]\n{PLUGINS}"
     "  - {type: Failing, name: c}\n",
@@ -39,46 +39,46 @@ joints:
 MOST_MODELS = 20
 
 
-class Whims:
-    """What comes into the mind of a plugin, or of somebody outside."""
+class RandomActions:
+    """Random actions, of plugins in their hooks and of the test between steps."""
 
     def begin(self, seed: int, world: World, folder: Path) -> None:
-        self.chance = random.Random(seed)
+        self.rng = random.Random(seed)
         self.world = world
         self.bodies: List[_core.Body] = []
-        """Those of models that are there, and of models that were."""
-        self.plugins: List[Whimsical] = []
-        """Those that have started, though their models may be gone."""
+        """Of the models that exist, and of those that are deleted."""
+        self.plugins: List[RandomPlugin] = []
+        """All that have started, also those of deleted models."""
         self.done: Counter[str] = Counter()
-        self.wrong: List[str] = []
+        self.failed_checks: List[str] = []
         self._folder = folder
         self._spawned = 0
 
-    def expect(self, is_right: bool, what: str) -> None:
-        """Notes what is wrong; an exception in a hook would only end the plugin."""
-        if not is_right:
-            self.wrong.append(what)
+    def expect(self, condition: bool, what: str) -> None:
+        """Records a failed check; an exception in a hook would only switch off the plugin."""
+        if not condition:
+            self.failed_checks.append(what)
 
-    def follow(self, often: float) -> None:
-        """Does something, sometimes."""
-        if self.chance.random() > often:
+    def maybe_act(self, probability: float) -> None:
+        """Does something random, with this probability."""
+        if self.rng.random() > probability:
             return
-        whim = self.chance.choice(
+        action = self.rng.choice(
             [self.spawn, self.spawn, self.delete, self.move, self.push, self.look]
         )
         try:
-            whim()
+            action()
         except (FlatlandError, _core.GoneError) as error:
             self.done[type(error).__name__] += 1
             for line in str(error).splitlines():
-                self.expect("does not start" not in line or line.endswith(": a whim"), line)
-        self.done[whim.__name__] += 1
+                self.expect("does not start" not in line or line.endswith(": at random"), line)
+        self.done[action.__name__] += 1
 
     def spawn(self) -> None:
         if len(self.world.models) < MOST_MODELS:
             self._spawned += 1
-            name = f"m{self.chance.choice([self._spawned, self._spawned - 1])}"
-            path = self._folder / self.chance.choice(sorted(MODELS))
+            name = f"m{self.rng.choice([self._spawned, self._spawned - 1])}"
+            path = self._folder / self.rng.choice(sorted(MODELS))
             self.world.spawn_model(path, name, "", self._pose())
 
     def delete(self) -> None:
@@ -89,7 +89,7 @@ class Whims:
 
     def push(self) -> None:
         body = self._body()
-        body.velocity = (self.chance.uniform(-3, 3), self.chance.uniform(-3, 3), 1.0)
+        body.velocity = (self.rng.uniform(-3, 3), self.rng.uniform(-3, 3), 1.0)
         body.apply_linear_impulse((0.01, 0.01))
 
     def look(self) -> None:
@@ -99,31 +99,31 @@ class Whims:
 
     def _body(self) -> _core.Body:
         if not self.bodies:
-            raise FlatlandError("there is none yet")
-        return self.chance.choice(self.bodies)
+            raise FlatlandError("there is no body yet")
+        return self.rng.choice(self.bodies)
 
     def _name(self) -> str:
-        return self.chance.choice([*self.world.models, "nobody"])
+        return self.rng.choice([*self.world.models, "unknown"])
 
     def _pose(self) -> Pose:
-        if self.chance.random() < 0.02:
+        if self.rng.random() < 0.02:
             return Pose(1e6, 0.0, 0.0)
-        return Pose(*(self.chance.uniform(-0.8, 0.8) for _ in range(2)), self.chance.uniform(-3, 3))
+        return Pose(*(self.rng.uniform(-0.8, 0.8) for _ in range(2)), self.rng.uniform(-3, 3))
 
 
-whims = Whims()
+actions = RandomActions()
 
 
-class Whimsical(ModelPlugin):
-    """Follows whims in all its hooks, and fails sometimes."""
+class RandomPlugin(ModelPlugin):
+    """Does random actions in all its hooks, and fails sometimes."""
 
     def on_initialize(self, config):
         self.ends = 0
-        whims.bodies += self.model.physics_bodies
+        actions.bodies += self.model.physics_bodies
         self.node.advertise(f"{self.model.name}/{self.name}", str)
         self.node.subscribe("cue", str, lambda _: self._act(0.1))
         self._act(0.2)
-        whims.plugins.append(self)
+        actions.plugins.append(self)
 
     def before_physics_step(self, timekeeper):
         self._act(0.02)
@@ -133,7 +133,7 @@ class Whimsical(ModelPlugin):
         self._act(0.1)
 
     def pre_solve(self, contact, old_manifold):
-        if whims.chance.random() < 0.1:
+        if actions.rng.random() < 0.1:
             contact.set_enabled(False)
         self._act(0.01)
 
@@ -150,19 +150,19 @@ class Whimsical(ModelPlugin):
 
     def on_shutdown(self):
         self.ends += 1
-        whims.follow(0.2)
+        actions.maybe_act(0.2)
 
     def _look_at(self, contact: _core.Contact) -> None:
         sides = self.filter_contact(contact)
-        whims.expect(sides is not None, "a contact of others is told of")
-        whims.expect(sides.this_fixture.body in self.model.physics_bodies, "the wrong side")
-        whims.expect(bool(sides.entity.body_name(sides.other_fixture)), "the wrong entity")
+        actions.expect(sides is not None, "a contact of other models is reported")
+        actions.expect(sides.this_fixture.body in self.model.physics_bodies, "the wrong side")
+        actions.expect(bool(sides.entity.body_name(sides.other_fixture)), "the wrong entity")
 
-    def _act(self, often: float) -> None:
-        whims.expect(self.ends == 0, f"{self.model.name}/{self.name} is called after its end")
-        whims.follow(often)
-        if whims.chance.random() < 0.001:
-            raise RuntimeError("a whim")
+    def _act(self, probability: float) -> None:
+        actions.expect(self.ends == 0, f"{self.model.name}/{self.name} is called after on_shutdown")
+        actions.maybe_act(probability)
+        if actions.rng.random() < 0.001:
+            raise RuntimeError("at random")
 
 
 class Failing(ModelPlugin):
@@ -170,8 +170,8 @@ class Failing(ModelPlugin):
         raise config.error("no luck")
 
 
-class Witness(WorldPlugin):
-    """Sees to it that every contact begins before it goes on, and ends once."""
+class ContactChecker(WorldPlugin):
+    """Checks that every contact begins before it is solved, and ends once."""
 
     def on_initialize(self, config):
         self.going: Dict[Any, Any] = {}
@@ -193,33 +193,33 @@ class Witness(WorldPlugin):
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
     """The plugins of this file."""
-    return PluginLoader(map(PluginDeclaration.of, (Whimsical, Failing, Witness)))
+    return PluginLoader(map(PluginDeclaration.of, (RandomPlugin, Failing, ContactChecker)))
 
 
 @pytest.fixture
 def make_world(files) -> Callable[[int], World]:
-    """Makes a room of 2 m by 2 m, whose models follow whims of a seed."""
+    """Makes a room of 2 m by 2 m, with random actions that depend on a seed."""
 
     def make(seed: int) -> World:
         for name, text in MODELS.items():
             files.write(name, text)
-        plugins = "[{type: Witness, name: witness}]"
+        plugins = "[{type: ContactChecker, name: checker}]"
         world = files.load(
             f"properties: {{}}\nlayers: [{{name: walls}}]\nplugins: {plugins}\n", seed=seed
         )
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
         world.add_walls("walls", np.hstack([corners[:-1], corners[1:]]))
         world.read_model = lru_cache(maxsize=None)(world.read_model)  # it takes most of the time
-        whims.begin(seed, world, files.folder)
+        actions.begin(seed, world, files.folder)
         while len(world.models) < MOST_MODELS:
-            whims.follow(1.0)
+            actions.maybe_act(1.0)
         return world
 
     return make
 
 
 def check(world: World) -> None:
-    """There is what there should be, and nothing else."""
+    """Everything that should exist does, and nothing else."""
     models = world.models
     assert world.physics.body_count == 1 + sum(len(m.bodies) for m in models.values())
     assert world.physics.joint_count == sum(len(m.joints) for m in models.values())
@@ -228,22 +228,22 @@ def check(world: World) -> None:
     failed = {failure.label for failure in world.plugin_failures}
     living = {f"{name}/{p}" for name, m in models.items() for p in ("a", "b")} - failed
     assert world.transport.topics == {f"/{label}" for label in living}
-    for plugin in whims.plugins:
+    for plugin in actions.plugins:
         is_there = models.get(plugin.model.name) is plugin.model
         is_alive = is_there and f"{plugin.model.name}/{plugin.name}" not in failed
         assert plugin.ends == (0 if is_alive else 1)
-    assert "witness" not in failed
-    assert whims.wrong == []
+    assert "checker" not in failed
+    assert actions.failed_checks == []
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_nothing_is_lost_or_left_over_whatever_happens(make_world, simulate, seed, caplog):
+def test_nothing_is_lost_or_left_over_after_random_actions(make_world, simulate, seed, caplog):
     world = make_world(seed)
     simulation = simulate(world)
 
     for _ in range(150):
-        whims.follow(0.3)
-        if whims.chance.random() < 0.1:
+        actions.maybe_act(0.3)
+        if actions.rng.random() < 0.1:
             simulation.transport.send("/cue", "go")
         simulation.run()
         check(world)
@@ -255,18 +255,18 @@ def test_nothing_is_lost_or_left_over_whatever_happens(make_world, simulate, see
 
     assert simulation.transport.topics == set()
     assert simulation.transport.subscribed == set()
-    assert min(whims.done[whim] for whim in ("spawn", "delete", "move", "push", "look")) > 20
-    assert whims.done["GoneError"] > 3
+    assert min(actions.done[action] for action in ("spawn", "delete", "move", "push", "look")) > 20
+    assert actions.done["GoneError"] > 3
     raised = {str(record.exc_info[1]) for record in caplog.records if record.exc_info}
-    assert raised <= {"a whim"}
+    assert raised <= {"at random"}
 
 
-def test_equal_seeds_and_whims_give_equal_worlds(make_world, simulate):
+def test_equal_seeds_and_actions_give_equal_worlds(make_world, simulate):
     def run() -> Dict[str, Any]:
         world = make_world(3)
         simulation = simulate(world)
         for _ in range(100):
-            whims.follow(1.0)
+            actions.maybe_act(1.0)
             simulation.run()
         return {name: model.base.physics_body.pose for name, model in world.models.items()}
 

@@ -1,4 +1,4 @@
-"""Joints near half a turn, where angles wrap: neither spawning nor moving strains them."""
+"""Joints at headings near 180 degrees, where angles wrap: no constraint error arises."""
 
 import math
 

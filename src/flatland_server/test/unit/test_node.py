@@ -1,4 +1,4 @@
-"""A plugin's node: names, topics that go away with it, and one parent for each frame."""
+"""A plugin's node: names, topics that are closed with it, and one publisher for each frame."""
 
 import logging
 import sys
@@ -22,7 +22,7 @@ def root(transport) -> Node:
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """What was warned of so far."""
+    """The warnings logged so far."""
     return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
@@ -52,7 +52,7 @@ def test_topics_get_the_namespace_unless_they_begin_with_a_slash(
     assert received == ["in"]
 
 
-def test_a_namespace_within_a_namespace_is_put_behind_it(root):
+def test_a_namespace_within_a_namespace_is_appended_to_it(root):
     assert root.scoped("fleet", "a").scoped("robot", "b").resolve("scan") == "fleet/robot/scan"
 
 
@@ -83,7 +83,7 @@ def test_a_closed_node_leaves_no_topic_behind(root, transport):
     assert received == []
 
 
-def test_messages_wait_until_they_are_processed_and_come_in_order(root, transport):
+def test_messages_wait_until_they_are_processed_in_order(root, transport):
     received: List[Any] = []
     root.subscribe("cmd_vel", str, received.append)
 
@@ -95,7 +95,7 @@ def test_messages_wait_until_they_are_processed_and_come_in_order(root, transpor
     assert received == ["first", "second"]
 
 
-def test_two_parents_of_a_frame_are_warned_of_once_with_both_names(root, caplog):
+def test_two_publishers_of_a_frame_cause_one_warning_with_the_names_of_both(root, caplog):
     drive, publisher = root.scoped("", "robot/drive"), root.scoped("", "robot/tf")
 
     for _ in range(3):
@@ -107,7 +107,7 @@ def test_two_parents_of_a_frame_are_warned_of_once_with_both_names(root, caplog)
         assert word in message
 
 
-def test_three_parents_of_a_frame_are_two_warnings_however_often_they_publish(root, caplog):
+def test_three_publishers_of_a_frame_cause_two_warnings_however_often_they_publish(root, caplog):
     nodes = [root.scoped("", f"robot{i}/drive") for i in range(3)]
 
     for _ in range(5):
@@ -117,7 +117,7 @@ def test_three_parents_of_a_frame_are_two_warnings_however_often_they_publish(ro
     assert len(warnings(caplog)) == 2
 
 
-def test_one_owner_may_publish_many_frames_and_each_again_and_again(root, transport, caplog):
+def test_a_node_may_publish_several_frames_repeatedly(root, transport, caplog):
     node = root.scoped("", "robot/tf")
 
     for nanoseconds in (0, 1):
@@ -132,7 +132,7 @@ def test_one_owner_may_publish_many_frames_and_each_again_and_again(root, transp
     }
 
 
-def test_a_closed_node_gives_its_frames_up(root, caplog):
+def test_a_closed_node_releases_its_frames(root, caplog):
     first, second, third = (root.scoped("", f"robot{i}/drive") for i in range(3))
     first.claim_frame("odom", "base")
 
@@ -147,14 +147,14 @@ def test_a_closed_node_gives_its_frames_up(root, caplog):
 
 
 class Stop(BaseException):
-    """Not an Exception, as KeyboardInterrupt is none."""
+    """Like KeyboardInterrupt, not an Exception."""
 
 
 def fail(_: Any) -> None:
     raise RuntimeError("no luck")
 
 
-def test_a_callback_that_raises_is_told_of_by_its_topic_and_the_others_get_their_message(
+def test_a_failing_callback_is_reported_with_its_topic_and_the_others_get_the_message(
     root, transport
 ):
     robot, other = root.scoped("robot", "robot/drive"), root.scoped("", "other")
@@ -171,7 +171,7 @@ def test_a_callback_that_raises_is_told_of_by_its_topic_and_the_others_get_their
     assert received == ["go"]
 
 
-def test_a_callback_that_raises_is_seen_in_the_face_of_its_exception(root, transport):
+def test_a_failing_callback_is_reported_while_its_exception_is_being_handled(root, transport):
     errors: List[Any] = []
     root.on_failure = lambda _: errors.append(sys.exc_info()[1])
     root.subscribe("cmd_vel", str, fail)
@@ -182,7 +182,7 @@ def test_a_callback_that_raises_is_seen_in_the_face_of_its_exception(root, trans
     assert [str(error) for error in errors] == ["no luck"]
 
 
-def test_a_callback_of_a_node_that_nobody_looks_after_raises(root, transport):
+def test_a_failing_callback_raises_if_the_node_has_no_on_failure(root, transport):
     root.subscribe("cmd_vel", str, fail)
     transport.send("cmd_vel", "go")
 
@@ -190,7 +190,7 @@ def test_a_callback_of_a_node_that_nobody_looks_after_raises(root, transport):
         transport.process()
 
 
-def test_an_interrupt_in_a_callback_is_no_failure(root, transport):
+def test_an_interrupt_in_a_callback_is_not_a_failure(root, transport):
     def stop(_: Any) -> None:
         raise Stop
 
@@ -204,7 +204,7 @@ def test_an_interrupt_in_a_callback_is_no_failure(root, transport):
     assert failures == []
 
 
-def test_a_node_that_is_closed_by_a_callback_gets_none_of_the_same_message(root, transport):
+def test_a_node_that_is_closed_by_a_callback_does_not_get_the_same_message(root, transport):
     first, second = root.scoped("", "first"), root.scoped("", "second")
     received: List[Any] = []
     first.subscribe("cmd_vel", str, lambda _: second.close())

@@ -20,7 +20,7 @@ class {name}(ModelPlugin):
 
 
 class Packages:
-    """ROS packages in a folder that is the whole ROS_PACKAGE_PATH, and importable."""
+    """ROS packages in a folder that is the whole ROS_PACKAGE_PATH and on sys.path."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -38,7 +38,7 @@ class Packages:
             (self.folder / f"{module}.py").write_text(text)
 
     def add_plugin(self, package: str, name: str, module: str) -> None:
-        """Writes a package of one plugin."""
+        """Writes a package with one plugin."""
         xml = f'<library><class name="{name}" type="{module}.{name}"/></library>'
         self.add(package, xml, **{module: MODULE.format(name=name)})
 
@@ -53,19 +53,19 @@ def packages(tmp_path, monkeypatch) -> Iterator[Packages]:
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """What was warned of so far."""
+    """The warnings logged so far."""
     return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
 def refusal(type: str, base: type = ModelPlugin) -> str:
-    """Why a plugin is not loaded."""
+    """The error when a plugin is loaded."""
     with pytest.raises(PluginError) as caught:
         PluginLoader().load(type, base)
     return str(caught.value)
 
 
 @pytest.mark.parametrize("type", ["DiffDrive", "flatland_plugins::DiffDrive"])
-def test_flatlands_own_plugins_are_found_by_either_form_of_their_type(type):
+def test_the_plugins_of_flatland_are_found_with_and_without_their_package(type):
     from flatland_plugins.diff_drive import DiffDrive
 
     assert PluginLoader().load(type, ModelPlugin) is DiffDrive
@@ -79,7 +79,7 @@ def test_a_plugin_of_another_package_is_found(packages):
     assert (loaded.__module__, loaded.__name__) == ("loader_other", "ConstVelocity")
 
 
-def test_a_class_without_a_name_is_called_what_python_calls_it(packages):
+def test_a_declaration_without_a_name_has_the_name_of_its_class(packages):
     xml = '<library><class type="loader_nameless.Pusher"/></library>'
     packages.add("my_plugins", xml, loader_nameless=MODULE.format(name="Pusher"))
 
@@ -93,7 +93,7 @@ def test_a_name_may_be_written_with_its_package_as_pluginlib_does(packages):
     assert PluginLoader().load("Pusher", ModelPlugin).__name__ == "Pusher"
 
 
-def test_nothing_is_imported_that_is_not_asked_for(packages):
+def test_only_requested_plugins_are_imported(packages):
     packages.add_plugin("my_plugins", "Good", "loader_good")
     packages.add(
         "other_plugins",
@@ -104,7 +104,7 @@ def test_nothing_is_imported_that_is_not_asked_for(packages):
     assert PluginLoader().load("Good", ModelPlugin).__name__ == "Good"
 
 
-def test_an_unknown_type_is_answered_by_the_nearest_and_by_all_there_are(packages):
+def test_the_error_for_an_unknown_type_suggests_the_nearest_and_lists_all(packages):
     packages.add_plugin("a_plugins", "Laser", "loader_laser")
     packages.add_plugin("b_plugins", "DiffDrive", "loader_drive")
 
@@ -120,7 +120,7 @@ def test_a_known_name_in_an_unknown_package_is_unknown(packages):
     assert refusal("c_plugins::Laser").startswith('unknown plugin type "c_plugins::Laser"')
 
 
-def test_where_there_are_no_plugins_the_workspace_is_asked_for(packages):
+def test_without_any_plugin_the_error_asks_whether_the_workspace_is_sourced(packages):
     assert refusal("Laser") == (
         'unknown plugin type "Laser"; there are: none; is the workspace\'s setup.bash sourced?'
     )
@@ -168,7 +168,7 @@ def test_a_class_that_is_not_in_its_module_is_named(packages):
         ("loader_model", MODULE.format(name="Thing")),
     ],
 )
-def test_what_is_not_a_plugin_of_that_kind_is_refused(packages, module, text):
+def test_a_class_that_is_not_of_the_required_kind_is_refused(packages, module, text):
     xml = f'<library><class name="Thing" type="{module}.Thing"/></library>'
     packages.add("my_plugins", xml, **{module: text})
 
@@ -188,7 +188,9 @@ def test_what_is_not_a_plugin_of_that_kind_is_refused(packages, module, text):
         pytest.param('<library><class type="Laser"/></library>', "module.Class", id="no module"),
     ],
 )
-def test_a_faulty_declaration_of_another_package_warns_and_is_left_out(packages, caplog, xml, word):
+def test_a_faulty_declaration_of_another_package_is_logged_and_left_out(
+    packages, caplog, xml, word
+):
     packages.add("their_plugins", xml)
     packages.add_plugin("your_plugins", "Good", "loader_beside")
 
@@ -200,7 +202,7 @@ def test_a_faulty_declaration_of_another_package_warns_and_is_left_out(packages,
     assert word in message
 
 
-def test_a_declaration_that_is_not_there_warns(packages, caplog):
+def test_a_missing_declaration_file_is_logged(packages, caplog):
     packages.add_plugin("their_plugins", "Gone", "loader_gone")
     (packages.folder / "their_plugins" / "plugins.xml").unlink()
     packages.add_plugin("your_plugins", "Good", "loader_stays")
@@ -218,10 +220,59 @@ def test_a_declaration_that_is_not_there_warns(packages, caplog):
         pytest.param("<package><!-- <flatland_server --></package>", id="no name"),
     ],
 )
-def test_a_faulty_manifest_of_another_package_does_not_hide_the_plugins_of_ours(
-    packages, package_xml
-):
+def test_a_faulty_manifest_of_another_package_does_not_hide_other_plugins(packages, package_xml):
     packages.add("their_plugins", "", package_xml=package_xml)
     packages.add_plugin("your_plugins", "Good", "loader_manifest")
 
     assert PluginLoader().load("Good", ModelPlugin).__name__ == "Good"
+
+
+FORMER = """
+import warnings
+from flatland_server.model_plugin import ContactSides, ModelPlugin
+from flatland_server.node import Node
+warnings.warn("of no interest", DeprecationWarning)
+class {name}(ModelPlugin):
+    pass
+"""
+
+
+@pytest.mark.filterwarnings("ignore:of no interest")
+def test_the_lines_that_use_former_names_are_logged_with_their_package_and_the_new_import(
+    packages, caplog
+):
+    for package, name in (("my_plugins", "Mine"), ("your_plugins", "Yours")):
+        xml = f'<library><class name="{name}" type="loader_{package}.{name}"/></library>'
+        packages.add(package, xml, **{f"loader_{package}": FORMER.format(name=name)})
+    loader = PluginLoader()
+
+    for name in ("Mine", "Yours", "Mine"):
+        assert loader.load(name, ModelPlugin).__name__ == name
+
+    assert warnings(caplog) == [
+        f"the plugin package {package} should be updated: {packages.folder}/loader_{package}.py:"
+        f"{line}: the module flatland_server.{former} has moved: import from flatland_server, "
+        f"or from flatland_server.{new} what that does not export"
+        for package in ("my_plugins", "your_plugins")
+        for line, former, new in (
+            (3, "model_plugin", "plugins.model_plugin"),
+            (4, "node", "transport.node"),
+        )
+    ]
+
+
+def test_a_plugin_that_uses_only_present_names_causes_no_warning(packages, caplog):
+    packages.add_plugin("my_plugins", "Good", "loader_present")
+
+    PluginLoader().load("Good", ModelPlugin)
+
+    assert warnings(caplog) == []
+
+
+def test_other_warnings_of_an_imported_plugin_are_shown_as_usual(packages):
+    text = f"import warnings\nwarnings.warn('mind the step')\n{MODULE.format(name='Good')}"
+    xml = '<library><class name="Good" type="loader_warning.Good"/></library>'
+    packages.add("my_plugins", xml, loader_warning=text)
+
+    with pytest.warns(UserWarning, match="mind the step"):
+        PluginLoader().load("Good", ModelPlugin)

@@ -1,4 +1,4 @@
-"""Plugins are called when they are due and have work, in their order; nobody is asked in vain."""
+"""Plugins are called in their order when they are due and have work."""
 
 from typing import Any, List
 
@@ -17,7 +17,7 @@ calls: List[Any] = []
 
 
 class Periodic(ModelPlugin):
-    """Notes when it is called; with a rate, or without."""
+    """Records the steps at which it is called; with an update rate or without."""
 
     def on_initialize(self, config):
         rate = config.get_float("rate", 0.0)
@@ -29,7 +29,7 @@ class Periodic(ModelPlugin):
 
 
 class Speaker(Periodic):
-    """Has work only if somebody listens; counts how often it is asked."""
+    """Has work only if its topic has a subscriber; counts how often it is asked."""
 
     def on_initialize(self, config):
         super().on_initialize(config)
@@ -41,8 +41,8 @@ class Speaker(Periodic):
         return self.publisher.has_subscribers
 
 
-class Fickle(Periodic):
-    """Takes another rate at its third call."""
+class ChangingRate(Periodic):
+    """Changes its update rate at its third call."""
 
     def before_physics_step(self, timekeeper):
         super().before_physics_step(timekeeper)
@@ -55,7 +55,16 @@ class Preparing(Periodic):
         calls.append((timekeeper.nanoseconds // 5_000_000, f"{self.name} prepares"))
 
 
-class Silent(Periodic):
+class ChangingRateWhenAsked(Periodic):
+    """Changes its update rate when it is asked for work for the first time."""
+
+    def has_work(self):
+        if self.update_timer is None:
+            self.update_timer = UpdateTimer(100.0)
+        return True
+
+
+class FailingWhenAsked(Periodic):
     def has_work(self):
         raise RuntimeError("no luck")
 
@@ -64,12 +73,16 @@ class Silent(Periodic):
 def load(files):
     """Loads a model with plugins, given as "type name, key: value"."""
     calls.clear()
-    loader = PluginLoader(map(PluginDeclaration.of, (Periodic, Speaker, Fickle, Preparing, Silent)))
+    classes = (
+        *(Periodic, Speaker, Preparing),
+        *(ChangingRate, ChangingRateWhenAsked, FailingWhenAsked),
+    )
+    loader = PluginLoader(map(PluginDeclaration.of, classes))
 
-    def load(*plugins: str, watched=None):
+    def load(*plugins: str, subscribed_topics=None):
         lines = "".join(f"\n  - {{{plugin}}}" for plugin in plugins)
         files.write("robot.yaml", f"{BODY}plugins:{lines}\n")
-        transport = LocalTransport(subscribed_topics=watched)
+        transport = LocalTransport(subscribed_topics=subscribed_topics)
         world = files.load(
             "properties: {}\nlayers: []\nmodels: [{name: robot, model: robot.yaml}]",
             transport=transport,
@@ -102,9 +115,9 @@ def test_plugins_of_different_rates_are_called_in_their_order(load):
     ]
 
 
-def test_who_has_no_work_is_not_called(load):
+def test_plugins_without_work_are_not_called(load):
     manager, transport = load(
-        "type: Speaker, name: always", "type: Speaker, name: slow, rate: 50", watched=()
+        "type: Speaker, name: always", "type: Speaker, name: slow, rate: 50", subscribed_topics=()
     )
 
     assert run(manager, 3) == []
@@ -117,15 +130,15 @@ def test_who_has_no_work_is_not_called(load):
     assert run(manager, 20) == []
 
 
-def test_a_rate_goes_on_while_there_is_no_work(load):
-    manager, transport = load("type: Speaker, name: slow, rate: 50", watched=())
+def test_the_update_timer_goes_on_while_there_is_no_work(load):
+    manager, transport = load("type: Speaker, name: slow, rate: 50", subscribed_topics=())
     run(manager, 7)
     transport.set_subscribed_topics({"/speech"})
 
     assert run(manager, 6) == [(8, "slow"), (12, "slow")]
 
 
-def test_nobody_is_asked_for_work_at_each_step(load):
+def test_a_plugin_is_not_asked_for_work_at_each_step(load):
     manager, _ = load("type: Speaker, name: always")
     [plugin] = manager.world._plugins.plugins_of("robot")
 
@@ -134,20 +147,27 @@ def test_nobody_is_asked_for_work_at_each_step(load):
     assert plugin.asked == 1
 
 
-def test_a_plugin_may_take_another_rate(load):
-    manager, _ = load("type: Fickle, name: fickle")
+def test_a_plugin_may_change_its_update_rate(load):
+    manager, _ = load("type: ChangingRate, name: changing")
 
     assert [step for step, _ in run(manager, 9)] == [0, 1, 2, 3, 5, 7]
 
 
-def test_who_fails_to_say_whether_there_is_work_is_switched_off(load):
-    manager, _ = load("type: Silent, name: silent", "type: Periodic, name: other")
+def test_a_plugin_that_changes_its_rate_when_it_is_asked_for_work_is_called_once_a_step(load):
+    manager, _ = load("type: ChangingRateWhenAsked, name: changing")
+
+    assert [step for step, _ in run(manager, 5)] == [0, 2, 4]
+
+
+@pytest.mark.parametrize("rate", ["", ", rate: 50"])
+def test_a_plugin_that_fails_in_has_work_is_switched_off(load, rate):
+    manager, _ = load(f"type: FailingWhenAsked, name: failing{rate}", "type: Periodic, name: other")
 
     assert run(manager, 2) == [(0, "other"), (1, "other")]
-    assert [failure.name for failure in manager.world.plugin_failures] == ["silent"]
+    assert [failure.name for failure in manager.world.plugin_failures] == ["failing"]
 
 
-def test_a_deleted_models_plugins_are_called_no_more(load):
+def test_the_plugins_of_a_deleted_model_are_not_called_any_more(load):
     manager, _ = load("type: Periodic, name: slow, rate: 50", "type: Periodic, name: always")
     run(manager, 1)
     manager.world.delete_model("robot")
@@ -156,7 +176,7 @@ def test_a_deleted_models_plugins_are_called_no_more(load):
     assert run(manager, 10) == []
 
 
-def test_those_that_are_due_prepare_before_the_first_of_all_is_called(load):
+def test_all_plugins_that_are_due_prepare_before_the_first_one_is_called(load):
     manager, _ = load(
         "type: Preparing, name: slow, rate: 100",
         "type: Periodic, name: other",

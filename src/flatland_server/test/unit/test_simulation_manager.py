@@ -1,11 +1,10 @@
-"""The pace of a simulation, pausing it, and commands between its steps; on a clock of our own."""
+"""Running a world in real time, pausing it, and callbacks in between; on a simulated clock."""
 
 import math
 from typing import Any, Callable, List
 
 import pytest
 
-from flatland_server.simulation import simulation_manager
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
@@ -14,17 +13,17 @@ from flatland_server.transport.local_transport import LocalTransport
 
 
 class Clock:
-    """Stands in for the module `time`."""
+    """A clock that only the test moves."""
 
     def __init__(self) -> None:
         self.now = 1000.0
 
-    def monotonic(self) -> float:
+    def __call__(self) -> float:
         return self.now
 
 
 class WaitingTransport(LocalTransport):
-    """Waits for its whole timeout, in the clock's time, and notes how long that was."""
+    """Waits for its whole timeout on the simulated clock, and records it."""
 
     def __init__(self, clock: Clock) -> None:
         super().__init__()
@@ -38,10 +37,8 @@ class WaitingTransport(LocalTransport):
 
 
 @pytest.fixture
-def clock(monkeypatch) -> Clock:
-    clock = Clock()
-    monkeypatch.setattr(simulation_manager, "time", clock)
-    return clock
+def clock() -> Clock:
+    return Clock()
 
 
 @pytest.fixture
@@ -50,19 +47,19 @@ def transport(clock) -> WaitingTransport:
 
 
 @pytest.fixture
-def make_manager(files, transport) -> Callable[[float], SimulationManager]:
+def make_manager(files, clock, transport) -> Callable[[float], SimulationManager]:
     """Makes a manager of an empty world with steps of 5 ms."""
 
     def make(update_rate: float = 200.0) -> SimulationManager:
         path = files.write("world.yaml", "properties: {}\nlayers: []\n")
         world = World(WorldConfig.from_file(path), transport)
-        return SimulationManager(world, Timekeeper(0.005), update_rate)
+        return SimulationManager(world, Timekeeper(0.005), update_rate, clock=clock)
 
     return make
 
 
-def turns(count: int) -> Callable[[], bool]:
-    """Lets a manager make so many turns; it asks twice in each."""
+def rounds(count: int) -> Callable[[], bool]:
+    """Ends `run` after this number of rounds; it is called twice in each."""
     asked = iter(range(2 * count))
     return lambda: next(asked, None) is not None
 
@@ -74,14 +71,14 @@ def steps(manager: SimulationManager) -> int:
 def test_steps_keep_the_update_rate(make_manager, clock, transport):
     manager = make_manager(100.0)
 
-    manager.run(turns(101))
+    manager.run(rounds(101))
 
     assert steps(manager) == 101
     assert clock.now - 1000.0 == pytest.approx(1.0)
     assert transport.waits[1:] == pytest.approx([0.01] * 100)
 
 
-def test_it_knows_how_punctual_its_steps_are(make_manager, clock):
+def test_step_periods_are_those_of_the_clock_since_the_last_pause(make_manager, clock):
     manager = make_manager(100.0)
 
     def be_slow_once() -> None:
@@ -89,23 +86,23 @@ def test_it_knows_how_punctual_its_steps_are(make_manager, clock):
             clock.now += 0.015
 
     manager.after_step.append(be_slow_once)
-    manager.run(turns(10))
+    manager.run(rounds(10))
 
     late = [0.01] * 4 + [0.015, 0.005] + [0.01] * 3
     assert manager.step_periods == pytest.approx(late)
 
     manager.pause()
-    manager.run(turns(3))
+    manager.run(rounds(3))
     manager.resume()
-    manager.run(turns(3))
+    manager.run(rounds(3))
     assert manager.step_periods == pytest.approx([0.01] * 2)
 
 
-def test_the_time_that_a_step_takes_is_not_waited_for(make_manager, clock, transport):
+def test_a_wait_is_shorter_by_the_time_that_the_step_has_taken(make_manager, clock, transport):
     manager = make_manager(100.0)
     manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.004))
 
-    manager.run(turns(101))
+    manager.run(rounds(101))
 
     assert transport.waits[1:] == pytest.approx([0.006] * 100)
 
@@ -118,14 +115,14 @@ def test_a_slow_step_is_caught_up(make_manager, clock, transport):
             clock.now += 0.095
 
     manager.after_step.append(be_slow_once)
-    manager.run(turns(101))
+    manager.run(rounds(101))
 
     assert clock.now - 1000.0 == pytest.approx(1.0)
     assert transport.waits[10:19] == [0.0] * 9
     assert transport.waits[19] == pytest.approx(0.005)
 
 
-def test_what_is_lost_for_long_is_not_caught_up(make_manager, clock, transport):
+def test_a_long_delay_is_not_caught_up(make_manager, clock, transport):
     manager = make_manager(100.0)
 
     def sleep_for_an_hour() -> None:
@@ -133,7 +130,7 @@ def test_what_is_lost_for_long_is_not_caught_up(make_manager, clock, transport):
             clock.now += 3600.0
 
     manager.after_step.append(sleep_for_an_hour)
-    manager.run(turns(201))
+    manager.run(rounds(201))
 
     in_haste = [wait for wait in transport.waits[10:] if wait == 0.0]
     assert 10 <= len(in_haste) <= 50
@@ -143,39 +140,39 @@ def test_what_is_lost_for_long_is_not_caught_up(make_manager, clock, transport):
 def test_an_infinite_rate_never_waits(make_manager, clock, transport):
     manager = make_manager(math.inf)
 
-    manager.run(turns(100))
+    manager.run(rounds(100))
 
     assert steps(manager) == 100
     assert transport.waits == [0.0] * 100
 
 
-def test_a_pause_at_an_infinite_rate_does_not_keep_the_machine_busy(make_manager, transport):
+def test_a_pause_at_an_infinite_rate_does_not_keep_the_processor_busy(make_manager, transport):
     manager = make_manager(math.inf)
     manager.pause()
 
-    manager.run(turns(10))
+    manager.run(rounds(10))
 
     assert steps(manager) == 0
     assert all(0.001 <= wait <= 0.1 for wait in transport.waits[1:])
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, math.nan])
-def test_a_rate_that_is_no_rate_is_refused(make_manager, rate):
+def test_a_rate_that_is_not_above_zero_is_refused(make_manager, rate):
     with pytest.raises(ValueError, match="expected an update rate above 0 Hz, found "):
         make_manager(rate)
 
 
-def test_time_stands_still_in_a_pause_and_goes_on_after_it(make_manager):
+def test_simulated_time_stands_still_during_a_pause(make_manager):
     manager = make_manager()
 
-    manager.run(turns(3))
+    manager.run(rounds(3))
     manager.pause()
     manager.pause()
-    manager.run(turns(10))
+    manager.run(rounds(10))
     assert steps(manager) == 3
 
     manager.resume()
-    manager.run(turns(4))
+    manager.run(rounds(4))
     assert steps(manager) == 7
 
 
@@ -185,13 +182,13 @@ def test_toggling_pauses_and_resumes(make_manager):
     counts = []
     for _ in range(4):
         manager.toggle_pause()
-        manager.run(turns(2))
+        manager.run(rounds(2))
         counts.append(steps(manager))
 
     assert counts == [0, 2, 2, 4]
 
 
-def test_commands_are_heard_in_a_pause(make_manager, transport):
+def test_callbacks_run_during_a_pause(make_manager, transport):
     manager = make_manager()
     received: List[Any] = []
 
@@ -201,44 +198,44 @@ def test_commands_are_heard_in_a_pause(make_manager, transport):
 
     transport.subscribe("resume", str, resume)
     manager.pause()
-    manager.run(turns(5))
+    manager.run(rounds(5))
     transport.send("resume", "please")
-    manager.run(turns(5))
+    manager.run(rounds(5))
 
     assert received == [("please", 0)]
     assert steps(manager) == 5
 
 
-def test_what_is_due_at_each_turn_happens_in_a_pause_too(make_manager):
+def test_ticks_go_on_during_a_pause(make_manager):
     manager = make_manager()
     happened: List[str] = []
     manager.after_step.append(lambda: happened.append("step"))
-    manager.on_tick.append(lambda: happened.append("turn"))
+    manager.on_tick.append(lambda: happened.append("tick"))
 
-    manager.run(turns(2))
+    manager.run(rounds(2))
     manager.pause()
-    manager.run(turns(3))
+    manager.run(rounds(3))
 
-    assert happened == ["step", "turn", "step", "turn", "turn", "turn", "turn"]
+    assert happened == ["step", "tick", "step", "tick", "tick", "tick", "tick"]
 
 
-def test_at_full_speed_listeners_have_a_turn_every_millisecond(make_manager, clock):
+def test_at_full_speed_there_is_a_tick_every_millisecond(make_manager, clock):
     manager = make_manager(math.inf)
     happened: List[int] = []
     manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.0003))
     manager.on_tick.append(lambda: happened.append(steps(manager)))
 
-    manager.run(turns(13))
+    manager.run(rounds(13))
 
     assert happened == [1, 5, 9, 13]
 
 
-def test_listeners_have_a_turn_before_each_wait_however_short(make_manager, clock):
+def test_a_tick_comes_before_each_wait_however_short(make_manager, clock):
     manager = make_manager(10_000.0)
     happened: List[int] = []
     manager.on_tick.append(lambda: happened.append(steps(manager)))
 
-    manager.run(turns(5))
+    manager.run(rounds(5))
 
     assert happened[:3] == [1, 2, 3]
 
@@ -252,7 +249,7 @@ def test_one_step_can_be_made_in_a_pause(make_manager):
     assert steps(manager) == 1
 
 
-def test_no_step_follows_a_command_to_end(make_manager, transport):
+def test_no_step_follows_a_callback_that_ends_the_run(make_manager, transport):
     manager = make_manager()
     ended: List[Any] = []
     transport.subscribe("end", str, ended.append)
@@ -261,3 +258,14 @@ def test_no_step_follows_a_command_to_end(make_manager, transport):
     manager.run(lambda: not ended)
 
     assert steps(manager) == 0
+
+
+def test_the_former_name_of_on_tick_still_works(make_manager):
+    manager = make_manager()
+    happened: List[str] = []
+
+    with pytest.warns(DeprecationWarning, match="SimulationManager.each_turn .* use on_tick"):
+        manager.each_turn.append(lambda: happened.append("tick"))
+    manager.run(rounds(1))
+
+    assert happened == ["tick"]

@@ -1,1 +1,1 @@
-"""Plugins: their base classes, how they are found, started, scheduled and called."""
+"""Plugins: their base classes, and how they are found, made, scheduled and called."""

@@ -1,11 +1,11 @@
-"""Brings contacts to the plugins that ask for them.
+"""Delivers contact events to the plugins that override the hook for them.
 
-The core tells of the contacts of those bodies alone that somebody listens to, at the moments for
-which a plugin overrides a hook: what nobody overrides costs nothing.
+The core reports only the contacts of bodies for which a listener is registered, and of these only
+the events for which a hook is overridden; all others cost nothing.
 """
 
 import weakref
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 from flatland_server import _core
 from flatland_server.models.entity import Entities, Entity
@@ -13,11 +13,11 @@ from flatland_server.plugins.plugin import CONTACT_HOOKS, Plugin
 
 Hook = Callable[..., None]
 
-_NAMES = {moment: name for name, moment in CONTACT_HOOKS.items()}
+_HOOK_NAMES = {event: name for name, event in CONTACT_HOOKS.items()}
 
 
 class _Listener(NamedTuple):
-    """A plugin's hook for one moment."""
+    """A plugin's hook for one kind of event."""
 
     order: int
     plugin: Plugin
@@ -25,92 +25,97 @@ class _Listener(NamedTuple):
 
 
 class ContactDispatcher:
-    """Calls the contact hooks of plugins.
+    """Calls the contact hooks of plugins, in the order in which the plugins were started.
 
     Args:
-        physics: the world whose contacts are told of.
-        entities: of that world.
-        call: calls a plugin's hook (of this name, this function) with its arguments, and deals with
-            what it raises.
+        physics: the world that reports contacts.
+        entities: the models and layers of this world.
+        call: called with a plugin, the name of its hook, the hook and its arguments; calls the hook
+            and handles its exceptions.
     """
 
     def __init__(self, physics: _core.World, entities: Entities, call: Callable[..., None]) -> None:
         self._entities = entities
         self._call = call
-        self._started = 0
-        # By moment, and by the model whose plugins they are; those of world plugins under None.
+        self._count = 0
+        # By event, then by the model of the plugins; those of world plugins are under None.
         self._listeners: Dict[int, Dict[Optional[Entity], List[_Listener]]] = {
-            moment: {} for moment in CONTACT_HOOKS.values()
+            event: {} for event in CONTACT_HOOKS.values()
         }
-        # The core must not keep its own world alive through us.
-        myself = weakref.ref(self)
+        # A weak reference, or the core would keep its own world alive.
+        weak_self = weakref.ref(self)
 
-        def deliver(moment: int, *event: Any) -> None:
-            dispatcher = myself()
+        def deliver(event: int, *details: Any) -> None:
+            dispatcher = weak_self()
             if dispatcher is not None:
-                dispatcher._deliver(moment, *event)
+                dispatcher._deliver(event, *details)
 
         physics.set_contact_listener(deliver)
 
     def add(self, plugin: Plugin, entity: Optional[Entity], hooks: Dict[str, Hook]) -> None:
-        """Listens for a plugin.
+        """Registers the contact hooks of a plugin.
 
         Args:
-            plugin: whose they are.
-            entity: the model that it belongs to; None for a plugin of the world: it hears of all.
-            hooks: those that it overrides, by name.
+            plugin: to be called after those that were added before.
+            entity: its model; None for a plugin of the world, which gets all contacts.
+            hooks: the hooks that it overrides, by name.
         """
-        self._started += 1
-        wanted = [(moment, hooks[name]) for name, moment in CONTACT_HOOKS.items() if name in hooks]
-        for moment, hook in wanted:
-            listener = _Listener(self._started, plugin, hook)
-            self._listeners[moment].setdefault(entity, []).append(listener)
-        if wanted:
-            self._listen_to([entity] if entity is not None else self._entities)
+        self._count += 1
+        overridden = [
+            (event, hooks[name]) for name, event in CONTACT_HOOKS.items() if name in hooks
+        ]
+        for event, hook in overridden:
+            listener = _Listener(self._count, plugin, hook)
+            self._listeners[event].setdefault(entity, []).append(listener)
+        if overridden:
+            self._update_core([entity] if entity is not None else self._entities)
 
     def remove(self, plugins: Sequence[Plugin]) -> None:
-        """Listens no longer for these plugins."""
-        gone = {id(plugin) for plugin in plugins}
-        concerned: Dict[Optional[Entity], None] = {}
+        """Unregisters the hooks of these plugins."""
+        removed = {id(plugin) for plugin in plugins}
+        changed: Dict[Optional[Entity], None] = {}  # in the order of the listeners
         for by_entity in self._listeners.values():
             for entity, listeners in list(by_entity.items()):
-                left = [each for each in listeners if id(each.plugin) not in gone]
+                left = [each for each in listeners if id(each.plugin) not in removed]
                 if len(left) < len(listeners):
-                    concerned[entity] = None
+                    changed[entity] = None
                     by_entity[entity] = left
                 if not left:
                     del by_entity[entity]
-        if None in concerned:
-            self._listen_to(self._entities)
+        if None in changed:
+            self._update_core(self._entities)
         else:
-            self._listen_to([entity for entity in concerned if entity is not None])
+            self._update_core([entity for entity in changed if entity is not None])
 
     def refresh(self, entity: Entity) -> None:
-        """An entity has got new bodies; plugins of the world hear of their contacts too."""
+        """Must be called when an entity has got new bodies, for the plugins of the world."""
         if any(None in by_entity for by_entity in self._listeners.values()):
-            self._listen_to([entity])
+            self._update_core([entity])
 
-    def _listen_to(self, entities: Any) -> None:
+    def _update_core(self, entities: Iterable[Entity]) -> None:
+        """Tells the core which events to report for the bodies of these entities."""
         for entity in entities:
-            hooks = 0
-            for moment, by_entity in self._listeners.items():
+            events = 0
+            for event, by_entity in self._listeners.items():
                 if None in by_entity or entity in by_entity:
-                    hooks |= moment
+                    events |= event
             for body in entity.physics_bodies:
                 if body.alive:
-                    body.listen_to_contacts(hooks)
+                    body.listen_to_contacts(events)
 
     def _deliver(
-        self, moment: int, id_a: int, id_b: int, contact: _core.Contact, *details: Any
+        self, event: int, id_a: int, id_b: int, contact: _core.Contact, *details: Any
     ) -> None:
-        name = _NAMES[moment]
-        by_entity = self._listeners[moment]
-        concerned = dict.fromkeys([self._entities.find(id_a), self._entities.find(id_b), None])
-        listeners = [each for entity in concerned for each in by_entity.get(entity, ())]
-        for _, plugin, hook in sorted(listeners, key=_order) if len(listeners) > 1 else listeners:
+        name = _HOOK_NAMES[event]
+        by_entity = self._listeners[event]
+        # None for the plugins of the world; a contact within a model is delivered once.
+        entities = dict.fromkeys([self._entities.find(id_a), self._entities.find(id_b), None])
+        listeners = [each for entity in entities for each in by_entity.get(entity, ())]
+        if len(listeners) > 1:
+            listeners.sort(key=_order)
+        for _, plugin, hook in listeners:
             self._call(plugin, name, hook, contact, *details)
 
 
 def _order(listener: _Listener) -> int:
-    """Plugins hear in the order in which they were started."""
     return listener.order

@@ -1,4 +1,4 @@
-"""Plugins that belong to a model: drives, sensors, whatever a robot does."""
+"""The base class of plugins that belong to a model, such as drives and sensors."""
 
 from typing import Any, NamedTuple, Optional, Set
 
@@ -16,20 +16,20 @@ from flatland_server.transport.node import Node
 
 
 class ContactSides(NamedTuple):
-    """A contact from a model's point of view."""
+    """A contact as seen from a model."""
 
     entity: Entity
-    """What the model touches: a `Layer`, or a `Model`, which may be the same one."""
+    """What the model touches: a `Layer` or a `Model`, which may be the model itself."""
     this_fixture: _core.Fixture
-    """What of the model touches it."""
+    """The fixture of the model."""
     other_fixture: _core.Fixture
-    """What of the entity is touched."""
+    """The fixture of the entity."""
 
 
 class ModelPlugin(Plugin):
     """A plugin of one model; `self.model` is the model, `self.node` is in its namespace.
 
-    See `flatland_server.plugins.plugin` for the life of a plugin.
+    `flatland_server.plugins.plugin` describes the life of a plugin.
     """
 
     def __init__(
@@ -39,9 +39,16 @@ class ModelPlugin(Plugin):
         self.model = model
 
     def get_body(self, config: YamlReader, key: str = "body", default: Any = REQUIRED) -> ModelBody:
-        """The body that a key of the configuration names.
+        """The body with the name that is the value of a key of the configuration.
 
-        If there is no such body, that is noted as a problem for `config.finish()` to raise.
+        Args:
+            config: the plugin's configuration.
+            key: has the body's name.
+            default: the name if the key is missing; without it, the key is required.
+
+        Returns:
+            The body. If there is none of this name, the base of the model; the problem is then
+            noted and raised by `config.finish()`.
         """
         name = config.get_string(key, default)
         try:
@@ -52,7 +59,10 @@ class ModelPlugin(Plugin):
             return self.model.base
 
     def get_body_names(self, config: YamlReader, key: str) -> Set[str]:
-        """The names in a list of bodies, empty by default; a name of none is noted as a problem."""
+        """The names of bodies in a list of the configuration, which is empty by default.
+
+        A name that no body has is noted as a problem, which `config.finish()` raises.
+        """
         names = config.get_strings(key, ())
         for name in names:
             try:
@@ -62,10 +72,11 @@ class ModelPlugin(Plugin):
         return set(names)
 
     def get_joint(self, config: YamlReader, key: str) -> Optional[Joint]:
-        """The joint that a key of the configuration names.
+        """The joint with the name that is the value of a key of the configuration.
 
-        If there is no such joint, that is noted as a problem for `config.finish()` to raise, and
-        None is returned.
+        Returns:
+            The joint. None if there is none of this name; the problem is then noted and raised by
+            `config.finish()`.
         """
         name = config.get_string(key)
         try:
@@ -76,9 +87,13 @@ class ModelPlugin(Plugin):
             return None
 
     def filter_contact(self, contact: _core.Contact) -> Optional[ContactSides]:
-        """The sides of a contact as this model has them; None if it has no part in it.
+        """A contact as seen from this model.
 
-        A hook of a model's plugin is called only for contacts in which its model has a part.
+        Returns:
+            None if the model is not part of the contact, which cannot happen in its own hooks.
+
+        Raises:
+            GoneError: a body has been deleted, or belongs neither to a model nor to a layer.
         """
         entities = self.model.entities
         a, b = contact.fixture_a, contact.fixture_b
@@ -88,5 +103,5 @@ class ModelPlugin(Plugin):
         return ContactSides(owner_a, b, a) if owner_b is self.model else None
 
     def name_space_tf(self, frame_id: str) -> str:
-        """A frame's name with the model's namespace; see `Model.name_space_tf`."""
+        """The name of a frame with the namespace of the model; see `Model.name_space_tf`."""
         return self.model.name_space_tf(frame_id)

@@ -1,24 +1,43 @@
-"""What model plugins and world plugins have in common.
+"""The base class of plugins, and their life.
 
-The life of a plugin: it is made; `on_initialize` reads its configuration and opens its topics;
-then, at every step:
+A plugin is a class with hooks: methods that the simulation calls, each at its point in the life of
+the plugin. The hooks of the base class are empty; a plugin overrides those that it needs, and the
+others are never called.
 
-    prepare_step            the time is t
-    before_physics_step     the time is t
-        begin_contact       two fixtures start to touch        the time is still t
-        pre_solve           before their contact is solved
-        end_contact         they touch no longer
-        post_solve          what the solver did to keep them apart
-    after_physics_step      the time is t + dt
+1. `__init__` sets `self.model` or `self.world`, `self.node` and `self.rng`. It need not be
+   overridden.
 
-and at last `on_shutdown`, when its model is deleted, when it has failed, or when the world ends.
-Its topics, subscriptions and transforms go away with its node. With an `update_timer`, the first
-two and the last of a step's hooks come only when that is due; those of contacts come always, at the
-contacts of the plugin's own model, or of the whole world. All of it happens on one thread. A hook
-that a plugin does not override is never called and costs nothing; one that raises is its last.
+2. `on_initialize`: the plugin reads its configuration and opens its topics. If this fails, the
+   model is not spawned.
 
-In a hook, models are spawned, moved and deleted as ever, which then happens at the end of the step.
-In the hooks of contacts, velocities can be set and forces applied, but no body be put elsewhere.
+3. In every step, from simulated time t to t + dt:
+
+    hook                  called                                                 time
+    prepare_step          on all plugins, before the first before_physics_step   t
+    before_physics_step   before the physics                                     t
+    begin_contact         when two fixtures have started to touch                t
+    end_contact           when two fixtures have ceased to touch                 t
+    pre_solve             before the forces of a contact are solved              t
+    post_solve            after the forces of a contact were solved              t
+    after_physics_step    after the physics                                      t + dt
+
+4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed. After it, the
+   topics, subscriptions and frames of the plugin are closed.
+
+In each hook, plugins are called in the order in which they were started. All hooks and the
+callbacks of subscriptions are called on the same thread; callbacks are called between steps.
+
+Step hooks, which are `prepare_step`, `before_physics_step` and `after_physics_step`, are called in
+every step, or, if the plugin has an `update_timer`, in those in which it is due. They are not
+called while `has_work` returns False. Contact hooks are the other four. They are always called: for
+a `ModelPlugin` at contacts of its model, for a `WorldPlugin` at all contacts.
+
+A plugin fails if one of its hooks or callbacks raises an exception. This is logged, and the plugin
+is shut down and not called again; all others go on.
+
+What a hook may do: models can be spawned, moved and deleted in any hook; within a step, this takes
+effect at its end. Contact hooks may set velocities and apply forces and impulses, but not place,
+add or remove bodies.
 """
 
 from typing import Callable, Optional
@@ -37,23 +56,24 @@ CONTACT_HOOKS = {
     "end_contact": _core.END_CONTACT,
     "post_solve": _core.POST_SOLVE,
 }
-"""The hooks of contacts, and the moments of the core at which they are called."""
+"""The hooks for contacts, each with the event of the core at which it is called."""
 
 STEP_HOOKS = ("prepare_step", "before_physics_step", "after_physics_step")
-"""The hooks around a step."""
+"""The hooks before and after the physics of a step, in the order of their calls."""
 
 HOOKS = (*STEP_HOOKS, *CONTACT_HOOKS)
-"""All hooks of a step."""
+"""All hooks that are called in a step."""
 
 
 class Plugin:
-    """Base of `ModelPlugin` and `WorldPlugin`; plugins derive from one of these.
+    """The base class of `ModelPlugin` and `WorldPlugin`; plugins derive from one of these.
 
     Args:
-        type: the type that its configuration gave.
-        name: its name, unique in its model or world.
+        type: its type, as in its configuration.
+        name: unique among the plugins of its model, or of the world.
         node: its access to topics, transforms and parameters.
-        rng: its source of chance. Equal seeds, models and plugin names give equal numbers.
+        rng: its random numbers, which depend only on the seed of the world and on the names of the
+            model and the plugin.
     """
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
@@ -63,11 +83,11 @@ class Plugin:
         self.rng = rng
         self._update_timer: Optional[UpdateTimer] = None
         self.on_new_timer: Optional[Callable[[], None]] = None
-        """Called when the plugin gets another `update_timer`."""
+        """Called when the plugin gets another `update_timer`; for the schedule."""
 
     @property
     def update_timer(self) -> Optional[UpdateTimer]:
-        """When the hooks before and after a step are called; None: at every step."""
+        """In which steps the step hooks are called; None is every step. May be set in any hook."""
         return self._update_timer
 
     @update_timer.setter
@@ -77,47 +97,62 @@ class Plugin:
             self.on_new_timer()
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the configuration and gets ready. Must be overridden.
+        """Reads the configuration and opens topics. Must be overridden.
 
-        Raise any `FlatlandError` (`config.error(...)` makes one that names the line) to refuse; the
-        model is then not spawned.
+        Args:
+            config: the plugin's entry in its file. Keys that are not read here are reported as
+                unknown.
+
+        Raises:
+            FlatlandError: the plugin cannot start, and so the model is not spawned. Best raised by
+                `config.error(...)`, which adds the file and the line.
         """
         raise TypeError(f"{type(self).__name__} does not override on_initialize")
 
     def has_work(self) -> bool:
-        """Whether there is something to do, once it is due; if not, it is not called.
+        """Whether the step hooks need to be called now.
 
-        To be overridden by plugins that do nothing but publish, to ask whether anybody listens. It
-        is asked again only when somebody begins or ends to listen to something.
+        To be overridden by plugins that only publish, which have no work while their topics have no
+        subscribers. A plugin with an `update_timer` is asked whenever this is due; any other only
+        after a topic has got or lost a subscriber, or plugins were started or stopped.
         """
         return True
 
     def prepare_step(self, timekeeper: Timekeeper) -> None:
-        """Called before the first `before_physics_step` of all plugins that are due.
+        """Called on all plugins that are due, before `before_physics_step` of the first of them.
 
-        To ask early for what is done more quickly for many at a time; see `Lidar.expect_scan`.
+        For work that is faster if it is done for several plugins together: here each of them can
+        request it; see `Lidar.expect_scan`.
         """
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Called before each step; the time is t."""
+        """Called before the physics; the time is t."""
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Called after each step; the time is t + dt."""
+        """Called after the physics; the time is t + dt."""
 
     def begin_contact(self, contact: _core.Contact) -> None:
-        """Called when two fixtures start to touch."""
+        """Called when two fixtures have started to touch."""
 
     def end_contact(self, contact: _core.Contact) -> None:
-        """Called when two fixtures touch no longer; also when one of them is deleted."""
+        """Called when two fixtures have ceased to touch, or one that touches is deleted."""
 
     def pre_solve(self, contact: _core.Contact, old_manifold: _core.Manifold) -> None:
-        """Called before a contact is solved, perhaps several times in a step; not with sensors.
+        """Called before a contact is solved, possibly several times in a step; not for sensors.
 
-        `contact.set_enabled(False)` lets the two pass through each other in this step.
+        Args:
+            contact: `contact.set_enabled(False)` lets the two fixtures pass through each other in
+                this step.
+            old_manifold: the points of the contact in the last step.
         """
 
     def post_solve(self, contact: _core.Contact, impulse: _core.ContactImpulse) -> None:
-        """Called after a contact is solved, perhaps several times in a step; not with sensors."""
+        """Called after a contact was solved, possibly several times in a step; not for sensors.
+
+        Args:
+            contact: with the points where the two fixtures touch.
+            impulse: what was applied at each of these points to keep the fixtures apart [N s].
+        """
 
     def on_shutdown(self) -> None:
-        """Called once, before the plugin's topics go away."""
+        """Called once, at the end of the plugin; its topics are still open."""

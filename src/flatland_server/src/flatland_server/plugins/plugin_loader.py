@@ -11,20 +11,35 @@ A package declares its plugins in an XML file and exports it in its package.xml:
       </class>
     </library>
 
-`type` is the importable Python class, `name` what YAML files call it, alone or as
+`type` is the importable Python class, `name` its name in YAML files, alone or as
 `my_plugins::ConstVelocity`. The package makes its modules importable with catkin_python_setup().
-What a `<library example="true">` declares gives way to another plugin of its name.
+A plugin in a `<library example="true">` is hidden by another plugin of the same name.
 """
 
 import importlib
 import inspect
 import logging
 import os
+import warnings
 import xml.etree.ElementTree as ElementTree
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterable, Iterator, List, Optional, Set, Tuple, Type, TypeVar
+from typing import (
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Optional,
+    Set,
+    TextIO,
+    Tuple,
+    Type,
+    TypeVar,
+    Union,
+)
 
+from flatland_server._deprecated import FormerNameWarning
 from flatland_server.exceptions import PluginError, suggestion
 from flatland_server.plugins.plugin import Plugin
 
@@ -43,16 +58,16 @@ class PluginDeclaration:
     package: str
     class_path: str
     is_example: bool = False
-    """Whether it gives way to others of its name, which may have been made after it."""
+    """Whether it is hidden by plugins of the same name, which may have been made after it."""
 
     @classmethod
     def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
-        """Of a class that no package exports, by its own name."""
+        """The declaration of a class that no package exports, under its own name."""
         module = plugin.__module__
         return cls(plugin.__name__, module.partition(".")[0], f"{module}.{plugin.__name__}")
 
     def answers_to(self, type: str) -> bool:
-        """Whether a YAML file's `type` means this class."""
+        """Whether the `type` in a YAML file means this class."""
         package, _, name = type.rpartition("::")
         return name == self.name and package in ("", self.package)
 
@@ -61,18 +76,19 @@ class PluginLoader:
     """Imports plugins on demand.
 
     Args:
-        declarations: what there is; by default all that is exported on ROS_PACKAGE_PATH, looked up
-            when the first plugin is needed.
+        declarations: the available plugins; by default those that packages on ROS_PACKAGE_PATH
+            export, which are looked up when the first plugin is needed.
     """
 
     def __init__(self, declarations: Optional[Iterable[PluginDeclaration]] = None) -> None:
         self._declarations = None if declarations is None else list(declarations)
 
     def load(self, type: str, base: Type[P]) -> Type[P]:
-        """The class that a YAML file's `type` means.
+        """The class that the `type` in a YAML file means.
 
         Raises:
-            PluginError: there is none, it cannot be imported, or it is not derived from `base`.
+            PluginError: there is no such plugin or more than one, it cannot be imported, or it is
+                not derived from `base`.
         """
         if self._declarations is None:
             self._declarations = discover()
@@ -96,7 +112,8 @@ class PluginLoader:
 def _import(declaration: PluginDeclaration) -> object:
     module_name, _, class_name = declaration.class_path.rpartition(".")
     try:
-        module = importlib.import_module(module_name)
+        with _log_former_names(declaration.package):
+            module = importlib.import_module(module_name)
     except Exception as error:
         raise PluginError(
             f'the plugin "{declaration.name}" of the package {declaration.package} cannot be '
@@ -107,8 +124,38 @@ def _import(declaration: PluginDeclaration) -> object:
     return getattr(module, class_name)
 
 
+@contextmanager
+def _log_former_names(package: str) -> Iterator[None]:
+    """Logs each line that uses a former name of `flatland_server`, while a plugin is imported.
+
+    Python shows these warnings only for code in `__main__`, which plugins never are.
+    """
+    logged: Set[Tuple[str, int, str]] = set()
+
+    def show(
+        message: Union[Warning, str],
+        category: Type[Warning],
+        filename: str,
+        lineno: int,
+        file: Optional[TextIO] = None,
+        line: Optional[str] = None,
+    ) -> None:
+        use = (filename, lineno, str(message))
+        if not issubclass(category, FormerNameWarning):
+            show_others(message, category, filename, lineno, file, line)
+        elif use not in logged:
+            logged.add(use)
+            logger.warning("the plugin package %s should be updated: %s:%d: %s", package, *use)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", FormerNameWarning)
+        show_others = warnings.showwarning
+        warnings.showwarning = show
+        yield
+
+
 def discover() -> List[PluginDeclaration]:
-    """All plugins that packages on ROS_PACKAGE_PATH export; a faulty declaration only warns."""
+    """The plugins that packages on ROS_PACKAGE_PATH export; a faulty declaration is logged."""
     exports: Dict[str, List[Path]] = {}
     for folder in _package_folders():
         name, files = _exported_files(folder)
@@ -125,7 +172,7 @@ def discover() -> List[PluginDeclaration]:
 
 
 def _package_folders() -> Iterator[Path]:
-    """The folders with a package.xml; unlike rospkg's list, whatever is in the others."""
+    """The folders with a package.xml. Unlike rospkg's list, they do not depend on its contents."""
     seen: Set[str] = set()
     for path in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
         for folder, subfolders, files in os.walk(path, followlinks=True):
@@ -139,7 +186,7 @@ def _package_folders() -> Iterator[Path]:
 
 
 def _exported_files(folder: Path) -> Tuple[str, List[Path]]:
-    """A package's name, and the plugin files that it exports. Most packages do not mention us."""
+    """A package's name, and the plugin files that it exports. Most packages export none."""
     manifest = folder / "package.xml"
     try:
         text = manifest.read_text(encoding="utf-8")

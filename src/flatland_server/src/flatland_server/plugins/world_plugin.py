@@ -1,4 +1,4 @@
-"""Plugins that belong to the world."""
+"""The base class of plugins that belong to the world."""
 
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 class WorldPlugin(Plugin):
     """A plugin of the world; `self.world` is the world.
 
-    See `flatland_server.plugins.plugin` for the life of a plugin.
+    `flatland_server.plugins.plugin` describes the life of a plugin.
     """
 
     def __init__(

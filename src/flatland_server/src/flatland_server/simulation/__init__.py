@@ -1,1 +1,1 @@
-"""The world, and stepping it at a rate of real time."""
+"""The world, its steps, and running it at a rate of real time."""

@@ -1,14 +1,13 @@
-"""The world: layers, models and plugins, read from a file and moved step by step.
+"""The world: layers, models and plugins, loaded from a file and simulated step by step.
 
 world = World.from_file(Path("world.yaml"))
 timekeeper = Timekeeper(step_size=0.005)
 world.step(timekeeper)
 """
 
-import logging
 from contextlib import closing
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Set
+from typing import Dict, List, Optional
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
@@ -30,28 +29,24 @@ from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginManager
 from flatland_server.plugins.world_plugin import WorldPlugin
+from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node, Transport
 
-logger = logging.getLogger(__name__)
-
-_MOST_DEFERRED = 1000
-"""How many things that plugins ask for within hooks are done in a row."""
-
 
 class World:
-    """All that lives in the simulation.
+    """The layers, models and plugins of a simulation, and the physics that moves them.
 
     Args:
-        config: what the world's files say.
-        transport: what carries its topics; by default this process alone.
-        seed: of all chance in it. Equal seeds and commands give equal runs.
+        config: the contents of the world's files.
+        transport: carries topics, transforms and parameters; by default within this process alone.
+        seed: of all random numbers. Equal seeds and commands give equal runs.
         loader: finds plugin classes; by default those on ROS_PACKAGE_PATH.
 
     Raises:
-        FlatlandError: a model does not fit in, or a plugin does not start.
+        FlatlandError: a model cannot be created, or a plugin does not start.
     """
 
     def __init__(
@@ -65,14 +60,15 @@ class World:
         self.transport: Transport = transport if transport is not None else LocalTransport()
         self.registry = config.registry
         self.models: Dict[str, Model] = {}
+        """By name."""
         self.physics = _core.World(config.velocity_iterations, config.position_iterations)
+        """The world of the core."""
         self.entities = Entities()
+        """The model or layer that each body belongs to."""
         self._plugins = PluginManager(
             Node(self.transport), loader or PluginLoader(), seed, self.physics, self.entities
         )
-        self._is_locked = False  # while it steps, takes bodies away (contacts are told of) or ends
-        self._unsettled: Set[str] = set()  # models that are being started or stopped
-        self._deferred: List[Callable[[], None]] = []
+        self._deferred = DeferredActions()
         try:
             self.layers = [
                 Layer(layer, config.walls_of(layer), self.physics, self.entities)
@@ -101,7 +97,19 @@ class World:
         simplify_map: int = 0,
         loader: Optional[PluginLoader] = None,
     ) -> "World":
-        """A world from its file; the class and `WorldConfig.from_file` say what can go wrong."""
+        """Loads a world file.
+
+        Args:
+            path: of the file.
+            transport: as for the class.
+            seed: as for the class.
+            simplify_map: how much the outlines of map images are simplified; see `read_map`.
+            loader: as for the class.
+
+        Raises:
+            YamlError: something in the files is wrong; lists everything that was found.
+            FlatlandError: a model cannot be created, or a plugin does not start.
+        """
         transport = transport if transport is not None else LocalTransport()
         with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
             config = WorldConfig.from_file(path, preprocessor, simplify_map=simplify_map)
@@ -109,43 +117,44 @@ class World:
 
     @property
     def plugin_count(self) -> int:
-        """How many plugins live in it and its models."""
+        """The number of plugins of the world and its models, including those that have failed."""
         return sum(len(self._plugins.plugins_of(owner)) for owner in ["", *self.models])
 
     @property
     def plugin_failures(self) -> List[PluginFailure]:
-        """The plugins that have failed and are switched off."""
+        """The plugins that have raised an exception and are switched off."""
         return self._plugins.failures
 
     def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Optional[Model]:
-        """Puts a new model into the world: wholly, or not at all.
+        """Adds a model, read from its file, to the world: completely, or not at all.
 
-        Within a step, that is in a plugin's hook, the model comes at the end of the step, and None
-        is returned; should it not start, that is logged.
+        In a plugin's hook, the model is added at the end of the step; a failure is then logged.
 
         Args:
             path: of the model file.
             name: unique in the world.
             namespace: of its topics and frames; may be empty.
-            pose: where its origin is put.
+            pose: of its origin in the world.
+
+        Returns:
+            The model; None if it is added later.
 
         Raises:
-            FlatlandError: the file, the name, the namespace or the pose is not usable; the world is
-                then as it was.
+            FlatlandError: the file, the name, the namespace or the pose is not usable. The world is
+                unchanged.
         """
         problem = topic_name_problem(name) or namespace_problem(namespace)
         if problem:
             raise ModelError(problem)
-        self._require_new(name)
+        self._check_is_new(name)
         _check_pose(pose)
         entry = ModelEntry(name, namespace, pose, self.read_model(path))
-        if not self._is_locked:
-            return self.add_model(entry)
-        self._deferred.append(lambda: self._add_later(entry))
-        return None
+        return self._deferred.run_or_defer(
+            lambda: self.add_model(entry), f'the model "{name}" is not spawned'
+        )
 
     def read_model(self, path: Path) -> ModelConfig:
-        """What a model file says, for this world; may be called by any thread.
+        """Reads a model file for this world; may be called in any thread.
 
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
@@ -156,18 +165,18 @@ class World:
             return ModelConfig.from_file(path, self.registry, preprocessor)
 
     def add_model(self, entry: ModelEntry) -> Model:
-        """Puts a model into the world that has been read, or made without a file.
+        """Adds a model that has been read already, or made without a file, to the world.
 
         Raises:
-            FlatlandError: its name is taken, it does not fit in, or one of its plugins does not
-                start; the world is then as it was. Or the world is in the midst of a step.
+            FlatlandError: its name is taken, its bodies cannot be created, or one of its plugins
+                does not start: the world is unchanged. Or a step is being made.
         """
-        if self._is_locked:
+        if self._deferred.is_locked:
             raise FlatlandError(
                 "add_model is for between steps; spawn_model may be called in a hook"
             )
-        self._require_new(entry.name)
-        there_before = set(self.models.values())
+        self._check_is_new(entry.name)
+        models_before = set(self.models.values())
         model = Model(
             entry.name,
             entry.namespace,
@@ -178,23 +187,21 @@ class World:
             self.entities,
         )
         self.models[entry.name] = model
-        self._unsettled.add(entry.name)
-        plugins = entry.model.plugins
-        try:
-            self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
-        except BaseException:
-            del self.models[entry.name]
-            self._take_away(model)
-            for other in [each for each in self.models.values() if each not in there_before]:
-                self._remove(other)  # its plugins had spawned it
-            raise
-        finally:
-            self._unsettled.discard(entry.name)
-        self._run_deferred()
+        with self._deferred.changing(entry.name):
+            plugins = entry.model.plugins
+            try:
+                self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
+            except BaseException:
+                del self.models[entry.name]
+                self._remove_bodies(model)
+                for other in [m for m in self.models.values() if m not in models_before]:
+                    self._remove(other)  # spawned by the plugins of the one that has failed
+                raise
+        self._deferred.run_pending()
         return model
 
     def delete_model(self, name: str) -> None:
-        """Takes a model out of the world, with its topics and frames.
+        """Removes a model from the world, with its topics and frames.
 
         In a plugin's hook, this happens at the end of the step.
 
@@ -202,49 +209,49 @@ class World:
             ModelError: there is no such model.
         """
         model = self.get_model(name)
-        if self._is_locked or name in self._unsettled:
-            self._deferred.append(lambda: self._remove(model))
-        else:
-            self._remove(model)
-            self._run_deferred()
+        self._deferred.run_or_defer(
+            lambda: self._remove(model),
+            f'the model "{name}" is not deleted',
+            unless_changing=name,
+        )
 
     def move_model(self, name: str, pose: Pose) -> None:
-        """Puts a model somewhere else, at rest.
+        """Puts a model at another pose, at rest.
 
-        In a plugin's hook, this happens at the end of the step.
+        In a plugin's hook, this happens at the end of the step; a failure is then logged.
 
         Raises:
             ModelError: there is no such model, or the pose is not usable.
         """
         model = self.get_model(name)
         _check_pose(pose)
-        if self._is_locked:
-            self._deferred.append(lambda: self._move_later(model, pose))
-        else:
-            model.move(pose)
+        self._deferred.run_or_defer(
+            lambda: self._move(model, pose), f'the model "{name}" is not moved'
+        )
 
     def add_walls(self, layer: str, segments: Segments) -> None:
-        """Puts up walls in a layer.
+        """Adds walls to a layer.
 
         Args:
             layer: one of its names.
             segments: in the world [m]: shape (n, 4), x1, y1, x2, y2.
 
         Raises:
-            FlatlandError: there is no such layer, or the world is in the midst of a step.
-            ValueError: a segment is not finite, or of no length.
+            LayerError: there is no such layer.
+            FlatlandError: a step is being made.
+            ValueError: a segment is not finite, or has no length.
         """
-        if self._is_locked:
+        if self._deferred.is_locked:
             raise FlatlandError("walls are put up between steps, not during one")
         found = self.get_layer(layer)
         found.add_walls(segments)
         self._plugins.refresh(found)
 
     def get_layer(self, name: str) -> Layer:
-        """The layer that has this name among its names.
+        """The layer that has this name, perhaps among others.
 
         Raises:
-            LayerError: there is none.
+            LayerError: there is no such layer.
         """
         for layer in self.layers:
             if name in layer.config.names:
@@ -254,89 +261,62 @@ class World:
         raise LayerError(f'no layer is named "{name}"{hint}; there are: {known}')
 
     def get_model(self, name: str) -> Model:
-        """The model of that name.
+        """The model of this name.
 
         Raises:
-            ModelError: there is none.
+            ModelError: there is no such model.
         """
         if name not in self.models:
             raise ModelError(f'there is no model "{name}"{suggestion(name, self.models)}')
         return self.models[name]
 
     def step(self, timekeeper: Timekeeper) -> None:
-        """Moves the world and the timekeeper on by one step.
+        """Advances the world and the timekeeper by one step.
 
-        Callbacks that wait are run by `transport.process()`, not here; `SimulationManager.step`
+        Runs no callbacks of subscriptions: `transport.process()` does, and `SimulationManager.step`
         does both.
         """
-        self._is_locked = True
-        try:
+        with self._deferred.locked():
             self._plugins.before_physics_step(timekeeper)
             self.physics.step(timekeeper.step_size)
             timekeeper.step()
             self._plugins.after_physics_step(timekeeper)
-        finally:
-            self._is_locked = False
-        if self._deferred:
-            self._run_deferred()
+        self._deferred.run_pending()
         self.transport.flush()
 
     def close(self) -> None:
-        """Ends all plugins; what they still ask for is not done any more."""
-        self._is_locked = True
+        """Stops all plugins. Changes that they request meanwhile are dropped."""
         try:
-            self._plugins.stop_all()
+            with self._deferred.locked():
+                self._plugins.stop_all()
         finally:
-            self._is_locked = False
             self._deferred.clear()
 
-    def _require_new(self, name: str) -> None:
+    def _check_is_new(self, name: str) -> None:
         if name in self.models:
             raise ModelError(f'a model named "{name}" is already there')
 
     def _remove(self, model: Model) -> None:
-        if self.models.get(model.name) is not model:
-            return  # somebody else was quicker
-        self._unsettled.add(model.name)
-        try:
-            self._plugins.stop(model.name)
-        finally:
-            self._unsettled.discard(model.name)
-            del self.models[model.name]
-            self._take_away(model)
-
-    def _take_away(self, model: Model) -> None:
-        """Removes its bodies; plugins hear of the contacts that this ends."""
-        self._is_locked = True
-        try:
-            model.remove()
-        finally:
-            self._is_locked = False
-
-    def _add_later(self, entry: ModelEntry) -> None:
-        try:
-            self.add_model(entry)
-        except FlatlandError as error:
-            logger.error('the model "%s" is not spawned: %s', entry.name, error)
-
-    def _move_later(self, model: Model, pose: Pose) -> None:
-        if self.models.get(model.name) is not model:
+        if not self._has(model):
             return
-        try:
+        with self._deferred.changing(model.name):
+            try:
+                self._plugins.stop(model.name)
+            finally:
+                del self.models[model.name]
+                self._remove_bodies(model)
+
+    def _remove_bodies(self, model: Model) -> None:
+        with self._deferred.locked():  # it ends contacts, which calls hooks
+            model.remove()
+
+    def _move(self, model: Model, pose: Pose) -> None:
+        if self._has(model):
             model.move(pose)
-        except FlatlandError as error:
-            logger.error("%s", error)
 
-    def _run_deferred(self) -> None:
-        """Does what plugins have asked for, and what they ask for meanwhile.
-
-        Not while others are still being started or stopped, who may be whom this is about. Should
-        it never end, the rest has to wait for the next step.
-        """
-        for _ in range(_MOST_DEFERRED):
-            if not self._deferred or self._is_locked or self._unsettled:
-                return
-            self._deferred.pop(0)()
+    def _has(self, model: Model) -> bool:
+        """Whether a model is still there; it may be deleted before a deferred action runs."""
+        return self.models.get(model.name) is model
 
 
 def _check_pose(pose: Pose) -> None:

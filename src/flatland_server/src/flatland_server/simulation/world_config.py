@@ -1,4 +1,4 @@
-"""What a world's files say: its properties, layers, models and plugins."""
+"""The contents of a world's files: its properties, layers, models and plugins."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,8 +18,8 @@ from flatland_server.models.layer import LayerConfig
 from flatland_server.models.model import ModelConfig
 from flatland_server.models.plugin_config import PluginConfig
 
-_MOST_ITERATIONS = 10_000
-"""Of the solver in a step; more would stall the simulation."""
+_MAX_ITERATIONS = 10_000
+"""The maximum number of solver iterations in a step; more would stall the simulation."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class ModelEntry:
 
 @dataclass(frozen=True)
 class WorldConfig:
-    """A world file with all the files that it names."""
+    """A world file, with all the files that it refers to."""
 
     velocity_iterations: int
     position_iterations: int
@@ -53,15 +53,15 @@ class WorldConfig:
         *,
         simplify_map: int = 0,
     ) -> "WorldConfig":
-        """Reads a world file and what it refers to; touches nothing else.
+        """Reads a world file and the files that it refers to.
 
         Args:
             path: of the file.
-            preprocessor: has the parameters for expressions in the files.
+            preprocessor: evaluates expressions in the files.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
 
         Raises:
-            YamlError: something in the files is wrong; all that was found.
+            YamlError: something in the files is wrong; lists everything that was found.
         """
         reader = YamlReader.from_file(path, preprocessor)
         return cls.read(reader, preprocessor, simplify_map=simplify_map)
@@ -74,13 +74,13 @@ class WorldConfig:
         *,
         simplify_map: int = 0,
     ) -> "WorldConfig":
-        """The same of a file that is being read already."""
+        """Like `from_file`, for a file that has been parsed already."""
         properties = reader.get_section("properties", required=True)
         velocity_iterations = properties.get_int(
-            "velocity_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
+            "velocity_iterations", 10, minimum=1, maximum=_MAX_ITERATIONS
         )
         position_iterations = properties.get_int(
-            "position_iterations", 10, minimum=1, maximum=_MOST_ITERATIONS
+            "position_iterations", 10, minimum=1, maximum=_MAX_ITERATIONS
         )
         properties.finish()
         registry = CollisionFilterRegistry()
@@ -88,7 +88,7 @@ class WorldConfig:
             "layers", lambda section: LayerConfig.read(section, registry), required=True
         )
         walls = _read_walls(reader, lambda path: read_map(path, preprocessor, simplify_map))
-        files: Dict[Path, ModelConfig] = {}  # each is read once, however many models there are
+        files: Dict[Path, ModelConfig] = {}  # so that each file is read only once
 
         def read_model(path: Path) -> ModelConfig:
             if path not in files:
@@ -145,5 +145,5 @@ def _read_model_entry(reader: YamlReader, read_model: Callable[[Path], ModelConf
         reader.note(error)
         model = None
     reader.finish()
-    assert model is not None  # or there was a problem
+    assert model is not None  # otherwise `finish` has raised
     return ModelEntry(name, namespace, pose, model)

@@ -1,1 +1,1 @@
-"""The seam between plugins and ROS: nodes, publishers, and a transport without ROS."""
+"""Topics, transforms and parameters: what plugins use of them, and a transport without ROS."""

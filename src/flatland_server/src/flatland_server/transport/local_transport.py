@@ -2,9 +2,9 @@
 
 transport = LocalTransport()
 manager = SimulationManager(World.from_file(path, transport), Timekeeper(0.005))
-transport.send("/cmd_vel", twist)         # hand a command in
+transport.send("/cmd_vel", twist)         # to the subscribers of a topic, before the next step
 manager.step()
-transport.last("/odometry/ground_truth")  # the newest message of a topic, or None
+transport.last("/odometry/ground_truth")  # the last message published to a topic, or None
 """
 
 from collections import Counter, deque
@@ -14,16 +14,16 @@ from typing import Counter as CounterType
 from flatland_server._deprecated import warn_renamed
 from flatland_server.geometry import Transform
 from flatland_server.transport.message_writer import MessageWriter
-from flatland_server.transport.node import Publisher, Subscription, Transport
+from flatland_server.transport.transport import Publisher, Subscription, Transport
 
 
 class LocalTransport(Transport):
-    """Keeps the last message of each topic, and the last transform of each frame.
+    """Keeps the last message of each topic, and in `transforms` the last one of each frame.
 
     Args:
         params: parameters by absolute name.
-        subscribed_topics: the topics that have a subscriber; all of them if None. As with ROS,
-            nothing is computed for the others.
+        subscribed_topics: the topics that count as having a subscriber; None is all of them. As
+            with ROS, plugins compute nothing for the others.
     """
 
     def __init__(
@@ -40,28 +40,28 @@ class LocalTransport(Transport):
         self.transforms: Dict[str, Transform] = {}
         self._params = dict(params)
         self._subscribed_topics = subscribed_topics
-        self._version = 0
+        self._subscriber_revision = 0
         self._publishers: CounterType[str] = Counter()
         self._last: Dict[str, Any] = {}
         self._inbox: Deque[Tuple[str, Any]] = deque()
         self._callbacks: Dict[str, List[Callable[[Any], None]]] = {}
 
     def send(self, topic: str, message: Any) -> None:
-        """Hands a message to whoever subscribes to a topic, before the next step."""
+        """Sends a message to the subscribers of a topic; `process` runs their callbacks."""
         self._inbox.append((_absolute(topic), message))
 
     def last(self, topic: str) -> Any:
-        """The newest message published to a topic, or None."""
+        """The last message published to a topic, or None."""
         return self._last.get(_absolute(topic))
 
     @property
     def topics(self) -> Set[str]:
-        """The topics that somebody publishes to."""
+        """The topics that have a publisher."""
         return set(self._publishers)
 
     @property
     def subscribed(self) -> Set[str]:
-        """The topics that somebody listens to in here."""
+        """The topics that have a callback here."""
         return {topic for topic, callbacks in self._callbacks.items() if callbacks}
 
     def advertise(
@@ -76,9 +76,9 @@ class LocalTransport(Transport):
         return _LocalSubscription(callbacks, callback)
 
     def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
-        """Replaces the set of topics that have a subscriber; None is all of them."""
+        """Changes the topics that count as having a subscriber; None is all of them."""
         self._subscribed_topics = topics
-        self._version += 1
+        self._subscriber_revision += 1
 
     def watch(self, topics: Optional[Container[str]]) -> None:
         """Deprecated alias of `set_subscribed_topics`."""
@@ -86,7 +86,7 @@ class LocalTransport(Transport):
         self.set_subscribed_topics(topics)
 
     def has_subscribers(self, topic: str) -> bool:
-        """Whether a topic has a subscriber."""
+        """Whether a topic counts as having a subscriber."""
         topics = self._subscribed_topics
         return topics is None or _absolute(topic) in topics
 
@@ -96,7 +96,7 @@ class LocalTransport(Transport):
 
     @property
     def subscriber_revision(self) -> object:
-        return self._version
+        return self._subscriber_revision
 
     def send_transform(self, transform: Transform) -> None:
         self.transforms[transform.child] = transform

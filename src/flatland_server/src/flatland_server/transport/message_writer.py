@@ -1,4 +1,4 @@
-"""What makes messages of values: as objects, or at once as the bytes that ROS sends."""
+"""Makes messages out of values, either as ROS message objects or directly in serialized form."""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -7,9 +7,9 @@ from typing import Any
 class MessageWriter(ABC):
     """Makes the messages of one topic.
 
-    A message of ROS is an object of many objects, and its generated code packs them one by one:
-    tens of microseconds for what is a few numbers among constants. A transport that sends bytes
-    asks for those, one that keeps messages asks for objects. Both say the same.
+    Serializing a ROS message object field by field takes tens of microseconds, even if it has only
+    a few numbers among constants. So a transport that sends bytes uses `data`, and one that keeps
+    objects uses `message`. Both have the same contents.
     """
 
     @abstractmethod
@@ -18,4 +18,4 @@ class MessageWriter(ABC):
 
     @abstractmethod
     def data(self, *values: Any) -> bytes:
-        """The message as bytes. The number of the header's sequence is one more each time."""
+        """The serialized message. Each call increments the sequence number of the header."""

@@ -1,9 +1,9 @@
-"""The plugins of the tests of contacts, and the room that they are in."""
+"""The plugins and the room of the tests of contacts."""
 
 from typing import Iterator
 
 import pytest
-from contacts.room import Deaf, Listener, OnlyBegin, Room, WorldListener, calls, deeds
+from contacts.room import Listener, NoContactHooks, OnlyBegin, Room, WorldListener, actions, calls
 
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 
@@ -12,13 +12,13 @@ from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoade
 def _forget() -> Iterator[None]:
     yield
     calls.clear()
-    deeds.clear()
+    actions.clear()
 
 
 @pytest.fixture(scope="module")
 def loader() -> PluginLoader:
     """The plugins of these tests."""
-    classes = (Listener, WorldListener, OnlyBegin, Deaf)
+    classes = (Listener, WorldListener, OnlyBegin, NoContactHooks)
     return PluginLoader(map(PluginDeclaration.of, classes))
 
 

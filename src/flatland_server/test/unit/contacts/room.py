@@ -1,4 +1,4 @@
-"""What the tests of contacts share: plugins that note what they hear, and a room to bounce in."""
+"""Shared by the tests of contacts: plugins that record their calls, and a room with a wall."""
 
 import math
 from typing import Any, Callable, Dict, List, Tuple
@@ -19,14 +19,14 @@ SQUARE = "{type: polygon, points: [[-.2, -.2], [.2, -.2], [.2, .2], [-.2, .2]], 
 
 
 calls: List[Tuple[Any, ...]] = []
-"""What was called so far: (plugin, hook, what the hook was given ...)."""
+"""The calls so far: (plugin, hook, arguments of the hook ...)."""
 
-deeds: Dict[str, Callable[..., None]] = {}
-"""What plugins do in a hook, by its name; each is given the plugin and the hook's arguments."""
+actions: Dict[str, Callable[..., None]] = {}
+"""What plugins do in a hook, by its name; called with the plugin and the hook's arguments."""
 
 
 class _Hooks:
-    """Notes its hooks, and does what the test wants."""
+    """Records the calls of its hooks, and runs the `actions` of the test."""
 
     def on_initialize(self, config):
         self.label = f"{self.model.name}/{self.name}" if hasattr(self, "model") else self.name
@@ -51,7 +51,7 @@ class _Hooks:
 
     def _hook(self, hook: str, *arguments: Any) -> None:
         calls.append((self.label, hook, *arguments))
-        deeds.get(hook, lambda *_: None)(self, *arguments)
+        actions.get(hook, lambda *_: None)(self, *arguments)
 
 
 class Listener(_Hooks, ModelPlugin):
@@ -70,8 +70,8 @@ class OnlyBegin(ModelPlugin):
         calls.append((f"{self.model.name}/{self.name}", "begin_contact", contact))
 
 
-class Deaf(ModelPlugin):
-    """Has hooks, but none of contacts."""
+class NoContactHooks(ModelPlugin):
+    """Has hooks, but no contact hooks."""
 
     def on_initialize(self, config):
         pass
@@ -81,7 +81,7 @@ class Deaf(ModelPlugin):
 
 
 class Room:
-    """A world with a wall along x = 1, in which models are put in motion."""
+    """A world with a wall along x = 1, and models that move."""
 
     def __init__(self, files, simulate, plugins: str = "[]") -> None:
         self._files = files
@@ -94,7 +94,7 @@ class Room:
         self.world.add_walls("walls", np.array([ends]))
 
     def put(self, name: str, pose, velocity=(0.0, 0.0, 0.0), plugins="", footprints=DISC):
-        """Spawns a model of one body, "base"; plugins are given as "type | type"."""
+        """Spawns a model with one body, "base"; plugins are given as "type | type"."""
         entries = "".join(
             f"\n  - {{type: {type.strip()}, name: p{i}}}"
             for i, type in enumerate(plugins.split("|"))
@@ -114,11 +114,11 @@ class Room:
         for _ in range(1000):
             calls.clear()
             self.run()
-            if hook in heard():
+            if hook in called_hooks():
                 return
-        raise AssertionError(f"{hook} is never called")
+        raise AssertionError(f"{hook} was not called")
 
 
-def heard(label: str = "") -> List[str]:
-    """The hooks that were called so far, of one plugin or of all."""
-    return [hook for who, hook, *_ in calls if label in ("", who)]
+def called_hooks(label: str = "") -> List[str]:
+    """The hooks called so far, of one plugin or of all."""
+    return [hook for plugin, hook, *_ in calls if label in ("", plugin)]

@@ -1,25 +1,25 @@
-"""How two things that touch act on each other, and what `pre_solve` can change about it."""
+"""The forces between two bodies that touch, and what `pre_solve` can change about them."""
 
 import math
 from typing import Dict, List
 
 import pytest
-from contacts.room import DT, MASS, RADIUS, SQUARE, deeds, heard
+from contacts.room import DT, MASS, RADIUS, SQUARE, actions, called_hooks
 
 
 @pytest.mark.parametrize("speed", [1.0, 20.0, 100.0])
-def test_a_body_passes_through_a_wall_if_its_contact_is_switched_off(room, speed):
-    deeds["pre_solve"] = lambda _, contact, __: contact.set_enabled(False)
+def test_a_body_passes_through_a_wall_if_its_contact_is_disabled(room, speed):
+    actions["pre_solve"] = lambda _, contact, __: contact.set_enabled(False)
     ball = room.put("ball", (0.85, 0.0, 0.0), (speed, 0.0, 0.0), "Listener")
 
     room.run(0.5)
 
-    assert "pre_solve" in heard()
+    assert "pre_solve" in called_hooks()
     assert ball.pose.x == pytest.approx(0.85 + 0.5 * speed, rel=1e-5)
     assert ball.base.physics_body.velocity == pytest.approx((speed, 0.0, 0.0))
 
 
-def test_a_body_that_leaves_its_contacts_on_is_stopped_by_the_wall(room):
+def test_a_body_with_enabled_contacts_is_stopped_by_the_wall(room):
     ball = room.put("ball", (0.85, 0.0, 0.0), (20.0, 0.0, 0.0), "Listener")
 
     room.run(0.5)
@@ -27,11 +27,11 @@ def test_a_body_that_leaves_its_contacts_on_is_stopped_by_the_wall(room):
     assert ball.pose.x == pytest.approx(1.0 - RADIUS, abs=0.01)
 
 
-def test_two_models_pass_through_each_other_if_one_of_them_wants_it(room):
+def test_two_models_pass_through_each_other_if_one_of_them_disables_the_contact(room):
     def let_pass(plugin, contact, _):
         contact.set_enabled(plugin.model.name != "ghost" and contact.enabled)
 
-    deeds["pre_solve"] = let_pass
+    actions["pre_solve"] = let_pass
     ghost = room.put("ghost", (0.0, 0.0, 0.0), (0.5, 0.0, 0.0), "Listener")
     other = room.put("other", (0.3, 0.0, 0.0), (0.0, 0.0, 0.0), "Listener")
 
@@ -41,21 +41,21 @@ def test_two_models_pass_through_each_other_if_one_of_them_wants_it(room):
     assert other.pose == pytest.approx((0.3, 0.0, 0.0), abs=1e-6)
 
 
-def test_a_contact_is_switched_off_for_one_step_only(room):
-    deeds["pre_solve"] = lambda _, contact, __: contact.set_enabled(False)
+def test_a_contact_is_disabled_for_one_step_only(room):
+    actions["pre_solve"] = lambda _, contact, __: contact.set_enabled(False)
     ball = room.put("ball", (0.85, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener")
     room.run(0.1)
     assert ball.pose.x == pytest.approx(0.95)
 
-    del deeds["pre_solve"]
+    del actions["pre_solve"]
     room.run(0.5)
 
     assert ball.pose.x < 0.91  # pushed out again
 
 
 @pytest.mark.parametrize("hook", ["begin_contact", "end_contact", "post_solve"])
-def test_a_contact_is_not_switched_in_another_hook(room, hook, caplog):
-    deeds[hook] = lambda _, contact, *__: contact.set_enabled(False)
+def test_a_contact_cannot_be_disabled_in_another_hook(room, hook, caplog):
+    actions[hook] = lambda _, contact, *__: contact.set_enabled(False)
     ball = room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
     room.run(0.1)
     ball.base.physics_body.velocity = (-1.0, 0.0, 0.0)
@@ -68,9 +68,9 @@ def test_a_contact_is_not_switched_in_another_hook(room, hook, caplog):
 
 
 @pytest.mark.parametrize(("restitution", "factor"), [(0.0, 1.0), (0.5, 1.5), (1.0, 2.0)])
-def test_the_impulses_of_a_collision_are_the_momentum_it_changes(room, restitution, factor):
+def test_the_impulses_of_a_collision_are_equal_to_the_change_of_momentum(room, restitution, factor):
     impulses = []
-    deeds["post_solve"] = lambda _, __, impulse: impulses.extend(impulse.normal_impulses)
+    actions["post_solve"] = lambda _, __, impulse: impulses.extend(impulse.normal_impulses)
     disc = f"{{type: circle, radius: {RADIUS}, density: 10, restitution: {restitution}}}"
     ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener", disc)
 
@@ -81,9 +81,9 @@ def test_the_impulses_of_a_collision_are_the_momentum_it_changes(room, restituti
     assert sum(impulses) == pytest.approx(factor * MASS * 2.0, rel=1e-5)
 
 
-def test_two_models_share_the_impulse_of_their_collision(room):
+def test_two_models_get_the_same_impulse_of_their_collision(room):
     impulses: Dict[str, List[float]] = {"left/p0": [], "right/p0": []}
-    deeds["post_solve"] = lambda plugin, _, impulse: impulses[plugin.label].extend(
+    actions["post_solve"] = lambda plugin, _, impulse: impulses[plugin.label].extend(
         impulse.normal_impulses
     )
     room.put("left", (0.0, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
@@ -96,14 +96,14 @@ def test_two_models_share_the_impulse_of_their_collision(room):
     assert impulses["right/p0"] == impulses["left/p0"]
 
 
-def test_the_old_manifold_has_the_points_and_impulses_of_the_step_before(room):
+def test_the_old_manifold_has_the_points_and_impulses_of_the_previous_step(room):
     force = 3.0
     solved, old = [], []
-    deeds["before_physics_step"] = lambda plugin, _: plugin.model.base.physics_body.apply_force(
+    actions["before_physics_step"] = lambda plugin, _: plugin.model.base.physics_body.apply_force(
         (force, 0.0)
     )
-    deeds["pre_solve"] = lambda _, __, manifold: old.append(manifold)
-    deeds["post_solve"] = lambda _, __, impulse: solved.append(impulse)
+    actions["pre_solve"] = lambda _, __, manifold: old.append(manifold)
+    actions["post_solve"] = lambda _, __, impulse: solved.append(impulse)
     room.put("square", (0.79, 0.0, 0.0), plugins="Listener", footprints=SQUARE)
 
     room.run(1.0)
@@ -121,26 +121,26 @@ def test_friction_that_is_set_before_solving_brakes_a_sliding_body(room):
     mass = 10.0 * 0.4**2
     square = room.put("square", (0.795, -3.0, 0.0), (0.0, 0.0, 0.0), "Listener", SQUARE)
     body = square.base.physics_body
-    deeds["before_physics_step"] = lambda *_: body.apply_force((force, 0.0))
+    actions["before_physics_step"] = lambda *_: body.apply_force((force, 0.0))
     room.run(0.1)
     body.velocity = (0.0, 4.0, 0.0)
     room.run(0.1)
-    assert body.velocity[1] == pytest.approx(4.0, abs=1e-4)  # no footprint has any friction
+    assert body.velocity[1] == pytest.approx(4.0, abs=1e-4)  # footprints have no friction
 
     def rub(_, contact, __):
         contact.friction = friction
 
-    deeds["pre_solve"] = rub
+    actions["pre_solve"] = rub
     room.run(0.4)
 
     assert body.velocity[1] == pytest.approx(4.0 - 0.4 * friction * force / mass, rel=0.01)
 
 
-def test_restitution_that_is_set_before_solving_throws_a_body_back(room):
+def test_restitution_that_is_set_before_solving_makes_a_body_bounce(room):
     def bounce(_, contact, __):
         contact.restitution = 0.75
 
-    deeds["pre_solve"] = bounce
+    actions["pre_solve"] = bounce
     ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
 
     room.run(0.2)
@@ -149,20 +149,20 @@ def test_restitution_that_is_set_before_solving_throws_a_body_back(room):
 
 
 @pytest.mark.parametrize("speed", [0.3, -0.3])
-def test_a_wall_with_a_tangent_speed_carries_along_what_leans_on_it(room, speed):
+def test_a_wall_with_a_tangent_speed_moves_a_body_that_is_pressed_against_it(room, speed):
     directions = []
 
     def convey(plugin, contact, _):
         contact.friction = 1.0
         contact.tangent_speed = speed
-        # Box2D: the velocity of b against a, along the normal turned by a quarter clockwise.
+        # In Box2D: the velocity of b relative to a, along the normal turned clockwise by 90 deg.
         side = 1.0 if contact.fixture_b.body == plugin.model.base.physics_body else -1.0
         directions.append(-side * contact.normal[0])
 
-    deeds["pre_solve"] = convey
+    actions["pre_solve"] = convey
     square = room.put("square", (0.795, 0.0, 0.0), (0.0, 0.0, 0.0), "Listener", SQUARE)
     body = square.base.physics_body
-    deeds["before_physics_step"] = lambda *_: body.apply_force((10.0, 0.0))
+    actions["before_physics_step"] = lambda *_: body.apply_force((10.0, 0.0))
 
     room.run(0.5)
 
@@ -171,7 +171,7 @@ def test_a_wall_with_a_tangent_speed_carries_along_what_leans_on_it(room, speed)
 
 @pytest.mark.parametrize("name", ["friction", "restitution", "tangent_speed"])
 @pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_contact_takes_no_value_that_is_none(room, name, value):
+def test_a_contact_refuses_values_that_are_not_finite(room, name, value):
     refusals = []
 
     def spoil(_, contact, __):
@@ -182,7 +182,7 @@ def test_a_contact_takes_no_value_that_is_none(room, name, value):
             refusals.append(str(error))
         assert getattr(contact, name) == before
 
-    deeds["pre_solve"] = spoil
+    actions["pre_solve"] = spoil
     room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
 
     room.run(0.1)

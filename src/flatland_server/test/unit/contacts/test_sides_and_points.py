@@ -1,18 +1,18 @@
-"""What a hook of a contact is given: whose fixtures touch, on which side, and where."""
+"""What a contact hook gets to know: which fixtures touch, on which side, and where."""
 
 import math
 
 import numpy as np
 import pytest
-from contacts.room import DISC, SQUARE, Room, deeds, heard
+from contacts.room import DISC, SQUARE, Room, actions, called_hooks
 
 
-def test_a_contact_with_a_wall_names_the_layer_and_the_fixtures_of_both(room):
+def test_the_sides_of_a_contact_with_a_wall_are_the_layer_and_both_fixtures(room):
     room.add_wall(-1.0, -5.0, -1.0, 5.0)
     both = f"{{type: circle, radius: 0.05, density: 1, center: [-0.3, 0]}}, {DISC}"
     ball = room.put("ball", (0.5, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener", both)
     sides = []
-    deeds["begin_contact"] = lambda plugin, contact: sides.append(plugin.filter_contact(contact))
+    actions["begin_contact"] = lambda plugin, contact: sides.append(plugin.filter_contact(contact))
 
     room.run(0.5)
     ball.base.physics_body.velocity = (-2.0, 0.0, 0.0)
@@ -34,11 +34,11 @@ def test_a_contact_with_a_wall_names_the_layer_and_the_fixtures_of_both(room):
     assert [ball.body_name(s.this_fixture) for s in sides] == ["base", "base"]
 
 
-def test_a_walls_fixture_tells_which_of_the_segments_it_is(room):
+def test_the_index_of_a_walls_fixture_is_that_of_its_segment(room):
     room.world.add_walls("walls", np.array([[5, 0, 6, 0], [-1, -5, -1, 5], [5, 1, 6, 1]]))
     room.put("ball", (0.0, 0.0, 0.0), (-2.0, 0.0, 0.0), "Listener")
     indices = []
-    deeds["begin_contact"] = lambda plugin, contact: indices.append(
+    actions["begin_contact"] = lambda plugin, contact: indices.append(
         plugin.filter_contact(contact).other_fixture.index
     )
 
@@ -47,7 +47,7 @@ def test_a_walls_fixture_tells_which_of_the_segments_it_is(room):
     assert indices == [1]
 
 
-def test_each_of_two_models_has_the_contact_from_its_own_side(room):
+def test_each_of_two_models_gets_the_contact_from_its_own_side(room):
     models = {
         name: room.put(name, (x, 0.0, 0.0), (vx, 0.0, 0.0), "Listener")
         for name, x, vx in (("left", 0.0, 1.0), ("right", 0.4, -1.0))
@@ -61,7 +61,7 @@ def test_each_of_two_models_has_the_contact_from_its_own_side(room):
         a, b = (fixture.body.pose for fixture in (contact.fixture_a, contact.fixture_b))
         normals[plugin.model.name] = contact.normal, math.copysign(1.0, b[0] - a[0])
 
-    deeds.update(begin_contact=begin, pre_solve=solve)
+    actions.update(begin_contact=begin, pre_solve=solve)
     room.run(0.3)
 
     for name, other in (("left", "right"), ("right", "left")):
@@ -72,34 +72,34 @@ def test_each_of_two_models_has_the_contact_from_its_own_side(room):
         assert normal == pytest.approx((towards_b, 0.0), abs=1e-6)
 
 
-def test_a_model_has_no_side_in_a_contact_of_others(files, simulate):
-    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+def test_a_model_has_no_side_in_a_contact_of_other_models(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
     room.put("bystander", (0.0, 0.0, 0.0), plugins="Listener")
     plugins = {}
-    deeds["before_physics_step"] = lambda plugin, _: plugins.update({plugin.label: plugin})
+    actions["before_physics_step"] = lambda plugin, _: plugins.update({plugin.label: plugin})
     sides = []
 
     def begin(plugin, contact):
-        if plugin.label == "ear":
+        if plugin.label == "world":
             sides.append(plugins["bystander/p0"].filter_contact(contact))
 
-    deeds["begin_contact"] = begin
+    actions["begin_contact"] = begin
     room.run(0.1)
 
     assert sides == [None]
 
 
-def test_a_body_that_is_nobodys_is_felt_but_has_no_entity(room, caplog):
-    """A plugin may have made it for itself."""
+def test_a_body_without_an_entity_has_contacts_but_no_sides(room, caplog):
+    """Plugins may add such bodies for their own use."""
     room.put("ball", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener | OnlyBegin")
     foreign = room.world.physics.add_body("static", (0.5, 0.0, 0.0))
     foreign.add_circle((0.0, 0.0), 0.1, density=1.0)
-    deeds["begin_contact"] = lambda plugin, contact: plugin.filter_contact(contact)
+    actions["begin_contact"] = lambda plugin, contact: plugin.filter_contact(contact)
 
     room.run(0.5)
 
-    assert heard("ball/p1") == ["begin_contact"]
+    assert called_hooks("ball/p1") == ["begin_contact"]
     [failure] = room.world.plugin_failures
     assert failure.label == "ball/p0"
     assert failure.reason.endswith("this body has been deleted, or belongs to no model or layer")
@@ -108,8 +108,8 @@ def test_a_body_that_is_nobodys_is_felt_but_has_no_entity(room, caplog):
 def test_the_points_of_a_contact_lie_where_the_two_touch(room):
     room.put("square", (0.7, 0.5, 0.0), (2.0, 0.0, 0.0), "Listener", SQUARE)
     points, normals = [], []
-    deeds["post_solve"] = lambda _, contact, __: points.append(contact.points)
-    deeds["begin_contact"] = lambda _, contact: normals.append(contact.normal)
+    actions["post_solve"] = lambda _, contact, __: points.append(contact.points)
+    actions["begin_contact"] = lambda _, contact: normals.append(contact.normal)
 
     room.run(0.2)
 

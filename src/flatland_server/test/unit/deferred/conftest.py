@@ -1,4 +1,4 @@
-"""The plugins of the tests of deferred changes, and the stage that they act on."""
+"""The plugins and the world of the tests of deferred changes."""
 
 from typing import Iterator
 

@@ -1,4 +1,4 @@
-"""What the tests of deferred changes share: models that do in their hooks what is planned."""
+"""Shared by the tests of deferred changes: a world with plugins that do what a test plans."""
 
 import logging
 from collections import Counter
@@ -24,15 +24,15 @@ HOOKS = (
 FAR = Pose(-3.0, 2.0, 0.5)
 
 plans: Dict[Tuple[str, str], Callable[[], None]] = {}
-"""What a model's plugin does once in a hook: by (model, hook)."""
+"""What the plugin of a model does in its next call of a hook, by (model, hook)."""
 
 starts: "Counter[str]" = Counter()
 ends: "Counter[str]" = Counter()
-"""How often the plugins of a model were started and ended."""
+"""How often the plugins of each model were started and shut down."""
 
 
 class Actor(ModelPlugin):
-    """Does in its hooks what is planned for them."""
+    """Runs the plans for its hooks."""
 
     def on_initialize(self, config):
         starts[self.model.name] += 1
@@ -72,14 +72,14 @@ class Actor(ModelPlugin):
 
 
 class Founder(WorldPlugin):
-    """Puts a model into the world as that begins."""
+    """Spawns a model when the world is created."""
 
     def on_initialize(self, config):
         self.founded = self.world.spawn_model(config.get_path("model"), "founded", "", Pose())
 
 
 class Stage:
-    """A world where "robot" is about to bounce off "post", and "bystander" stands aside."""
+    """A world in which "robot" is about to bounce off "post"; "bystander" touches nothing."""
 
     def __init__(self, files, simulate) -> None:
         self.files = files
@@ -113,7 +113,7 @@ class Stage:
         self.simulation.run(seconds)
 
     def run_until_done(self) -> None:
-        """Steps until all that is planned has begun, and to the end of that step."""
+        """Steps until all plans have been run, and to the end of that step."""
         for _ in range(100):
             self.run()
             if not plans:
@@ -121,9 +121,9 @@ class Stage:
         raise AssertionError(f"these hooks were not called: {list(plans)}")
 
     def check(self) -> None:
-        """Nothing is there but the models, and each that is gone was ended once."""
+        """There is nothing but the models, and the plugins of all others were shut down once."""
         world = self.world
-        assert world.physics.body_count == 1 + len(world.models)  # and the wall
+        assert world.physics.body_count == 1 + len(world.models)  # 1 for the wall
         assert len(list(world.entities)) == 1 + len(world.models)
         topics = {f"/{name}/actor" for name in world.models}
         assert self.simulation.transport.topics == topics

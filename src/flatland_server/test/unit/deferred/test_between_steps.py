@@ -1,4 +1,4 @@
-"""Models that are spawned, moved and deleted in callbacks, or as a contact ends between steps."""
+"""Models that are spawned, moved and deleted in callbacks, or when contacts end between steps."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ DELETIONS = ["robot", "post", "bystander"]
 
 
 @pytest.mark.parametrize("victim", DELETIONS)
-def test_a_model_that_is_deleted_in_a_callback_goes_at_once(stage, victim):
+def test_a_model_that_is_deleted_in_a_callback_is_deleted_at_once(stage, victim):
     seen = []
 
     def delete():
@@ -41,7 +41,7 @@ def test_a_model_that_is_spawned_or_moved_in_a_callback_is_there_at_once(stage):
     assert tuple(seen[1]) == pytest.approx(FAR)
 
 
-def test_no_callback_comes_after_the_end_of_its_plugin(stage):
+def test_no_callback_is_called_after_its_plugin_was_stopped(stage):
     plans["robot", "callback"] = lambda: stage.world.delete_model("bystander")
     late = []
     plans["bystander", "callback"] = lambda: late.append("called")
@@ -53,7 +53,7 @@ def test_no_callback_comes_after_the_end_of_its_plugin(stage):
     plans.clear()
 
 
-def test_a_plugin_that_fails_after_it_has_deleted_its_own_model_is_ended_once(stage, caplog):
+def test_a_plugin_that_fails_after_deleting_its_own_model_is_shut_down_once(stage, caplog):
     def delete_and_fail():
         stage.world.delete_model("robot")
         raise RuntimeError("no luck")
@@ -68,7 +68,7 @@ def test_a_plugin_that_fails_after_it_has_deleted_its_own_model_is_ended_once(st
 
 
 @pytest.mark.parametrize("victim", ["robot", "bystander"])
-def test_models_are_deleted_as_the_contact_with_a_deleted_model_ends(stage, victim):
+def test_models_may_be_deleted_when_the_contact_with_a_deleted_model_ends(stage, victim):
     plans["robot", "begin_contact"] = lambda: None
     stage.run_until_done()
     plans["robot", "end_contact"] = lambda: stage.world.delete_model(victim)
@@ -80,7 +80,7 @@ def test_models_are_deleted_as_the_contact_with_a_deleted_model_ends(stage, vict
     stage.check()
 
 
-def test_models_are_spawned_and_moved_as_the_contact_with_a_deleted_model_ends(stage):
+def test_models_may_be_spawned_and_moved_when_the_contact_with_a_deleted_model_ends(stage):
     plans["robot", "begin_contact"] = lambda: None
     stage.run_until_done()
 
@@ -98,7 +98,7 @@ def test_models_are_spawned_and_moved_as_the_contact_with_a_deleted_model_ends(s
     assert tuple(stage.world.get_model("robot").pose) == pytest.approx(FAR)
 
 
-def test_a_row_of_models_each_deletes_the_next_as_their_contact_ends(stage):
+def test_in_a_row_of_models_each_may_delete_the_next_when_their_contact_ends(stage):
     for i in range(5):
         stage.spawn(f"m{i}", Pose(-2.0 - 0.19 * i, -2.0, 0.0))
     stage.run()

@@ -1,4 +1,4 @@
-"""Models that are spawned, moved and deleted in a hook: it is done at the end of the step."""
+"""Models that are spawned, moved and deleted in a hook, which takes effect after the step."""
 
 from collections import Counter
 
@@ -13,7 +13,7 @@ from flatland_server.geometry import Pose
 
 @pytest.mark.parametrize("victim", ["robot", "post", "bystander"])
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_that_is_deleted_in_a_hook_goes_at_the_end_of_the_step(stage, hook, victim):
+def test_a_model_that_is_deleted_in_a_hook_is_deleted_at_the_end_of_the_step(stage, hook, victim):
     body = stage.body(victim)
     still_there = []
 
@@ -50,7 +50,7 @@ def test_a_model_that_is_moved_in_a_hook_is_moved_at_the_end_of_the_step(stage, 
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_that_is_spawned_in_a_hook_comes_at_the_end_of_the_step(stage, hook):
+def test_a_model_that_is_spawned_in_a_hook_is_spawned_at_the_end_of_the_step(stage, hook):
     seen = []
 
     def spawn():
@@ -66,7 +66,7 @@ def test_a_model_that_is_spawned_in_a_hook_comes_at_the_end_of_the_step(stage, h
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_what_is_asked_for_twice_is_done_once(stage, hook, caplog):
+def test_a_change_that_is_requested_twice_is_made_once(stage, hook, caplog):
     def ask():
         for _ in range(2):
             stage.world.delete_model("post")
@@ -83,7 +83,7 @@ def test_what_is_asked_for_twice_is_done_once(stage, hook, caplog):
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_what_is_asked_for_is_done_in_that_order(stage, hook, caplog):
+def test_changes_are_made_in_the_order_of_the_requests(stage, hook, caplog):
     def ask():
         world = stage.world
         world.move_model("post", FAR)
@@ -101,7 +101,7 @@ def test_what_is_asked_for_is_done_in_that_order(stage, hook, caplog):
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_what_cannot_be_is_refused_in_the_hook_itself(stage, hook):
+def test_impossible_changes_are_refused_in_the_hook_itself(stage, hook):
     refusals = []
 
     def ask():
@@ -136,7 +136,7 @@ def test_what_cannot_be_is_refused_in_the_hook_itself(stage, hook):
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_what_fails_only_at_the_end_of_the_step_is_logged(stage, hook, caplog):
+def test_changes_that_fail_only_at_the_end_of_the_step_are_logged(stage, hook, caplog):
     def ask():
         stage.spawn("newcomer", model="bad.yaml")
         stage.spawn("distant", Pose(1e6, 0.0, 0.0))
@@ -152,14 +152,14 @@ def test_what_fails_only_at_the_end_of_the_step_is_logged(stage, hook, caplog):
         "no luck",
         f'the model "distant" is not spawned: the model "distant" does not fit into the world: '
         f"{limit}",
-        f'the model "post" cannot be there: {limit}',
+        f'the model "post" is not moved: the model "post" cannot be there: {limit}',
     ]
     assert set(stage.world.models) == {"robot", "post"}
-    starts.subtract(newcomer=1)  # the one that failed; it was never ended
+    starts.subtract(newcomer=1)  # it failed, and so was never shut down
     assert +starts - ends == Counter(robot=1, post=1)
 
 
-def test_a_model_that_is_spawned_in_a_hook_lives_from_the_next_step_on(stage):
+def test_the_plugins_of_a_model_that_is_spawned_in_a_hook_are_called_from_the_next_step_on(stage):
     hooks = []
     plans["robot", "before_physics_step"] = lambda: stage.spawn("newcomer")
     for hook in ("before_physics_step", "after_physics_step"):
@@ -172,7 +172,7 @@ def test_a_model_that_is_spawned_in_a_hook_lives_from_the_next_step_on(stage):
     assert hooks == ["before_physics_step", "after_physics_step"]
 
 
-def test_the_hooks_of_a_model_that_is_deleted_in_a_step_go_on_to_its_end(stage):
+def test_the_plugins_of_a_model_that_is_deleted_in_a_hook_are_called_to_the_end_of_the_step(stage):
     hooks = []
     plans["robot", "before_physics_step"] = lambda: stage.world.delete_model("bystander")
     plans["bystander", "after_physics_step"] = lambda: hooks.append("after")
@@ -181,3 +181,18 @@ def test_the_hooks_of_a_model_that_is_deleted_in_a_step_go_on_to_its_end(stage):
 
     assert hooks == ["after"]
     assert "bystander" not in stage.world.models
+
+
+def test_hundreds_of_models_may_be_spawned_in_one_hook(stage):
+    def ask():
+        config = stage.world.read_model(stage.files.folder / "ball.yaml")
+        stage.world.read_model = lambda _: config  # reading the file takes most of the time
+        for i in range(400):
+            stage.spawn(f"m{i}", Pose(float(i), 5.0, 0.0))
+
+    plans["robot", "before_physics_step"] = ask
+    stage.run_until_done()
+
+    assert len(stage.world.models) == 403
+    for name in [name for name in stage.world.models if name.startswith("m")]:
+        stage.world.delete_model(name)

@@ -1,4 +1,4 @@
-"""The plugins of the tests of what is kept too long, and the world that they are in."""
+"""The plugins and the world of the tests of objects that are kept after their end."""
 
 from typing import Iterator
 

@@ -1,4 +1,4 @@
-"""What the tests of what is kept too long share: plugins that keep contacts, a robot at a wall."""
+"""Shared by the tests of objects that are kept after their end: plugins that keep contacts."""
 
 from typing import Any, List
 
@@ -26,11 +26,11 @@ models: [{name: robot, model: robot.yaml}]
 """
 
 kept: List[Any] = []
-"""What plugins have kept: contacts, and what came with them."""
+"""What the plugins have kept: (plugin, contact, further argument of the hook)."""
 
 
 class Keeper(ModelPlugin):
-    """Keeps all that it is told of contacts."""
+    """Keeps all contacts and what comes with them."""
 
     def on_initialize(self, config):
         pass
@@ -65,7 +65,7 @@ class Failing(ModelPlugin):
 
 
 def lean_on_wall(files, robot: str) -> World:
-    """A world where a robot leans against a wall."""
+    """A world in which a robot leans against a wall."""
     files.write("robot.yaml", robot)
     world = files.load(WORLD)
     world.add_walls("walls", np.array([[0.09, -5.0, 0.09, 5.0]]))

@@ -1,4 +1,4 @@
-"""Nothing keeps a dropped world; what has been kept of it outlives it."""
+"""A world without references is collected; parts of it that are kept can outlive it."""
 
 import gc
 import logging
@@ -26,7 +26,7 @@ def test_a_body_and_a_contact_outlive_their_world(files, simulate, world):
 
 @pytest.mark.parametrize("is_closed", [True, False])
 def test_a_dropped_world_is_collected(files, simulate, caplog, is_closed):
-    # What pytest keeps of a log record has a traceback, and so the whole world.
+    # The log records that pytest keeps have tracebacks, which refer to the world.
     caplog.set_level(logging.CRITICAL, "flatland_server.plugins.plugin_manager")
     world = lean_on_wall(files, ROBOT)
     simulate(world).run(0.1)
@@ -43,7 +43,7 @@ def test_a_dropped_world_is_collected(files, simulate, caplog, is_closed):
     assert [trace() for trace in traces if trace() is not None] == []
 
 
-def test_a_world_whose_step_was_interrupted_is_collected(files, simulate):
+def test_a_dropped_world_is_collected_after_an_interrupted_step(files, simulate):
     world = lean_on_wall(files, ROBOT.replace("Failing", "Keeper"))
 
     def interrupt(*_):

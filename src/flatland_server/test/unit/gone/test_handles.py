@@ -1,4 +1,4 @@
-"""Handles of models and bodies that are gone: whatever is asked of them raises a clear error."""
+"""Handles of deleted models and bodies: any use of them raises a clear error."""
 
 import sys
 import threading
@@ -62,21 +62,21 @@ CALLS = {
     "tween": {"trigger": (True,), "progress": ()},
     "lidar": {"expect_scan": (), "scan": ()},
 }
-"""What is done with handles, and with which arguments."""
+"""The attributes of each kind of handle, with arguments for those that are called."""
 
 ELSEWHERE = {
     "body": {
-        *("id", "alive"),  # may be asked of what is gone
+        *("id", "alive"),  # still work after the end
         *("add_circle", "add_polygon", "add_revolute", "add_weld", "add_tricycle"),
     },
     "fixture": {"body", "index"},
     "joint": {"alive"},
 }
-"""What has a test of its own."""
+"""The attributes that other tests use."""
 
 
 def handles_of(world) -> dict:
-    """A handle of each kind, to the bodies of the robot and what moves them."""
+    """A handle of each kind, for the robot."""
     robot = world.get_model("robot")
     base, wheel = (body.physics_body for body in robot.bodies.values())
     joint = robot.joints[0].physics_joint
@@ -92,7 +92,7 @@ def handles_of(world) -> dict:
 
 
 @pytest.mark.parametrize("kind", CALLS)
-def test_every_use_of_a_handle_is_tried_here(world, kind):
+def test_the_tables_of_this_module_contain_all_attributes_of_the_handles(world, kind):
     public = {name for name in dir(handles_of(world)[kind]) if not name.startswith("_")}
 
     assert public == {*CALLS[kind], *ELSEWHERE.get(kind, ())}
@@ -100,7 +100,7 @@ def test_every_use_of_a_handle_is_tried_here(world, kind):
 
 @pytest.mark.parametrize("is_slot_taken_again", [False, True])
 @pytest.mark.parametrize("kind", CALLS)
-def test_a_handle_of_a_deleted_model_says_that_it_is_gone(files, world, kind, is_slot_taken_again):
+def test_using_a_handle_of_a_deleted_model_raises(files, world, kind, is_slot_taken_again):
     handle = handles_of(world)[kind]
     for name, arguments in CALLS[kind].items():
         if name != "remove":
@@ -130,7 +130,7 @@ def test_a_handle_of_a_deleted_model_says_that_it_is_gone(files, world, kind, is
         ("fixture", "restitution", 0),
     ],
 )
-def test_nothing_is_set_of_what_is_gone(world, kind, name, value):
+def test_setting_an_attribute_of_a_deleted_body_raises(world, kind, name, value):
     handle = handles_of(world)[kind]
     setattr(handle, name, value)
     world.delete_model("robot")
@@ -139,7 +139,7 @@ def test_nothing_is_set_of_what_is_gone(world, kind, name, value):
         setattr(handle, name, value)
 
 
-def test_nothing_is_attached_to_a_body_that_is_gone(files, world):
+def test_attaching_anything_to_a_deleted_body_raises(files, world):
     old = handles_of(world)
     world.delete_model("robot")
     robot = world.spawn_model(files.folder / "robot.yaml", "robot", "", Pose())
@@ -162,7 +162,7 @@ def test_nothing_is_attached_to_a_body_that_is_gone(files, world):
     assert world.physics.joint_count == before
 
 
-def test_handles_know_their_like_when_what_they_name_is_gone(files, world):
+def test_handles_of_a_deleted_body_can_still_be_compared(files, world):
     old = handles_of(world)
     body, fixture, same = old["body"], old["fixture"], world.get_model("robot").base.physics_body
     world.delete_model("robot")
@@ -187,7 +187,7 @@ def test_handles_know_their_like_when_what_they_name_is_gone(files, world):
         pytest.param(lambda model, fixture: model.body_name(fixture), id="body_name"),
     ],
 )
-def test_a_deleted_model_says_so(world, ask):
+def test_using_a_deleted_model_raises(world, ask):
     robot = world.get_model("robot")
     fixture = robot.base.physics_body.fixtures[0]
     ask(robot, fixture)
@@ -199,7 +199,7 @@ def test_a_deleted_model_says_so(world, ask):
     assert str(caught.value) == 'the model "robot" has been deleted'
 
 
-def test_a_kept_body_of_a_deleted_model_says_so(world):
+def test_using_a_kept_body_of_a_deleted_model_raises(world):
     base = world.get_model("robot").base
 
     world.delete_model("robot")
@@ -209,8 +209,8 @@ def test_a_kept_body_of_a_deleted_model_says_so(world):
         _ = base.pose
 
 
-def test_a_lidar_whose_body_another_thread_removes_meanwhile():
-    """It tells what it saw, or raises; what has been freed is not read."""
+def test_a_lidar_survives_that_another_thread_removes_its_body_during_a_scan():
+    """The scan gives the right ranges or raises; it never reads freed memory."""
     world = _core.World()
     world.add_layer([[3, -9, 3, 9]], 0xFFFF)
     fan = _core.BeamFan(-0.5, 2e-5, 50000)
@@ -221,11 +221,11 @@ def test_a_lidar_whose_body_another_thread_removes_meanwhile():
     def renew():
         nonlocal body, lidar
         while not is_over.is_set():
-            with suppress(ReferenceError, RuntimeError):  # gone, or in use by the other thread
+            with suppress(ReferenceError, RuntimeError):  # deleted, or in use by the other thread
                 body.remove()
                 body = world.add_body("dynamic", (0, 0, 0))
                 lidar = body.add_lidar(fan, (0, 0, 0), 20.0)
-                np.full(50000, 77.0, np.float32)  # where the other's values were, perhaps
+                np.full(50000, 77.0, np.float32)  # may reuse the memory of the scan
 
     switch_interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)

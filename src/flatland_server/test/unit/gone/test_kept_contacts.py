@@ -1,4 +1,4 @@
-"""Contacts that are kept after their hook: they can be compared, and are of no other use."""
+"""Contacts that are kept after their hook: they can be compared, and not used otherwise."""
 
 import pytest
 from gone.keepers import kept
@@ -10,7 +10,7 @@ READS = ("touching", "enabled", "points", "normal", *SETTINGS)
 
 
 @pytest.mark.parametrize("is_model_deleted", [False, True])
-def test_a_contact_is_of_no_use_after_its_hook(world, simulate, is_model_deleted):
+def test_a_contact_cannot_be_used_after_its_hook(world, simulate, is_model_deleted):
     simulate(world).run(0.1)
     contact = kept[0][1]
     if is_model_deleted:
@@ -50,7 +50,7 @@ def test_impulses_and_manifolds_may_be_kept(world, simulate):
     assert all(len(detail.normal_impulses) in (0, 1) for detail in details)
 
 
-def test_the_sides_of_a_kept_contact_are_asked_for_in_vain_when_one_is_deleted(world, simulate):
+def test_the_sides_of_a_kept_contact_are_gone_when_one_of_its_bodies_is_deleted(world, simulate):
     simulate(world).run(0.1)
     keeper, contact, *_ = kept[0]
     assert keeper.filter_contact(contact).entity is world.layers[0]

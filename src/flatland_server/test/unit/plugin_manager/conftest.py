@@ -1,4 +1,4 @@
-"""The plugins of the tests of the life of plugins."""
+"""The plugins of the tests of the plugin manager."""
 
 from typing import Iterator
 

@@ -1,4 +1,4 @@
-"""What the tests of the life of plugins share: plugins that note their calls, and their worlds."""
+"""Shared by the tests of the plugin manager: plugins that record their calls, and worlds."""
 
 import logging
 import math
@@ -16,49 +16,49 @@ DISC = "{type: circle, radius: 0.1, density: 1, restitution: 1}"
 BODY = f"bodies: [{{name: base, footprints: [{DISC}]}}]\n"
 
 calls: List[Tuple[Any, ...]] = []
-"""What was called so far: (plugin, hook, ...)."""
+"""The calls so far: (plugin, hook, ...)."""
 
 
 class Recorder(ModelPlugin):
-    """Notes its calls, with the time [ns]; may fail in one of its hooks."""
+    """Records its calls, with the time [ns]; may fail in one of its hooks."""
 
     def on_initialize(self, config):
         self._fails_in = config.get_string("fails_in", "")
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
         self.node.advertise(f"{self.model.name}/{self.name}", str)
-        self.node.subscribe("command", str, lambda _: self._note("callback"))
+        self.node.subscribe("command", str, lambda _: self._record("callback"))
         self.node.claim_frame("map", f"{self.model.name}/{self.name}")
-        self._note("on_initialize")
+        self._record("on_initialize")
 
     def before_physics_step(self, timekeeper):
-        self._note("before", timekeeper.nanoseconds)
+        self._record("before", timekeeper.nanoseconds)
 
     def after_physics_step(self, timekeeper):
-        self._note("after", timekeeper.nanoseconds)
+        self._record("after", timekeeper.nanoseconds)
 
     def on_shutdown(self):
-        self._note("on_shutdown")
+        self._record("on_shutdown")
 
-    def _note(self, hook: str, *more: Any) -> None:
+    def _record(self, hook: str, *more: Any) -> None:
         calls.append((f"{self.model.name}/{self.name}", hook, *more))
         if hook == self._fails_in:
             raise RuntimeError("no luck")
 
 
 class Toucher(Recorder):
-    """Notes its contacts too."""
+    """Records its contacts too."""
 
     def begin_contact(self, contact):
-        self._note("begin_contact")
+        self._record("begin_contact")
 
     def pre_solve(self, contact, old_manifold):
-        self._note("pre_solve")
+        self._record("pre_solve")
 
     def end_contact(self, contact):
-        self._note("end_contact")
+        self._record("end_contact")
 
     def post_solve(self, contact, impulse):
-        self._note("post_solve")
+        self._record("post_solve")
 
 
 class WorldRecorder(WorldPlugin):
@@ -87,7 +87,7 @@ class OnlyAfter(ModelPlugin):
 
 
 class Dice(ModelPlugin):
-    """Throws dice when it starts."""
+    """Records random numbers when it starts."""
 
     def on_initialize(self, config):
         calls.append((f"{self.model.name}/{self.name}", tuple(self.rng.integers(1000, size=4))))
@@ -98,7 +98,7 @@ class Unfinished(ModelPlugin):
 
 
 def world_of(files, models: str, plugins: str = "[]", **options: Any):
-    """A world of models, given as "name: plugin | plugin; name: ..."."""
+    """A world with models, given as "name: plugin | plugin; name: ..."."""
     entries = ""
     for model in models.split(";"):
         name, _, its_plugins = model.partition(":")
@@ -109,7 +109,7 @@ def world_of(files, models: str, plugins: str = "[]", **options: Any):
 
 
 def write_model(files, name: str, plugins: str):
-    """A model file with these plugins, one a line from line 3 on."""
+    """Writes a model file with these plugins, one per line, beginning with line 3."""
     lines = "".join(
         f"\n  - {{{plugin.strip()}}}" for plugin in plugins.split("|") if plugin.strip()
     )
@@ -123,7 +123,7 @@ def step(world, count: int = 1) -> None:
 
 
 def hooks_of(plugin: str) -> List[str]:
-    """The hooks of a plugin that were called so far."""
+    """The hooks called so far of one plugin."""
     return [hook for name, hook, *_ in calls if name == plugin]
 
 

@@ -1,11 +1,11 @@
-"""Which hooks of plugins are called, when and in what order; the chance that plugins are given."""
+"""Which hooks of plugins are called, when and in which order; the random numbers of plugins."""
 
 from plugin_manager.recorders import calls, step, world_of
 
 from flatland_server.plugins.plugin import Plugin
 
 
-def test_hooks_are_called_in_the_order_of_the_files_the_worlds_last(files):
+def test_plugins_are_called_in_the_order_of_the_files_and_those_of_the_world_last(files):
     models = "b: type: Recorder, name: y | type: Recorder, name: x; a: type: Recorder, name: z"
     world = world_of(files, models, "[{type: WorldRecorder, name: w}]")
     assert calls == [
@@ -36,7 +36,7 @@ def test_a_hook_that_is_not_overridden_is_never_called(files, monkeypatch):
     assert calls == [("a", "after")]
 
 
-def test_a_plugin_with_a_rate_is_called_only_when_it_is_due(files):
+def test_a_plugin_with_an_update_rate_is_called_only_when_it_is_due(files):
     world = world_of(files, "robot: type: Recorder, name: slow, update_rate: 10")
     calls.clear()
 
@@ -48,17 +48,17 @@ def test_a_plugin_with_a_rate_is_called_only_when_it_is_due(files):
     assert afters == [time + 5_000_000 for time in befores]
 
 
-def test_chance_depends_on_seed_model_and_plugin_and_on_nothing_else(files):
+def test_random_numbers_depend_only_on_seed_model_and_plugin(files):
     two = "type: Dice, name: p | type: Dice, name: q"
 
-    def throws(models: str, seed: int) -> dict:
+    def random_numbers(models: str, seed: int) -> dict:
         calls.clear()
         world_of(files, models, seed=seed)
         return dict(calls)
 
-    one_way = throws(f"a: {two}; b: {two}", 1)
-    other_way = throws(f"b: {two}; c: {two}; a: type: Recorder, name: r | {two}", 1)
-    other_seed = throws(f"a: {two}; b: {two}", 2)
+    numbers = random_numbers(f"a: {two}; b: {two}", 1)
+    other_order = random_numbers(f"b: {two}; c: {two}; a: type: Recorder, name: r | {two}", 1)
+    other_seed = random_numbers(f"a: {two}; b: {two}", 2)
 
-    assert {name: other_way[name] for name in one_way} == one_way
-    assert len({*one_way.values(), *other_seed.values()}) == 8
+    assert {name: other_order[name] for name in numbers} == numbers
+    assert len({*numbers.values(), *other_seed.values()}) == 8

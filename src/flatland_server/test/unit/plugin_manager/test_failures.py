@@ -1,4 +1,4 @@
-"""A plugin that fails is switched off, with all that is its own, and the others go on."""
+"""A plugin that fails is switched off, its topics are closed, and the others go on."""
 
 import logging
 
@@ -23,11 +23,11 @@ from flatland_server.transport.node import Node
 BOUNCE = {"begin_contact", "pre_solve", "post_solve", "end_contact"}
 FAILURES = {"before": "before_physics_step", "after": "after_physics_step"}
 FAILURES.update({hook: hook for hook in BOUNCE}, callback="its callback of command")
-"""Where a plugin may fail, and what the log calls it."""
+"""Where a plugin may fail, and its name in the log."""
 
 
 def run_a_collision(world) -> None:
-    """Lets the models "robot" and "other", each a disc, bounce off each other; a command comes."""
+    """Makes the models "robot" and "other", two discs, collide; sends a command before."""
     local(world).send("/command", "go")
     local(world).process()
     world.move_model("robot", Pose(0.0, 0.0, 0.0))
@@ -55,14 +55,14 @@ def test_a_plugin_that_fails_is_switched_off_and_the_others_go_on(files, caplog,
     where = FAILURES[hook]
     assert record.getMessage() == f'the plugin "robot/bad" failed in {where} and is switched off'
     assert record.exc_info[0] is RuntimeError
-    assert "_note" in caplog.text  # the traceback leads to the line
+    assert "_record" in caplog.text  # the traceback leads to the line
     [failure] = world.plugin_failures
     reason = f"{where}: RuntimeError: no luck"
     assert failure == ("robot", "bad", "Toucher", reason)
 
 
 @pytest.mark.parametrize("hook", sorted(FAILURES))
-def test_the_topics_and_frames_of_a_plugin_that_fails_go_with_it(files, caplog, hook):
+def test_the_topics_and_frames_of_a_plugin_that_fails_are_closed(files, caplog, hook):
     world = world_of(
         files, f"robot: type: Toucher, name: bad, fails_in: {hook}; other: type: Recorder, name: p"
     )
@@ -78,7 +78,7 @@ def test_the_topics_and_frames_of_a_plugin_that_fails_go_with_it(files, caplog, 
     assert caplog.records == []
 
 
-def test_a_hook_is_named_as_such_whatever_its_function_is_called(files, monkeypatch):
+def test_a_failure_names_the_hook_even_if_its_function_has_another_name(files, monkeypatch):
     class Fuse:
         def __call__(self, *_):
             raise RuntimeError("no luck")
@@ -97,7 +97,7 @@ def test_a_hook_is_named_as_such_whatever_its_function_is_called(files, monkeypa
     }
 
 
-def test_plugins_that_fail_in_one_step_are_named_each(files, caplog):
+def test_all_plugins_that_fail_in_one_step_are_reported(files, caplog):
     bad = "type: Recorder, name: {}, fails_in: {}"
     plugins = " | ".join(bad.format(*each) for each in (("a", "before"), ("b", "after")))
     world = world_of(
@@ -131,7 +131,7 @@ def test_a_failure_is_forgotten_when_its_model_is_deleted(files):
     assert hooks_of("robot/bad") == ["before", "after"] * 2
 
 
-def test_a_plugin_that_fails_twice_over_is_ended_once(files, caplog):
+def test_a_plugin_that_also_fails_in_on_shutdown_is_shut_down_once(files, caplog):
     class Doubly(Recorder):
         def on_shutdown(self):
             super().on_shutdown()
@@ -151,7 +151,7 @@ def test_a_plugin_that_fails_twice_over_is_ended_once(files, caplog):
     ]
 
 
-def test_a_plugin_that_was_switched_off_stays_off_when_models_come_and_go(files):
+def test_a_plugin_that_was_switched_off_stays_off_when_models_are_spawned_and_deleted(files):
     world = world_of(files, "robot: type: Recorder, name: bad, fails_in: before")
     other = write_model(files, "other", "type: Recorder, name: good")
     step(world)

@@ -20,7 +20,7 @@ def transport() -> LocalTransport:
 
 @pytest.fixture
 def models(files):
-    """A folder with the models good.yaml and bad.yaml, whose third plugin does not start."""
+    """A folder with model files; the third plugin of bad.yaml does not start."""
     files.write("plain.yaml", BODIES)
     good = f"{BODIES}plugins:\n  - {{type: Talker, name: a}}\n"
     files.write("good.yaml", good)

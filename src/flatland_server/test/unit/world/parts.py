@@ -1,4 +1,4 @@
-"""What the tests of the world share: what worlds are made of, and what is left of it."""
+"""Shared by the tests of the world: model files, plugins, and the state of a world."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ EMPTY = "properties: {}\nlayers: []\n"
 
 
 class Talker(ModelPlugin):
-    """Publishes to "chatter", listens to "command" and publishes the frame "base"."""
+    """Publishes to "chatter", subscribes to "command" and publishes the frame "base"."""
 
     def on_initialize(self, config):
         self._publisher = self.node.advertise("chatter", str)
@@ -37,17 +37,17 @@ class Talker(ModelPlugin):
 
 
 class Failing(ModelPlugin):
-    """Opens a topic and then does not start."""
+    """Opens topics and a frame, and then does not start."""
 
     def on_initialize(self, config):
         self.node.advertise("half_open", str)
-        self.node.subscribe("half_heard", str, lambda _: None)
+        self.node.subscribe("half_subscribed", str, lambda _: None)
         self.node.claim_frame("odom", "half_placed")
         raise config.error("no luck")
 
 
 class Herald(WorldPlugin):
-    """Publishes how many models there are."""
+    """Publishes the number of models."""
 
     def on_initialize(self, config):
         self._publisher = self.node.advertise("population", int)
@@ -57,13 +57,13 @@ class Herald(WorldPlugin):
 
 
 def spawn(files, world: World, model: str, name: str, **options: Any):
-    """Spawns a model without a namespace at the origin, if not told otherwise."""
+    """Spawns a model, by default without a namespace and at the origin."""
     namespace, pose = options.get("namespace", ""), options.get("pose", Pose())
     return world.spawn_model(files.folder / model, name, namespace, pose)
 
 
 def state(world: World) -> tuple:
-    """All that a failed spawn must leave as it was."""
+    """Everything that a failed spawn must leave unchanged."""
     assert isinstance(world.transport, LocalTransport)
     return (
         list(world.models),

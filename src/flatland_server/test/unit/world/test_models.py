@@ -1,4 +1,4 @@
-"""Models come, are moved and go with all that is theirs; one that fails leaves no trace."""
+"""Spawning, moving and deleting models, with their topics and frames; failures leave no trace."""
 
 import logging
 import math
@@ -15,7 +15,7 @@ from flatland_server.simulation.world_config import ModelEntry
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """What was warned of so far."""
+    """The warnings logged so far."""
     return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
@@ -29,7 +29,7 @@ def test_a_model_whose_third_plugin_fails_leaves_no_trace(models, simulate, capl
     message = f'{models.folder}/bad.yaml:11: plugins[2] "c": no luck'
     assert str(caught.value) == message
     assert state(world) == before
-    # Nor a claim to its frames: another robot may have them without a warning.
+    # Its frames are not claimed either: another robot can publish them without a warning.
     caplog.clear()
     spawn(models, world, "good.yaml", "heir")
     simulate(world).run()
@@ -79,7 +79,7 @@ def test_a_model_whose_third_plugin_fails_leaves_no_trace(models, simulate, capl
         ),
     ],
 )
-def test_a_model_that_cannot_be_spawned_leaves_the_world_as_it_was(models, model, options, message):
+def test_a_model_that_cannot_be_spawned_leaves_the_world_unchanged(models, model, options, message):
     world = models.load(EMPTY)
     spawn(models, world, "good.yaml", "here")
     before = state(world)
@@ -107,7 +107,7 @@ def test_a_namespace_that_ros_would_refuse_is_refused(models, namespace):
         spawn(models, world, "good.yaml", "robot", namespace=namespace)
 
 
-def test_a_spawned_model_stands_where_it_was_put(models):
+def test_a_spawned_model_has_the_requested_pose(models):
     world = models.load(EMPTY)
 
     robot = spawn(models, world, "good.yaml", "robot", pose=Pose(1.0, -2.0, 0.5))
@@ -116,7 +116,7 @@ def test_a_spawned_model_stands_where_it_was_put(models):
     assert world.get_model("robot") is robot
 
 
-def test_a_deleted_model_takes_its_bodies_topics_and_frames_along(models, simulate, caplog):
+def test_the_bodies_topics_and_frames_of_a_deleted_model_are_removed(models, simulate, caplog):
     world = models.load(EMPTY)
     spawn(models, world, "good.yaml", "stays", namespace="other")
     before = state(world)
@@ -129,12 +129,12 @@ def test_a_deleted_model_takes_its_bodies_topics_and_frames_along(models, simula
     assert state(world) == before
     with pytest.raises(_core.GoneError):
         _ = body.pose
-    spawn(models, world, "good.yaml", "heir")  # has its frames
+    spawn(models, world, "good.yaml", "heir")  # publishes the same frames
     simulate(world).run()
     assert warnings(caplog) == []
 
 
-def test_a_deleted_models_name_is_free(models):
+def test_the_name_of_a_deleted_model_can_be_used_again(models):
     world = models.load(EMPTY)
     for _ in range(3):
         spawn(models, world, "good.yaml", "robot")
@@ -144,7 +144,7 @@ def test_a_deleted_models_name_is_free(models):
 
 
 @pytest.mark.parametrize("action", ["delete", "move", "get"])
-def test_a_model_that_is_not_there_is_answered_by_the_nearest(models, action):
+def test_the_error_for_an_unknown_model_suggests_the_nearest(models, action):
     world = models.load(EMPTY)
     spawn(models, world, "good.yaml", "turtlebot")
     actions = {
@@ -160,7 +160,7 @@ def test_a_model_that_is_not_there_is_answered_by_the_nearest(models, action):
 
 
 @pytest.mark.parametrize("pose", [Pose(math.nan, 0.0, 0.0), Pose(0.0, math.inf, 0.0)])
-def test_a_model_is_not_moved_to_a_pose_that_is_none(models, pose):
+def test_a_model_is_not_moved_to_a_pose_that_is_not_finite(models, pose):
     world = models.load(EMPTY)
     robot = spawn(models, world, "good.yaml", "robot", pose=Pose(1.0, 2.0, 3.0))
 
@@ -170,7 +170,7 @@ def test_a_model_is_not_moved_to_a_pose_that_is_none(models, pose):
     assert tuple(robot.pose) == pytest.approx((1.0, 2.0, 3.0))
 
 
-def test_models_of_one_file_are_kept_apart_by_their_namespaces(models, simulate, transport, caplog):
+def test_models_of_one_file_are_separated_by_their_namespaces(models, simulate, transport, caplog):
     entries = "".join(
         f"  - {{name: {name}, model: good.yaml, namespace: {namespace}, pose: [{x}, 0, 0]}}\n"
         for name, namespace, x in (("a", "robot1", 1), ("b", "robot2", 2), ("c", "''", 3))
@@ -191,7 +191,7 @@ def test_models_of_one_file_are_kept_apart_by_their_namespaces(models, simulate,
     assert warnings(caplog) == []
 
 
-def test_one_configuration_makes_many_models(models, simulate, transport):
+def test_one_configuration_can_be_used_for_several_models(models, simulate, transport):
     world = models.load(EMPTY, transport=transport)
     config = ModelConfig.from_file(models.folder / "good.yaml", world.registry)
 
@@ -206,7 +206,7 @@ def test_one_configuration_makes_many_models(models, simulate, transport):
     assert transport.topics == {"/one/chatter", "/two/chatter"}
 
 
-def test_a_model_that_cannot_be_added_leaves_the_world_as_it_was(models):
+def test_a_model_that_cannot_be_added_leaves_the_world_unchanged(models):
     world = models.load(EMPTY)
     good, bad = (
         ModelConfig.from_file(models.folder / name, world.registry)

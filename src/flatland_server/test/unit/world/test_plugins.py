@@ -1,9 +1,9 @@
-"""What a world's plugins know of it, and what it knows of them; a closed one has no topics."""
+"""A world and its plugins: access to the world, failures, and the end of topics."""
 
 from world.parts import EMPTY, Talker, spawn
 
 
-def test_a_plugin_of_the_world_knows_the_world(models, simulate, transport):
+def test_a_plugin_of_the_world_has_access_to_the_world(models, simulate, transport):
     text = f"{EMPTY}plugins: [{{type: Herald, name: herald}}]\n"
     world = models.load(text + "models: [{name: a, model: plain.yaml}]", transport=transport)
     spawn(models, world, "plain.yaml", "b")
@@ -21,7 +21,7 @@ def test_a_closed_world_has_no_topics(models, transport):
     assert (transport.topics, transport.subscribed) == (set(), set())
 
 
-def test_a_world_knows_which_of_its_plugins_have_failed(models, simulate, monkeypatch):
+def test_a_world_lists_its_plugins_that_have_failed(models, simulate, monkeypatch):
     def fail(*_):
         raise ValueError("no luck")
 

@@ -1,4 +1,4 @@
-"""Layers are found by their names; walls are put up in them, or refused."""
+"""Finding layers by their names, and adding walls to them."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from world.parts import BODIES, EMPTY, spawn
 
 from flatland_server import _core
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import LayerError
 from flatland_server.geometry import Pose
 
 TWO_LAYERS = "properties: {}\nlayers: [{name: [ground, floor]}, {name: glass}]\n"
@@ -33,16 +33,16 @@ def test_a_layer_is_found_by_any_of_its_names(models, name, index):
         (EMPTY, "ground", 'no layer is named "ground"; there are: none'),
     ],
 )
-def test_a_layer_that_is_not_there_is_answered_by_those_that_are(models, text, name, message):
+def test_the_error_for_an_unknown_layer_lists_all_layers(models, text, name, message):
     world = models.load(text)
 
     for ask in (world.get_layer, lambda name: world.add_walls(name, WALL)):
-        with pytest.raises(FlatlandError) as caught:
+        with pytest.raises(LayerError) as caught:
             ask(name)
         assert str(caught.value) == message
 
 
-def test_walls_that_are_put_up_are_seen_and_felt_in_their_layer_alone(models, simulate):
+def test_added_walls_are_scanned_and_collided_with_only_in_their_layer(models, simulate):
     world = models.load(TWO_LAYERS)
     models.write("glider.yaml", BODIES.replace("density: 1", "density: 1, layers: [glass]"))
     robot = spawn(models, world, "plain.yaml", "robot", pose=Pose(1.0, 0.5, 0.0))
@@ -61,7 +61,7 @@ def test_walls_that_are_put_up_are_seen_and_felt_in_their_layer_alone(models, si
     assert glider.pose.x == pytest.approx(3.0, abs=1e-3)
 
 
-def test_walls_that_are_put_up_are_among_those_of_their_layer(models):
+def test_added_walls_are_part_of_their_layer(models):
     world = models.load(TWO_LAYERS)
     more = np.array([[0.0, 0.0, 1.0, 1.0], [1.0, 1.0, 2.0, 0.0]])
 
@@ -88,7 +88,7 @@ def test_walls_that_are_put_up_are_among_those_of_their_layer(models):
         pytest.param([[0.0, 0.0, 1.0]], id="three numbers"),
     ],
 )
-def test_walls_that_cannot_be_are_put_up_not_even_in_part(models, segments):
+def test_if_one_wall_is_invalid_none_is_added(models, segments):
     world = models.load(TWO_LAYERS)
 
     with pytest.raises(ValueError, match="must"):

@@ -1,4 +1,4 @@
-"""A world file is loaded wholly or not at all; all that is wrong is said, with its line."""
+"""A world file is loaded completely or not at all; all problems are reported with their lines."""
 
 import pytest
 from world.parts import BODIES, EMPTY, Talker
@@ -7,7 +7,7 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.simulation.world import World
 
 
-def test_a_world_whose_second_model_fails_leaves_no_topic(models, transport):
+def test_a_world_with_a_failing_model_leaves_no_topic(models, transport):
     entries = "models: [{name: a, model: good.yaml}, {name: b, model: bad.yaml}]"
 
     with pytest.raises(FlatlandError, match="no luck"):
@@ -74,11 +74,11 @@ def test_a_world_whose_second_model_fails_leaves_no_topic(models, transport):
         ),
     ],
 )
-def test_a_wrong_world_is_refused_at_its_line(models, text, message):
+def test_the_error_for_an_invalid_world_names_its_line(models, text, message):
     assert models.refusal(text) == f"world.yaml:{message}"
 
 
-def test_all_that_is_wrong_in_all_files_is_said_at_once(models):
+def test_all_problems_of_all_files_are_reported_at_once(models):
     models.write("wall.yaml", "type: line_segments\ndata: wall.dat\nscale: 0\norigin: foo\n")
     models.write("wall.dat", "")
     models.write("flawed.yaml", "bodies: [{name: base, footprints: []}]\njoints: 3\n")
@@ -99,7 +99,7 @@ models:
     ]
 
 
-def test_all_plugins_that_do_not_start_are_named_at_once(models):
+def test_all_plugins_that_do_not_start_are_reported_at_once(models):
     models.write("worse.yaml", f"{BODIES}plugins:\n  - {{type: Talkr, name: a}}\n")
     entries = "models: [{name: a, model: bad.yaml}, {name: b, model: worse.yaml}]"
 
@@ -110,13 +110,13 @@ def test_all_plugins_that_do_not_start_are_named_at_once(models):
     ]
 
 
-def test_a_number_of_iterations_that_box2d_cannot_count_to_is_refused(models):
+def test_a_number_of_iterations_beyond_the_range_of_box2d_is_refused(models):
     message = models.refusal("properties:\n  velocity_iterations: 3000000000\nlayers: []\n")
 
     assert message.startswith("world.yaml:2: properties.velocity_iterations: expected ")
 
 
-def test_a_world_file_that_is_not_there_is_named(tmp_path):
+def test_the_error_for_a_missing_world_file_names_it(tmp_path):
     with pytest.raises(FlatlandError) as caught:
         World.from_file(tmp_path / "world.yaml")
 
@@ -125,5 +125,5 @@ def test_a_world_file_that_is_not_there_is_named(tmp_path):
     )
 
 
-def test_properties_may_stand_there_with_nothing(models):
+def test_properties_may_be_empty(models):
     assert models.load("properties:\nlayers: []").physics.body_count == 0

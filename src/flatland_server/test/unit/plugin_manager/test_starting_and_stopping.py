@@ -1,4 +1,4 @@
-"""How plugins end with their model or their world, and what is left of those that do not start."""
+"""Plugins are stopped with their model or world; those that do not start leave nothing behind."""
 
 from typing import Any, List
 
@@ -17,7 +17,7 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 
 
-def test_deleting_a_model_ends_its_plugins_the_last_one_first(files):
+def test_deleting_a_model_stops_its_plugins_in_reverse_order(files):
     plugins = "type: Recorder, name: a | type: Recorder, name: b"
     world = world_of(files, f"robot: {plugins}; other: {plugins}")
     calls.clear()
@@ -29,7 +29,7 @@ def test_deleting_a_model_ends_its_plugins_the_last_one_first(files):
     assert {call[0] for call in calls[2:]} == {"other/a", "other/b"}
 
 
-def test_a_plugin_that_fails_at_its_end_does_not_keep_the_others(files, caplog):
+def test_a_plugin_that_fails_in_on_shutdown_does_not_prevent_that_of_the_others(files, caplog):
     plugins = "type: Recorder, name: a | type: Recorder, name: b, fails_in: on_shutdown"
     world = world_of(files, f"robot: {plugins}")
     calls.clear()
@@ -40,7 +40,7 @@ def test_a_plugin_that_fails_at_its_end_does_not_keep_the_others(files, caplog):
     assert errors(caplog) == ['the plugin "robot/b" failed in on_shutdown']
 
 
-def test_the_end_of_the_world_ends_all_plugins_once(files):
+def test_closing_the_world_stops_all_plugins_once(files):
     world = world_of(files, "a: type: Recorder, name: p; b: type: Recorder, name: p")
     calls.clear()
 
@@ -50,7 +50,7 @@ def test_the_end_of_the_world_ends_all_plugins_once(files):
     assert sorted(calls) == [("a/p", "on_shutdown"), ("b/p", "on_shutdown")]
 
 
-def test_plugins_that_had_started_are_ended_when_one_does_not_start(files):
+def test_the_other_plugins_of_a_model_are_stopped_when_one_does_not_start(files):
     world = world_of(files, "robot:")
     plugins = "type: Recorder, name: a | type: Recorder, name: b, fails_in: on_initialize"
     path = write_model(files, "other", plugins)
@@ -84,10 +84,10 @@ def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
     assert list(world.entities) == entities
     assert local(world).topics == {"/other/p"}
     assert len(local(world)._callbacks["/command"]) == 1
-    assert world._plugins._node._frames._owners == {"other/p": "other/p"}
+    assert world._plugins._node._frames._publishers == {"other/p": "other/p"}
     assert all(listeners == {} for listeners in world._plugins._contacts._listeners.values())
     assert world._plugins.plugins_of("robot") == []
-    # Where it would have been, a disc touches another without anybody being told of it.
+    # Where it would have been, the core reports no contact of two discs.
     plain = write_model(files, "plain", "")
     for name in ("robot", "second"):
         world.spawn_model(plain, name, "", Pose())
@@ -127,7 +127,7 @@ def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
         ),
     ],
 )
-def test_a_plugin_that_does_not_start_is_named_with_its_line(files, plugin, message):
+def test_the_error_for_a_plugin_that_does_not_start_names_its_line(files, plugin, message):
     write_model(files, "robot", plugin)
 
     refusal = files.refusal(

@@ -1,10 +1,10 @@
-"""What a plugin may do to its body in the hooks of contacts, and what must wait."""
+"""What a plugin may do to its body in contact hooks, and what it may not."""
 
 from typing import Callable, List
 
 import numpy as np
 import pytest
-from contacts.room import BOUNCING, DT, INERTIA, MASS, Room, calls, deeds, heard
+from contacts.room import BOUNCING, DT, INERTIA, MASS, Room, actions, called_hooks, calls
 
 from flatland_server import _core
 from flatland_server.geometry import Pose
@@ -12,17 +12,17 @@ from flatland_server.geometry import Pose
 CONTACT_HOOKS = ("begin_contact", "pre_solve", "post_solve", "end_contact")
 
 
-def test_a_velocity_that_is_set_as_two_touch_is_the_one_they_go_on_with(room):
+def test_a_velocity_that_is_set_when_a_contact_begins_replaces_the_response_of_the_solver(room):
     def turn_back(plugin, _):
         plugin.model.base.physics_body.velocity = (-3.0, 0.0, 0.0)
 
-    deeds["begin_contact"] = turn_back
+    actions["begin_contact"] = turn_back
     ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
 
     room.run(0.2)
 
     assert ball.base.physics_body.velocity == pytest.approx((-3.0, 0.0, 0.0))
-    assert heard().count("begin_contact") == heard().count("end_contact") == 1
+    assert called_hooks().count("begin_contact") == called_hooks().count("end_contact") == 1
 
 
 PUSHES = [
@@ -40,35 +40,39 @@ FORCES = [
 
 
 def velocity_after_a_push(room: Room, hook: str, push: Callable[[_core.Body], None]) -> List[float]:
-    """Along the wall [m/s], and the spin [rad/s], of a disc pushed once as it bounces off."""
+    """The velocities of a disc that is pushed once in a hook while it bounces off the wall.
+
+    Returns:
+        Along the wall [m/s], and angular [rad/s].
+    """
 
     def push_once(plugin, *_):
         push(plugin.model.base.physics_body)
-        del deeds[hook]
+        del actions[hook]
 
-    deeds[hook] = push_once
+    actions[hook] = push_once
     ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener", BOUNCING)
     room.run(0.2)
     assert room.world.plugin_failures == []
-    assert deeds == {}
+    assert actions == {}
     return list(ball.base.physics_body.velocity[1:])
 
 
 @pytest.mark.parametrize(("push", "expected"), PUSHES)
 @pytest.mark.parametrize("hook", CONTACT_HOOKS)
-def test_impulses_act_from_within_the_hooks_of_contacts(room, hook, push, expected):
+def test_impulses_can_be_applied_in_contact_hooks(room, hook, push, expected):
     assert velocity_after_a_push(room, hook, push) == pytest.approx(expected, rel=1e-4, abs=1e-5)
 
 
 @pytest.mark.parametrize(("push", "expected"), FORCES)
 @pytest.mark.parametrize("hook", ["begin_contact", "pre_solve", "end_contact"])
-def test_forces_act_from_within_the_hooks_before_a_step_is_solved(room, hook, push, expected):
+def test_forces_can_be_applied_in_contact_hooks_before_the_solver(room, hook, push, expected):
     assert velocity_after_a_push(room, hook, push) == pytest.approx(expected, rel=1e-4, abs=1e-5)
 
 
 @pytest.mark.parametrize("hook", CONTACT_HOOKS)
 @pytest.mark.parametrize(
-    "deed",
+    "action",
     [
         pytest.param(lambda m, b: setattr(b, "pose", (0.0, 0.0, 0.0)), id="place a body"),
         pytest.param(lambda m, b: m.move(Pose()), id="place a model"),
@@ -82,14 +86,14 @@ def test_forces_act_from_within_the_hooks_before_a_step_is_solved(room, hook, pu
         pytest.param(lambda m, b: m.physics.step(DT), id="step"),
     ],
 )
-def test_what_must_wait_for_the_end_of_the_step_switches_off_only_the_plugin_that_tries_it(
-    room, hook, deed, caplog
+def test_a_change_that_is_impossible_during_a_step_switches_off_only_the_plugin_that_tries_it(
+    room, hook, action, caplog
 ):
     def try_it(plugin, *_):
         if plugin.label == "bad/p0":
-            deed(plugin.model, plugin.model.base.physics_body)
+            action(plugin.model, plugin.model.base.physics_body)
 
-    deeds[hook] = try_it
+    actions[hook] = try_it
     for name, y in (("bad", 0.0), ("good", 2.0)):
         room.put(name, (0.8, y, 0.0), (2.0, 0.0, 0.0), "Listener", BOUNCING)
     room.run(0.2)
@@ -98,20 +102,20 @@ def test_what_must_wait_for_the_end_of_the_step_switches_off_only_the_plugin_tha
     assert (failure.owner, failure.name) == ("bad", "p0")
     assert failure.reason.startswith(f"{hook}: RuntimeError: ")
     assert failure.reason.endswith("wait for the end of the step")
-    assert heard("bad/p0")[-1] == hook
-    assert heard("good/p0")[-1] == "after_physics_step"
+    assert called_hooks("bad/p0")[-1] == hook
+    assert called_hooks("good/p0")[-1] == "after_physics_step"
     bad = room.world.get_model("bad").base.physics_body
-    assert bad.velocity == pytest.approx((-2.0, 0.0, 0.0))  # it went on as it was
+    assert bad.velocity == pytest.approx((-2.0, 0.0, 0.0))  # unchanged
     assert room.world.physics.body_count == 3
 
 
 @pytest.mark.parametrize("hook", CONTACT_HOOKS)
 def test_an_interrupt_in_a_hook_ends_the_step_and_the_world_is_usable_afterwards(room, hook):
     def interrupt(*_):
-        del deeds[hook]
+        del actions[hook]
         raise KeyboardInterrupt
 
-    deeds[hook] = interrupt
+    actions[hook] = interrupt
     ball = room.put("ball", (0.8, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener", BOUNCING)
 
     with pytest.raises(KeyboardInterrupt):
@@ -120,10 +124,11 @@ def test_an_interrupt_in_a_hook_ends_the_step_and_the_world_is_usable_afterwards
     assert room.world.plugin_failures == []
     ball.base.physics_body.velocity = (2.0, 0.0, 0.0)
     room.world.move_model("ball", Pose(0.5, 0.0, 0.0))
-    room.run()  # leaves the contact that it may have had
+    room.run()  # ends the contact, if there is one
     calls.clear()
     ball.base.physics_body.velocity = (2.0, 0.0, 0.0)
     room.run(0.3)
-    assert [hook for hook in dict.fromkeys(heard()) if "step" not in hook] == list(CONTACT_HOOKS)
+    contact_hooks = [hook for hook in dict.fromkeys(called_hooks()) if "step" not in hook]
+    assert contact_hooks == list(CONTACT_HOOKS)
     room.world.delete_model("ball")
     assert room.world.physics.body_count == 1

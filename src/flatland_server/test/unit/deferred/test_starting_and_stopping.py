@@ -1,4 +1,4 @@
-"""Models that are spawned, moved and deleted while models, or the world, are started and ended."""
+"""Models that are spawned, moved and deleted while plugins are started or stopped."""
 
 import pytest
 from deferred.stage import FAR, HOOKS, Stage, ends, plans, refusal, starts
@@ -19,7 +19,7 @@ def test_a_model_may_be_deleted_by_a_plugin_that_is_just_being_started(stage, vi
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_may_delete_itself_as_it_comes_at_the_end_of_a_step(stage, hook):
+def test_a_model_may_delete_itself_when_it_is_spawned_at_the_end_of_a_step(stage, hook):
     plans["robot", hook] = lambda: stage.spawn("newcomer")
     plans["newcomer", "on_initialize"] = lambda: stage.world.delete_model("newcomer")
 
@@ -71,7 +71,7 @@ def test_a_model_may_delete_itself_and_spawn_another_as_it_is_stopped(stage):
 
 
 @pytest.mark.parametrize("hook", HOOKS)
-def test_a_model_that_is_stopped_at_the_end_of_a_step_may_have_another_follow(stage, hook):
+def test_a_model_that_is_stopped_at_the_end_of_a_step_may_spawn_another(stage, hook):
     plans["robot", hook] = lambda: stage.world.delete_model("robot")
     plans["robot", "on_shutdown"] = lambda: stage.spawn("second")
 
@@ -89,7 +89,7 @@ def test_two_models_may_delete_each_other_as_they_are_stopped(stage):
     assert set(stage.world.models) == {"bystander"}
 
 
-def test_the_name_of_a_model_is_taken_until_it_is_gone(stage):
+def test_the_name_of_a_model_is_in_use_until_it_is_deleted(stage):
     refusals = []
     plans["robot", "on_shutdown"] = lambda: refusals.append(refusal(lambda: stage.spawn("robot")))
 
@@ -100,7 +100,7 @@ def test_the_name_of_a_model_is_taken_until_it_is_gone(stage):
     assert starts["robot"] == 2
 
 
-def test_what_a_plugin_had_spawned_goes_when_its_own_model_does_not_start(stage):
+def test_models_that_a_plugin_has_spawned_are_deleted_if_its_own_model_does_not_start(stage):
     def ask():
         plans["second", "on_initialize"] = lambda: stage.spawn("third")
         stage.spawn("second")
@@ -112,11 +112,11 @@ def test_what_a_plugin_had_spawned_goes_when_its_own_model_does_not_start(stage)
 
     assert set(stage.world.models) == {"robot", "post", "bystander"}
     assert (ends["second"], ends["third"]) == (1, 1)
-    starts.subtract(newcomer=1)  # the one that failed; it was never ended
+    starts.subtract(newcomer=1)  # it failed, and so was never shut down
     stage.spawn("newcomer")
 
 
-def test_models_that_a_failing_one_had_spawned_may_delete_each_other_as_they_go(stage):
+def test_models_that_a_failing_one_has_spawned_may_delete_each_other_when_they_stop(stage):
     def ask():
         for name, other in (("second", "third"), ("third", "second")):
             stage.spawn(name)
@@ -127,7 +127,7 @@ def test_models_that_a_failing_one_had_spawned_may_delete_each_other_as_they_go(
     refusal(lambda: stage.spawn("newcomer", model="bad.yaml"), FlatlandError)
 
     assert set(stage.world.models) == {"robot", "post", "bystander"}
-    starts.subtract(newcomer=1)  # the one that failed; it was never ended
+    starts.subtract(newcomer=1)  # it failed, and so was never shut down
 
 
 def test_a_plugin_of_the_world_may_spawn_models_as_it_is_started(files, stage):
@@ -145,7 +145,7 @@ def test_a_plugin_of_the_world_may_spawn_models_as_it_is_started(files, stage):
 
 
 @pytest.mark.parametrize("victim", ["robot", "post", "bystander"])
-def test_a_model_may_be_deleted_as_the_world_ends(files, simulate, victim):
+def test_a_model_may_be_deleted_while_the_world_is_closed(files, simulate, victim):
     stage = Stage(files, simulate)
     plans["robot", "on_shutdown"] = lambda: stage.world.delete_model(victim)
 
@@ -157,7 +157,7 @@ def test_a_model_may_be_deleted_as_the_world_ends(files, simulate, victim):
     stage.run()
 
 
-def test_nothing_is_spawned_any_more_as_the_world_ends(files, simulate):
+def test_nothing_is_spawned_while_the_world_is_closed(files, simulate):
     stage = Stage(files, simulate)
     plans["robot", "on_shutdown"] = lambda: stage.spawn("second")
 

@@ -1,30 +1,30 @@
-"""Which plugins hear of which contacts, when and in what order."""
+"""Which contacts the core reports, and which plugins get them, when and in which order."""
 
 from typing import Any, Dict, List, Tuple
 
 import numpy as np
 import pytest
-from contacts.room import BOUNCING, DISC, Room, calls, deeds, heard
+from contacts.room import BOUNCING, DISC, Room, actions, called_hooks, calls
 
 from flatland_server import _core
 from flatland_server.geometry import Pose
 
 
-def told(room: Room) -> List[Tuple[Any, ...]]:
-    """What the core tells Python of contacts from now on; the plugins do not hear it."""
+def reported_events(room: Room) -> List[Tuple[Any, ...]]:
+    """The contact events that the core reports from now on, instead of to the plugins."""
     events: List[Tuple[Any, ...]] = []
     room.world.physics.set_contact_listener(lambda *event: events.append(event))
     return events
 
 
-def test_the_hooks_of_a_step_come_in_their_order(room):
+def test_the_hooks_of_a_step_are_called_in_their_order(room):
     room.put("ball", (0.5, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
     timekeeper = room.simulation.timekeeper
     times = []
-    deeds["begin_contact"] = lambda *_: times.append(timekeeper.nanoseconds)
+    actions["begin_contact"] = lambda *_: times.append(timekeeper.nanoseconds)
 
     room.run_until("begin_contact")
-    hits = list(dict.fromkeys(heard()))
+    hits = list(dict.fromkeys(called_hooks()))
     time_after = timekeeper.nanoseconds
     room.world.get_model("ball").base.physics_body.velocity = (-1.0, 0.0, 0.0)
     room.run_until("end_contact")
@@ -32,94 +32,94 @@ def test_the_hooks_of_a_step_come_in_their_order(room):
     contact_hooks = ["begin_contact", "pre_solve", "post_solve"]
     assert hits == ["before_physics_step", *contact_hooks, "after_physics_step"]
     assert times == [time_after - 5_000_000]
-    assert heard() == ["before_physics_step", "end_contact", "after_physics_step"]
+    assert called_hooks() == ["before_physics_step", "end_contact", "after_physics_step"]
 
 
-def test_only_hooks_that_are_overridden_are_called_and_only_those_are_told_of(room):
+def test_the_core_reports_only_the_events_whose_hooks_are_overridden(room):
     room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "OnlyBegin")
     room.run(0.1)
-    assert heard() == ["begin_contact"]
+    assert called_hooks() == ["begin_contact"]
 
-    events = told(room)
+    events = reported_events(room)
     room.world.get_model("ball").base.physics_body.velocity = (-1.0, 0.0, 0.0)
     room.run(0.1)
     room.world.get_model("ball").base.physics_body.velocity = (2.0, 0.0, 0.0)
     room.run(0.2)
 
-    assert [moment for moment, *_ in events] == [_core.BEGIN_CONTACT]
+    assert [event for event, *_ in events] == [_core.BEGIN_CONTACT]
 
 
-@pytest.mark.parametrize("plugins", ["", "Deaf"])
-def test_contacts_of_a_model_without_contact_hooks_never_reach_python(room, plugins):
+@pytest.mark.parametrize("plugins", ["", "NoContactHooks"])
+def test_the_core_reports_no_contacts_of_a_model_without_contact_hooks(room, plugins):
     ball = room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), plugins)
     room.put("listener", (0.0, 3.0, 0.0), plugins="Listener")
-    events = told(room)
+    events = reported_events(room)
 
     room.run(0.2)
 
-    assert ball.pose.x == pytest.approx(0.9, abs=0.01)  # it does touch the wall
+    assert ball.pose.x == pytest.approx(0.9, abs=0.01)  # it touches the wall
     assert events == []
 
 
-def test_contacts_of_a_model_reach_python_no_more_when_its_listener_has_failed(room, caplog):
+def test_the_core_reports_no_contacts_of_a_model_after_its_only_listener_has_failed(room, caplog):
     def fail(*_):
         raise RuntimeError("no luck")
 
-    deeds["begin_contact"] = fail
+    actions["begin_contact"] = fail
     room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
     room.run(0.1)
     assert len(room.world.plugin_failures) == 1
     calls.clear()
-    events = told(room)
+    events = reported_events(room)
 
     room.run(0.2)
 
     assert (events, calls) == ([], [])
 
 
-def test_a_plugin_hears_of_its_own_models_contacts_alone(room):
+def test_a_plugin_gets_only_the_contacts_of_its_own_model(room):
     room.put("a", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
     room.put("b", (0.85, 2.0, 0.0), (2.0, 0.0, 0.0), "Listener")
     room.put("c", (-1.0, 0.0, 0.0), plugins="Listener")
 
     room.run(0.1)
 
-    begun = [(who, contact) for who, hook, *(contact, *_) in calls if hook == "begin_contact"]
-    touched = [(who, c.fixture_a.body.id, c.fixture_b.body.id) for who, c in begun]
+    begun = [(plugin, contact) for plugin, hook, *(contact, *_) in calls if hook == "begin_contact"]
+    touched = [(plugin, c.fixture_a.body.id, c.fixture_b.body.id) for plugin, c in begun]
     a, b = (room.world.get_model(name).base.physics_body.id for name in "ab")
     wall = room.world.layers[0].physics_bodies[0].id
-    assert {(who, *sorted(ids)) for who, *ids in touched} == {
+    assert {(plugin, *sorted(ids)) for plugin, *ids in touched} == {
         ("a/p0", *sorted([wall, a])),
         ("b/p0", *sorted([wall, b])),
     }
 
 
-def test_of_two_models_that_touch_both_hear_in_the_order_in_which_they_were_started(room):
+def test_the_plugins_of_both_models_get_a_contact_in_the_order_in_which_they_were_started(room):
     left = room.put("left", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener | OnlyBegin | Listener")
     right = room.put("right", (0.3, 0.0, 0.0), (-1.0, 0.0, 0.0), "Listener")
 
     room.run_until("begin_contact")
 
-    begun = [(who, contact) for who, hook, *(contact, *_) in calls if hook == "begin_contact"]
-    assert [who for who, _ in begun] == ["left/p0", "left/p1", "left/p2", "right/p0"]
+    begun = [(plugin, contact) for plugin, hook, *(contact, *_) in calls if hook == "begin_contact"]
+    assert [plugin for plugin, _ in begun] == ["left/p0", "left/p1", "left/p2", "right/p0"]
     assert len({contact for _, contact in begun}) == 1
     bodies = {begun[0][1].fixture_a.body, begun[0][1].fixture_b.body}
     assert bodies == {left.base.physics_body, right.base.physics_body}
-    solved = [who for who, hook, *_ in calls if hook == "pre_solve"]
+    solved = [plugin for plugin, hook, *_ in calls if hook == "pre_solve"]
     assert solved[:3] == ["left/p0", "left/p2", "right/p0"]
 
 
-def test_a_plugin_of_the_world_hears_before_the_models_that_came_after_it(files, simulate):
-    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+def test_plugins_of_the_world_get_a_contact_before_those_of_later_models(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     room.put("ball", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0), "Listener")
 
     room.run_until("begin_contact")
 
-    begun = [who for who, hook, *_ in calls if hook == "begin_contact"]
-    assert begun == ["ear", "ball/p0"]
+    begun = [plugin for plugin, hook, *_ in calls if hook == "begin_contact"]
+    assert begun == ["world", "ball/p0"]
 
 
-def test_a_contact_within_a_model_is_told_to_its_plugins_once(files, room):
+def test_the_plugins_of_a_model_get_a_contact_within_the_model_once(files, room):
     path = files.write(
         "pair.yaml",
         f"bodies:\n  - {{name: a, footprints: [{DISC}]}}\n"
@@ -127,7 +127,7 @@ def test_a_contact_within_a_model_is_told_to_its_plugins_once(files, room):
         "plugins: [{type: Listener, name: p0}]\n",
     )
     sides = []
-    deeds["begin_contact"] = lambda plugin, contact: sides.append(plugin.filter_contact(contact))
+    actions["begin_contact"] = lambda plugin, contact: sides.append(plugin.filter_contact(contact))
     pair = room.world.spawn_model(path, "pair", "", Pose())
 
     room.run()
@@ -137,15 +137,15 @@ def test_a_contact_within_a_model_is_told_to_its_plugins_once(files, room):
     assert {pair.body_name(this), pair.body_name(other)} == {"a", "b"}
 
 
-def test_plugins_of_the_world_hear_of_all_contacts_also_of_what_came_later(files, simulate):
-    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+def test_plugins_of_the_world_get_the_contacts_of_later_models_and_walls_too(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     room.put("early", (0.85, 0.0, 0.0), (2.0, 0.0, 0.0))
     room.run(0.1)
-    assert heard("ear").count("begin_contact") == 1
+    assert called_hooks("world").count("begin_contact") == 1
 
-    room.put("late", (0.85, 2.0, 0.0), (2.0, 0.0, 0.0), "Deaf")
+    room.put("late", (0.85, 2.0, 0.0), (2.0, 0.0, 0.0), "NoContactHooks")
     room.run(0.1)
-    assert heard("ear").count("begin_contact") == 2
+    assert called_hooks("world").count("begin_contact") == 2
 
     calls.clear()
     room.add_wall(-1.0, -5.0, -1.0, 5.0)
@@ -156,17 +156,17 @@ def test_plugins_of_the_world_hear_of_all_contacts_also_of_what_came_later(files
     assert [new_wall in (c.fixture_a.body, c.fixture_b.body) for c in pairs] == [True]
 
 
-def test_a_model_with_a_listener_hears_of_a_wall_that_was_put_up_later(room):
+def test_a_plugin_gets_the_contact_of_its_model_with_a_wall_that_was_added_later(room):
     room.put("ball", (0.0, 0.0, 0.0), (-2.0, 0.0, 0.0), "Listener")
     room.add_wall(-0.5, -5.0, -0.5, 5.0)
 
     room.run(0.4)
 
-    assert heard().count("begin_contact") == 1
+    assert called_hooks().count("begin_contact") == 1
 
 
-def test_plugins_of_the_world_hear_of_all_that_touches_a_wall_that_came_later(files, simulate):
-    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+def test_plugins_of_the_world_get_all_contacts_of_a_wall_that_was_added_later(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     foreign = room.world.physics.add_body("dynamic", (-0.5, 0.0, 0.0))
     foreign.add_circle((0.0, 0.0), 0.1, density=1.0)
     foreign.velocity = (-1.0, 0.0, 0.0)
@@ -174,11 +174,11 @@ def test_plugins_of_the_world_hear_of_all_that_touches_a_wall_that_came_later(fi
     room.add_wall(-1.0, -5.0, -1.0, 5.0)
     room.run(0.5)
 
-    assert heard("ear").count("begin_contact") == 1
+    assert called_hooks("world").count("begin_contact") == 1
 
 
-def test_a_contact_is_equal_from_its_begin_to_its_end_and_every_begin_has_an_end(files, simulate):
-    room = Room(files, simulate, "[{type: WorldListener, name: ear}]")
+def test_a_contact_is_equal_in_all_its_events_and_each_begin_has_an_end(files, simulate):
+    room = Room(files, simulate, "[{type: WorldListener, name: world}]")
     for x1, y1, x2, y2 in ((1, 1, -1, 1), (-1, 1, -1, -1), (-1, -1, 1, -1)):
         room.add_wall(x1, y1, x2, y2)
     rng = np.random.default_rng(1)
@@ -198,7 +198,7 @@ def test_a_contact_is_equal_from_its_begin_to_its_end_and_every_begin_has_an_end
     def end(_, contact):
         ended.append(going.pop(contact))
 
-    deeds.update(begin_contact=begin, pre_solve=go_on, post_solve=go_on, end_contact=end)
+    actions.update(begin_contact=begin, pre_solve=go_on, post_solve=go_on, end_contact=end)
     room.run(2.0)
     for name in list(room.world.models):
         room.world.delete_model(name)
@@ -208,14 +208,14 @@ def test_a_contact_is_equal_from_its_begin_to_its_end_and_every_begin_has_an_end
     assert going == {}
 
 
-def test_a_sensor_is_told_of_but_never_solved(room):
+def test_the_contacts_of_a_sensor_begin_and_end_but_are_not_solved(room):
     sensor = "{type: circle, radius: 0.1, density: 10, sensor: true}"
     room.put("ghost", (0.7, 0.0, 0.0), (1.0, 0.0, 0.0), "Listener", sensor)
     seen = []
-    deeds["begin_contact"] = lambda _, c: seen.append((c.points, c.normal, c.touching))
+    actions["begin_contact"] = lambda _, c: seen.append((c.points, c.normal, c.touching))
 
     room.run(1.0)
 
-    contact_hooks = [hook for hook in heard() if "step" not in hook]
+    contact_hooks = [hook for hook in called_hooks() if "step" not in hook]
     assert contact_hooks == ["begin_contact", "end_contact"]
     assert seen == [([], (0.0, 0.0), True)]

@@ -1,0 +1,75 @@
+"""Makes plugins out of their configuration."""
+
+import zlib
+from typing import Any, Callable, Type, TypeVar
+
+import numpy as np
+
+from flatland_server.exceptions import FlatlandError, PluginError, YamlError
+from flatland_server.models.plugin_config import PluginConfig
+from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.transport.node import Node
+
+P = TypeVar("P", bound=Plugin)
+
+
+class PluginFactory:
+    """Makes plugins, each with a node and a random number generator of its own.
+
+    Args:
+        node: the world's node, within which each plugin gets its own.
+        loader: finds plugin classes.
+        seed: the world's seed.
+    """
+
+    def __init__(self, node: Node, loader: PluginLoader, seed: int) -> None:
+        self._node = node
+        self._loader = loader
+        self._seed = seed
+
+    def make(
+        self,
+        config: PluginConfig,
+        base: Type[P],
+        model_name: str,
+        namespace: str,
+        subject: Any,
+        on_failure: Callable[[P, str], None],
+    ) -> P:
+        """Makes a plugin and initializes it.
+
+        Args:
+            config: its entry in the file of a model or the world.
+            base: the class that it must be derived from.
+            model_name: empty for a plugin of the world.
+            namespace: of its topics.
+            subject: its model, or the world.
+            on_failure: called with the plugin and a description of the callback, if a callback of
+                one of its subscriptions raises an exception.
+
+        Raises:
+            FlatlandError: there is no such plugin, or it does not start. It leaves no topics.
+        """
+        reader = config.reader
+        try:
+            plugin_class = self._loader.load(config.type, base)
+        except PluginError as error:
+            raise reader.error(str(error), "type") from error.__cause__
+        label = f"{model_name}/{config.name}" if model_name else config.name
+        rng = np.random.default_rng([self._seed, zlib.crc32(label.encode())])
+        node = self._node.scoped(namespace, label)
+        try:
+            plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
+            node.on_failure = lambda where: on_failure(plugin, where)
+            plugin.on_initialize(reader)
+            reader.finish()
+        except BaseException as error:
+            node.close()
+            if isinstance(error, YamlError) or not isinstance(error, Exception):
+                raise
+            reason = str(error)
+            if not isinstance(error, FlatlandError):
+                reason = f"does not start: {type(error).__name__}: {error}"
+            raise reader.error(reason) from error
+        return plugin

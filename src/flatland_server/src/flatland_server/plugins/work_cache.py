@@ -1,0 +1,53 @@
+"""Plugins that are due at every step, without those that have no work."""
+
+from operator import attrgetter
+from typing import AbstractSet, Callable, Set
+
+from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.scheduled_plugin import ScheduledPlugin, StepCalls
+
+
+class WorkCache:
+    """Remembers which plugins have work, and asks them again only when that may have changed.
+
+    This is when the subscribers have changed, since a plugin has no work if its topics have no
+    subscriber, and when plugins were added or removed.
+
+    Args:
+        has_work: asks a plugin; see `Plugin.has_work`. It may add and remove plugins here.
+    """
+
+    def __init__(self, has_work: Callable[[Plugin], bool]) -> None:
+        self._has_work = has_work
+        self._plugins: Set[ScheduledPlugin] = set()
+        self._calls = StepCalls([])
+        self._subscriber_revision: object = None
+        self._is_stale = False
+
+    def add(self, plugin: ScheduledPlugin) -> None:
+        """Adds a plugin, with or without work."""
+        self._plugins.add(plugin)
+        self._is_stale = True
+
+    def remove(self, plugins: AbstractSet[ScheduledPlugin]) -> None:
+        """Removes those of these plugins that are in the cache."""
+        self._plugins -= plugins
+        self._is_stale = True
+
+    def calls(self, subscriber_revision: object) -> StepCalls:
+        """The hooks of the plugins that have work.
+
+        Args:
+            subscriber_revision: differs from that of the last call if subscribers have changed.
+        """
+        if self._is_stale or subscriber_revision != self._subscriber_revision:
+            # Before any plugin is asked: if it is removed meanwhile, the cache is stale again.
+            self._is_stale = False
+            self._subscriber_revision = subscriber_revision
+            with_work = [
+                each
+                for each in sorted(self._plugins, key=attrgetter("order"))
+                if self._has_work(each.plugin) and each in self._plugins
+            ]
+            self._calls = StepCalls(with_work)
+        return self._calls

@@ -1,0 +1,119 @@
+"""Changes to the world that must wait until they are safe.
+
+Plugins may spawn, move and delete models in any hook. Box2D allows no such change during a step,
+though, and a model cannot be deleted while its plugins are being started or stopped. These changes
+are deferred: kept as actions, in the order of the requests, and run once the world is free again.
+"""
+
+import logging
+from collections import deque
+from contextlib import contextmanager
+from typing import Any, Callable, ContextManager, Deque, Iterator, Optional, Set, Tuple, TypeVar
+
+from flatland_server.exceptions import FlatlandError
+
+logger = logging.getLogger(__name__)
+
+R = TypeVar("R")
+
+MAX_ACTIONS_PER_RUN = 1000
+"""The limit of one `run_pending`, in case that each action causes another one."""
+
+
+class DeferredActions:
+    """Runs actions at once if that is safe, and later if not.
+
+    Actions are deferred in two cases:
+
+    - within `locked()`: all of them. The world is locked during a step, while bodies are removed
+      (which calls the `end_contact` hooks of other models) and while the world is closed.
+    - within `changing(model)`, while the plugins of a model are started or stopped: those that
+      cannot be run before this has ended. Others run at once.
+
+    What has been deferred is run by `run_pending`, once neither is the case any more.
+    """
+
+    def __init__(self) -> None:
+        self._lock = _Lock()
+        self._changing: Set[str] = set()
+        self._pending: Deque[Tuple[Callable[[], Any], str]] = deque()
+        self._is_running = False
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether all actions are deferred at the moment."""
+        return self._lock.depth > 0
+
+    def locked(self) -> ContextManager[None]:
+        """A context in which all actions are deferred. May be nested."""
+        return self._lock
+
+    @contextmanager
+    def changing(self, model: str) -> Iterator[None]:
+        """A context in which this model is started or stopped. May be nested for several models."""
+        self._changing.add(model)
+        try:
+            yield
+        finally:
+            self._changing.discard(model)
+
+    def run_or_defer(
+        self, action: Callable[[], R], failure: str, *, unless_changing: str = ""
+    ) -> Optional[R]:
+        """Runs an action, and after it those that it has caused; or defers it.
+
+        Args:
+            action: changes the world. An exception that it raises at once is the caller's; if it
+                is deferred, a `FlatlandError` is logged.
+            failure: what has failed then, for the log.
+            unless_changing: a model; the action has to wait while this is started or stopped.
+
+        Returns:
+            What the action has returned; None if it is deferred.
+        """
+        if self.is_locked or unless_changing in self._changing:
+            self._pending.append((action, failure))
+            return None
+        result = action()
+        self.run_pending()
+        return result
+
+    def run_pending(self) -> None:
+        """Runs the deferred actions, also those that are deferred meanwhile, if it is safe now.
+
+        At most 1000 of them are run; the others wait for the next call. A call from within an
+        action does nothing, since the call that runs this action goes on.
+        """
+        if not self._pending or self._is_running:
+            return
+        self._is_running = True
+        try:
+            for _ in range(MAX_ACTIONS_PER_RUN):
+                if not self._pending or self.is_locked or self._changing:
+                    return
+                action, failure = self._pending.popleft()
+                try:
+                    action()
+                except FlatlandError as error:
+                    logger.error("%s: %s", failure, error)
+        finally:
+            self._is_running = False
+
+    def clear(self) -> None:
+        """Drops the deferred actions."""
+        self._pending.clear()
+
+
+class _Lock(ContextManager[None]):
+    """Counts how deeply its contexts are nested. Lean, since every step enters it."""
+
+    __slots__ = ("depth",)
+
+    def __init__(self) -> None:
+        self.depth = 0
+
+    def __enter__(self) -> None:
+        self.depth += 1
+
+    def __exit__(self, *_: object) -> None:
+        self.depth -= 1

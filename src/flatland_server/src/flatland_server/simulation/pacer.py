@@ -1,0 +1,116 @@
+"""Keeps steps at a rate of real time: when the next one is due, and how well that is kept."""
+
+import time
+from collections import deque
+from typing import Callable, Deque, List, Tuple
+
+_MAX_BACKLOG = 0.25
+"""How much delay is caught up by steps without a wait [s]; a longer delay is never caught up."""
+
+_MAX_TICK_PERIOD = 0.02
+"""The longest wait before the next tick [s]; also the period of ticks during a pause."""
+
+_MIN_TICK_PERIOD = 0.001
+"""Time between ticks while steps follow each other without a wait [s]."""
+
+_MAX_STEP_STARTS = 1001
+"""How many step start times are kept, for jitter statistics."""
+
+_METERING_PERIOD = 1.0
+"""Real time over which the real-time factor is measured [s]."""
+
+
+class Pacer:
+    """The schedule of a simulation's loop: wait, make a step if one is due, tick if one is due.
+
+    Steps are due one period after the other, however long each of them takes. If they are late, the
+    next ones follow without a wait until the delay is caught up, or given up if it is too long.
+
+    A tick gives other work its turn, such as publishing a state. It is due before each wait, and
+    every millisecond while there is none.
+
+        pacer.start(simulated_time)
+        while True:
+            wait(pacer.wait_time)
+            if pacer.begin_step(is_paused):
+                ...
+            pacer.end_step(period, is_paused)
+            if pacer.is_tick_due:
+                ...
+                pacer.end_tick(simulated_time)
+
+    Args:
+        clock: returns the real time [s].
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self.real_time_factor = 0.0
+        """Simulated time per real time, in the last second or so."""
+        self._clock = clock
+        self._now = 0.0  # the clock's time when it was last read
+        self._due = 0.0  # the time of the next step
+        self._last_due = 0.0  # and of the last one, from which the next one's is counted
+        self._tick_due = 0.0
+        self._metered: Tuple[float, float] = (0.0, 0.0)  # real and simulated time [s]
+        self._step_starts: Deque[float] = deque(maxlen=_MAX_STEP_STARTS)
+
+    @property
+    def step_periods(self) -> List[float]:
+        """Real time from the start of each of the latest steps to the next, since a pause [s]."""
+        starts = list(self._step_starts)
+        return [later - earlier for earlier, later in zip(starts, starts[1:])]
+
+    def start(self, simulated_time: float) -> None:
+        """Begins a run: the first step is due now.
+
+        Args:
+            simulated_time: since the start of the simulation [s].
+        """
+        self._now = self._due = self._last_due = self._tick_due = self._clock()
+        self._metered = (self._now, simulated_time)
+
+    @property
+    def wait_time(self) -> float:
+        """How long to wait before the next step or tick [s]; 0 if a step is due already."""
+        return min(max(0.0, self._due - self._now), _MAX_TICK_PERIOD)
+
+    def begin_step(self, is_paused: bool) -> bool:
+        """Whether to make a step now. During a pause this is never so."""
+        if self._now < self._due:
+            self._now = self._clock()
+            if self._now < self._due:
+                return False
+        self._last_due = max(self._due, self._now - _MAX_BACKLOG)
+        if is_paused:
+            self._step_starts.clear()
+            return False
+        self._step_starts.append(self._now)
+        return True
+
+    def end_step(self, period: float, is_paused: bool) -> None:
+        """Schedules the next step, also if none was due.
+
+        Args:
+            period: of the steps [s]; may change at any time.
+            is_paused: whether steps are due no more often than ticks, however short the period is.
+        """
+        self._due = self._last_due + (max(period, _MAX_TICK_PERIOD) if is_paused else period)
+        self._now = self._clock()
+
+    @property
+    def is_tick_due(self) -> bool:
+        """Whether it is time for a tick."""
+        return self._now < self._due or self._now >= self._tick_due
+
+    def end_tick(self, simulated_time: float) -> None:
+        """Schedules the next tick, and measures the real-time factor from time to time.
+
+        Args:
+            simulated_time: since the start of the simulation [s].
+        """
+        self._now = self._clock()
+        self._tick_due = self._now + _MIN_TICK_PERIOD
+        real, simulated = self._metered
+        if self._now - real >= _METERING_PERIOD:
+            self.real_time_factor = (simulated_time - simulated) / (self._now - real)
+            self._metered = (self._now, simulated_time)

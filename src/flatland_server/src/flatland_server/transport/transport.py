@@ -1,0 +1,119 @@
+"""What a transport has to offer: topics, transforms and parameters, over ROS or in this process.
+
+`flatland_server.ros.ros_transport` implements it with rospy, and
+`flatland_server.transport.local_transport` within this process, without a ROS master. A plugin does
+not use a transport itself but its `Node`, and so runs with either of them.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Any, Callable, Iterable, Sequence, Tuple
+
+from flatland_server._deprecated import renamed
+from flatland_server.geometry import Pose, Transform
+from flatland_server.transport.message_writer import MessageWriter
+
+
+class Publisher(ABC):
+    """Publishes messages to one topic."""
+
+    @property
+    @abstractmethod
+    def has_subscribers(self) -> bool:
+        """Whether the topic has a subscriber. Check it before computing a message."""
+
+    is_watched = renamed("is_watched", "has_subscribers")
+
+    @abstractmethod
+    def publish(self, message: Any) -> None:
+        """Publishes a message, which must not be changed afterwards."""
+
+    def write(self, writer: MessageWriter, *values: Any) -> None:
+        """Publishes the message that a writer makes of values, in this transport's fastest form.
+
+        A transport may skip it if the topic has no subscriber.
+        """
+        self.publish(writer.message(*values))
+
+    @abstractmethod
+    def close(self) -> None:
+        """Unregisters the publisher."""
+
+
+class Subscription(ABC):
+    """Receives the messages of one topic until it is closed."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Unsubscribes; the callback is not called any more."""
+
+
+class Frames:
+    """Frames whose transforms are sent together; the parent of each stays the same.
+
+    Args:
+        transport: sends the transforms.
+        names: the parent and the child of each frame.
+    """
+
+    def __init__(self, transport: "Transport", names: Sequence[Tuple[str, str]]) -> None:
+        self._transport = transport
+        self._names = names
+
+    def send(self, nanoseconds: int, poses: Iterable[Tuple[float, float, float]]) -> None:
+        """Sends the transforms of one time.
+
+        Args:
+            nanoseconds: the simulated time [ns].
+            poses: of each frame in its parent: x, y [m] and yaw [rad].
+        """
+        for (parent, child), pose in zip(self._names, poses):
+            self._transport.send_transform(Transform(nanoseconds, parent, child, Pose(*pose)))
+
+
+class Transport(ABC):
+    """Carries topics, transforms and parameters. All names include their namespace."""
+
+    @abstractmethod
+    def advertise(
+        self, topic: str, message_type: Any, *, latch: bool, queue_size: int
+    ) -> Publisher:
+        """Opens a topic for publishing; see `Node.advertise`."""
+
+    @abstractmethod
+    def subscribe(
+        self, topic: str, message_type: Any, callback: Callable[[Any], None]
+    ) -> Subscription:
+        """Subscribes to a topic; `process` runs the callbacks."""
+
+    @property
+    @abstractmethod
+    def transforms_have_subscribers(self) -> bool:
+        """Whether the topic of transforms has a subscriber."""
+
+    @property
+    def subscriber_revision(self) -> object:
+        """A value that changes whenever a topic gets or loses a subscriber.
+
+        A transport that does not know returns another value each time.
+        """
+        return object()
+
+    @abstractmethod
+    def send_transform(self, transform: Transform) -> None:
+        """Adds a transform to those of the present step; `flush` sends them."""
+
+    def open_frames(self, names: Sequence[Tuple[str, str]]) -> Frames:
+        """Prepares to send the transforms of these frames, each given as (parent, child)."""
+        return Frames(self, names)
+
+    @abstractmethod
+    def get_param(self, name: str, default: Any = None) -> Any:
+        """The value of a parameter, or the default."""
+
+    @abstractmethod
+    def process(self, timeout: float = 0.0) -> None:
+        """Runs the callbacks of pending messages, and of those that arrive within `timeout` [s]."""
+
+    @abstractmethod
+    def flush(self) -> None:
+        """Sends what was collected during the step."""
