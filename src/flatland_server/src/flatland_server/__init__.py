@@ -47,10 +47,10 @@ from flatland_server.models.model import Model, ModelConfig
 from flatland_server.models.model_body import BodyConfig, ModelBody
 from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.plugins.world_plugin import WorldPlugin
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.message_writer import MessageWriter

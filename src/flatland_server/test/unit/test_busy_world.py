@@ -14,8 +14,8 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.plugins.world_plugin import WorldPlugin
 from flatland_server.simulation.world import World
+from flatland_server.simulation.world_plugin import WorldPlugin
 
 DISC = "{type: circle, radius: 0.12, density: 1, restitution: 0.8, friction: 0.5}"
 SQUARE = "{type: polygon, points: [[-.1, -.1], [.1, -.1], [.1, .1], [-.1, .1]], density: 2}"

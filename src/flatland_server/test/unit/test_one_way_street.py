@@ -58,11 +58,8 @@ def is_ros_module(path: Path) -> bool:
 
 
 def imports(path: Path) -> Iterator[Tuple[int, str]]:
-    """The line and the target of each import in a file, except those for type checkers alone."""
+    """The line and the target of each import in a file, those for type checkers included."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            node.body = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)

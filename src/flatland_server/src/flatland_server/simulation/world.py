@@ -28,9 +28,9 @@ from flatland_server.models.model import Model, ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginManager
-from flatland_server.plugins.world_plugin import WorldPlugin
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node, Transport

@@ -7,7 +7,7 @@ from typing import Any, List, Tuple
 import pytest
 
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.plugins.world_plugin import WorldPlugin
+from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.update_timer import UpdateTimer
