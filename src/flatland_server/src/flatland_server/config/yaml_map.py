@@ -66,7 +66,7 @@ class YamlMap:
         self.note(self.error(message, key))
 
     def note(self, error: YamlError) -> None:
-        """Notes the problems of another file that this map refers to."""
+        """Notes the problems of an error, such as those of a file that this map refers to."""
         self._problems.note(error)
 
     def error(self, message: str, key: Optional[str] = None) -> YamlError:

@@ -43,7 +43,14 @@ Color = Tuple[float, float, float, float]
 class YamlReader(YamlMap):
     """Reads one map: a whole document, an entry of a list, or a section of either.
 
-    The arguments and errors are those of `YamlMap`.
+        rate = reader.get_rate("update_rate", 10.0)
+        angle = reader.get_section("angle", required=True)
+        increment = angle.get_float("increment", above=0.0)
+        angle.finish()
+        reader.finish()
+
+    A getter without a default is for a key that must be given. The arguments and errors of the
+    class are those of `YamlMap`.
     """
 
     @classmethod

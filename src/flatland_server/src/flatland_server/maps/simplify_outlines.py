@@ -19,11 +19,11 @@ Corner = Tuple[float, float]
 
 
 def simplify(segments: Segments, tolerance: float) -> Segments:
-    """Outlines with fewer corners, none of which is farther than the tolerance from a line.
+    """Outlines with fewer corners, at most the tolerance away from the given ones.
 
     Args:
         segments: shape (n, 4), x1, y1, x2, y2; adjacent segments share a corner exactly.
-        tolerance: in the same unit.
+        tolerance: greatest distance of a corner that is left out, in the same unit.
 
     Returns:
         Segments: shape (m, 4), m <= n; their corners are corners of the given segments.

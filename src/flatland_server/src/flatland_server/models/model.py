@@ -85,6 +85,11 @@ class Model(Entity):
         registry: the collision layers of that world.
         entities: the entities of that world; the model adds itself.
 
+    Attributes:
+        namespace: without a "/" at its ends.
+        bodies: by name, the base first; none after the model was deleted.
+        joints: none after the model was deleted.
+
     Raises:
         ModelError: Box2D cannot represent it.
     """

@@ -63,7 +63,16 @@ class BodyConfig:
 
 
 class ModelBody:
-    """A body of a model in the world."""
+    """A body of a model in the world.
+
+    Args:
+        config: its entry in the model file.
+        model_pose: of the model's origin in the world.
+        physics: the physical world that it is added to.
+
+    Attributes:
+        physics_body: the body in the physical world.
+    """
 
     def __init__(self, config: BodyConfig, model_pose: Pose, physics: _core.World) -> None:
         self.config = config
