@@ -1,26 +1,41 @@
-"""What tests of several packages share: `scripts/run` as a user starts it, and a screen."""
+"""What tests of several packages share: `scripts/run` as a user starts it, and a screen.
+
+scripts/test runs the test files in two processes (pytest-xdist). Each has a screen of its own, and
+a folder for ROS's logs.
+"""
 
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import time
 import xmlrpc.client
 from pathlib import Path
 
 import pytest
+from ros_processes import free_port
 
 ROOT = Path(__file__).resolve().parents[1]
+
+
+def pytest_configure(config):
+    """Gives ROS's logs a folder for each test process: roslaunch renews a link in it."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    if worker:
+        for variable in ("ROS_HOME", "ROS_LOG_DIR"):
+            os.environ[variable] = str(Path(os.environ[variable], worker))
+
+
+def pytest_collection_modifyitems(items):
+    """Puts the slow tests first, so that at the end no process waits for another's."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 
 class Launch:
     """`scripts/run` with a ROS master of its own."""
 
     def __init__(self, *arguments, output, display=None):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.uri = f"http://127.0.0.1:{self.port}"
         environment = {**os.environ, "ROS_MASTER_URI": self.uri}
         environment.pop("DISPLAY", None)

@@ -24,7 +24,7 @@ def run(*command):
 
 def test_core_as_the_server_uses_it():
     """With the objects of the extension module; only the tests are compiled."""
-    run("cmake", "--build", BUILD, "--target", "core_test", "--parallel", os.cpu_count())
+    run("nice", "cmake", "--build", BUILD, "--target", "core_test", "--parallel", os.cpu_count())
 
     run(BUILD / "src" / "flatland_server" / "test" / "core" / "core_test")
 
@@ -34,6 +34,6 @@ def test_core_under_the_sanitizers():
     build = BUILD / "core_test_sanitized"
 
     run("cmake", "-S", SOURCE, "-B", build, "-DFLATLAND_SANITIZE=ON")
-    run("cmake", "--build", build, "--parallel", os.cpu_count())
+    run("nice", "cmake", "--build", build, "--parallel", os.cpu_count())
 
     run(build / "core_test")

@@ -8,11 +8,11 @@ import os
 import re
 import shutil
 import signal
-import socket
 import subprocess
 from pathlib import Path
 
 import pytest
+from ros_processes import free_port
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = ROOT / "build"
@@ -48,9 +48,7 @@ class Shell:
     """A user's bash in which nothing is sourced yet, and in which no ROS master is running."""
 
     def __init__(self, home):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.environment = {
             "PATH": "/usr/bin:/bin",
             "HOME": str(home),

@@ -7,7 +7,6 @@ import json
 import math
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -16,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from ros_processes import free_port
 
 ROOT = Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
@@ -107,9 +107,7 @@ class Ros:
     """A ROS master of our own, programs that use it, and a node that asks them."""
 
     def __init__(self, environment, logs):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         self._logs = logs
         self._programs = []
         self.environment = {

@@ -58,6 +58,7 @@ def test_whatever_the_chance_the_two_do_not_touch(town, seed):
     assert path[-1, 1, 0] < -3.7
 
 
+@pytest.mark.slow
 def test_twenty_who_cross_a_square_all_at_once_get_there(town):
     angles = [math.tau * i / 20 for i in range(20)]
     spots = [(5 * math.cos(a), 5 * math.sin(a)) for a in angles]

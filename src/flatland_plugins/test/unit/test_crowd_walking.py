@@ -73,6 +73,7 @@ def test_people_have_their_own_speeds_and_those_of_their_crowd(town):
     assert velocity(people, "people_1") == pytest.approx((2.0, 0.0), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_noise_makes_people_sway_on_their_way(town):
     people = town("pose: [0, 0, 0], goals: [[1000, 0], [0, 0]]", keys="force: {noise: 0.1}")
     people.run(5.0)

@@ -55,6 +55,7 @@ def assert_covariance(samples: np.ndarray, covariance: Any) -> None:
     assert np.abs(white.sum(axis=0)).max() < 4 * math.sqrt(count)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate", "step", "seconds"),
     [("inf", 0.005, 0.1), ("inf", 0.02, 1.0), ("40", 0.005, 0.5), ("7", 0.01, 2.0), ("1", 0.05, 4)],
@@ -90,6 +91,7 @@ def test_a_robot_at_rest_drifts_by_its_variances_per_second(files, rate, step, s
     assert_covariance(np.array([ahead, left, yaw]).T, np.diag(variances * stamps[-1]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [20, 1])
 def test_a_heading_that_drifts_bends_a_straight_path(files, rate):
     time, speed, q = 4.0, 0.5, 1e-3
@@ -105,6 +107,7 @@ def test_a_heading_that_drifts_bends_a_straight_path(files, rate):
     assert_covariance(lateral_and_yaw, covariance)
 
 
+@pytest.mark.slow
 def test_a_heading_that_drifts_does_not_close_a_circle(files):
     time, radius, q = 4.0, 0.8, 6e-4
     omega = math.tau / time

@@ -202,6 +202,7 @@ FAILING = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("code", "message"), FAILING.values(), ids=FAILING.keys())
 def test_an_attack_fails_soon_with_an_error_that_names_it(evaluate, files, code, message):
     begin = time.monotonic()

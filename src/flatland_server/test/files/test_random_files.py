@@ -156,6 +156,7 @@ def write(folder: Path, world: Any, model: Any) -> Path:
     return path
 
 
+@pytest.mark.slow
 @bounded
 @given(written=worlds())
 def test_a_valid_world_is_read_as_it_was_written(files, written):
@@ -282,6 +283,7 @@ def assert_loads_or_is_refused(files) -> None:
         files.load().close()
 
 
+@pytest.mark.slow
 @settings(bounded, max_examples=120)
 @given(written=spoilt_worlds())
 def test_a_spoilt_world_loads_or_is_refused(files, written):
