@@ -88,9 +88,9 @@ def test_the_blockade_is_real():
 @pytest.mark.parametrize(
     ("package", "forbidden"),
     [
-        ("flatland_server", ("flatland_plugins", "flatland_viz")),
-        ("flatland_plugins", ("flatland_viz", *ROSPY)),
-        ("flatland_viz", ("flatland_plugins", "flatland_server")),
+        ("flatland_server", ("flatland_benchmark", "flatland_plugins", "flatland_viz")),
+        ("flatland_plugins", ("flatland_benchmark", "flatland_viz", *ROSPY)),
+        ("flatland_viz", ("flatland_benchmark", "flatland_plugins", "flatland_server")),
     ],
 )
 def test_imports_go_one_way(package, forbidden):
