@@ -14,13 +14,6 @@ export PATH="/usr/bin:$PATH"
 # What a node says is seen at once, through a pipe as on a terminal.
 export PYTHONUNBUFFERED=1
 
-# What was compiled before, in this clone or another, is taken from ccache's store. The settings make
-# clones in different folders, and precompiled headers, count as the same.
-if [[ -x /usr/bin/ccache ]]; then
-  export CMAKE_CXX_COMPILER_LAUNCHER=/usr/bin/ccache
-  export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
-fi
-
 # Ctrl-C ends the script, also if the program that is running makes little of it.
 trap 'exit 130' INT
 
@@ -34,8 +27,17 @@ die() {
 # Print the comment block at the top of the running script.
 show_help() { awk 'NR > 1 { if (!/^#/) exit; sub(/^# ?/, ""); print }' "$0"; }
 
+# Compile with ccache, once it is installed: sources that this or another clone has compiled before take
+# no time. The settings ignore in which folder a clone lies, and allow precompiled headers.
+use_ccache() {
+  if [[ -x /usr/bin/ccache ]]; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=/usr/bin/ccache
+    export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+  fi
+}
+
 # Enter the built workspace. `--extend` keeps the workspaces sourced before, and the plugins in them.
-# setup.bash reads variables that may be unset, and the positional parameters of whoever sources it.
+# setup.bash reads variables that may be unset, and the positional parameters of the script that sources it.
 enter_workspace() {
   set +u
   # shellcheck source=/dev/null

@@ -1,4 +1,4 @@
-"""The real server with compiled listeners: all that is sent is heard, and none holds it up."""
+"""The real server with compiled subscribers: all messages arrive, and none blocks the server."""
 
 import os
 import subprocess
@@ -44,83 +44,83 @@ def wait_until_gone(uri):
         time.sleep(0.02)
 
 
-def test_a_listener_hears_all_that_is_sent(server):
-    listener = server.listen("listener", "--robots")
-    listener.wait_until_connected()
-    begin = listener.next_reading(after=listener.next_reading().real + 0.5)
-    end = listener.next_reading(after=begin.real + 2.0)
+def test_a_subscriber_receives_all_that_is_sent(server):
+    subscriber = server.subscribe("subscriber", "--robots")
+    subscriber.wait_until_connected()
+    begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
+    end = subscriber.next_reading(after=begin.real + 2.0)
 
     seconds = end.simulated - begin.simulated
-    heard = {name: end.messages[name] - begin.messages[name] for name in end.messages}
+    received = {name: end.messages[name] - begin.messages[name] for name in end.messages}
     # The state overtakes what is on its way, or is overtaken by it: a few messages.
     assert seconds > 1.0
-    assert heard[LASER] == pytest.approx(2 * 10 * seconds, abs=8)
-    assert heard[ODOMETRY] == pytest.approx(2 * 200 * seconds, abs=40)
-    assert heard[TF] == pytest.approx(200 * seconds, abs=20)
+    assert received[LASER] == pytest.approx(2 * 10 * seconds, abs=8)
+    assert received[ODOMETRY] == pytest.approx(2 * 200 * seconds, abs=40)
+    assert received[TF] == pytest.approx(200 * seconds, abs=20)
 
 
-def test_a_listener_hears_topics_by_name_and_only_them(server):
-    listener = server.listen("listener", "/robot_1/scan")
-    listener.wait_until_connected()
+def test_a_subscriber_receives_the_named_topics_only(server):
+    subscriber = server.subscribe("subscriber", "/robot_1/scan")
+    subscriber.wait_until_connected()
 
-    begin = listener.next_reading(after=listener.next_reading().real + 0.5)
-    end = listener.next_reading(after=begin.real + 1.0)
+    begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
+    end = subscriber.next_reading(after=begin.real + 1.0)
 
     assert set(end.messages) == {LASER}
     seconds = end.simulated - begin.simulated
     assert end.messages[LASER] - begin.messages[LASER] == pytest.approx(10 * seconds, abs=4)
 
 
-def test_without_being_asked_nobody_listens_to_clock(server):
-    server.listen("listener", "--robots").wait_until_connected()
+def test_clock_is_subscribed_to_only_on_request(server):
+    server.subscribe("subscriber", "--robots").wait_until_connected()
 
-    assert server.listeners("/clock") == {"/rosout"}
+    assert server.subscribers("/clock") == {"/rosout"}
 
 
-def test_a_listener_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
+def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
     with ServerProcess(write_world(tmp_path, WORLDS, 100)) as server:
-        listener = server.listen("listener", "--robots")
+        subscriber = server.subscribe("subscriber", "--robots")
         server.wait_until(
-            lambda: listener.next_reading().is_connected, "a connection to each topic", limit=15.0
+            lambda: subscriber.next_reading().is_connected, "a connection to each topic", limit=15.0
         )
 
 
 def test_the_intervals_of_clock_are_those_of_steps(server):
-    listener = server.listen("listener", "--clock")
-    listener.next_reading(after=listener.next_reading().real + 1.0)
+    subscriber = server.subscribe("subscriber", "--clock")
+    subscriber.next_reading(after=subscriber.next_reading().real + 1.0)
 
-    clock = listener.end()
+    clock = subscriber.end()
 
     assert clock["clock_intervals"] > 100
     assert clock["p50"] == pytest.approx(0.001, rel=0.5)
     assert clock["p50"] <= clock["p99"] <= clock["worst"]
 
 
-def test_a_listener_that_is_stopped_does_not_hold_the_simulation_up(server):
-    listener = server.listen("listener", "--robots")
-    listener.wait_until_connected()
+def test_a_stopped_subscriber_does_not_block_the_simulation(server):
+    subscriber = server.subscribe("subscriber", "--robots")
+    subscriber.wait_until_connected()
     before = server.measure(1.0)
 
-    listener.process.stop()
+    subscriber.process.stop()
     server.measure(2.0)  # fills its sockets
     memory = server.server.memory
     during = server.measure(3.0)
     grown = server.server.memory - memory
-    listener.process.resume()
+    subscriber.process.resume()
 
     assert during.times_real_time > 0.5 * before.times_real_time
     assert grown < 5.0  # MB: what is not read is dropped
-    again = listener.next_reading()
-    later = listener.next_reading(after=again.real + 1.0)
+    again = subscriber.next_reading()
+    later = subscriber.next_reading(after=again.real + 1.0)
     assert later.messages[LASER] > again.messages[LASER]
 
 
 def test_all_ends_with_the_server(tmp_path):
     with ServerProcess(write_world(tmp_path, WORLDS, 1)) as server:
-        listener = server.listen("listener", "--robots")
-        # master, rosout, server, two listeners, once rosrun has become them
+        subscriber = server.subscribe("subscriber", "--robots")
+        # master, rosout, server, two subscribers, once rosrun has become them
         server.wait_until(lambda: len(processes_under(server.uri)) == 5, "all five to run")
-        listener.process.stop()
+        subscriber.process.stop()
 
     assert processes_under(server.uri) == []
 

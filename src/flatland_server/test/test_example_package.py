@@ -12,6 +12,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from catkin_pkg.packages import find_packages
 from ros_processes import free_port
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -116,6 +117,16 @@ def workspace(tmp_path_factory, flatland):
         f"catkin_make {CONFIGURE} install",
     )
     return folder
+
+
+def test_an_install_space_within_a_source_space_is_not_crawled(flatland, shell):
+    """As in the clone itself, after `catkin_make --source . install`."""
+    within = shell.run(f"ROS_PACKAGE_PATH={flatland.parent} rospack list-names")
+    itself = shell.run(f"source {flatland}/setup.bash", "rospack list-names").split()
+
+    assert "flatland" not in within
+    assert find_packages(str(flatland.parent)) == {}
+    assert {"flatland_msgs", "flatland_plugins", "flatland_server"} <= set(itself)
 
 
 @pytest.mark.parametrize("space", ["devel", "install"])

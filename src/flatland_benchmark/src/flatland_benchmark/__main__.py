@@ -1,4 +1,4 @@
-"""What `python -m flatland_benchmark` runs."""
+"""Entry point of `python -m flatland_benchmark`."""
 
 import sys
 

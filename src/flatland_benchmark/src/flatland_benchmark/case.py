@@ -1,4 +1,4 @@
-"""A case of the benchmark: a name, a sentence, and what measures it."""
+"""A case of the benchmark: a name, a description, and the function that measures it."""
 
 from pathlib import Path
 from typing import Callable, Dict, NamedTuple
@@ -8,8 +8,8 @@ Figures = Dict[str, float]
 
 
 class Case(NamedTuple):
-    """Something that is measured, each time in a process of its own."""
+    """Something to measure. Each run is a process of its own."""
 
-    name: str  # a word for the command line
+    name: str  # as typed on the command line
     description: str  # a sentence without a full stop
-    run: Callable[[Path], Figures]  # given the folder of the package's worlds
+    run: Callable[[Path], Figures]  # takes the folder of flatland_server's worlds

@@ -1,4 +1,4 @@
-"""The command: runs cases and prints, keeps, compares and draws what they give."""
+"""The command line: runs cases, and prints, writes, compares and plots their figures."""
 
 import argparse
 import fnmatch
@@ -18,7 +18,7 @@ from flatland_server.exceptions import FlatlandError, suggestion
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """Measures, or compares or draws what was measured. Returns the exit code."""
+    """Runs the command. Returns the exit code."""
     options = parser().parse_args(arguments)
     if options.one:
         name, worlds = options.one
@@ -32,16 +32,22 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
 
 def parser() -> argparse.ArgumentParser:
-    """Reads the command's arguments."""
+    """The parser of the command line."""
     result = argparse.ArgumentParser(prog="flatland_benchmark", description="Measure Flatland.")
     add = result.add_argument
     add("cases", nargs="*", metavar="CASE", help="a name or a pattern as 'scan_*'; default: all")
-    add("--list", action="store_true", help="say what cases there are")
-    add("--runs", type=_positive, default=5, metavar="N", help="of each case (default 5)")
-    add("--json", type=Path, metavar="FILE", help="write all values there too")
-    add("--plots", type=Path, metavar="DIR", help="draw pictures of the figures there")
-    add("--from", dest="source", type=Path, metavar="FILE", help="draw FILE's figures, run nothing")
-    add("--compare", nargs=2, type=Path, metavar=("A", "B"), help="show what changed from A to B")
+    add("--list", action="store_true", help="list all cases")
+    add("--runs", type=_positive, default=5, metavar="N", help="runs of each case (default 5)")
+    add("--json", type=Path, metavar="FILE", help="write all values to a file, too")
+    add("--plots", type=Path, metavar="DIR", help="write plots of the figures to a folder")
+    add(
+        "--from",
+        dest="source",
+        type=Path,
+        metavar="FILE",
+        help="plot FILE; run nothing",
+    )
+    add("--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare two files")
     add("--one", nargs=2, metavar=("CASE", "WORLDS"), help=argparse.SUPPRESS)
     return result
 
@@ -62,7 +68,7 @@ def _do(options: argparse.Namespace) -> int:
         print(comparison(Report.read(before), Report.read(after)), end="")
         return 0
     if options.plots:
-        require_matplotlib()  # now, not after an hour
+        require_matplotlib()  # before the cases run
     failed: List[str] = []
     if options.source:
         report = Report.read(options.source)
@@ -79,7 +85,7 @@ def select(patterns: List[str]) -> List[Case]:
     """The cases of these names or patterns.
 
     Raises:
-        FlatlandError: one fits no case.
+        FlatlandError: a pattern matches no case.
     """
     chosen: Dict[str, Case] = {}
     for pattern in patterns or ["*"]:
@@ -92,7 +98,7 @@ def select(patterns: List[str]) -> List[Case]:
 
 
 def _run(cases: List[Case], report: Report, options: argparse.Namespace) -> List[str]:
-    """Runs cases and adds what they give to the report. Returns the names of those that failed."""
+    """Runs cases and adds their figures to the report. Returns the names of those that failed."""
     failed = []
     print(HEADER, flush=True)
     for case in cases:
@@ -103,16 +109,16 @@ def _run(cases: List[Case], report: Report, options: argparse.Namespace) -> List
             failed.append(case.name)
             continue
         print(case_rows(case.name, report.cases[case.name]), flush=True)
-        if options.json:  # what there is, should it be interrupted
+        if options.json:  # after each case, in case of an interruption
             options.json.write_text(report.to_json(), encoding="utf-8")
     return failed
 
 
 def measure(case: Case, runs: int) -> CaseReport:
-    """Runs a case so many times, each in a process of its own.
+    """Runs a case several times, each in a process of its own.
 
     Raises:
-        FlatlandError: a run failed; it has said why on stderr.
+        FlatlandError: a run failed; its error is on stderr.
     """
     import rospkg
 

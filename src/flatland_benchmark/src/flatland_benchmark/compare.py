@@ -1,4 +1,4 @@
-"""What changed from one report to another."""
+"""Comparison of two reports."""
 
 import math
 from typing import Iterator, List, NamedTuple
@@ -8,7 +8,7 @@ from flatland_benchmark.tables import figure_title, row
 
 
 class Change(NamedTuple):
-    """A figure then and now."""
+    """A figure in two reports."""
 
     case: str
     name: str
@@ -17,20 +17,20 @@ class Change(NamedTuple):
 
     @property
     def ratio(self) -> float:
-        """How many times the median of before that of after is."""
+        """The median after, divided by the median before."""
         if self.before.median == 0.0:
             return 1.0 if self.after.median == 0.0 else math.inf
         return self.after.median / self.before.median
 
     @property
     def is_beyond_spread(self) -> bool:
-        """Whether every run of after was above every run of before, or every one below."""
+        """Whether all runs after are above all runs before, or all below."""
         (least_before, most_before), (least, most) = self.before.spread, self.after.spread
         return least > most_before or most < least_before
 
 
 def changes(before: Report, after: Report) -> Iterator[Change]:
-    """Of all figures that both have, in the order of before."""
+    """The figures that both reports have, in the order of the first."""
     for case, then in before.cases.items():
         now = after.cases[case].figures if case in after.cases else {}
         for name, figure in then.figures.items():

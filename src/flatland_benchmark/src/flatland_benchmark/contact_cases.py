@@ -1,4 +1,4 @@
-"""What it costs to hear of contacts."""
+"""The cost of contact hooks."""
 
 import tempfile
 import time
@@ -22,8 +22,8 @@ class Idle(ModelPlugin):
         pass
 
 
-class Listener(ModelPlugin):
-    """Hears of every contact of its model, at every moment."""
+class Hooked(ModelPlugin):
+    """Overrides all contact hooks."""
 
     def on_initialize(self, config: YamlReader) -> None:
         pass
@@ -42,17 +42,17 @@ class Listener(ModelPlugin):
 
 
 def hear_contacts(worlds: Path) -> Figures:
-    """A step of 100 discs that bounce about in a box, without plugins and with them."""
-    loader = PluginLoader(map(PluginDeclaration.of, (Idle, Listener)))
+    """A step of 100 discs bouncing in a box: without plugins, without hooks, with hooks."""
+    loader = PluginLoader(map(PluginDeclaration.of, (Idle, Hooked)))
     return {
         "no plugins [us]": _bounce(loader, ""),
         "without hooks [us]": _bounce(loader, "plugins: [{type: Idle, name: plugin}]"),
-        "with hooks [us]": _bounce(loader, "plugins: [{type: Listener, name: plugin}]"),
+        "with hooks [us]": _bounce(loader, "plugins: [{type: Hooked, name: plugin}]"),
     }
 
 
 def _bounce(loader: PluginLoader, plugins: str) -> float:
-    """Microseconds of a step of the discs, each with these plugins."""
+    """Time of a step [us], each disc with these plugins."""
     disc = "{type: circle, radius: 0.2, density: 1, restitution: 1}"
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "disc.yaml").write_text(
@@ -85,6 +85,4 @@ def _bounce(loader: PluginLoader, plugins: str) -> float:
     return seconds / steps * 1e6
 
 
-CONTACT_CASES = (
-    Case("hear_contacts", "a step of 100 discs that bounce about in a box", hear_contacts),
-)
+CONTACT_CASES = (Case("hear_contacts", "a step of 100 discs bouncing in a box", hear_contacts),)

@@ -1,4 +1,4 @@
-"""What rays meet, by brute force in double precision: who is right when two ray casters differ."""
+"""Ray casting by brute force in double precision: the reference where two ray casters differ."""
 
 from typing import Sequence, Tuple
 
@@ -7,18 +7,18 @@ import numpy as np
 from flatland_server.arrays import FloatArray, Segments
 
 _AT_ENDS = 1e-9
-"""How far [m] past the end of a segment a ray still meets it: neighbours leave no gap."""
+"""Tolerance [m] past a segment's ends, so that adjacent segments leave no gap."""
 
 _AT_ONCE = 4_000_000
-"""How many pairs of a ray and a segment are looked at at once; memory is 100 bytes for each."""
+"""Pairs of a ray and a segment per batch; each needs 100 bytes of memory."""
 
 
 def distances_to_segments(
     origins: FloatArray, directions: FloatArray, segments: Segments
 ) -> FloatArray:
-    """How far it is along each ray to the first segment; infinity if there is none.
+    """Distance along each ray to the first segment; infinity if there is none.
 
-    A ray along a segment does not meet it.
+    A ray parallel to a segment does not meet it.
 
     Args:
         origins: shape (n, 2).
@@ -39,7 +39,7 @@ def distances_to_segments(
 
 
 def _distances(origins: FloatArray, directions: FloatArray, segments: Segments) -> FloatArray:
-    """Of each ray to each segment: shape (n, m).
+    """Distances from each ray to each segment: shape (n, m).
 
     The point o + t d of the ray is the point a + u e of the segment, where
     t = (a - o) x e / (d x e) and u = (a - o) x d / (d x e).
@@ -59,7 +59,7 @@ def _distances(origins: FloatArray, directions: FloatArray, segments: Segments) 
 def distances_to_circle(
     origins: FloatArray, directions: FloatArray, center: Tuple[float, float], radius: float
 ) -> FloatArray:
-    """How far it is along each ray to a circle; infinity from within it."""
+    """Distance along each ray to a circle; infinity from inside it."""
     from_center = origins - np.array(center)
     # |o - c + t d| = r is t^2 + 2 b t + c = 0; the ray enters at the lesser t.
     b = np.sum(from_center * directions, axis=1)
@@ -72,7 +72,7 @@ def distances_to_circle(
 def distances_to_polygon(
     origins: FloatArray, directions: FloatArray, vertices: Sequence[Tuple[float, float]]
 ) -> FloatArray:
-    """How far it is along each ray to a convex polygon; infinity from within it.
+    """Distance along each ray to a convex polygon; infinity from inside it.
 
     Args:
         origins: shape (n, 2).

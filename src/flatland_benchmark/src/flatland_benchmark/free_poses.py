@@ -16,16 +16,16 @@ def free_poses(
     rng: np.random.Generator,
     reachable_from: Optional[Tuple[float, float]] = None,
 ) -> List[Pose]:
-    """Poses evenly spread over the free pixels of a map, anywhere in them, looking anywhere.
+    """Poses uniformly distributed over the free pixels of a map, with any heading.
 
-    Their numbers fit into single precision, so that all ray casters begin at the same point.
+    They are rounded to single precision, so that all ray casters start at the same point.
 
     Args:
-        map_file: of an image, without a turned origin.
-        count: how many.
-        rng: what draws them.
-        reachable_from: a point [m] that they are connected with; by default all free pixels count,
-            those outside the walls too.
+        map_file: of an image map whose origin is not rotated.
+        count: number of poses.
+        rng: the random generator.
+        reachable_from: only pixels connected with this point [m]; by default all free pixels,
+            outside the walls, too.
     """
     free, resolution, origin = read_free_space(map_file)
     if reachable_from is not None:
@@ -40,6 +40,6 @@ def free_poses(
 
 
 def single_precision(poses: FloatArray) -> List[Pose]:
-    """Poses, shape (n, 3), rounded so that their numbers fit into single precision."""
+    """Poses, shape (n, 3), rounded to single precision."""
     rounded: List[List[float]] = poses.astype(np.float32).tolist()
     return [Pose(*each) for each in rounded]

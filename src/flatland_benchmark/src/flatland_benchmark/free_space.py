@@ -1,4 +1,4 @@
-"""Where the image of a map has no walls, and what of it is connected."""
+"""The free pixels of a map image, and which of them are connected."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from flatland_server.maps.wall_outlines import bright_pixels
 
 
 class FreeSpace(NamedTuple):
-    """Where a map has no walls."""
+    """The free pixels of a map."""
 
     free: BoolArray
     """By pixel, the bottom row first."""
@@ -25,7 +25,7 @@ class FreeSpace(NamedTuple):
 
 
 def read_free_space(map_file: Path) -> FreeSpace:
-    """Of an image without a turned origin."""
+    """Reads a map whose origin is not rotated."""
     layer = yaml.safe_load(map_file.read_text())
     with Image.open(map_file.parent / layer["image"]) as image:
         free = bright_pixels(image, layer["occupied_thresh"])[::-1]
@@ -33,7 +33,7 @@ def read_free_space(map_file: Path) -> FreeSpace:
 
 
 def reachable(free: BoolArray, row: int, column: int) -> BoolArray:
-    """Which pixels are connected with one of them through free ones, side by side."""
+    """The free pixels connected with a given one (4-connectivity)."""
     reached = np.zeros_like(free)
     reached[row, column] = free[row, column]
     before = 0
@@ -45,7 +45,7 @@ def reachable(free: BoolArray, row: int, column: int) -> BoolArray:
 
 
 def _spread(reached: BoolArray, free: BoolArray) -> BoolArray:
-    """Along the rows, as far as it is free."""
+    """Extends the reached pixels along the rows."""
     breaks = ~free
     breaks[:, 0] = True
     run = np.cumsum(breaks.ravel())  # the free pixels of a run share a number

@@ -1,4 +1,4 @@
-"""What figures depend on besides the code that is measured: the machine, and which code it was."""
+"""The machine and the version of the code that was measured."""
 
 import os
 import platform
@@ -9,16 +9,16 @@ from typing import NamedTuple, Optional
 
 
 class Machine(NamedTuple):
-    """Where it ran."""
+    """The machine that the benchmark ran on."""
 
     system: str
     processor: str
     cores: int
-    load: float  # of the last minute, when the benchmark began
+    load: float  # average of the minute before the benchmark began
 
     @classmethod
     def this(cls) -> "Machine":
-        """The machine that this runs on."""
+        """This machine."""
         return cls(
             platform.platform(),
             _processor(Path("/proc/cpuinfo")),
@@ -28,7 +28,7 @@ class Machine(NamedTuple):
 
 
 def _processor(cpuinfo: Path) -> str:
-    """The name of the model where the system tells it (x86), else the architecture."""
+    """The processor's model name where the system has it (x86), else the architecture."""
     if cpuinfo.exists():
         for line in cpuinfo.read_text().splitlines():
             key, _, value = line.partition(":")
@@ -38,17 +38,17 @@ def _processor(cpuinfo: Path) -> str:
 
 
 def version() -> str:
-    """Of this package."""
+    """The version of flatland_server."""
     import rospkg
 
     return str(rospkg.RosPack().get_manifest("flatland_server").version)
 
 
 def commit() -> Optional[str]:
-    """Of the clone that this is run from, with "-dirty" if it was changed; or None."""
+    """The commit of the clone that this runs from, with "-dirty" if files were changed, or None."""
     here = Path(__file__).resolve()
     try:
-        # A folder that merely lies in some other repository is none of it.
+        # Ignores a repository that contains this file's folder without tracking it.
         _git(here.parent, "ls-files", "--error-unmatch", here.name)
         return _git(here.parent, "describe", "--always", "--dirty", "--abbrev=12")
     except (OSError, subprocess.CalledProcessError):
@@ -63,5 +63,5 @@ def _git(folder: Path, *arguments: str) -> str:
 
 
 def now() -> str:
-    """The moment, as ISO 8601 writes it."""
+    """The current time in UTC, in ISO 8601."""
     return datetime.now(timezone.utc).isoformat(timespec="seconds")

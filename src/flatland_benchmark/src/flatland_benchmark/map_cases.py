@@ -1,4 +1,4 @@
-"""Large maps: how long they take to load, and how much memory."""
+"""Cases with large maps: loading time and memory."""
 
 import tempfile
 import time
@@ -11,11 +11,11 @@ from flatland_benchmark.scenes import write_noisy_map
 from flatland_server.simulation.world import World
 
 _SPECKS = 0.006
-"""The share of black pixels in a very noisy map, which has some 400,000 segments."""
+"""Share of black pixels in a very noisy map, of about 400,000 segments."""
 
 
 def load(worlds: Path, simplify_map: int) -> Figures:
-    """Loads a very noisy map of 200 x 200 m, its outlines as they are or simplified."""
+    """Loads a very noisy map of 200 x 200 m, with exact or simplified outlines."""
     with tempfile.TemporaryDirectory() as folder:
         map_file = write_noisy_map(Path(folder), _SPECKS)
         path = Path(folder, "world.yaml")

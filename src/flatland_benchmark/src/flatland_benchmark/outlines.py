@@ -1,7 +1,7 @@
-"""Wall segments ordered outline by outline, as somebody would draw them.
+"""Wall segments ordered outline by outline.
 
-Box2D puts edges into a tree as they come. It becomes a good tree if each edge lies beside the one
-before, and may become one that is twice as slow otherwise.
+The shape of Box2D's tree depends on the order in which edges are inserted. Ray casts are up to
+twice as slow if consecutive edges are not neighbours.
 """
 
 from collections import defaultdict
@@ -12,14 +12,14 @@ import numpy as np
 from flatland_server.arrays import Segments
 
 _SAME = 1e-6
-"""How far apart [m] two ends may be that are one point."""
+"""Ends closer than this [m] are the same point."""
 
 
 def trace_outlines(segments: Segments) -> List[Segments]:
     """The same segments as outlines: chains in which each segment begins where the last one ends.
 
-    Outlines come in the order of their first segments, and begin with them. A segment that is met
-    at its second end is turned round.
+    Outlines come in the order of their first segments, and begin with them. A segment that is
+    reached at its second end is reversed.
 
     Args:
         segments: shape (n, 4), x1, y1, x2, y2.

@@ -1,4 +1,4 @@
-"""Pictures of a report, for the guide."""
+"""Plots of a report, for docs/speed.md."""
 
 from pathlib import Path
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
@@ -10,12 +10,12 @@ from flatland_server.exceptions import FlatlandError
 OURS, BOX2D, ORIGINAL, INK = "#2a6fdb", "#9aa4b2", "#d9822b", "#333333"
 
 # The original Flatland in C++, 2 cores, each robot as in `robot_worlds`: times real time by robots.
-ORIGINAL_UNHEARD = {1: 146.0, 10: 14.0, 50: 1.5, 100: 0.67}
-ORIGINAL_HEARD = {10: 13.0, 100: 0.6}
+ORIGINAL_UNSUBSCRIBED = {1: 146.0, 10: 14.0, 50: 1.5, 100: 0.67}
+ORIGINAL_SUBSCRIBED = {10: 13.0, 100: 0.6}
 
 
 class Part(NamedTuple):
-    """A part of a step in the picture."""
+    """A part of a step in the plot."""
 
     name: str
     color: str
@@ -31,20 +31,20 @@ PARTS = (
 
 
 def require_matplotlib() -> None:
-    """Raises FlatlandError if there is nothing to draw with: nothing else needs it."""
+    """Raises FlatlandError if matplotlib, which only plots need, is missing."""
     try:
         import matplotlib  # noqa: F401
     except ImportError:
         raise FlatlandError(
-            "pictures are drawn by matplotlib, which is missing: apt-get install python3-matplotlib"
+            "plots need matplotlib, which is missing: apt-get install python3-matplotlib"
         ) from None
 
 
 def draw(report: Report, folder: Path) -> List[Path]:
-    """Draws what the report has figures for. Returns the PNG files.
+    """Draws all plots that the report has figures for. Returns the PNG files.
 
     Raises:
-        FlatlandError: matplotlib is missing, or there is nothing to draw.
+        FlatlandError: matplotlib is missing, or there is nothing to plot.
     """
     require_matplotlib()
     import matplotlib
@@ -61,7 +61,7 @@ def draw(report: Report, folder: Path) -> List[Path]:
         "savefig.dpi": 120,
         "savefig.bbox": "tight",
     }
-    pictures: Dict[str, Callable[[Any, Report], Optional[Any]]] = {
+    plots: Dict[str, Callable[[Any, Report], Optional[Any]]] = {
         "robots": _draw_robots,
         "rays": _draw_rays,
         "step": _draw_step,
@@ -69,14 +69,14 @@ def draw(report: Report, folder: Path) -> List[Path]:
     paths = []
     folder.mkdir(parents=True, exist_ok=True)
     with pyplot.rc_context(style):
-        for name, draw_one in pictures.items():
+        for name, draw_one in plots.items():
             figure = draw_one(pyplot, report)
             if figure is not None:
                 paths.append(folder / f"speed_{name}.png")
                 figure.savefig(paths[-1])
                 pyplot.close(figure)
     if not paths:
-        raise FlatlandError("none of these cases is drawn; scan_*, serve_* and parts_* are")
+        raise FlatlandError("none of these cases is plotted; scan_*, serve_* and parts_* are")
     return paths
 
 
@@ -85,7 +85,7 @@ def _median(report: Report, case: str, figure: str) -> float:
 
 
 def _by_robots(report: Report, pattern: str) -> Dict[int, float]:
-    """Times real time of the cases called so, a number in place of the braces."""
+    """Times real time by number of robots, which replaces the braces in the case's name."""
     cases = {n: pattern.format(n) for n in ROBOTS}
     return {
         n: _median(report, case, "times real time")
@@ -96,16 +96,16 @@ def _by_robots(report: Report, pattern: str) -> Dict[int, float]:
 
 def _draw_robots(pyplot: Any, report: Report) -> Optional[Any]:
     """Times real time by robots, with the original's."""
-    unheard = _by_robots(report, "serve_{}") or _by_robots(report, "robots_{}")
-    heard = _by_robots(report, "serve_{}_heard")
-    if not unheard:
+    unsubscribed = _by_robots(report, "serve_{}") or _by_robots(report, "robots_{}")
+    subscribed = _by_robots(report, "serve_{}_heard")
+    if not unsubscribed:
         return None
     figure, axes = pyplot.subplots(figsize=(7.2, 4.4))
     lines: List[Tuple[str, Dict[int, float], str, str]] = [
-        ("nobody listens", unheard, OURS, "-"),
-        ("all is listened to", heard, OURS, ":"),
-        ("the original, nobody listens", ORIGINAL_UNHEARD, ORIGINAL, "-"),
-        ("the original, all is listened to", ORIGINAL_HEARD, ORIGINAL, ":"),
+        ("no subscribers", unsubscribed, OURS, "-"),
+        ("all topics subscribed to", subscribed, OURS, ":"),
+        ("the original, no subscribers", ORIGINAL_UNSUBSCRIBED, ORIGINAL, "-"),
+        ("the original, all topics subscribed to", ORIGINAL_SUBSCRIBED, ORIGINAL, ":"),
     ]
     for label, values, color, style in lines:
         if values:
@@ -114,7 +114,7 @@ def _draw_robots(pyplot: Any, report: Report) -> Optional[Any]:
     axes.text(0.01, 1.06, "real time", transform=axes.get_yaxis_transform())
     axes.set(xscale="log", yscale="log", xlabel="robots")
     axes.set_title("Times real time", loc="left")
-    _label(axes.xaxis, {n: f"{n:,}" for n in sorted({*unheard, *ORIGINAL_UNHEARD})})
+    _label(axes.xaxis, {n: f"{n:,}" for n in sorted({*unsubscribed, *ORIGINAL_UNSUBSCRIBED})})
     axes.minorticks_off()
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:,g}")
     axes.grid(axis="y", alpha=0.3)
@@ -133,7 +133,7 @@ _SCENES = {
 
 
 def _draw_rays(pyplot: Any, report: Report) -> Optional[Any]:
-    """Nanoseconds of a beam by scene, beside Box2D's."""
+    """Time of a beam by scene [ns], beside Box2D's."""
     cases = [case for case in _SCENES if case in report.cases]
     if not cases:
         return None
@@ -161,13 +161,13 @@ def _draw_rays(pyplot: Any, report: Report) -> Optional[Any]:
 
 
 def _draw_step(pyplot: Any, report: Report) -> Optional[Any]:
-    """Microseconds of a step by part."""
+    """Time of a step by part [us]."""
     rows = [robots for robots in (1, 100) if f"parts_{robots}" in report.cases]
     if not rows:
         return None
     figure, all_axes = pyplot.subplots(len(rows), figsize=(7.2, 2.1 * len(rows)), squeeze=False)
     for axes, robots in zip(all_axes[:, 0], rows):
-        cases = {f"parts_{robots}_heard": "all is heard", f"parts_{robots}": "nobody listens"}
+        cases = {f"parts_{robots}_heard": "all topics", f"parts_{robots}": "no subscribers"}
         labels = {}
         for place, (case, label) in enumerate(cases.items()):
             if case not in report.cases:
@@ -194,6 +194,6 @@ def _draw_step(pyplot: Any, report: Report) -> Optional[Any]:
 
 
 def _label(axis: Any, labels: Dict[Any, str]) -> None:
-    """Puts labels at places of an axis, and no others."""
+    """Sets the ticks of an axis to these labels only."""
     axis.set_ticks(list(labels))
     axis.set_ticklabels(list(labels.values()))

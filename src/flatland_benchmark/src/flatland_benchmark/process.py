@@ -1,4 +1,4 @@
-"""A program that is started, looked at from outside, and ended."""
+"""A child process: its output, processor time and memory, and its end."""
 
 import ctypes
 import json
@@ -19,13 +19,13 @@ _libc = ctypes.CDLL(None)
 
 
 class Process:
-    """A program with its output in files. Should this process die, so does the program.
+    """A program with its output in files. It is killed when this process dies.
 
     Args:
-        name: of the files, and of the program in errors.
-        command: what is run.
-        folder: where the files go.
-        environment: the program's.
+        name: of the output files, and of the program in error messages.
+        command: the command line.
+        folder: the folder of the output files.
+        environment: the program's environment.
     """
 
     def __init__(
@@ -42,36 +42,36 @@ class Process:
                 stdout=output,
                 stderr=errors,
                 env=environment,
-                start_new_session=True,  # Ctrl-C is for us; we end it in order
+                start_new_session=True,  # Ctrl-C reaches this process only, which ends the program
                 preexec_fn=_die_with_parent,
             )
 
     @property
     def output(self) -> str:
-        """What it has said so far."""
+        """Its standard output so far."""
         return self._output.read_text()
 
     @property
     def has_ended(self) -> bool:
-        """Whether it runs no more."""
+        """Whether it has ended."""
         return self._popen.poll() is not None
 
     @property
     def cpu_seconds(self) -> float:
-        """Processor time that it has used, on all cores."""
+        """Processor time used so far, on all cores."""
         stat = Path(f"/proc/{self._popen.pid}/stat").read_text()
         user, system = stat.rpartition(")")[2].split()[11:13]
         return (int(user) + int(system)) / _TICKS
 
     @property
     def memory(self) -> float:
-        """Main memory that it holds now [MB]."""
+        """Resident memory [MB]."""
         status = Path(f"/proc/{self._popen.pid}/status").read_text()
         kilobytes = next(line for line in status.splitlines() if line.startswith("VmRSS:"))
         return int(kilobytes.split()[1]) / 1024
 
     def new_lines(self) -> List[Any]:
-        """What its lines of JSON say that have come since the last call."""
+        """The values of the JSON lines printed since the last call."""
         with self._output.open() as file:
             file.seek(self._read)
             whole, newline, _ = file.read().rpartition("\n")
@@ -79,18 +79,18 @@ class Process:
         return [json.loads(line) for line in whole.splitlines() if line.startswith("{")]
 
     def stop(self) -> None:
-        """Takes the processor away from it: it neither reads nor answers."""
+        """Stops it (SIGSTOP): it neither reads nor answers."""
         self._popen.send_signal(signal.SIGSTOP)
 
     def resume(self) -> None:
-        """Lets it go on after `stop`."""
+        """Continues it after `stop`."""
         self._popen.send_signal(signal.SIGCONT)
 
     def wait(self, limit: float) -> None:
-        """Waits for its end.
+        """Waits until it ends.
 
         Raises:
-            FlatlandError: it has not ended in time, or not well.
+            FlatlandError: it takes longer than `limit` seconds, or fails.
         """
         try:
             code = self._popen.wait(limit)
@@ -100,7 +100,7 @@ class Process:
             raise FlatlandError(f"{self.name} has ended with {code}\n{self.report()}")
 
     def end(self) -> None:
-        """Ends it, politely at first."""
+        """Ends it: by SIGTERM, and by SIGKILL if that takes longer than 5 s."""
         if self.has_ended:
             return
         self._popen.terminate()
@@ -112,7 +112,7 @@ class Process:
             self._popen.wait()
 
     def report(self) -> str:
-        """The last of what it has said, for errors."""
+        """Its last lines of output, for error messages."""
         lines = [
             *self._output.read_text(errors="replace").splitlines()[-5:],
             *self._errors.read_text(errors="replace").splitlines()[-20:],
@@ -130,7 +130,7 @@ def wait_until(
     """The first true value of `holds()`.
 
     Raises:
-        FlatlandError: it takes too long, or one of the processes has ended before.
+        FlatlandError: it takes too long, or one of the processes has ended.
     """
     deadline = time.monotonic() + limit
     while True:

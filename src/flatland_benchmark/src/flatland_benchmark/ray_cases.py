@@ -1,8 +1,7 @@
 """Scans against b2World::RayCast: the same scene, the same poses, the same process, one thread.
 
-What counts is the processor's time of all of this process's threads: other programs do not count.
-Each of our scans comes after a step, which may have moved every body; the step itself does not
-count.
+Times are processor time of this process, over all its threads, so that other programs do not count.
+A step, which may move every body, precedes each of our scans; its own time is subtracted.
 """
 
 import time
@@ -26,18 +25,18 @@ Scan = Callable[[Pose], Ranges]
 
 _FIRST, _INCREMENT, _BEAMS = -2.356194490192345, 0.004363323129985824, 1081  # 270 degrees
 _BLOCK = 10
-"""How many poses are scanned before it is the other's turn."""
+"""Poses scanned in a row by one ray caster before the other scans them."""
 _ROUNDS = 5
 _SAME = 1e-3
 """Ranges that differ by no more than this [m] are the same."""
 
 
 def compare(build: Callable[[Path], Scene], reach: float, worlds: Path) -> Figures:
-    """How long a beam takes here and there, and who is right where the two differ.
+    """Time of a beam in Flatland and in Box2D, and which is exact where they differ.
 
     Args:
         build: makes the scene.
-        reach: of the lidar [m]; Box2D's rays are that long.
+        reach: range of the lidar [m], and length of Box2D's rays.
         worlds: the folder of the package's worlds.
     """
     scene = build(worlds)
@@ -80,14 +79,14 @@ def _blocks(poses: List[Pose]) -> List[List[Pose]]:
 
 
 def _fastest(scans: List[Scan], poses: List[Pose]) -> Scan:
-    """The one that takes least time, each at its best."""
+    """The fastest scan, by the best of several rounds each."""
     few = poses[:: len(poses) // _BLOCK]
     times = [min(_beam_time(scan, few) for _ in range(_ROUNDS)) for scan in scans]
     return scans[times.index(min(times))]
 
 
 def _beam_time(scan: Scan, poses: List[Pose], before: Callable[[], None] = lambda: None) -> float:
-    """Seconds for each beam of scans from these poses, without what is done before each."""
+    """Seconds per beam of scans from these poses, without the time of `before`."""
     begin = time.process_time()
     for pose in poses:
         before()
@@ -102,7 +101,7 @@ def _beam_time(scan: Scan, poses: List[Pose], before: Callable[[], None] = lambd
 def differences(
     scene: Scene, angles: FloatArray, reach: float, scans: List[Tuple[Ranges, Ranges]]
 ) -> Tuple[int, int]:
-    """How many ranges differ from Box2D's, and of those, how many Box2D has more exactly."""
+    """Number of ranges that differ from Box2D's, and of those where Box2D is more exact."""
     poses = np.array(scene.poses)
     ours, theirs = (np.array(ranges, dtype=np.float64) for ranges in zip(*scans))
     scan, beam = np.nonzero(_error(ours, theirs) > _SAME)
@@ -116,7 +115,7 @@ def differences(
 
 
 def _error(a: FloatArray, b: FloatArray) -> FloatArray:
-    """How far two arrays of ranges are apart; nothing seen is infinitely far from anything."""
+    """Absolute difference of ranges; infinite where just one of them is."""
     with np.errstate(invalid="ignore"):
         return np.where(a == b, 0.0, np.abs(a - b))
 

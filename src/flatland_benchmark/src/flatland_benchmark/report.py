@@ -1,4 +1,4 @@
-"""What was measured, where and when; as JSON it is as benchmark.schema.json says."""
+"""A report: what was measured, where and when. benchmark.schema.json describes its JSON form."""
 
 import json
 import re
@@ -11,38 +11,38 @@ from flatland_benchmark.machine import Machine, commit, now, version
 from flatland_server.exceptions import FlatlandError
 
 SCHEMA_VERSION = 1
-"""Counts up whenever files of before cannot be read as those of after."""
+"""Increased whenever older files cannot be read the same way."""
 
 _WITH_UNIT = re.compile(r"(.*) \[(.*)\]")
 
 
 class Figure(NamedTuple):
-    """A number that was measured some times."""
+    """A quantity, measured once per run."""
 
     unit: str  # empty for a ratio or a count
     values: Tuple[float, ...]  # one for each run
 
     @property
     def median(self) -> float:
-        """What it is taken for."""
+        """The median of the runs."""
         return statistics.median(self.values)
 
     @property
     def spread(self) -> Tuple[float, float]:
-        """The least and the most that it was."""
+        """The least and the greatest value."""
         return min(self.values), max(self.values)
 
 
 @dataclass(frozen=True)
 class CaseReport:
-    """What a case gave: its figures by name."""
+    """The figures of a case, by name."""
 
     description: str
     figures: Dict[str, Figure]
 
     @classmethod
     def of_runs(cls, description: str, runs: List[Dict[str, float]]) -> "CaseReport":
-        """Of figures as cases give them, their units in brackets behind their names."""
+        """Collects the runs' figures, whose names end in a unit in brackets."""
         figures = {}
         for key in runs[0]:
             match = _WITH_UNIT.fullmatch(key)
@@ -53,7 +53,7 @@ class CaseReport:
 
 @dataclass(frozen=True)
 class Report:
-    """All that one call of the benchmark gave."""
+    """The results of one run of the benchmark."""
 
     machine: Machine
     version: str
@@ -63,11 +63,11 @@ class Report:
 
     @classmethod
     def begin(cls) -> "Report":
-        """Without cases yet, of this machine, program and moment."""
+        """An empty report for this machine, version and time."""
         return cls(Machine.this(), version(), commit(), now())
 
     def to_json(self) -> str:
-        """The file's text."""
+        """The report as JSON."""
         values = {
             "schema": SCHEMA_VERSION,
             "date": self.date,
@@ -86,10 +86,10 @@ class Report:
 
     @classmethod
     def read(cls, path: Path) -> "Report":
-        """From a file.
+        """Reads a report from a file.
 
         Raises:
-            FlatlandError: it cannot be read, or is no such report.
+            FlatlandError: the file cannot be read, or is not a report.
         """
         try:
             values: Any = json.loads(path.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Robots in this process: no ROS master, and nobody listens."""
+"""Cases with robots in this process, without a ROS master."""
 
 import json
 import subprocess
@@ -18,14 +18,14 @@ from flatland_server.transport.local_transport import LocalTransport
 
 _STEP_SIZE = 0.005
 _SCAN_PERIOD = 20
-"""Steps from one scan to the next: whole ones are measured."""
+"""Steps between two scans; a multiple of this is measured."""
 _MEASURED = 2.0
-"""How long it is measured at least [s of real time]."""
+"""Least duration of a measurement [s of real time]."""
 _SPAWNS = 200
 
 
 def run_robots(worlds: Path, robots: int) -> Figures:
-    """So many robots in the office, as fast as they go."""
+    """This many robots in the office, as fast as it goes, without subscribers."""
     with tempfile.TemporaryDirectory() as folder:
         world = World.from_file(
             write_world(Path(folder), worlds, robots), LocalTransport(subscribed_topics=())
@@ -36,12 +36,12 @@ def run_robots(worlds: Path, robots: int) -> Figures:
 
 
 def run_office(worlds: Path) -> Figures:
-    """The office with its robot, every topic listened to in this process."""
+    """The office with its robot, with a subscriber to every topic in this process."""
     return {**run(World.from_file(worlds / "office/world.yaml")), **peak_memory()}
 
 
 def run(world: World) -> Figures:
-    """Steps a world for a while, and says how long a step took."""
+    """Steps a world for a while and returns the time per step."""
     timekeeper = Timekeeper(_STEP_SIZE)
 
     def steps(count: int) -> None:
@@ -64,7 +64,7 @@ def run(world: World) -> Figures:
 
 
 def spawn(worlds: Path) -> Figures:
-    """The office's robot is spawned and deleted again and again."""
+    """Spawns and deletes the office's robot again and again."""
     world = World.from_file(worlds / "office/world.yaml")
     times = []
     for i in range(_SPAWNS):
@@ -75,14 +75,14 @@ def spawn(worlds: Path) -> Figures:
     return durations(times)
 
 
-def time_parts(worlds: Path, robots: int, heard: bool) -> Figures:
-    """Where the time of a step goes; that knows ROS's messages, so it is a program of its own."""
+def time_parts(worlds: Path, robots: int, subscribed: bool) -> Figures:
+    """Time of a step by part. It imports rospy, so it is a program of its own."""
     with tempfile.TemporaryDirectory() as folder:
         world = write_world(Path(folder), worlds, robots)
         command = [sys.executable, "-m", "flatland_benchmark.step_parts", str(world)]
-        output = subprocess.run(
-            [*command, *(["--heard"] if heard else [])], stdout=subprocess.PIPE, check=True
-        ).stdout
+        if subscribed:
+            command.append("--subscribed")
+        output = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
     return {f"{part} [us]": value for part, value in json.loads(output).items()}
 
 
@@ -90,21 +90,21 @@ ROBOT_CASES = (
     *(
         Case(
             f"robots_{robots}",
-            f"{in_words(robots)} in the office, in process, nobody listens",
+            f"{in_words(robots)} in the office, in process, no subscribers",
             partial(run_robots, robots=robots),
         )
         for robots in ROBOTS
     ),
     *(
         Case(
-            f"parts_{robots}" + ("_heard" if heard else ""),
+            f"parts_{robots}" + ("_heard" if subscribed else ""),
             f"parts of a step, {in_words(robots)}, "
-            f"{'all is' if heard else 'nothing is'} listened to",
-            partial(time_parts, robots=robots, heard=heard),
+            f"{'all topics' if subscribed else 'no topics'} subscribed to",
+            partial(time_parts, robots=robots, subscribed=subscribed),
         )
         for robots in (1, 100)
-        for heard in (False, True)
+        for subscribed in (False, True)
     ),
-    Case("run_office", "the office with its robot, in process, all is listened to", run_office),
+    Case("run_office", "the office with its robot, in process, all subscribed to", run_office),
     Case("spawn", "a robot is spawned in the office, in process", spawn),
 )

@@ -1,8 +1,8 @@
 """Worlds of many robots in the office, as the benchmark runs them.
 
-Every robot has a drive, a transform publisher and a lidar of 1081 beams that scans at 10 Hz whether
-somebody listens or not; everything else has its default rate, which is every step. They stand
-still: driving costs the same, and robots that stand do not wander into walls.
+Every robot has a drive, a transform publisher and a lidar of 1081 beams that scans at 10 Hz with or
+without subscribers; everything else has its default rate, which is every step. The robots stand
+still: driving costs the same, and robots at rest do not run into walls.
 """
 
 from pathlib import Path
@@ -14,10 +14,10 @@ from flatland_benchmark.free_space import reachable, read_free_space
 from flatland_server.arrays import BoolArray
 
 RADIUS = 0.18
-"""Of a robot [m]."""
+"""A robot's radius [m]."""
 
 _MODEL = f"""\
-# The office's robot, with all plugins at the rates that they have when nobody says otherwise.
+# The office's robot, with all plugins at their default rates.
 bodies:
   - name: base_link
     type: dynamic
@@ -58,10 +58,10 @@ _CELL = 0.25
 """Side of the squares [m] by which free places are looked for."""
 
 _CLOSEST = 2
-"""How many cells there are at least from one robot to the next: 0.5 m."""
+"""Least distance between robots in cells: 0.5 m."""
 
 _START = (0.0, 0.0)
-"""A place inside the walls: the office's lobby [m]."""
+"""A point inside the walls: the office's lobby [m]."""
 
 
 def write_world(folder: Path, worlds: Path, robots: int) -> Path:
@@ -85,7 +85,7 @@ def write_world(folder: Path, worlds: Path, robots: int) -> Path:
         "models:" if robots else "models: []",
     ]
     for i, (x, y) in enumerate(free_places(worlds / "office" / "office.yaml", robots)):
-        yaw = i * 2.4 % 6.28  # all ways, as a sunflower's leaves
+        yaw = i * 2.4 % 6.28  # spread over all headings
         lines.append(
             f"  - {{name: robot_{i}, namespace: robot_{i}, model: robot.model.yaml, "
             f"pose: [{x:.3f}, {y:.3f}, {yaw:.3f}]}}"
@@ -117,7 +117,7 @@ def free_places(map_file: Path, count: int) -> List[Tuple[float, float]]:
 
 
 def _coarsened(free: BoolArray, side: int) -> BoolArray:
-    """Which squares of so many pixels are free altogether."""
+    """Squares of `side` x `side` pixels that are free altogether."""
     height, width = (length // side for length in free.shape)
     squares = free[: height * side, : width * side].reshape(height, side, width, side)
     coarse: BoolArray = squares.all(axis=(1, 3))
@@ -125,7 +125,7 @@ def _coarsened(free: BoolArray, side: int) -> BoolArray:
 
 
 def _eroded(free: BoolArray) -> BoolArray:
-    """Which cells are free with all eight around them."""
+    """Cells that are free and have eight free neighbours."""
     padded = np.pad(free, 1)
     height, width = free.shape
     roomy = free.copy()

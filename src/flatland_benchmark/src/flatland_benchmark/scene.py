@@ -1,4 +1,4 @@
-"""What rays are cast in: the same walls and bodies in Flatland, in Box2D, and as numbers."""
+"""Scenes for ray casts: the same walls and bodies in Flatland, in Box2D, and as arrays."""
 
 from typing import List, NamedTuple, Tuple, Union
 
@@ -32,19 +32,19 @@ class Polygon(NamedTuple):
 
 
 class Body(NamedTuple):
-    """Something that could move, at rest."""
+    """A dynamic body at rest."""
 
     pose: Pose
     footprints: Tuple[Union[Circle, Polygon], ...]
 
 
 class Scene:
-    """Walls and bodies, and the poses that they are looked at from.
+    """Walls and bodies, and the poses of the lidar.
 
     Args:
-        world: its walls; the bodies are added to it.
+        world: has the walls; the bodies are added to it.
         poses: of the lidar.
-        bodies: all of them seen by lidars.
+        bodies: all of them visible to lidars.
     """
 
     def __init__(self, world: World, poses: List[Pose], bodies: Tuple[Body, ...] = ()) -> None:
@@ -55,14 +55,14 @@ class Scene:
         for body in bodies:
             handle = world.physics.add_body("dynamic", body.pose)
             for footprint in body.footprints:
-                # They stay where they are, even if they overlap.
+                # Without collisions: they may overlap, and stay where they are.
                 if isinstance(footprint, Circle):
                     handle.add_circle(*footprint, density=1.0, collides=False)
                 else:
                     handle.add_polygon(*footprint, density=1.0, collides=False)
 
     def in_box2d(self) -> List[_box2d_rays.World]:
-        """The scene for Box2D, in several orders of insertion, of which one suits its tree best."""
+        """The scene in Box2D, for several orders of insertion: its speed depends on them."""
         outlines = trace_outlines(self.segments)
         longest_first = sorted(outlines, key=len, reverse=True)
         return [self._insert(order) for order in (outlines, outlines[::-1], longest_first)]
@@ -80,7 +80,7 @@ class Scene:
         return world
 
     def exact_distances(self, origins: FloatArray, directions: FloatArray) -> FloatArray:
-        """How far it is along each ray [m] to what it meets first, however far that is.
+        """Distance along each ray [m] to the first wall or body; infinity if there is none.
 
         Args:
             origins: in the world [m], shape (n, 2).

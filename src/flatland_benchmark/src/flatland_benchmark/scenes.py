@@ -1,4 +1,4 @@
-"""The scenes of the ray cases; another seed puts the lidar, and the bodies, somewhere else."""
+"""The scenes of the ray cases. The seed determines the poses of the lidar and the bodies."""
 
 import tempfile
 from pathlib import Path
@@ -13,11 +13,11 @@ from flatland_server.geometry import Pose
 from flatland_server.simulation.world import World
 
 POSES = 200
-"""From how many poses each is looked at."""
+"""Number of lidar poses in each scene."""
 
 
 def office(worlds: Path, seed: int = 1) -> Scene:
-    """The office's walls and furniture, from anywhere inside."""
+    """The office's walls and furniture, from poses anywhere inside."""
     return Scene(_world_of(worlds / "office/office.yaml"), _office_poses(worlds, POSES, seed))
 
 
@@ -61,7 +61,7 @@ def room(worlds: Path, seed: int = 1) -> Scene:
 
 
 def room_with_bodies(worlds: Path, seed: int = 1) -> Scene:
-    """The same with fifty bodies in view."""
+    """The room with fifty bodies in view."""
     bodies = _fifty_bodies(_room_poses(50, seed))
     return Scene(_empty_room(), _outside(bodies, _room_poses(4 * POSES, seed)[50:])[:POSES], bodies)
 
@@ -101,7 +101,7 @@ _KINDS: Tuple[Tuple[Union[Circle, Polygon], ...], ...] = (
     (_WEDGE, Polygon(((-0.5, -0.125), (-0.25, -0.125), (-0.25, 0.125), (-0.5, 0.125)))),
 )
 _FARTHEST = 0.65
-"""How far a footprint reaches at most from its body's origin [m]."""
+"""Greatest distance of a footprint's edge from its body's origin [m]."""
 
 
 def _fifty_bodies(poses: List[Pose]) -> Tuple[Body, ...]:
@@ -109,6 +109,6 @@ def _fifty_bodies(poses: List[Pose]) -> Tuple[Body, ...]:
 
 
 def _outside(bodies: Tuple[Body, ...], poses: List[Pose]) -> List[Pose]:
-    """Those of the poses that are in no body."""
+    """The poses outside all bodies."""
     places = np.array([body.pose[:2] for body in bodies])
     return [pose for pose in poses if np.hypot(*(places - pose[:2]).T).min() > _FARTHEST]

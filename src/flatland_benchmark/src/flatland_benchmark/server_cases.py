@@ -1,4 +1,4 @@
-"""Cases that run the real server under a ROS master of its own: speed, listeners."""
+"""Cases that run the real server under a ROS master of its own: speed, subscribers."""
 
 import json
 import shutil
@@ -12,41 +12,41 @@ from typing import Iterator, List, Tuple
 from flatland_benchmark.case import Case, Figures
 from flatland_benchmark.figures import ROBOTS, durations, in_words
 from flatland_benchmark.robot_worlds import write_world
-from flatland_benchmark.server_process import Interval, Listener, ServerProcess
+from flatland_benchmark.server_process import CountingSubscriber, Interval, ServerProcess
 
 ROBOTS_ALONE = (1, 10, 100)
-ROBOTS_LISTENED_TO = (1, 10, 100)
+ROBOTS_SUBSCRIBED_TO = (1, 10, 100)
 
 MEASURING = 5.0
-"""How long most cases watch [s of real time]."""
+"""Duration of a measurement in most cases [s of real time]."""
 
 SETTLING = 1.0
-"""How long they let go by before [s]."""
+"""Waited before a measurement [s]."""
 
 STALLED = 4.0
-"""How long a listener reads nothing [s]."""
+"""Duration for which a subscriber reads nothing [s]."""
 
 GROWING = 10.0
-"""How long memory has for growing [s]."""
+"""Time between two readings of memory [s]."""
 
 SPAWNED = 200
-"""Models that are spawned."""
+"""Number of models that are spawned."""
 
 REAL_TIME = 200.0
 """Steps per second of real time, where the loop is not unbounded."""
 
 _SENT = {
-    "sensor_msgs/LaserScan": ("scans heard [%]", 10.0, 0.0),
-    "nav_msgs/Odometry": ("odometry heard [%]", 1.0 / ServerProcess.STEP_SIZE, 0.0),
-    "tf2_msgs/TFMessage": ("tf heard [%]", 0.0, 1.0 / ServerProcess.STEP_SIZE),
+    "sensor_msgs/LaserScan": ("scans received [%]", 10.0, 0.0),
+    "nav_msgs/Odometry": ("odometry received [%]", 1.0 / ServerProcess.STEP_SIZE, 0.0),
+    "tf2_msgs/TFMessage": ("tf received [%]", 0.0, 1.0 / ServerProcess.STEP_SIZE),
 }
-"""By type: a figure's name, and how many messages are sent in a simulated second, by each robot
-and by all together."""
+"""By type: a figure's name, and the messages sent per simulated second by each robot and by all
+together."""
 
 
 @contextmanager
 def _robots(worlds: Path, robots: int, rosout: bool = True) -> Iterator[ServerProcess]:
-    """A server with so many robots, its loop unbounded."""
+    """A server with this many robots, as fast as it goes."""
     with tempfile.TemporaryDirectory(prefix="flatland_benchmark_") as folder:
         world = write_world(Path(folder), worlds, robots)
         with ServerProcess(world, rosout=rosout) as server:
@@ -64,40 +64,40 @@ def _figures(interval: Interval, server: ServerProcess) -> Figures:
 
 
 def serve(worlds: Path, robots: int, rosout: bool = True) -> Figures:
-    """Nobody listens but rosout, to /clock."""
+    """Without subscribers, except rosout to /clock."""
     with _robots(worlds, robots, rosout) as server:
         return _figures(server.measure(MEASURING), server)
 
 
-def serve_with_listener(worlds: Path, robots: int) -> Figures:
-    """One listener to all robots; what it hears is given as a part of what is sent."""
+def serve_with_subscriber(worlds: Path, robots: int) -> Figures:
+    """One subscriber to all robots' topics; reports the share of the messages that it receives."""
     with _robots(worlds, robots) as server:
-        listener = _connected(server)
+        subscriber = _connected(server)
         server.settle(SETTLING)
-        before = listener.next_reading()
+        before = subscriber.next_reading()
         interval = server.measure(MEASURING)
-        after = listener.next_reading()
+        after = subscriber.next_reading()
         figures = _figures(interval, server)
     seconds = after.simulated - before.simulated
     for name, (figure, each, together) in _SENT.items():
-        heard = after.messages[name] - before.messages[name]
-        figures[figure] = 100.0 * heard / ((each * robots + together) * seconds)
+        received = after.messages[name] - before.messages[name]
+        figures[figure] = 100.0 * received / ((each * robots + together) * seconds)
     return figures
 
 
-def _connected(server: ServerProcess) -> Listener:
-    listener = server.listen("listener", "--robots")
-    listener.wait_until_connected()
-    return listener
+def _connected(server: ServerProcess) -> CountingSubscriber:
+    subscriber = server.subscribe("subscriber", "--robots")
+    subscriber.wait_until_connected()
+    return subscriber
 
 
-def stalled_listener(worlds: Path) -> Figures:
-    """A listener that stops reading, as one does that is stopped: its messages are dropped."""
+def stalled_subscriber(worlds: Path) -> Figures:
+    """A subscriber whose process is stopped: its messages are dropped."""
     with _robots(worlds, 10) as server:
-        listener = _connected(server)
+        subscriber = _connected(server)
         server.settle(SETTLING)
         before = server.measure(STALLED)
-        listener.process.stop()
+        subscriber.process.stop()
         server.settle(SETTLING)
         during = server.measure(STALLED)
     return {
@@ -108,7 +108,7 @@ def stalled_listener(worlds: Path) -> Figures:
 
 
 def grow(worlds: Path) -> Figures:
-    """Memory of a hundred robots with a listener, a while after the start and a while later."""
+    """Growth of memory over time, with a hundred robots and a subscriber."""
     with _robots(worlds, 100) as server:
         _connected(server)
         server.settle(SETTLING)
@@ -123,7 +123,7 @@ def grow(worlds: Path) -> Figures:
 
 
 def serve_real_time(worlds: Path) -> Figures:
-    """The office at 200 Hz, with the intervals at which /clock comes to a listener."""
+    """The office at 200 Hz, with the intervals of /clock as a subscriber receives it."""
     with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
         server.settle(SETTLING)
         return _real_time_figures(server)
@@ -141,7 +141,7 @@ def serve_rviz(worlds: Path) -> Figures:
             DISPLAY=f":{number}",
             LIBGL_ALWAYS_SOFTWARE="1",
         )
-        server.wait_until(lambda: server.listeners("/scan"), "the window")
+        server.wait_until(lambda: server.subscribers("/scan"), "the window")
         server.settle(3 * SETTLING)
         cpu, begin = window.cpu_seconds, time.monotonic()
         figures = _real_time_figures(server)
@@ -150,10 +150,10 @@ def serve_rviz(worlds: Path) -> Figures:
 
 
 def _real_time_figures(server: ServerProcess) -> Figures:
-    listener = server.listen("listener", "--clock")
-    listener.next_reading()
+    subscriber = server.subscribe("subscriber", "--clock")
+    subscriber.next_reading()
     interval = server.measure(MEASURING)
-    clock = listener.end()
+    clock = subscriber.end()
     diagnosis = server.diagnosis()
     return {
         "times real time": interval.times_real_time,
@@ -168,7 +168,7 @@ def _real_time_figures(server: ServerProcess) -> Figures:
 
 
 def spawn(worlds: Path) -> Figures:
-    """How long a client waits for /spawn_model of the office's robot, in the office at 200 Hz."""
+    """Duration of a call of /spawn_model for the office's robot, in the office at 200 Hz."""
     model = worlds / "office" / "turtlebot.model.yaml"
     with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
         server.settle(SETTLING)
@@ -181,7 +181,7 @@ SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
             f"serve_{n}",
-            f"the server as fast as it goes, {in_words(n)}, nobody listens but rosout to /clock",
+            f"the server as fast as it goes, {in_words(n)}, no subscriber but rosout to /clock",
             partial(serve, robots=n),
         )
         for n in ROBOTS
@@ -189,7 +189,7 @@ SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
             f"serve_{n}_alone",
-            f"the same with {in_words(n)}, and nobody who listens at all",
+            f"the same with {in_words(n)} and no subscriber at all",
             partial(serve, robots=n, rosout=False),
         )
         for n in ROBOTS_ALONE
@@ -197,13 +197,13 @@ SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
             f"serve_{n}_heard",
-            f"the same with {in_words(n)} and a listener to all scans, odometries and transforms",
-            partial(serve_with_listener, robots=n),
+            f"the same with {in_words(n)} and a subscriber to all scans, odometry and transforms",
+            partial(serve_with_subscriber, robots=n),
         )
-        for n in ROBOTS_LISTENED_TO
+        for n in ROBOTS_SUBSCRIBED_TO
     ),
-    Case("serve_stalled", "10 robots, and a listener that stops reading", stalled_listener),
-    Case("serve_grow", "memory of 100 robots with a listener, over time", grow),
+    Case("serve_stalled", "10 robots, and a subscriber that stops reading", stalled_subscriber),
+    Case("serve_grow", "memory of 100 robots with a subscriber, over time", grow),
     Case("serve_real_time", "the office with one robot at 200 Hz of real time", serve_real_time),
     *(
         [Case("serve_rviz", "the same with the window, drawn by software", serve_rviz)]

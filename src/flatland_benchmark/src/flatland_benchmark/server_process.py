@@ -1,4 +1,4 @@
-"""flatland_server as a user runs it: a ROS master of its own, rosout, the node, and who listens."""
+"""flatland_server as a user runs it: with a ROS master, rosout, the node, and subscribers."""
 
 import json
 import os
@@ -17,27 +17,27 @@ import yaml
 
 from flatland_benchmark.process import Process, wait_until
 
-_NAME = "/flatland_benchmark"  # who we are to the master
+_NAME = "/flatland_benchmark"  # our name in calls to the master
 
 
 class Reading(NamedTuple):
-    """What a listener says at a message of the simulation's state."""
+    """The counts of a subscriber when it received the simulation's state."""
 
     real: float
-    """When, as of time.monotonic() [s]."""
+    """Real time, as of time.monotonic() [s]."""
 
     simulated: float
-    """Simulated time at that moment [s]."""
+    """Simulated time [s]."""
 
     is_connected: bool
-    """Whether it hears all topics that it listens to."""
+    """Whether all its topics have a publisher."""
 
     messages: Dict[str, int]
-    """How many have come, by the name of their type."""
+    """Number of messages received, by message type."""
 
 
-class Listener:
-    """A flatland_listener."""
+class CountingSubscriber:
+    """A flatland_counting_subscriber and its readings."""
 
     def __init__(self, process: Process, server: "ServerProcess") -> None:
         self.process = process
@@ -45,7 +45,7 @@ class Listener:
         self._readings: List[Reading] = []
 
     def next_reading(self, after: float = 0.0) -> Reading:
-        """The first new one whose real time is not before `after`."""
+        """The first new reading at or after the real time `after`."""
         self._collect()
         self._readings.clear()
         while True:
@@ -54,7 +54,7 @@ class Listener:
                 return reading
 
     def wait_until_connected(self) -> None:
-        """Waits until it hears all of its topics."""
+        """Waits until all its topics are connected."""
         self._server.wait_until(
             lambda: self.next_reading().is_connected,
             f"{self.process.name} to be connected",
@@ -70,9 +70,11 @@ class Listener:
     def _collect(self) -> None:
         for line in self.process.new_lines():
             if "simulated" in line:
-                heard = {name: count["messages"] for name, count in line["heard"].items()}
+                received = {name: count["messages"] for name, count in line["received"].items()}
                 is_connected = line["connected"] == line["topics"]
-                self._readings.append(Reading(line["real"], line["simulated"], is_connected, heard))
+                self._readings.append(
+                    Reading(line["real"], line["simulated"], is_connected, received)
+                )
 
     def _pop(self) -> Optional[Reading]:
         if not self._readings:
@@ -81,12 +83,12 @@ class Listener:
 
 
 class Interval(NamedTuple):
-    """What the server has done in some seconds of real time."""
+    """The server's speed over some seconds of real time."""
 
     times_real_time: float
     steps_per_second: float
     cores: float
-    """Processor time per real time; above 1 if several threads were busy."""
+    """Processor time per real time; above 1 if several threads are busy."""
 
     @property
     def cpu_per_step(self) -> float:
@@ -95,12 +97,12 @@ class Interval(NamedTuple):
 
 
 class ServerProcess:
-    """A context manager: enter it, and the simulation runs; leave it, and all of it ends.
+    """A running server, as a context manager: leaving it ends all processes.
 
     Args:
         world_file: the world that is run.
         update_rate: steps per second of real time.
-        rosout: whether rosout runs, as under roslaunch. It listens to /clock.
+        rosout: whether rosout runs, as under roslaunch. It subscribes to /clock.
     """
 
     STEP_SIZE = 0.005
@@ -115,7 +117,7 @@ class ServerProcess:
         self._processes: List[Process] = []
         port = _free_port()
         self.uri = f"http://127.0.0.1:{port}"
-        """Of the ROS master."""
+        """The address of the ROS master."""
         self._master = xmlrpc.client.ServerProxy(self.uri)
         self._environment = {
             **{k: v for k, v in os.environ.items() if k not in ("ROS_HOSTNAME", "ROS_NAMESPACE")},
@@ -149,7 +151,7 @@ class ServerProcess:
         self._master.setParam(_NAME, "/use_sim_time", True)
         if self._rosout:
             self.start("rosout", ["rosrun", "rosout", "rosout"])
-            self.wait_until(lambda: "/rosout" in self.listeners("/clock"), "rosout")
+            self.wait_until(lambda: "/rosout" in self.subscribers("/clock"), "rosout")
         self.server = self.start(
             "flatland_server",
             [
@@ -160,27 +162,27 @@ class ServerProcess:
             ],
         )
         started = time.monotonic()
-        self.observer = self.listen("observer")
+        self.observer = self.subscribe("observer")
         self.seconds_to_start = self.observer.next_reading().real - started
 
     def start(self, name: str, command: List[str], **environment: str) -> Process:
-        """Starts a program under our master; it ends with all others."""
+        """Starts a program with our master; leaving the context ends it."""
         process = Process(
             name, command, Path(self._folder.name), {**self._environment, **environment}
         )
         self._processes.append(process)
         return process
 
-    def listen(self, name: str, *arguments: str) -> Listener:
-        """Starts a flatland_listener."""
+    def subscribe(self, name: str, *arguments: str) -> CountingSubscriber:
+        """Starts a flatland_counting_subscriber with these arguments."""
         command = ["rosrun", "flatland_benchmark", "flatland_counting_subscriber", *arguments]
-        return Listener(self.start(name, command), self)
+        return CountingSubscriber(self.start(name, command), self)
 
     def call(self, name: str, command: List[str], limit: float = 60.0) -> str:
-        """Runs a program to its end; returns its output.
+        """Runs a program to completion and returns its output.
 
         Raises:
-            FlatlandError: it does not end in time, or not well.
+            FlatlandError: it takes longer than `limit` seconds, or fails.
         """
         process = self.start(name, command)
         process.wait(limit)
@@ -188,7 +190,7 @@ class ServerProcess:
         return process.output
 
     def end(self, process: Process) -> None:
-        """Ends a program before the others."""
+        """Ends one program."""
         process.end()
         self._processes.remove(process)
 
@@ -196,18 +198,18 @@ class ServerProcess:
         """The first true value of `holds()`.
 
         Raises:
-            FlatlandError: it takes too long, or a process has ended; it has their output.
+            FlatlandError: it takes too long, or a process has ended; the text has their output.
         """
         return wait_until(holds, what, self._processes, limit)
 
-    def listeners(self, topic: str) -> Set[str]:
+    def subscribers(self, topic: str) -> Set[str]:
         """The nodes that have subscribed to a topic."""
         answer: Any = self._master.getSystemState(_NAME)
         _, _, (_, subscribers, _) = answer
         return {node for name, nodes in subscribers if name == topic for node in nodes}
 
     def measure(self, seconds: float) -> Interval:
-        """Watches the server for some seconds of real time."""
+        """Measures the server's speed over some seconds of real time."""
         begin, cpu = self.observer.next_reading(), self.server.cpu_seconds
         started = time.monotonic()
         end = self.observer.next_reading(begin.real + seconds)
@@ -216,11 +218,11 @@ class ServerProcess:
         return Interval(times_real_time, times_real_time / self.STEP_SIZE, cores)
 
     def settle(self, seconds: float) -> None:
-        """Lets some seconds of real time go by."""
+        """Waits some seconds of real time."""
         self.observer.next_reading(time.monotonic() + seconds)
 
     def diagnosis(self) -> Dict[str, str]:
-        """What the server says of its simulation on /diagnostics."""
+        """The values of the simulation's status on /diagnostics."""
         text = self.call("rostopic", ["rostopic", "echo", "-n", "1", "/diagnostics"])
         [message] = yaml.safe_load_all(text.replace("\n---", ""))
         [status] = [s for s in message["status"] if s["name"].endswith(": simulation")]

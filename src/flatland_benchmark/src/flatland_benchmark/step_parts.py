@@ -1,8 +1,8 @@
-"""Where the time of a step goes, for the benchmark: python -m flatland_benchmark.step_parts WORLD.
+"""Time of a step by part: python -m flatland_benchmark.step_parts WORLD.
 
-The world runs in this process, without a master. With `--heard` it is as if somebody listened to
-all topics and markers: messages are made and serialised as rospy does, and go nowhere. Prints the
-microseconds of each part as JSON.
+The world runs in this process, without a master. With `--subscribed`, all topics and markers count
+as subscribed to: messages are made and serialised as rospy does, and dropped. Prints the time of
+each part in microseconds as JSON.
 """
 
 import argparse
@@ -31,13 +31,13 @@ PARTS = ("physics", "scans", "plugins", "publishing", "markers")
 
 _STEP_SIZE = 0.005
 _BLOCK = 20
-"""Steps that are measured together: one scan of every robot's. The median of the blocks counts."""
+"""Steps per block, one scan period; the result is the median over blocks."""
 _MARKER_PERIOD = 200 / 30
-"""Steps from one publication of markers to the next: 30 Hz of 200 Hz, as the server has it."""
+"""Steps between publications of markers: 30 Hz at 200 steps per second, as in the server."""
 
 
 class Stopwatch:
-    """Measures parts of a program, each without what it has other parts do for it."""
+    """Exclusive times of nested parts of a program."""
 
     def __init__(self) -> None:
         self.seconds: DefaultDict[str, float] = defaultdict(float)
@@ -45,7 +45,7 @@ class Stopwatch:
         self._since = 0.0
 
     def timed(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """A function whose time counts for a part."""
+        """Wraps a function so that its time counts for a part."""
 
         def measured(*arguments: Any, **options: Any) -> Any:
             self._note()
@@ -59,7 +59,7 @@ class Stopwatch:
         return measured
 
     def _note(self) -> None:
-        """Until now, it was the innermost part's time."""
+        """Adds the time since the last call to the innermost part."""
         now = time.perf_counter()
         if self._parts:
             self.seconds[self._parts[-1]] += now - self._since
@@ -67,10 +67,10 @@ class Stopwatch:
 
 
 class Serializing(LocalTransport):
-    """Makes bytes of what somebody listens to, and throws them away."""
+    """Serialises messages of topics with subscribers, and drops them."""
 
-    def __init__(self, is_heard: bool) -> None:
-        super().__init__(subscribed_topics=None if is_heard else ())
+    def __init__(self, is_subscribed: bool) -> None:
+        super().__init__(subscribed_topics=None if is_subscribed else ())
         self._transforms = TransformQueue()
 
     def advertise(
@@ -88,11 +88,11 @@ class Serializing(LocalTransport):
         self._transforms.take()
 
     def send_bytes(self, message: Any) -> None:
-        """What rospy does before it writes to a socket."""
+        """Serialises a message, as rospy does before it writes to a socket."""
         message.serialize(BytesIO())
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
-        """The same where the bytes are written at once."""
+        """Serialises values directly."""
         writer.data(*values)
 
 
@@ -118,14 +118,14 @@ class _SerializingPublisher(Publisher):
 
 
 class _Run:
-    """A world with its markers, stepped."""
+    """A world that is stepped, with its markers."""
 
-    def __init__(self, path: Path, is_heard: bool) -> None:
-        self.transport = Serializing(is_heard)
+    def __init__(self, path: Path, is_subscribed: bool) -> None:
+        self.transport = Serializing(is_subscribed)
         self._world = World.from_file(path, self.transport)
         self._timekeeper = Timekeeper(_STEP_SIZE)
         self._markers = [ModelMarkers(model, "map") for model in self._world.models.values()]
-        self._is_heard = is_heard
+        self._is_subscribed = is_subscribed
 
     def step(self) -> None:
         self.transport.process()
@@ -137,30 +137,30 @@ class _Run:
         self.transport.send_bytes(array_of([markers.bytes() for markers in self._markers]))
 
     def block(self) -> float:
-        """Makes a block of steps; returns how long it took [s]."""
+        """Runs a block of steps; returns its duration [s]."""
         published = 0
         begin = time.perf_counter()
         for count in range(_BLOCK):
             self.step()
-            if self._is_heard and count >= published * _MARKER_PERIOD:
+            if self._is_subscribed and count >= published * _MARKER_PERIOD:
                 self.publish_markers()
                 published += 1
         return time.perf_counter() - begin
 
 
-def measure(path: Path, is_heard: bool, steps: int) -> Dict[str, float]:
-    """Seconds of a step, wholly and by part.
+def measure(path: Path, is_subscribed: bool, steps: int) -> Dict[str, float]:
+    """Time of a step [s], in total and by part.
 
     Args:
-        path: of the world.
-        is_heard: whether somebody listens to everything.
-        steps: how many are measured, about.
+        path: the world file.
+        is_subscribed: whether all topics have a subscriber.
+        steps: number of measured steps, rounded to whole blocks.
     """
-    plain = _Run(path, is_heard)
-    plain.block()  # with all that is done once
+    plain = _Run(path, is_subscribed)
+    plain.block()  # includes one-time work
     whole = [plain.block() for _ in range(max(1, steps // _BLOCK))]
     stopwatch = Stopwatch()
-    run = _timed_run(path, is_heard, stopwatch)
+    run = _timed_run(path, is_subscribed, stopwatch)
     parts: Dict[str, List[float]] = {part: [] for part in PARTS}
     with _timed_scans(stopwatch):
         run.block()
@@ -172,17 +172,17 @@ def measure(path: Path, is_heard: bool, steps: int) -> Dict[str, float]:
     return {name: median(times) / _BLOCK for name, times in {"step": whole, **parts}.items()}
 
 
-def _timed_run(path: Path, is_heard: bool, stopwatch: Stopwatch) -> _Run:
+def _timed_run(path: Path, is_subscribed: bool, stopwatch: Stopwatch) -> _Run:
     original = _core.World
     _core.World = _timed_physics(stopwatch)
     try:
-        run = _Run(path, is_heard)
+        run = _Run(path, is_subscribed)
     finally:
         _core.World = original
     transport = run.transport
     for name in ("send_bytes", "write", "flush", "process"):
         setattr(transport, name, stopwatch.timed("publishing", getattr(transport, name)))
-    run.step = stopwatch.timed("plugins", run.step)  # what is none of the others
+    run.step = stopwatch.timed("plugins", run.step)  # everything outside the other parts
     run.publish_markers = stopwatch.timed("markers", run.publish_markers)
     return run
 
@@ -205,13 +205,13 @@ def _timed_scans(stopwatch: Stopwatch) -> Iterator[None]:
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """Prints what it has measured. Returns the exit code."""
+    """Prints the times. Returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("world", type=Path)
-    parser.add_argument("--heard", action="store_true", help="as if somebody listened")
+    parser.add_argument("--subscribed", action="store_true", help="with a subscriber to all topics")
     parser.add_argument("--steps", type=int, default=1000)
     options = parser.parse_args(arguments)
-    seconds = measure(options.world, options.heard, options.steps)
+    seconds = measure(options.world, options.subscribed, options.steps)
     print(json.dumps({part: value * 1e6 for part, value in seconds.items()}))
     return 0
 

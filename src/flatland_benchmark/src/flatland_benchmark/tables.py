@@ -1,4 +1,4 @@
-"""Rows of the tables that the benchmark prints."""
+"""Rows of the benchmark's tables."""
 
 from typing import Union
 
@@ -8,7 +8,7 @@ _CASE, _FIGURE, _NUMBER = 26, 26, 13
 
 
 def row(case: str, figure: str, *cells: Union[str, float]) -> str:
-    """A line: numbers get four digits, and stand on the right."""
+    """A line of a table; numbers have four digits, aligned on the right."""
     texts = [cell if isinstance(cell, str) else f"{cell:.4g}" for cell in cells]
     return f"{case:{_CASE}} {figure:{_FIGURE}}" + "".join(f"{text:>{_NUMBER}}" for text in texts)
 
@@ -22,7 +22,7 @@ HEADER = row("case", "figure", "median", "least", "most")
 
 
 def case_rows(name: str, case: CaseReport) -> str:
-    """The lines of a case."""
+    """The rows of a case."""
     return "\n".join(
         row(name, figure_title(key, figure.unit), figure.median, *figure.spread)
         for key, figure in case.figures.items()

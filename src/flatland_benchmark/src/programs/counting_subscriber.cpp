@@ -1,15 +1,15 @@
-// flatland_listener: hears what a simulation publishes, and says how much that is.
+// flatland_counting_subscriber: subscribes to a simulation's topics and counts messages and bytes.
 //
-//   flatland_listener [--robots] [--clock] [TOPIC ...]
+//   flatland_counting_subscriber [--robots] [--clock] [TOPIC ...]
 //
-//   --robots   every topic of the master's that ends in /scan or /odometry/filtered, and /tf
-//   --clock    /clock, too
-//   TOPIC      of one of these types; asked of the master
+//   --robots   every topic known to the master that ends in /scan or /odometry/filtered, and /tf
+//   --clock    /clock, and the intervals between its messages
+//   TOPIC      a topic of one of these types
 //
-// At every message of the simulation's state (five a second) it prints a line of JSON: the time
-// here and there, and the messages and bytes so far. On SIGINT and SIGTERM it ends; with --clock
-// its last line is about the intervals at which /clock came, in real time. It is written in C++
-// because a listener in Python is slower than what it listens to.
+// With each message of the simulation's state (five a second) it prints a line of JSON: real time,
+// simulated time, and the messages and bytes so far. On SIGINT and SIGTERM it ends; with --clock
+// its last line has quantiles of the intervals of /clock in real time. It is written in C++ because
+// a subscriber in Python needs more processor time than the server that it measures.
 
 #include <flatland_msgs/SimulationState.h>
 #include <nav_msgs/Odometry.h>
@@ -31,13 +31,13 @@ namespace {
 constexpr int kQueueSize = 100;
 constexpr char kState[] = "/flatland_server/state";
 
-/// What has come of one type.
+/// What was received of one message type.
 struct Count {
   unsigned long long messages = 0;
   unsigned long long bytes = 0;
 };
 
-/// Seconds of real time since some moment; Python's time.monotonic() has the same.
+/// The monotonic clock [s], the same as Python's time.monotonic().
 double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -47,24 +47,25 @@ bool EndsIn(const std::string& text, const std::string& end) {
 }
 
 /// Subscribes, counts and reports.
-class Listener {
+class CountingSubscriber {
  public:
-  Listener() {
+  CountingSubscriber() {
     state_ = node_.subscribe<flatland_msgs::SimulationState>(
-        kState, kQueueSize, &Listener::Report, this, ros::TransportHints().tcpNoDelay());
+        kState, kQueueSize, &CountingSubscriber::Report, this, ros::TransportHints().tcpNoDelay());
   }
 
-  /// Returns whether the type is one that it knows.
-  bool Listen(const std::string& topic, const std::string& type) {
-    return ListenTo<sensor_msgs::LaserScan>(topic, type) ||
-           ListenTo<nav_msgs::Odometry>(topic, type) ||
-           ListenTo<tf2_msgs::TFMessage>(topic, type) ||
-           ListenTo<rosgraph_msgs::Clock>(topic, type);
+  /// Subscribes to a topic; returns false if the type is not supported.
+  bool Subscribe(const std::string& topic, const std::string& type) {
+    return SubscribeTo<sensor_msgs::LaserScan>(topic, type) ||
+           SubscribeTo<nav_msgs::Odometry>(topic, type) ||
+           SubscribeTo<tf2_msgs::TFMessage>(topic, type) ||
+           SubscribeTo<rosgraph_msgs::Clock>(topic, type);
   }
 
-  void ListenToClock() {
-    clock_ = node_.subscribe<rosgraph_msgs::Clock>("/clock", kQueueSize, &Listener::OnClock, this,
-                                                   ros::TransportHints().tcpNoDelay());
+  void SubscribeToClock() {
+    clock_ =
+        node_.subscribe<rosgraph_msgs::Clock>("/clock", kQueueSize, &CountingSubscriber::OnClock,
+                                              this, ros::TransportHints().tcpNoDelay());
   }
 
   /// Prints the median, the 99th percentile and the longest of the intervals of /clock.
@@ -80,16 +81,16 @@ class Listener {
 
  private:
   template <typename Message>
-  bool ListenTo(const std::string& topic, const std::string& type) {
+  bool SubscribeTo(const std::string& topic, const std::string& type) {
     if (type != ros::message_traits::datatype<Message>()) return false;
     Count& count = counts_[type];
-    const boost::function<void(const boost::shared_ptr<const Message>&)> heard =
+    const boost::function<void(const boost::shared_ptr<const Message>&)> received =
         [&count](const boost::shared_ptr<const Message>& message) {
           ++count.messages;
           count.bytes += ros::serialization::serializationLength(*message);
         };
-    subscribers_.push_back(node_.subscribe<Message>(topic, kQueueSize, heard, ros::VoidConstPtr(),
-                                                    ros::TransportHints().tcpNoDelay()));
+    subscribers_.push_back(node_.subscribe<Message>(
+        topic, kQueueSize, received, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
     return true;
   }
 
@@ -103,7 +104,8 @@ class Listener {
     size_t connected = 0;
     for (const auto& subscriber : subscribers_) connected += subscriber.getNumPublishers() > 0;
     std::printf(
-        "{\"real\": %.6f, \"simulated\": %.9f, \"topics\": %zu, \"connected\": %zu, \"heard\": {",
+        "{\"real\": %.6f, \"simulated\": %.9f, \"topics\": %zu, \"connected\": %zu, \"received\": "
+        "{",
         Now(), state->stamp.toSec(), subscribers_.size(), connected);
     const char* separator = "";
     for (const auto& [type, count] : counts_) {
@@ -124,10 +126,10 @@ class Listener {
   std::vector<double> intervals_;
 };
 
-/// The names as they are, but for /clock: under use_sim_time roscpp itself would listen to it, and
-/// the simulation would have to send it.
+/// Keeps roscpp itself from subscribing to /clock, as it does under use_sim_time: the simulation
+/// would have one more subscriber to serve.
 ros::M_string Remappings(bool clock) {
-  return clock ? ros::M_string{} : ros::M_string{{"/clock", "/nobodys_clock"}};
+  return clock ? ros::M_string{} : ros::M_string{{"/clock", "/unused_clock"}};
 }
 
 }  // namespace
@@ -139,27 +141,27 @@ int main(int argc, char** argv) {
   };
   const bool robots = is_given("--robots");
   const bool clock = is_given("--clock");
-  ros::init(Remappings(clock), "flatland_listener",
+  ros::init(Remappings(clock), "flatland_counting_subscriber",
             ros::init_options::AnonymousName | ros::init_options::NoRosout |
                 ros::init_options::NoSigintHandler);
   for (const int number : {SIGINT, SIGTERM}) {
     std::signal(number, [](int) { ros::requestShutdown(); });
   }
 
-  Listener listener;
+  CountingSubscriber subscriber;
   ros::master::V_TopicInfo topics;
   ros::master::getTopics(topics);
   for (const auto& topic : topics) {
     const bool is_a_robots = topic.name == "/tf" || EndsIn(topic.name, "/scan") ||
                              EndsIn(topic.name, "/odometry/filtered");
     if (!is_given(topic.name.c_str()) && !(robots && is_a_robots)) continue;
-    if (!listener.Listen(topic.name, topic.datatype)) {
-      std::fprintf(stderr, "flatland_listener: %s is a %s, which it does not know\n",
+    if (!subscriber.Subscribe(topic.name, topic.datatype)) {
+      std::fprintf(stderr, "flatland_counting_subscriber: %s: unsupported type %s\n",
                    topic.name.c_str(), topic.datatype.c_str());
       return 1;
     }
   }
-  if (clock) listener.ListenToClock();
+  if (clock) subscriber.SubscribeToClock();
   ros::spin();
-  listener.ReportClock();
+  subscriber.ReportClock();
 }

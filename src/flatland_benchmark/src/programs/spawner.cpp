@@ -1,9 +1,9 @@
-// flatland_spawner: how long a client waits for a model that it spawns.
+// flatland_spawner: measures how long a call of /spawn_model takes.
 //
 //   flatland_spawner MODEL.yaml COUNT
 //
 // Spawns that many models one after the other, each in a namespace of its own, and deletes each
-// before the next. Prints a line of JSON: how long each spawning took, in seconds of real time.
+// before the next. Prints a line of JSON: the duration of each call in seconds of real time.
 
 #include <flatland_msgs/DeleteModel.h>
 #include <flatland_msgs/SpawnModel.h>
@@ -16,7 +16,7 @@
 
 namespace {
 
-/// Calls a service; ends the program, saying why, if it does not succeed.
+/// Calls a service; ends the program with an error message if the call fails.
 template <typename Service>
 void Call(ros::ServiceClient& client, Service& service) {
   if (client.call(service) && service.response.success) return;
@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: flatland_spawner MODEL.yaml COUNT\n");
     return 2;
   }
-  ros::init(ros::M_string{{"/clock", "/nobodys_clock"}}, "flatland_spawner",
+  ros::init(ros::M_string{{"/clock", "/unused_clock"}}, "flatland_spawner",
             ros::init_options::AnonymousName | ros::init_options::NoRosout);
   ros::NodeHandle node;
   auto spawn = node.serviceClient<flatland_msgs::SpawnModel>("/spawn_model", true);

@@ -1,4 +1,4 @@
-"""The benchmark's command: what it runs, writes and compares. How fast anything is, is no test."""
+"""The benchmark's command line: what it runs, writes and compares, not how fast anything is."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What the benchmark's ray cases rest on: outlines, exact distances, free poses, scenes."""
+"""Parts of the ray cases: outlines, exact distances, free poses, scenes."""
 
 import math
 

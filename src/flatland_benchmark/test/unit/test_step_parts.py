@@ -1,4 +1,4 @@
-"""Where the time of a step goes: that each part is noticed, not how long it takes."""
+"""Time of a step by part: each part is measured."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ class Clock:
         return self.now
 
 
-def test_a_part_does_not_count_what_others_do_for_it(monkeypatch):
+def test_times_of_nested_parts_are_exclusive(monkeypatch):
     clock = Clock()
     monkeypatch.setattr("flatland_benchmark.step_parts.time", clock)
     stopwatch = Stopwatch()
@@ -41,14 +41,14 @@ def test_a_part_does_not_count_what_others_do_for_it(monkeypatch):
     assert stopwatch.seconds == {"outer": 5.0, "inner": 4.0}
 
 
-@pytest.mark.parametrize("is_heard", [False, True])
-def test_every_part_is_noticed(tmp_path, is_heard):
+@pytest.mark.parametrize("is_subscribed", [False, True])
+def test_every_part_is_measured(tmp_path, is_subscribed):
     physics, scan = _core.World, _core.Lidar.scan
 
-    seconds = measure(write_world(tmp_path, WORLDS, 2), is_heard, steps=40)
+    seconds = measure(write_world(tmp_path, WORLDS, 2), is_subscribed, steps=40)
 
     assert list(seconds) == ["step", "physics", "scans", "plugins", "publishing", "markers"]
-    assert (seconds.pop("markers") > 0.0) == is_heard
+    assert (seconds.pop("markers") > 0.0) == is_subscribed
     assert all(value > 0.0 for value in seconds.values())
     assert _core.World is physics
     assert _core.Lidar.scan is scan

@@ -123,9 +123,9 @@ def test_rospy_is_really_blocked():
 @pytest.mark.parametrize(
     ("package", "forbidden"),
     [
-        ("flatland_server", ("flatland_plugins", "flatland_viz")),
-        ("flatland_plugins", ("flatland_viz", *ROSPY)),
-        ("flatland_viz", ("flatland_plugins", "flatland_server")),
+        ("flatland_server", ("flatland_benchmark", "flatland_plugins", "flatland_viz")),
+        ("flatland_plugins", ("flatland_benchmark", "flatland_viz", *ROSPY)),
+        ("flatland_viz", ("flatland_benchmark", "flatland_plugins", "flatland_server")),
     ],
 )
 def test_packages_import_one_way(package, forbidden):
