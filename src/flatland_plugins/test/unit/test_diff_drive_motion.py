@@ -192,17 +192,6 @@ def test_limited_drives_follow_the_integral_of_their_exact_velocity(
         assert np.abs(twists[:, axis] - expected).max() < 1e-3
 
 
-def test_the_drive_stops_when_it_ends_before_its_body(files):
-    robot = files.robot(f"{DRIVE}, linear_dynamics: {{deceleration_limit: 1}}").drive(0.5)
-    robot.run(1.0)
-
-    robot.world.close()
-    robot.run(5.0)
-
-    # It rolls out over v^2 / 2a.
-    assert robot.model().pose == pytest.approx((0.5 + 0.125, 0.0, 0.0), abs=1e-3)
-
-
 def test_a_drive_ends_in_peace_after_its_body(files, caplog):
     robot = files.robot(DRIVE).drive(0.5).run(1.0)
 

@@ -24,6 +24,7 @@ from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.geometry import Transform
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Publisher, Subscription
@@ -32,9 +33,10 @@ P = TypeVar("P", bound=Plugin)
 
 
 class Event(NamedTuple):
-    """A message or a transform, and when it was sent."""
+    """A message, and when it was published."""
 
     step: int
+    nanoseconds: int
     topic: str
     message: Any
 
@@ -63,13 +65,20 @@ class ObservingTransport(LocalTransport):
     def __init__(self, subscribed_topics: Optional[Collection[str]] = None) -> None:
         super().__init__(subscribed_topics=subscribed_topics)
         self.step = 0
+        self.timekeeper: Optional[Timekeeper] = None
         self.events: List[Event] = []
-        self.sent_transforms: List[Tuple[int, Transform]] = []
+        self.sent_transforms: List[Tuple[int, int, Transform]] = []
+        """The step, the time [ns] and the transform."""
         self.types: Dict[str, Any] = {}
         """The message type of each topic that was ever published or subscribed to."""
         self.latched: Set[str] = set()
         self.wrong_data: List[str] = []
         """The topics whose `MessageWriter` makes bytes that differ from its message."""
+
+    @property
+    def now(self) -> int:
+        """The simulated time [ns]: that before or after a step, as the hook has it."""
+        return self.timekeeper.nanoseconds if self.timekeeper is not None else 0
 
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
@@ -89,7 +98,7 @@ class ObservingTransport(LocalTransport):
         return super().subscribe(topic, message_type, callback)
 
     def send_transform(self, transform: Transform) -> None:
-        self.sent_transforms.append((self.step, transform))
+        self.sent_transforms.append((self.step, self.now, transform))
         super().send_transform(transform)
 
     def process(self, timeout: float = 0.0) -> None:
@@ -130,7 +139,8 @@ class _ObservingPublisher(Publisher):
 
     def publish(self, message: Any) -> None:
         transport = self._transport
-        transport.events.append(Event(transport.step, self._topic, message))
+        event = Event(transport.step, transport.now, self._topic, message)
+        transport.events.append(event)
         self._publisher.publish(message)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:

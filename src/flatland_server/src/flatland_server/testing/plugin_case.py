@@ -64,7 +64,7 @@ class Run(NamedTuple):
             for owner, field in ((header, "frame_id"), (event.message, "child_frame_id")):
                 if hasattr(owner, field):
                     frames.add((event.topic, getattr(owner, field)))
-        edges = {(t.parent, t.child) for _, t in self.transport.sent_transforms}
+        edges = {(t.parent, t.child) for _, _, t in self.transport.sent_transforms}
         return Names(
             tuple(sorted(self.transport.topics)),
             tuple(sorted(self.transport.subscribed)),
@@ -138,7 +138,9 @@ class PluginCase:
         transport = ObservingTransport(None if has_subscribers else ())
         loader = ObservingLoader(self.files.loader, str(self.entry["type"]))
         world = World.from_file(path, transport, seed=seed, loader=loader)
-        return Run(Simulation(world), transport, loader)
+        simulation = Simulation(world)
+        transport.timekeeper = simulation.timekeeper
+        return Run(simulation, transport, loader)
 
     def spawn(self, simulation: Simulation) -> None:
         """Puts the robot into a world, from which it was deleted."""

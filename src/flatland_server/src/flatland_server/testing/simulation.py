@@ -27,7 +27,7 @@ class Simulation:
         self.world = world
         self.timekeeper = Timekeeper(step_size)
         self.allow_failures = allow_failures
-        self.files: "Optional[WorldFiles]" = None
+        self.files: Optional[WorldFiles] = None
         """The files that it was loaded from, if `WorldFiles` has loaded it."""
 
     @property

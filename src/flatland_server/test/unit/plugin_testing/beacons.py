@@ -266,7 +266,7 @@ BROKEN: Dict[Type[Beacon], str] = {
     ForgetsNamespaceOfFrame: "expected message frames /robot1/point robot1_lamp, found",
     HasFixedFrame: "renamed: expected transforms base renamed_lamp, found base lamp",
     IgnoresItsRate: "update_rate: inf: expected /point in steps 1, 2 ..., found [1, 3, 5",
-    StampsWrongly: "expected /point in step 1 to have its time, found 1 ns",
+    StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
     IsNotRepeatable: "expected equal messages from equal seeds, found a difference in /point",
     WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its message",
     FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",
