@@ -6,7 +6,7 @@ import textwrap
 import weakref
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Iterable, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Tuple, Union
 
 import yaml
 
@@ -162,9 +162,9 @@ class WorldFiles:
         """
         return self._refusal(lambda: self.robot(*plugins, **options))
 
-    def _refusal(self, load: Any) -> str:
+    def _refusal(self, load: Callable[[], object]) -> str:
         try:
-            load().world.close()
+            load()
         except FlatlandError as error:
             return str(error).replace(f"{self.folder}/", "")
         raise AssertionError("expected a FlatlandError, but the world was loaded")

@@ -6,7 +6,6 @@ Those of drives are in test_drives.py.
 import math
 
 import pytest
-from std_msgs.msg import Bool
 
 from flatland_plugins.laser import LaserConfig
 
@@ -211,30 +210,6 @@ def test_the_tween_of_the_example_goes_to_and_fro_in_twenty_seconds(documented):
     assert quarter == pytest.approx((2 + 2 * eased, 3 * eased, 1.1 * eased), abs=1e-5)
     assert end == pytest.approx((4.0, 3.0, 1.1), abs=1e-5)
     assert start == pytest.approx((2.0, 0.0, 0.0), abs=1e-5)
-
-
-def test_the_tweens_defaults_are_yoyo_linear_and_a_second(documented):
-    robot = documented.robot("type: Tween, name: least, body: base, delta: [0, 1, 0]")
-
-    ways = [robot.run(0.25).pose().y for _ in range(9)]
-
-    assert ways == pytest.approx([0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0, 0.25], abs=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("namespace", "topic"), [("", "/tween_trigger"), ("foo", "/foo/tween_trigger")]
-)
-def test_a_tween_is_triggered_by_tween_trigger_by_default(documented, namespace, topic):
-    entry = "type: Tween, name: least, body: base, delta: [0, 1, 0], mode: trigger"
-    robot = documented.robot(entry, namespace=namespace)
-
-    rest = robot.run(0.5).pose().y
-    robot.transport.send(topic, Bool(True))
-    halfway = robot.run(0.5).pose().y
-    robot.transport.send(topic, Bool(False))
-    back = robot.run(1.0).pose().y
-
-    assert (rest, halfway, back) == pytest.approx((0.0, 0.5, 0.0), abs=1e-5)
 
 
 # GPS
