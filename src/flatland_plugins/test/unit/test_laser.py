@@ -6,7 +6,7 @@ from typing import Any, Tuple
 import numpy as np
 import pytest
 
-from flatland_plugins.laser import count_beams
+from flatland_plugins.laser_config import count_beams
 from flatland_server.geometry import Pose
 
 ANGLES = "angle: {min: -3, max: 3, increment: 0.05}"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
-from flatland_plugins.odometry import OdometryConfig
+from flatland_plugins.odometry_config import OdometryConfig
 
 STEPS_PER_SECOND = 200
 WHEELBASE = 0.83

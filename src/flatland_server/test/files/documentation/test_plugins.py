@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from flatland_plugins.laser import LaserConfig
+from flatland_plugins.laser_config import LaserConfig
 
 STEPS_PER_SECOND = 200
 
