@@ -264,15 +264,6 @@ def test_what_passes_is_noticed_for_as_long_as_it_is_over_the_area(files, speed)
 # Latching
 
 
-@pytest.mark.parametrize("rate", [10, 30, 60])
-def test_it_speaks_at_its_rate_in_simulated_time(files, rate):
-    spoken = history(with_ball(files, f"{SENSOR}, update_rate: {rate}"), 2.0)
-
-    # At the end of the step in which it is due, for the first time at once.
-    due = [-(-round(1e9 * i / rate) // STEP_NS) * STEP_NS + STEP_NS for i in range(2 * rate)]
-    assert spoken == [(time, False) for time in due]
-
-
 @pytest.mark.parametrize("begin", [0.02, 0.085, 0.09, 0.1, 0.105])  # it speaks at 0.105
 @pytest.mark.parametrize("seconds", [0.005, 0.02, 0.095])
 def test_a_touch_shorter_than_its_period_is_told_of_exactly_once(files, begin, seconds):

@@ -55,20 +55,6 @@ def test_a_collision_between_two_updates_is_told_of_only_with_all(files, publish
     assert robot.model().base.physics_body.velocity[0] == pytest.approx(-3.0, rel=1e-3)
 
 
-def test_a_rate_that_is_no_multiple_of_the_step_is_kept_on_average(files):
-    robot = files.robot(f"{BUMPER}, update_rate: 60")
-
-    assert len(robot.record("/collisions", 5.0)) == 300
-
-
-def test_the_stamp_is_the_time_after_the_step_as_clock_tells_it(files):
-    robot = files.robot(BUMPER).run(0.1)
-
-    message = robot.last("/collisions")
-
-    assert message.header.stamp.to_nsec() == robot.timekeeper.nanoseconds == 100_000_000
-
-
 def test_a_subscriber_that_comes_during_a_collision_is_told(files, no_subscribers):
     robot = throw(files.robot(BUMPER, layers=wall(files), transport=no_subscribers), 1.0).run(1.5)
 

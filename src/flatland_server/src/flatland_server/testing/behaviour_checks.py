@@ -32,13 +32,15 @@ _WORLD_FRAMES = ("odom", "map")
 
 
 def check_messages(case: PluginCase) -> Problems:
-    """Equal seeds give equal messages and transforms; a writer's bytes are its message."""
+    """Equal seeds give equal messages, transforms and worlds; a writer's bytes are its message."""
     runs = [case.load(seed=7).go(SECONDS) for _ in range(2)]
     first, second = (_content(run) for run in runs)
     if first != second:
         different = [f"{a[1]} in step {a[0]}" for a, b in zip(first, second) if a != b]
         where = (different or ["their number"])[0]
         yield f"expected equal messages from equal seeds, found a difference in {where}"
+    if _state(runs[0]) != _state(runs[1]):
+        yield "expected equal poses and walls from equal seeds, found a difference"
     for topic in sorted(set(runs[0].transport.wrong_data)):
         yield f"expected the MessageWriter of {topic} to make bytes that equal its message"
 
@@ -107,6 +109,13 @@ def _content(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int, 
     for step, _, transform in run.transport.sent_transforms[transforms:]:
         sent.append((step, transform.child, repr(transform).encode()))
     return sorted(sent, key=lambda each: each[:2])
+
+
+def _state(run: Run) -> Tuple[Any, ...]:
+    """The poses of all models, and the walls of all layers."""
+    world = run.simulation.world
+    poses = {name: model.pose for name, model in world.models.items()}
+    return poses, [layer.segments.tolist() for layer in world.layers]
 
 
 def check_names(case: PluginCase) -> Problems:

@@ -37,7 +37,8 @@ def check_plugin(
       "/" stay outside of it, and so do the frames of `odom_frame_id`, `ground_truth_frame_id` and
       `world_frame_id`. Topics and frames are called what the entry says.
     - With an `update_rate` or `pub_rate` it publishes at that rate of simulated time.
-    - Equal seeds give equal messages, and a `MessageWriter` makes the bytes of its message.
+    - Equal seeds give equal messages, poses and walls; a `MessageWriter` makes the bytes of its
+      message.
     - A message of NaN or infinities neither makes it fail nor moves the robot to infinity.
     - Its end leaves no topic, subscription, transform, body or joint behind, and nothing refers to
       the plugin any more. A deleted model can be spawned again.

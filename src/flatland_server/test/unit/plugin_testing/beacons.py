@@ -203,6 +203,11 @@ class IsNotRepeatable(Beacon):
             self.publisher.write(self.writer, now, float(np.random.default_rng().normal()))
 
 
+class MovesAtRandom(Beacon):
+    def on_switch(self, message: Vector3) -> None:
+        self.model.move(Pose(np.random.default_rng().normal(), 0.0, 0.0))
+
+
 class WritesOtherBytes(Beacon):
     class writer_type(PointWriter):
         def data(self, nanoseconds: int, x: float) -> bytes:
@@ -268,6 +273,7 @@ BROKEN: Dict[Type[Beacon], str] = {
     IgnoresItsRate: "update_rate: inf: expected /point in steps 1, 2 ..., found [1, 3, 5",
     StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
     IsNotRepeatable: "expected equal messages from equal seeds, found a difference in /point",
+    MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
     WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its message",
     FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",
     KeepsAPublisher: "after its end: expected no publisher, found one of /left",
