@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import pytest
 from PIL import Image
 
-from flatland_server import _core
+from flatland_server import _core, testing
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
 from flatland_server.models.collision_filter_registry import AnyLayer
 from flatland_server.models.entity import Entity
@@ -167,10 +167,11 @@ def test_what_the_page_shows_of_the_example_package_is_in_it(excerpt):
 @pytest.mark.parametrize(
     ("heading", "classes"),
     [
-        ("Its life", [Plugin]),
-        ("Its configuration", [YamlReader]),
+        ("Life cycle", [Plugin]),
+        ("Configuration", [YamlReader]),
         ("Topics, transforms and parameters", [Node]),
         ("Bodies", [_core.Body]),
+        ("Testing a plugin", [testing, testing.Simulation]),
         ("Contacts", [ModelPlugin, Entity, _core.Contact, _core.ContactImpulse]),
     ],
 )
@@ -178,7 +179,7 @@ def test_the_tables_name_what_there_is(heading, classes):
     cells = re.findall(r"^\| (`.*?) \|", sections()[heading], flags=re.MULTILINE)
     names = [name for cell in cells for name in re.findall(r"`(?:\w+\.)?(\w+)", cell)]
 
-    known = {"node", "old_manifold"}.union(*(dir(each) for each in classes))
+    known = {"node", "old_manifold", "timekeeper", "world"}.union(*(dir(each) for each in classes))
     assert len(names) >= len(cells) > 5
     assert [name for name in names if name not in known] == []
 
@@ -221,8 +222,9 @@ def test_a_plugin_is_as_the_page_says(plugin_folder, readings, name):
 
 
 def test_the_program_of_the_page_runs(plugin_folder):
-    [(name, program)] = PYTHON_FILE.findall(PLUGINS.read_text(encoding="utf-8"))
-    (plugin_folder / name).write_text(program, encoding="utf-8")
+    programs = dict(PYTHON_FILE.findall(PLUGINS.read_text(encoding="utf-8")))
+    name = "try_it.py"
+    (plugin_folder / name).write_text(programs[name], encoding="utf-8")
     [(file, drive)] = FRAGMENT.findall(sections()["DiffDrive"])
     with (plugin_folder / file).open("a", encoding="utf-8") as model:
         model.write(drive)
@@ -232,3 +234,13 @@ def test_the_program_of_the_page_runs(plugin_folder):
     )
 
     assert "Pose(x=1.0" in result.stdout
+
+
+def test_the_tests_of_the_page_pass():
+    namespace = {}
+    exec(dict(PYTHON_FILE.findall(PLUGINS.read_text(encoding="utf-8")))["test_robot.py"], namespace)
+
+    tests = [each for name, each in namespace.items() if name.startswith("test_")]
+    assert len(tests) == 2
+    for test in tests:
+        test()

@@ -11,8 +11,8 @@ from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlR
 class BoolSensor(ModelPlugin):
     """Publishes std_msgs/Bool: whether something touches the body, or has since the last message.
 
-    A touch that no message has told of is remembered until the next one, however short it was. The
-    body may be solid or a sensor. What touches it is solid, and not of the same model.
+    A touch between two messages, however short, is reported by the next one. The body may be solid
+    or a sensor. Only solid footprints of other models, and walls, count as touching it.
     """
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -23,23 +23,23 @@ class BoolSensor(ModelPlugin):
         config.finish()
         self._publisher = self.node.advertise(topic, Bool)
         self._touching: Set[Contact] = set()
-        self._is_untold = False
+        self._is_unreported = False
 
     def begin_contact(self, contact: Contact) -> None:
-        """Notes a touch."""
+        """Records a touch."""
         sides = self.filter_contact(contact)
         if sides is None or sides.entity is self.model or sides.other_fixture.sensor:
             return
         if sides.this_fixture.body == self._body.physics_body:
             self._touching.add(contact)
-            self._is_untold = True
+            self._is_unreported = True
 
     def end_contact(self, contact: Contact) -> None:
-        """Notes its end."""
+        """Records its end."""
         self._touching.discard(contact)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes, and forgets the touches that are over."""
+        """Publishes, and forgets touches that have ended."""
         if self._publisher.has_subscribers:
-            self._publisher.publish(Bool(self._is_untold or bool(self._touching)))
-        self._is_untold = False
+            self._publisher.publish(Bool(self._is_unreported or bool(self._touching)))
+        self._is_unreported = False

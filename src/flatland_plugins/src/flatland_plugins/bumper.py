@@ -7,7 +7,6 @@ from typing import Dict, List, Tuple
 
 from flatland_msgs.msg import Collision, Collisions, Vector2
 
-from flatland_plugins.messages import header
 from flatland_server import (
     Contact,
     ContactImpulse,
@@ -16,6 +15,7 @@ from flatland_server import (
     Timekeeper,
     UpdateTimer,
     YamlReader,
+    header,
 )
 
 Point = Tuple[float, float]
@@ -23,18 +23,18 @@ Point = Tuple[float, float]
 
 @dataclass
 class Touch:
-    """A contact as the model has it: its normal points from the model to the other entity."""
+    """A contact from the model's side: the normal points from the model to the other entity."""
 
     sides: ContactSides
     points: List[Point] = field(default_factory=list)
     normal: Point = (0.0, 0.0)
     impulses: List[float] = field(default_factory=list)
-    """At each point, of this step [N s]; none if the solver did not look at it."""
+    """At each point, of this step [N s]; none if the solver did not see the contact."""
 
     def is_collision(self) -> bool:
-        """Whether the two hold each other up: not if some plugin lets them pass each other.
+        """Whether the contact is solid: not if a plugin has disabled it.
 
-        The solver looks at all contacts but those of bodies that have come to rest.
+        The solver sees all contacts but those of sleeping bodies.
         """
         bodies = (self.sides.this_fixture.body, self.sides.other_fixture.body)
         rests = not any(body.type == "dynamic" and body.awake for body in bodies)
@@ -44,7 +44,8 @@ class Touch:
 class Bumper(ModelPlugin):
     """Publishes flatland_msgs/Collisions; sensors do not collide.
 
-    A force is the impulse of a step by its length: a ball park figure of how strong an impact is.
+    A force is the impulse of a step divided by its length: the mean force, which for an impact is a
+    rough figure.
     """
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -61,7 +62,7 @@ class Bumper(ModelPlugin):
         self._over: List[Touch] = []
 
     def post_solve(self, contact: Contact, impulse: ContactImpulse) -> None:
-        """Notes where a contact is, and its impulses; a step may solve it more than once."""
+        """Records a contact's points and impulses; a step may solve it more than once."""
         touch = self._touches.get(contact)
         if touch is None:
             sides = self.filter_contact(contact)
@@ -75,14 +76,14 @@ class Bumper(ModelPlugin):
         touch.impulses = [a + b for a, b in summed][: len(touch.points)]
 
     def end_contact(self, contact: Contact) -> None:
-        """Forgets a contact; one that this step has solved is still to be told of."""
+        """Forgets a contact; one that was solved in this step is still to be reported."""
         touch = self._touches.pop(contact, None)
         if touch is not None and touch.impulses:
             self._over.append(touch)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the collisions at the end of the step."""
-        # Those that have been switched off are no collisions until the solver sees them again.
+        # Contacts that were disabled are no collisions until the solver sees them again.
         self._touches = {key: touch for key, touch in self._touches.items() if touch.is_collision()}
         touches = [*self._touches.values(), *self._over]
         is_due = self._timer.check_update(timekeeper)
@@ -96,7 +97,7 @@ class Bumper(ModelPlugin):
             touch.impulses = []
 
     def _is_excluded(self, sides: ContactSides) -> bool:
-        """Whether a body to ignore is in it; of bodies of one model, either side may be it."""
+        """Whether an excluded body takes part; between bodies of the model, on either side."""
         fixtures = [sides.this_fixture]
         if sides.entity is self.model:
             fixtures.append(sides.other_fixture)

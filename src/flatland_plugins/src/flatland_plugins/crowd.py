@@ -7,7 +7,6 @@ from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import PoseArray
 
 from flatland_plugins.crowd_config import CrowdConfig
-from flatland_plugins.messages import fill_pose, header
 from flatland_plugins.obstacles import Bodies, Walls, seen_from
 from flatland_plugins.pedestrian import Pedestrian, model_of
 from flatland_plugins.social_force import Others, discs_apart, limit
@@ -18,20 +17,22 @@ from flatland_server import (
     UpdateTimer,
     WorldPlugin,
     YamlReader,
+    fill_pose,
+    header,
 )
 
 _MOST_SPEED = 1.3
-"""What people reach at most, by what they want (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
+"""Maximum speed over desired speed (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
 
-_RANGES_FELT = 8.0
-"""How far walls are felt, in ranges of the repulsion: e^-8 is left of it there."""
+_REACH = 8.0
+"""Reach of walls, in ranges of the repulsion: it has fallen to e^-8 there."""
 
 
 class Crowd(WorldPlugin):
     """Puts people into the world, each of them a model, and moves them.
 
-    Between two updates Box2D moves them on at their velocities, and pushes them about: they are
-    bodies like others, without a drive. The next update begins with what came of it.
+    Between two updates Box2D moves them at their velocities, and resolves collisions: they are
+    bodies like others, without a drive. The next update starts from the result.
     """
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -41,7 +42,7 @@ class Crowd(WorldPlugin):
         )
         layers = [layer for layer in self.world.layers if layer.config.bits & crowd.layer_bits]
         radius = max((p.build.radius for p in crowd.pedestrians), default=0.0)
-        self._walls = Walls(layers, radius + _RANGES_FELT * crowd.force.range)
+        self._walls = Walls(layers, radius + _REACH * crowd.force.range)
         self._bodies = Bodies(self.world.models, crowd.layer_bits)
         for index, problem in self._tight_places():
             config.note(crowd.pedestrians[index].reader.error(problem, "pose"))
@@ -61,7 +62,7 @@ class Crowd(WorldPlugin):
             raise
 
     def _tight_places(self) -> Iterator[Tuple[int, str]]:
-        """Who would start too near to something, by its index, and to what."""
+        """The pedestrians that would start too close to something: their indices, and problems."""
         people = self._config.pedestrians
         points = np.array([p.pose[:2] for p in people]).reshape(-1, 2)
         radii = np.array([p.build.radius for p in people])
@@ -78,7 +79,7 @@ class Crowd(WorldPlugin):
                     yield index, f"{problem} after {max(room, 0.0):.2g} m"
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes where people are, and moves them until the next update."""
+        """Publishes the poses, and sets the velocities until the next update."""
         models = self.world.models
         self._people = [p for p in self._people if models.get(p.config.name) is p.model]
         if self._publisher.has_subscribers:
@@ -95,7 +96,7 @@ class Crowd(WorldPlugin):
         radii = np.array([p.config.build.radius for p in people])
         speeds = np.array([[p.config.build.speed] for p in people])
         way = np.array([p.way(goal_radius, 2.0 * force.relaxation_time) for p in people])
-        will = np.hypot(way[:, :1], way[:, 1:])  # who stands does not evade, nor does he sway
+        will = np.hypot(way[:, :1], way[:, 1:])  # a person that stands neither evades nor sways
 
         bodies = self._bodies.find(but={p.model for p in people})
         their_velocities = np.array([b.velocity for b in bodies]).reshape(-1, 2)
@@ -119,7 +120,7 @@ class Crowd(WorldPlugin):
         return poses
 
     def on_shutdown(self) -> None:
-        """Takes the people away."""
+        """Deletes the people."""
         for person in self._people:
             if self.world.models.get(person.config.name) is person.model:
                 self.world.delete_model(person.config.name)

@@ -16,7 +16,7 @@ from flatland_server import (
 
 @dataclass(frozen=True)
 class Build:
-    """What pedestrians have in common, unless their own entries say otherwise."""
+    """Speed and appearance of a pedestrian: the crowd's, unless its own entry says otherwise."""
 
     speed: float = 1.34
     radius: float = 0.25
@@ -36,7 +36,7 @@ class Build:
 
 @dataclass(frozen=True)
 class PedestrianConfig:
-    """An entry of `pedestrians`. Who has no goals wants to stay where he is."""
+    """An entry of `pedestrians`. Without goals, it stays at its pose."""
 
     name: str
     pose: Pose
@@ -46,7 +46,7 @@ class PedestrianConfig:
 
     @classmethod
     def read(cls, reader: YamlReader, name: str, build: Build) -> "PedestrianConfig":
-        """Reads an entry; `name` and `build` are for what it does not say.
+        """Reads an entry; `name` and `build` are the defaults.
 
         Raises:
             YamlError: something in it is wrong.

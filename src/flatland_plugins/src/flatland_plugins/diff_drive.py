@@ -1,18 +1,18 @@
-"""DiffDrive: a body that goes forwards and turns, as geometry_msgs/Twist commands it."""
+"""DiffDrive: a body that drives forwards and turns, as geometry_msgs/Twist commands."""
 
-from typing import Callable
+from geometry_msgs.msg import Twist
 
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_server import ModelBody, YamlReader
 
 
 class DiffDrive(TwistDrive):
-    """Two wheels on an axle, or anything else that cannot go sideways."""
+    """Two wheels on an axle, or anything else that cannot move sideways."""
 
-    obeys = ("linear.x", "angular.z")
-
-    def add_drive(self, config: YamlReader, body: ModelBody) -> Callable[..., None]:
+    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
         limits = read_dynamics(config)
         config.finish()
-        drive = body.physics_body.add_drive(*limits)
-        return lambda forwards, turning: drive.command(forwards, 0.0, turning)
+        self._drive = body.physics_body.add_drive(*limits)
+
+    def on_twist(self, twist: Twist) -> None:
+        self._drive.command(twist.linear.x, 0.0, twist.angular.z)

@@ -3,17 +3,16 @@
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 
 from flatland_plugins.geodesy import TangentPlane
-from flatland_plugins.messages import header
 from flatland_plugins.sensor_frame import SensorFrame
-from flatland_server import ModelPlugin, Pose, Timekeeper, UpdateTimer, YamlReader
+from flatland_server import ModelPlugin, Pose, Timekeeper, UpdateTimer, YamlReader, header
 
 
 class Gps(ModelPlugin):
-    """Publishes sensor_msgs/NavSatFix: where the antenna is if the world's x is east, y north.
+    """Publishes sensor_msgs/NavSatFix: the antenna's place, with the world's x east and y north.
 
-    The fix has no error, and says so: a covariance of zeros, of the type "known". A receiver whose
-    covariance is unknown is refused, or given an error of their own, by much that uses fixes;
-    robot_localization's filters take the zeros and put a variance of 1e-9 in their place.
+    The fix has no error: its covariance is zero, of the type "known". Many subscribers refuse fixes
+    of unknown covariance, or assume an error of their own; robot_localization's filters replace
+    zeros by a variance of 1e-9.
     """
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -34,7 +33,7 @@ class Gps(ModelPlugin):
         self._publisher = self.node.advertise(topic, NavSatFix)
 
     def has_work(self) -> bool:
-        """Whether anybody listens."""
+        """Whether the topic or the frame has a subscriber."""
         return self._publisher.has_subscribers or self._frame.has_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:

@@ -1,14 +1,13 @@
 """Imu: what gyroscopes and accelerometers in a body measure, and its orientation."""
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from geometry_msgs.msg import Quaternion, Vector3
 from sensor_msgs.msg import Imu as ImuMessage
 
-from flatland_plugins.messages import header
+from flatland_plugins.imu_config import QUANTITIES, ImuConfig
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
@@ -16,59 +15,14 @@ from flatland_server import (
     Timekeeper,
     UpdateTimer,
     YamlReader,
+    header,
     quaternion,
     wrap_angle,
 )
 
-STANDARD_GRAVITY = 9.80665  # [m/s^2] (3rd General Conference on Weights and Measures, 1901)
-
-# [roll, pitch, yaw] in rad, [x, y, z] in rad/s, and [x, y, z] in m/s^2
-QUANTITIES = ("orientation", "angular_velocity", "linear_acceleration")
-
-
-@dataclass(frozen=True)
-class ImuConfig:
-    """The keys, the body aside; noises (variances) and covariances in the order of QUANTITIES."""
-
-    enable_imu_pub: bool
-    imu_frame_id: str
-    imu_pub: str
-    ground_truth_pub: str
-    noises: Tuple[Tuple[float, ...], ...]
-    covariances: Tuple[Tuple[float, ...], ...]
-    gravity: float
-    pub_rate: float
-    broadcast_tf: bool
-
-    @classmethod
-    def read(cls, config: YamlReader) -> "ImuConfig":
-        """Reads the keys; `update_rate` is another name for `pub_rate`."""
-        noises, covariances = [], []
-        for quantity in QUANTITIES:
-            noise = config.get_floats(f"{quantity}_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
-            diagonal = tuple(np.diag(noise).ravel().tolist())
-            noises.append(noise)
-            covariances.append(config.get_floats(f"{quantity}_covariance", 9, diagonal))
-        pub_rate = config.get_rate("pub_rate", math.inf)
-        imu = cls(
-            enable_imu_pub=config.get_bool("enable_imu_pub", True),
-            imu_frame_id=config.get_string("imu_frame_id", "imu"),
-            imu_pub=config.get_string("imu_pub", "imu/filtered"),
-            ground_truth_pub=config.get_string("ground_truth_pub", "imu/ground_truth"),
-            noises=tuple(noises),
-            covariances=tuple(covariances),
-            gravity=config.get_float("gravity", STANDARD_GRAVITY, minimum=0.0),
-            pub_rate=config.get_rate("update_rate", pub_rate),
-            broadcast_tf=config.get_bool("broadcast_tf", True),
-        )
-        if config.has("pub_rate") and config.has("update_rate"):
-            config.problem('"pub_rate" and "update_rate" are one key: give one', "update_rate")
-        config.finish()
-        return imu
-
 
 class Motion(NamedTuple):
-    """How a body's origin moves in the world at one moment: m/s, rad/s, rad."""
+    """The motion of a body's origin in the world: m/s, rad/s, rad."""
 
     vx: float
     vy: float
@@ -77,11 +31,11 @@ class Motion(NamedTuple):
 
 
 class Imu(ModelPlugin):
-    """Publishes sensor_msgs/Imu, with noise and without, of the moment that a step leads to.
+    """Publishes sensor_msgs/Imu, with noise and without, for the end of each step.
 
-    The acceleration is the mean over that step, so that moving a model between two steps does not
-    show. What a plugin does to the velocity before the step shows if that plugin comes after this
-    one in the model's file. As REP 145 says, z is gravity in a body at rest.
+    The acceleration is the mean over that step, so that moving a model between two steps causes no
+    spike. A velocity that another plugin sets before the step is measured if that plugin comes
+    after this one in the model's file. At rest, z is gravity (REP 145).
     """
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -90,7 +44,7 @@ class Imu(ModelPlugin):
         imu = self._config = ImuConfig.read(config)
         self._deviations = np.sqrt(imu.noises).ravel()
         self._noise = TimedNoise(self.rng)
-        # Measured in the body's own frame, under its name, there is nothing to transform.
+        # A sensor frame with the name of the body's frame is that frame: no transform.
         is_own = self.name_space_tf(imu.imu_frame_id) == self.name_space_tf(self._body.name)
         self._frame = SensorFrame(
             self, self._body, imu.imu_frame_id, imu.broadcast_tf and not is_own
@@ -101,11 +55,11 @@ class Imu(ModelPlugin):
         self._start: Optional[Motion] = None
 
     def has_work(self) -> bool:
-        """Whether anybody listens."""
+        """Whether a topic or the frame has a subscriber."""
         return self._frame.has_subscribers or self._has_subscribers()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Notes how the body moves, if somebody listens already."""
+        """Records the motion at the start of the step, if a topic has a subscriber."""
         self._start = self._motion() if self._has_subscribers() else None
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:

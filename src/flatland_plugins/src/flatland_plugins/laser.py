@@ -1,13 +1,13 @@
 """Laser: a planar lidar on a body."""
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
 from sensor_msgs.msg import LaserScan
 
+from flatland_plugins.laser_config import LaserConfig
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
@@ -15,7 +15,6 @@ from flatland_server import (
     BeamFan,
     Float32Array,
     ModelPlugin,
-    Pose,
     Timekeeper,
     UpdateTimer,
     YamlReader,
@@ -24,73 +23,9 @@ from flatland_server import (
 REFLECTANCE_LAYER = "reflectance"
 """What is on the layer of this name returns an intensity of 255."""
 
-_MAX_BEAMS = 1_000_000
-
-
-@dataclass(frozen=True)
-class LaserConfig:
-    """The documented keys; angles in rad, lengths in m."""
-
-    topic: str
-    frame: str
-    broadcast_tf: bool
-    origin: Pose
-    range: float
-    noise_std_dev: float
-    angle_min: float
-    increment: float
-    beams: int
-    update_rate: float
-    layers: Tuple[str, ...]
-    upside_down: bool
-    always_publish: bool
-
-    @classmethod
-    def read(cls, config: YamlReader, name: str) -> "LaserConfig":
-        """Reads the keys, the body aside; a laser called `name` has a frame called that too."""
-        angle = config.get_section("angle", required=True)
-        angle_min = angle.get_float("min")
-        angle_max = angle.get_float("max")
-        increment = angle.get_float("increment")
-        angle.finish()
-        laser = cls(
-            topic=config.get_string("topic", "scan"),
-            frame=config.get_string("frame", name),
-            broadcast_tf=config.get_bool("broadcast_tf", True),
-            origin=config.get_pose("origin", Pose()),
-            range=config.get_float("range", above=0.0),
-            noise_std_dev=config.get_float("noise_std_dev", 0.0, minimum=0.0),
-            angle_min=angle_min,
-            increment=increment,
-            beams=count_beams(angle_min, angle_max, increment),
-            update_rate=config.get_rate("update_rate", math.inf),
-            layers=config.get_strings("layers", ("all",)),
-            upside_down=config.get_bool("upside_down", False),
-            always_publish=config.get_bool("always_publish", False),
-        )
-        if config.is_sound and not 1 <= laser.beams <= _MAX_BEAMS:
-            config.problem(
-                f"expected an increment that leads from min to max in 1 to {_MAX_BEAMS} beams, "
-                f"found {increment:g} from {angle_min:g} to {angle_max:g}",
-                "angle",
-            )
-        config.finish()
-        return laser
-
-
-def count_beams(angle_min: float, angle_max: float, increment: float) -> int:
-    """How many beams there are from min to max, both included; 0 if it never gets there.
-
-    An increment that was rounded when it was written down still reaches the last beam.
-    """
-    if angle_min == angle_max:
-        return 1
-    steps = (angle_max - angle_min) / increment if increment else -1.0
-    return math.floor(steps + 1e-2) + 1 if 0 <= steps < 1e9 else 0
-
 
 class Laser(ModelPlugin):
-    """Publishes sensor_msgs/LaserScan; computes a scan only if somebody listens."""
+    """Publishes sensor_msgs/LaserScan; scans only if the topic has a subscriber."""
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
@@ -125,11 +60,11 @@ class Laser(ModelPlugin):
         )
 
     def has_work(self) -> bool:
-        """Whether to scan, or to tell where the lidar is."""
+        """Whether to scan, or to publish the lidar's frame."""
         return self._has_to_scan() or self._frame.has_subscribers
 
     def prepare_step(self, timekeeper: Timekeeper) -> None:
-        """Has the lidars that are due scan together."""
+        """Announces the scan: the lidars that are due scan together."""
         if self._has_to_scan():
             self._lidar.expect_scan()
 
@@ -154,7 +89,7 @@ class Laser(ModelPlugin):
 
 @lru_cache(maxsize=16)
 def _fan(angle_min: float, increment: float, count: int) -> BeamFan:
-    """A fan, the same for all lidars of a kind: its tables stay in the processor's cache."""
+    """A fan, shared by equal lidars, so that its tables stay in the processor's cache."""
     return BeamFan(angle_min, increment, count)
 
 

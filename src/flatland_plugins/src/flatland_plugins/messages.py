@@ -1,4 +1,4 @@
-"""ROS messages from Flatland's values."""
+"""Functions that fill messages, for plugins that import them from here: see flatland_server."""
 
 from flatland_server import fill_pose, fill_twist, header, ros_time
 

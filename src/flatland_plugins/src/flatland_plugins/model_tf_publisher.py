@@ -35,11 +35,11 @@ class ModelTfPublisher(ModelPlugin):
         )
 
     def has_work(self) -> bool:
-        """Whether anybody listens."""
+        """Whether transforms have a subscriber."""
         return self.node.transforms_have_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes the transforms of now."""
+        """Publishes the transforms at the start of the step."""
         now = timekeeper.nanoseconds
         if self._world_frame is not None:
             self._world_frame.send(now, [self._reference.pose])

@@ -1,4 +1,4 @@
-"""What a crowd has around it: the walls of layers, and the models that are not of it."""
+"""The obstacles of a crowd: the walls of layers, and the models that do not belong to it."""
 
 from typing import Collection, Dict, List, Sequence
 
@@ -10,11 +10,11 @@ from flatland_server import Circle, FloatArray, Footprint, Layer, Model, ModelBo
 
 
 class Walls:
-    """The walls of some layers, also those that are put up later.
+    """The walls of some layers, including walls that are added later.
 
     Args:
-        layers: whose walls they are.
-        reach: how far from a point walls are looked for [m].
+        layers: the layers.
+        reach: distance from a point within which walls are found [m].
     """
 
     def __init__(self, layers: Sequence[Layer], reach: float) -> None:
@@ -33,7 +33,7 @@ class Walls:
 
 
 class Outline:
-    """The footprints of a body that one can run into, as lines; a disc is a point with a radius."""
+    """The solid footprints of a body, as lines; a disc is a point with a radius."""
 
     def __init__(self, body: ModelBody, footprints: Sequence[Footprint]) -> None:
         self._body = body.physics_body
@@ -69,7 +69,7 @@ class Bodies:
 
     Args:
         models: those of the world, by name; it may change.
-        layers: bits of the collision layers of who might run into them.
+        layers: bits of the collision layers of the people.
     """
 
     def __init__(self, models: Dict[str, Model], layers: int) -> None:
@@ -78,7 +78,7 @@ class Bodies:
         self._outlines: Dict[Model, List[Outline]] = {}
 
     def find(self, but: Collection[Model]) -> List[Outline]:
-        """Those that are there now, of all models but some."""
+        """The bodies of all models but some, now."""
         models = [model for model in self._models.values() if model not in but]
         self._outlines = {
             model: self._outlines.get(model) or self._outlines_of(model) for model in models

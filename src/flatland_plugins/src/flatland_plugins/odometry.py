@@ -1,92 +1,37 @@
-"""Odometry: what a wheeled robot believes about its pose and velocity, and what is true."""
+"""Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from dataclasses import dataclass
-from typing import List, Optional, Tuple
+from typing import List, Optional
 
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 
-from flatland_plugins.messages import fill_twist, header
+from flatland_plugins.odometry_config import OdometryConfig
 from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_plugins.odometry_writer import OdometryWriter, Twist
 from flatland_plugins.timed_noise import TimedNoise
-from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, YamlReader, wrap_angle
-
-Vector3 = Tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class OdometryConfig:
-    """The keys of a drive that concern odometry.
-
-    Noises are variances, of x, y and yaw or of their velocities, and new at each message. The drift
-    adds up: variances per second [m^2/s, m^2/s, rad^2/s] in the body's frame; see `OdometryDrift`.
-    """
-
-    odom_frame_id: str
-    ground_truth_frame_id: str
-    odom_pub: str
-    ground_truth_pub: str
-    twist_pub: str
-    enable_odom_pub: bool
-    enable_twist_pub: bool
-    enable_odom_tf_pub: bool
-    twist_in_local_frame: bool
-    pose_noise: Vector3
-    twist_noise: Vector3
-    drift: Vector3
-    pose_covariance: Vector3
-    twist_covariance: Vector3
-
-    @classmethod
-    def read(cls, config: YamlReader, enable_twist_pub: bool = True) -> "OdometryConfig":
-        """Reads the keys, as documented, from a drive's configuration.
-
-        Args:
-            config: of the drive.
-            enable_twist_pub: whether the drive publishes its twist if the key is not given.
-        """
-        pose_noise = config.get_floats("odom_pose_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
-        twist_noise = config.get_floats("odom_twist_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
-        return cls(
-            odom_frame_id=config.get_string("odom_frame_id", "odom"),
-            ground_truth_frame_id=config.get_string("ground_truth_frame_id", "map"),
-            odom_pub=config.get_string("odom_pub", "odometry/filtered"),
-            ground_truth_pub=config.get_string("ground_truth_pub", "odometry/ground_truth"),
-            twist_pub=config.get_string("twist_pub", "twist"),
-            enable_odom_pub=config.get_bool("enable_odom_pub", True),
-            enable_twist_pub=config.get_bool("enable_twist_pub", enable_twist_pub),
-            enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", True),
-            twist_in_local_frame=config.get_bool("twist_in_local_frame", True),
-            pose_noise=pose_noise,
-            twist_noise=twist_noise,
-            drift=config.get_floats("odom_drift", 3, (0.0, 0.0, 0.0), minimum=0.0),
-            pose_covariance=config.get_floats(
-                "odom_pose_covariance", 36, planar_covariance(pose_noise)
-            ),
-            twist_covariance=config.get_floats(
-                "odom_twist_covariance", 36, planar_covariance(twist_noise)
-            ),
-        )
-
-
-def planar_covariance(variances: Vector3) -> Vector3:
-    """A 6x6 covariance of x, y, z, roll, pitch, yaw, row by row, from those of x, y and yaw."""
-    diagonal = (variances[0], variances[1], 0.0, 0.0, 0.0, variances[2])
-    return tuple(np.diag(diagonal).ravel().tolist())
+from flatland_server import (
+    Frames,
+    ModelBody,
+    ModelPlugin,
+    Pose,
+    Publisher,
+    fill_twist,
+    header,
+    wrap_angle,
+)
 
 
 class OdometryPublisher:
-    """Publishes a body's odometry with drift and noise, without, as a twist, and as a transform.
+    """Publishes a body's odometry with errors, the ground truth, its twist and its transform.
 
-    The drift and the noise of the pose are in the odometry and the transform, the noise of the
-    velocity is in the odometry and the twist. A model that is moved takes its odometry along.
+    Drift and the noise of the pose are in the odometry and the transform, the noise of the velocity
+    is in the odometry and the twist. If a model is moved, its odometry moves with it.
 
     Args:
-        plugin: the drive that it belongs to.
-        body: whose odometry it is, about the body's origin.
+        plugin: the drive.
+        body: the body, whose origin is tracked.
         config: topics, frames, noise and drift.
     """
 
@@ -120,13 +65,13 @@ class OdometryPublisher:
             self._frame = self._node.open_frames((config.odom_frame_id, self._base_frame))
 
     def has_work(self) -> bool:
-        """Whether `publish` does anything: somebody listens, or a drift gathers."""
+        """Whether `publish` does anything: there is a subscriber, or a drift to accumulate."""
         return self._drift is not None or self._has_subscribers()
 
     def publish(self, nanoseconds: int) -> None:
-        """Publishes what is listened to, for the present pose and velocity.
+        """Publishes the present pose and velocity on the topics that have subscribers.
 
-        To be called whenever odometry is due, heard or not: drift gathers from call to call.
+        Call it whenever odometry is due, with or without subscribers: drift accumulates.
         """
         pose = self._body.pose
         if self._drift is not None:
@@ -134,25 +79,25 @@ class OdometryPublisher:
             if not self._has_subscribers():
                 return
         local: Twist = self._body.physics_body.local_velocity
-        believed = pose if self._drift is None else self._drift.pose
-        felt = local
+        estimated = pose if self._drift is None else self._drift.pose
+        measured = local
         if self._is_noisy:
             noise = self._noise_at(nanoseconds)
-            x, y, yaw = (value + error for value, error in zip(believed, noise))
-            believed = Pose(x, y, wrap_angle(yaw))
+            x, y, yaw = (value + error for value, error in zip(estimated, noise))
+            estimated = Pose(x, y, wrap_angle(yaw))
             vx, vy, omega = (value + error for value, error in zip(local, noise[3:]))
-            felt = (vx, vy, omega)
+            measured = (vx, vy, omega)
 
         if self._twist is not None and self._twist.has_subscribers:
             twist = TwistStamped(header=header(nanoseconds, self._base_frame))
-            fill_twist(twist.twist, *felt)
+            fill_twist(twist.twist, *measured)
             self._twist.publish(twist)
         if self._odom is not None and self._odom.has_subscribers:
-            self._write(self._odom, self._odom_writer, nanoseconds, believed, felt)
+            self._write(self._odom, self._odom_writer, nanoseconds, estimated, measured)
         if self._ground_truth is not None and self._ground_truth.has_subscribers:
             self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, pose, local)
         if self._frame is not None and self._node.transforms_have_subscribers:
-            self._frame.send(nanoseconds, [believed])
+            self._frame.send(nanoseconds, [estimated])
 
     def _has_subscribers(self) -> bool:
         if self._frame is not None and self._node.transforms_have_subscribers:
@@ -161,7 +106,7 @@ class OdometryPublisher:
         return any(publisher is not None and publisher.has_subscribers for publisher in publishers)
 
     def _noise_at(self, nanoseconds: int) -> List[float]:
-        """Of the pose and the velocity."""
+        """The errors of the pose and the velocity."""
         normal = self._noise.at(nanoseconds).standard_normal(6)
         noise: List[float] = (normal * self._deviation).tolist()
         return noise

@@ -1,4 +1,4 @@
-"""Drift: the errors of odometry that add up, as those of wheels that slip do."""
+"""Drift: errors of odometry that accumulate, as those of slipping wheels do."""
 
 import math
 from typing import Optional, Sequence, Tuple
@@ -9,18 +9,22 @@ from flatland_server import Pose
 
 
 class OdometryDrift:
-    """Where a robot believes to be, whose measured velocities have white noise.
+    """The pose that a robot estimates from velocities with white noise.
 
-    Its own frame sees the noise, so that an error of the heading bends the path that follows. In T
-    seconds the integrals of the noise gather the variances q T, however often `advance` is called;
-    on a robot at rest that is its error. (Thrun, Burgard and Fox, "Probabilistic Robotics", 5.4,
-    has the same composition of relative motions, with noise per distance instead of time.)
+    The noise is in the body's frame, so that an error of the heading bends the path that follows.
+    Over T seconds the integrated noise has the variances q T, however often `advance` is called; on
+    a robot at rest that is the error of the estimate. (Thrun, Burgard and Fox, "Probabilistic
+    Robotics", 5.4, compose relative motions in the same way, with noise per distance instead of
+    time.)
 
-    A model that is moved takes its odometry along, as it does without drift: the jump is a relative
+    If the model is moved, the estimate moves with it, as without drift: the jump is a relative
     motion like any other.
 
+    Attributes:
+        pose: the estimate.
+
     Args:
-        variances: q, those of the x, y and yaw gathered in a second [m^2/s, m^2/s, rad^2/s].
+        variances: q, of x, y and yaw per second [m^2/s, m^2/s, rad^2/s].
         seed: of the noise.
     """
 
@@ -31,9 +35,9 @@ class OdometryDrift:
         self._last: Optional[Tuple[int, Pose]] = None
 
     def advance(self, nanoseconds: int, truth: Pose) -> None:
-        """Moves `pose` on to a later time [ns], at which the robot is at `truth`.
+        """Updates `pose` for a later time [ns], at which the robot is at `truth`.
 
-        The first call believes it. Equal times and motions give equal poses.
+        The first call sets it to `truth`. Equal times and motions give equal poses.
         """
         if self._last is None:
             self.pose = truth
@@ -41,8 +45,8 @@ class OdometryDrift:
             then, before = self._last
             root = math.sqrt((nanoseconds - then) * 1e-9)
             error = self._rng.standard_normal(3) * self._deviation * root
-            # Half of it before the motion and half after: to second order, the noise is spread over
-            # the time between, and the path bends as if there were many small steps.
+            # Half of it before the motion and half after: to second order, this is noise that is
+            # spread over the interval, and bends the path as many small steps would.
             half = Pose(*(0.5 * error).tolist())
             motion = before.inverse().compose(truth)
             self.pose = self.pose.compose(half).compose(motion).compose(half).wrapped()

@@ -6,8 +6,7 @@ from typing import Any, Sequence, Tuple
 
 from nav_msgs.msg import Odometry
 
-from flatland_plugins.messages import fill_pose, fill_twist, header
-from flatland_server import MessageWriter, Pose, quaternion
+from flatland_server import MessageWriter, Pose, fill_pose, fill_twist, header, quaternion
 
 Twist = Tuple[float, float, float]
 

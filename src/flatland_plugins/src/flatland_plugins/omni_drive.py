@@ -1,6 +1,6 @@
-"""OmniDrive: a body that goes any way and turns meanwhile, as geometry_msgs/Twist commands it."""
+"""OmniDrive: a body that moves in any direction and turns, as geometry_msgs/Twist commands."""
 
-from typing import Callable
+from geometry_msgs.msg import Twist
 
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_server import ModelBody, YamlReader
@@ -13,9 +13,13 @@ class OmniDrive(TwistDrive):
     its components.
     """
 
-    obeys = ("linear.x", "linear.y", "angular.z")
-
-    def add_drive(self, config: YamlReader, body: ModelBody) -> Callable[..., None]:
+    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
         limits = read_dynamics(config)
         config.finish()
-        return body.physics_body.add_drive(*limits).command
+        self._drive = body.physics_body.add_drive(*limits)
+
+    def on_twist(self, twist: Twist) -> None:
+        self._drive.command(twist.linear.x, twist.linear.y, twist.angular.z)
+
+    def describe(self, twist: Twist) -> str:
+        return f"linear.x={twist.linear.x} linear.y={twist.linear.y} angular.z={twist.angular.z}"

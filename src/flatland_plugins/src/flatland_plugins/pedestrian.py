@@ -18,11 +18,11 @@ from flatland_server import (
 )
 
 _MASS = 80.0
-"""Of everybody [kg]."""
+"""Of each pedestrian [kg]."""
 
 _LEG_RADIUS = 0.28
 _LEG_OFFSET = 0.4
-"""Radius and distance from the middle of a leg where a lidar sees it, as parts of the radius."""
+"""A leg's radius and its distance from the middle, as fractions of the pedestrian's radius."""
 
 _LEGS = (("left_leg", 1.0), ("right_leg", -1.0))
 
@@ -34,10 +34,10 @@ walking", Journal of Human Movement Studies 30, 1996.
 """
 
 _TURN_RATE = math.pi
-"""How fast people turn at most [rad/s]."""
+"""Maximum rate of turn [rad/s]."""
 
 _LEAST_SPEED = 0.1
-"""Slower than that they keep their heading [m/s]."""
+"""Below this speed [m/s] they keep their heading."""
 
 
 def model_of(
@@ -82,19 +82,19 @@ class Pedestrian:
 
     @property
     def position(self) -> Point:
-        """Where it is [m]."""
+        """Its position [m]."""
         return self._body.pose[:2]
 
     @property
     def velocity(self) -> Point:
-        """How it moves [m/s]; also if somebody pushes it."""
+        """Its velocity [m/s], including what pushes it."""
         return self._body.velocity[:2]
 
     def way(self, goal_radius: float, time_left: float) -> Point:
-        """Where it wants to go: a vector towards its goal, of length 1 at its full speed.
+        """The desired direction: a vector towards its goal, of length 1 at full speed.
 
-        A goal within its radius [m] makes way for the next. Who has only one stays there; when it
-        would arrive in less than `time_left` seconds, it slows down.
+        When it is within `goal_radius` [m] of a goal, it turns to the next. With a single goal, it
+        stays there, and slows down when it would arrive in less than `time_left` seconds.
         """
         goals, (x, y) = self.config.goals, self.position
         if math.dist((x, y), goals[self._goal]) <= goal_radius:
@@ -105,7 +105,7 @@ class Pedestrian:
         return dx / distance, dy / distance
 
     def walk(self, vx: float, vy: float, dt: float) -> None:
-        """Moves at a velocity [m/s] in the next `dt` seconds, turning to where it leads."""
+        """Moves at a velocity [m/s] for the next `dt` seconds, turning to its direction."""
         x, y, yaw = self._body.pose
         turn = 0.0
         if math.hypot(vx, vy) > _LEAST_SPEED:

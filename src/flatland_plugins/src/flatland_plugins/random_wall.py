@@ -7,15 +7,15 @@ from flatland_server import FlatlandError, FloatArray, Segments, WorldPlugin, Ya
 
 
 class RandomWall(WorldPlugin):
-    """Puts up copies of walls of a layer, each beside its original, when the world is loaded.
+    """Adds copies of walls of a layer, each beside its original, when the world is loaded.
 
-    Which walls it copies is a matter of chance, and of the world's seed. A copy is parallel to its
-    wall, `wall_wall_dist` from it, on the side of the robot; a double wall has one on the other
-    side too. None is put up where the robot stands.
+    The walls are chosen at random, by the world's seed. A copy is parallel to its wall, at the
+    distance `wall_wall_dist`, on the side of the robot; a double wall has one on the other side
+    too. No copy is placed where the robot stands.
     """
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the keys and puts up the walls."""
+        """Reads the keys and adds the walls."""
         layer_name = config.get_string("layer")
         count = config.get_int("num_of_walls", 0, minimum=0)
         distance = config.get_float("wall_wall_dist", 1.0, above=0.0)

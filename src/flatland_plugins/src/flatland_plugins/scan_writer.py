@@ -5,8 +5,7 @@ from typing import Any
 
 from sensor_msgs.msg import LaserScan
 
-from flatland_plugins.messages import header
-from flatland_server import Float32Array, MessageWriter
+from flatland_server import Float32Array, MessageWriter, header
 
 
 class ScanWriter(MessageWriter):

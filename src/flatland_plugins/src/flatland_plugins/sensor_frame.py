@@ -4,7 +4,7 @@ from flatland_server import ModelBody, ModelPlugin, Pose, Transform
 
 
 class SensorFrame:
-    """Publishes the transform from a body to a sensor on it, if it is wanted.
+    """Publishes the transform from a body to a sensor on it, if `broadcast` is set.
 
     Args:
         plugin: the sensor.
@@ -36,11 +36,11 @@ class SensorFrame:
 
     @property
     def has_subscribers(self) -> bool:
-        """Whether the transform is published and anybody listens."""
+        """Whether the transform is published, and transforms have a subscriber."""
         return self._broadcast and self._node.transforms_have_subscribers
 
     def publish(self, nanoseconds: int) -> None:
-        """Sends the transform, if anybody listens."""
+        """Sends the transform, if transforms have a subscriber."""
         if self.has_subscribers:
             self._node.send_transform(
                 Transform(nanoseconds, self._parent, self.name, self._pose, self._roll)

@@ -10,7 +10,7 @@ or from the nearest point of a wall. That is equations 1 to 3 of Helbing, Farkas
 d - r1 - r2 between two discs and d - r to a wall, takes the sizes of bodies into account; its terms
 for bodies that touch are left to Box2D.
 
-Such people see nothing coming. Their evasions are those of Moussaid, Helbing, Garnier, Johansson,
+These forces do not look ahead. Their evasions are those of Moussaid, Helbing, Garnier, Johansson,
 Combe and Theraulaz, "Experimental study of the behavioural mechanisms underlying self-organization
 in human crowds", Proc. R. Soc. B 276, 2009, with the constants that were measured there: people
 turn away in time, to a preferred side, and slow down a little. Here too, distances are gaps.
@@ -28,18 +28,18 @@ import numpy as np
 from flatland_server import FloatArray
 
 _VELOCITY_WEIGHT = 2.0
-"""lambda [s/m]: how much the relative velocity counts beside the direction of the other."""
+"""lambda [s/m]: weight of the relative velocity against the direction of the other."""
 
 _REACTION = 0.35
-"""gamma [m]: how far ahead one evades, by the length of D."""
+"""gamma [m]: range of the evasion, per length of D."""
 
 _NARROWNESS_OF_TURNING = 2.0
 _NARROWNESS_OF_SLOWING = 3.0
-"""n and n' [1/m]: how little the other may be off the course to count as in the way."""
+"""n and n' [1/m]: how narrow the range of angles is in which the other is evaded."""
 
 
 class Others(NamedTuple):
-    """What is around each person: how far its surface is [m], and the direction away from it."""
+    """The surroundings of each person: distances to surfaces [m], and directions away from them."""
 
     distances: FloatArray
     away: FloatArray
@@ -73,15 +73,15 @@ class SocialForce:
     def repel(self, gaps: Others) -> FloatArray:
         """The acceleration [m/s^2] away from others, (n, 2).
 
-        Who overlaps repels like who touches: the rest is for Box2D.
+        Overlap counts as touching: separating overlapping bodies is left to Box2D.
         """
         strength = self.repulsion * np.exp(-np.maximum(gaps.distances, 0.0) / self.range)
         return np.asarray(np.einsum("nm,nmi->ni", strength, gaps.away))
 
     def evade(self, gaps: Others, relative_velocities: FloatArray) -> FloatArray:
-        """The acceleration [m/s^2] of persons who evade others, (n, 2).
+        """The acceleration [m/s^2] of persons that evade others, (n, 2).
 
-        Somebody in the direction e, at the relative velocity w, is met on the course t of
+        Another person in the direction e, at the relative velocity w, is met on the course t of
         D = lambda w + e. With the angle theta from t to e, t turned left l, and b = gamma |D|,
 
             f = -A exp(-gap / b) (exp(-(n' b theta)^2) t + sign(theta) exp(-(n b theta)^2) l)

@@ -1,18 +1,18 @@
-"""Noise that depends on the seed and the time alone, not on who has listened so far."""
+"""Noise that depends on the seed and the time only, not on earlier messages or subscribers."""
 
 import numpy as np
 
 
 class TimedNoise:
-    """A source of chance for each moment.
+    """A random generator for each time.
 
     Args:
-        rng: of the plugin whose noise it is; a number is drawn from it.
+        rng: of the plugin; one number is drawn from it, as the seed.
     """
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._key = int(rng.integers(2**63))
 
     def at(self, nanoseconds: int) -> np.random.Generator:
-        """The source for a time [ns]: at equal times it gives equal numbers."""
+        """The generator for a time [ns]: equal times give equal numbers."""
         return np.random.default_rng([self._key, nanoseconds])

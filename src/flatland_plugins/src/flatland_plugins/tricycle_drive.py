@@ -2,7 +2,9 @@
 
 import logging
 import math
-from typing import Callable, Optional, Tuple
+from typing import Optional, Tuple
+
+from geometry_msgs.msg import Twist
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
@@ -13,7 +15,7 @@ logger = logging.getLogger(__name__)
 Point = Tuple[float, float]
 
 _TOLERANCE = 1e-3
-"""How far [m] an anchor may be from where it must be; and the axle, as a part of its length."""
+"""How far [m] an anchor may be off; and the axle, as a fraction of its length."""
 
 _DEPRECATED = (
     ("max_angular_velocity", "velocity_limit"),
@@ -24,16 +26,16 @@ _DEPRECATED = (
 class TricycleDrive(TwistDrive):
     """A Twist's linear.x is the front wheel's speed [m/s], its angular.z the wheel's angle [rad].
 
-    The body's origin is at the front wheel. Its geometry is that of the model's joints: the front
-    wheel hangs on a revolute joint at the origin, the two rear wheels on welds whose middle is the
-    middle of the rear axle, at right angles to the way there. The front wheel's body is turned for
-    show. `angular_dynamics` limits how the steering angle changes, `linear_dynamics` the speed.
+    The body's origin is at the front wheel. The geometry is read from the model's joints: the front
+    wheel is attached by a revolute joint at the origin, the rear wheels by welds at the ends of the
+    rear axle, which is perpendicular to the line from its middle to the front wheel. The front
+    wheel's body is turned for display only. `angular_dynamics` limits how the steering angle
+    changes, `linear_dynamics` the speed.
     """
 
-    obeys = ("linear.x", "angular.z")
     publishes_twist = False
 
-    def add_drive(self, config: YamlReader, body: ModelBody) -> Callable[..., None]:
+    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
         front = self._get_wheel(config, "front_wheel_joint", body, "revolute")
         left = self._get_wheel(config, "rear_left_wheel_joint", body, "weld")
         right = self._get_wheel(config, "rear_right_wheel_joint", body, "weld")
@@ -51,15 +53,17 @@ class TricycleDrive(TwistDrive):
         angular = _with_deprecated(config, angular)
         config.finish()
         assert front is not None  # or there was a problem
-        tricycle = body.physics_body.add_tricycle(
+        self._tricycle = body.physics_body.add_tricycle(
             front[0].physics_joint, axle, max_steer_angle, linear, angular
         )
-        return tricycle.command
+
+    def on_twist(self, twist: Twist) -> None:
+        self._tricycle.command(twist.linear.x, twist.angular.z)
 
     def _get_wheel(
         self, config: YamlReader, key: str, body: ModelBody, kind: str
     ) -> Optional[Tuple[Joint, Point]]:
-        """A wheel's joint and where it is on the body."""
+        """A wheel's joint, and its anchor on the body."""
         joint = self.get_joint(config, key)
         if joint is None:
             return None
@@ -100,7 +104,7 @@ class TricycleDrive(TwistDrive):
 
 
 def _with_deprecated(config: YamlReader, angular: DynamicsLimits) -> DynamicsLimits:
-    """The steering's limits, with those that older files give under other names."""
+    """The limits of the steering, including those given by deprecated keys."""
     for old, new in _DEPRECATED:
         value = config.get_float(old, 0.0, minimum=0.0)
         if not config.has(old):

@@ -1,30 +1,30 @@
-"""What drives have in common that geometry_msgs/Twist commands."""
+"""The base of drives that are commanded by geometry_msgs/Twist."""
 
 import contextlib
 import logging
 import math
 from abc import ABC, abstractmethod
-from operator import attrgetter
-from typing import Callable, ClassVar, Tuple
+from typing import ClassVar, Tuple
 
 from geometry_msgs.msg import Twist
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
-from flatland_plugins.odometry import OdometryConfig, OdometryPublisher
+from flatland_plugins.odometry import OdometryPublisher
+from flatland_plugins.odometry_config import OdometryConfig
 from flatland_server import GoneError, ModelBody, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
 
 logger = logging.getLogger(__name__)
 
 
 class TwistDrive(ModelPlugin, ABC):
-    """Base of a drive: moves a body as the last Twist says, within limits, and has odometry.
+    """Moves a body as the last Twist commands, within limits, and publishes its odometry.
+
+    A drive overrides `add_drive` and `on_twist`.
 
     Attributes:
-        obeys: the components of a command that the drive obeys; it does not look at the others.
-        publishes_twist: whether it publishes its twist unless told otherwise.
+        publishes_twist: the default of `enable_twist_pub`.
     """
 
-    obeys: ClassVar[Tuple[str, ...]]
     publishes_twist: ClassVar[bool] = True
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -33,32 +33,37 @@ class TwistDrive(ModelPlugin, ABC):
         twist_sub = config.get_string("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
         odometry = OdometryConfig.read(config, self.publishes_twist)
-        self._command = self.add_drive(config, body)
+        self.add_drive(config, body)
 
         self._topic = self.node.resolve(twist_sub)
         self._odometry = OdometryPublisher(self, body, odometry)
         self.update_timer = UpdateTimer(pub_rate)
-        self.node.subscribe(twist_sub, Twist, self._on_twist)
+        self.node.subscribe(twist_sub, Twist, self._receive)
 
     @abstractmethod
-    def add_drive(self, config: YamlReader, body: ModelBody) -> Callable[..., None]:
-        """Reads the other keys, finishes the configuration and lets the core drive the body.
+    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
+        """Reads the other keys, finishes the configuration, and adds a drive of the core."""
 
-        Returns:
-            What is to be called with the components of `obeys`; it raises ValueError for what it
-            cannot obey.
+    @abstractmethod
+    def on_twist(self, twist: Twist) -> None:
+        """Passes a command to the drive of the core.
+
+        Raises:
+            ValueError: the command cannot be obeyed, for example because it is not finite.
         """
 
-    def _on_twist(self, twist: Twist) -> None:
-        told = {component: attrgetter(component)(twist) for component in self.obeys}
+    def describe(self, twist: Twist) -> str:
+        """The components that the drive obeys, for warnings."""
+        return f"linear.x={twist.linear.x} angular.z={twist.angular.z}"
+
+    def _receive(self, twist: Twist) -> None:
         try:
-            self._command(*told.values())
+            self.on_twist(twist)
         except ValueError as error:
-            ignored = " ".join(f"{component}={value}" for component, value in told.items())
-            logger.warning("%s: %s; ignored %s", self._topic, error, ignored)
+            logger.warning("%s: %s; ignored %s", self._topic, error, self.describe(twist))
 
     def has_work(self) -> bool:
-        """Whether odometry is listened to, or drifts."""
+        """Whether the odometry has a subscriber, or drifts."""
         return self._odometry.has_work()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
@@ -66,9 +71,9 @@ class TwistDrive(ModelPlugin, ABC):
         self._odometry.publish(timekeeper.nanoseconds)
 
     def on_shutdown(self) -> None:
-        """Stops, within the limits: the body may live on, and nobody commands it any more."""
+        """Stops the body within the limits, if it outlives the drive."""
         with contextlib.suppress(GoneError):
-            self._command(*(0.0 for _ in self.obeys))
+            self.on_twist(Twist())
 
 
 def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:

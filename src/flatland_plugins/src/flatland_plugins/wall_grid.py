@@ -8,19 +8,19 @@ from flatland_plugins.social_force import Others, directions
 from flatland_server import FloatArray, IntArray, Segments
 
 _FAR_AWAY = 1e9
-"""Where walls stand that are not there [m]: far enough to be without any effect."""
+"""Position of padding walls [m]: far enough to have no effect."""
 
 _MOST_SIDES = 4
 _ANOTHER_SIDE = math.cos(math.radians(80.0))
-"""Two points of a wall are felt apart if they are seen more than 80 degrees from each other.
+"""Two points of a wall count separately if they are seen more than 80 degrees apart.
 
-Of a straight wall, nothing that far from its nearest point is within 5 times its distance, into how
-many segments it may be cut; the walls of a right-angled corner are both felt.
+On a straight wall, all points that far from the nearest one are more than 5 times as distant,
+however many segments it is cut into; the walls of a right-angled corner both count.
 """
 
 
 class WallGrid:
-    """Finds what is near among many segments.
+    """Finds the segments around points, among many.
 
     The segments are cut into pieces no longer than `reach`, which are sorted by the square cell
     that their middle lies in. A cell is 1.5 `reach` wide: what is within `reach` of a point has its
@@ -94,12 +94,12 @@ def sides(others: Others) -> Others:
     """
     distances, away = others.distances.copy(), others.away
     persons = np.arange(len(distances))
-    felt, felt_away = [], []
+    kept, kept_away = [], []
     for _ in range(_MOST_SIDES):
         index = distances.argmin(axis=1)
-        felt.append(distances[persons, index])
-        felt_away.append(away[persons, index])
-        is_same_side = np.einsum("nmi,ni->nm", away, felt_away[-1]) > _ANOTHER_SIDE
+        kept.append(distances[persons, index])
+        kept_away.append(away[persons, index])
+        is_same_side = np.einsum("nmi,ni->nm", away, kept_away[-1]) > _ANOTHER_SIDE
         distances[is_same_side] = np.inf
         distances[persons, index] = np.inf  # also if it has no direction: a point on the wall
-    return Others(np.stack(felt, axis=1), np.stack(felt_away, axis=1))
+    return Others(np.stack(kept, axis=1), np.stack(kept_away, axis=1))

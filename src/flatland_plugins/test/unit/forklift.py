@@ -58,7 +58,7 @@ def forklift(
     )  # fmt: skip
     assert replaced[0] in text
     files.write("robot.model.yaml", text.replace(*replaced))
-    return files.load({"robot": f"model: robot.model.yaml{entry}"}, **options)
+    return files.load_models({"robot": f"model: robot.model.yaml{entry}"}, **options)
 
 
 def steer_angle(robot) -> float:

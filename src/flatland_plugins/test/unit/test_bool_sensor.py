@@ -1,6 +1,6 @@
 """BoolSensor: what counts as a touch, how long it is remembered, and when it is published."""
 
-from typing import Any, Dict, List, Tuple
+from typing import Any, List, Tuple
 
 import pytest
 from std_msgs.msg import Bool
@@ -52,7 +52,9 @@ def history(world, seconds: float, topic: str = "/bool_sensor") -> List[Tuple[in
 def test_solid_bodies_and_sensors_notice_what_touches_them(files, footprint, kind):
     ball = files.model("ball", footprint=DISC)
     plate = files.model("plate", SENSOR, footprint=footprint, body=f"type: {kind},")
-    world = files.load({"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"})
+    world = files.load_models(
+        {"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"}
+    )
 
     assert not said(world.run())
     assert said(move(world, 0.3).run())
@@ -119,7 +121,7 @@ def gripper(files, *plugins: str):
         """
     files.write("gripper.model.yaml", text)
     ball = files.model("ball", footprint="{type: circle, radius: 0.05, density: 1}")
-    return files.load(
+    return files.load_models(
         {"gripper": "model: gripper.model.yaml", "ball": f"model: {ball}, pose: [5, 0, 0]"}
     )
 
@@ -216,7 +218,9 @@ def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
 def test_a_sleeping_body_that_is_moved_onto_it_is_noticed(files, kind):
     ball = files.model("ball")
     plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
-    world = files.load({"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"})
+    world = files.load_models(
+        {"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"}
+    )
     world.run(3.0)
     assert not world.model("ball").base.physics_body.awake
 
@@ -227,7 +231,9 @@ def test_a_sleeping_body_that_is_moved_onto_it_is_noticed(files, kind):
 def test_a_sensor_that_is_moved_onto_a_sleeping_body_notices_it(files, kind):
     ball = files.model("ball")
     plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
-    world = files.load({"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"})
+    world = files.load_models(
+        {"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"}
+    )
     world.run(3.0)
 
     assert said(move(world, 0.9, name="plate").run())
@@ -256,21 +262,6 @@ def test_what_passes_is_noticed_for_as_long_as_it_is_over_the_area(files, speed)
 
 
 # Latching
-
-
-def test_without_a_rate_it_says_so_at_every_step(files):
-    spoken = history(with_ball(files), 1.0)
-
-    assert spoken == [(STEP_NS * step, False) for step in range(1, 201)]
-
-
-@pytest.mark.parametrize("rate", [10, 30, 60])
-def test_it_speaks_at_its_rate_in_simulated_time(files, rate):
-    spoken = history(with_ball(files, f"{SENSOR}, update_rate: {rate}"), 2.0)
-
-    # At the end of the step in which it is due, for the first time at once.
-    due = [-(-round(1e9 * i / rate) // STEP_NS) * STEP_NS + STEP_NS for i in range(2 * rate)]
-    assert spoken == [(time, False) for time in due]
 
 
 @pytest.mark.parametrize("begin", [0.02, 0.085, 0.09, 0.1, 0.105])  # it speaks at 0.105
@@ -321,59 +312,9 @@ def test_a_sensor_that_touches_from_the_beginning_says_so_at_once(files):
     assert history(world, 0.01) == [(STEP_NS, True), (2 * STEP_NS, True)]
 
 
-# Topics
+def test_a_subscriber_that_comes_during_a_touch_is_told(files, no_subscribers):
+    world = move(with_ball(files, transport=no_subscribers), 0.1).run(0.1)
 
-
-@pytest.mark.parametrize(
-    ("keys", "namespace", "topic"),
-    [
-        ("", "", "/bool_sensor"),
-        ("", "foo", "/foo/bool_sensor"),
-        (", topic: detector_out", "", "/detector_out"),
-        (", topic: detector_out", "foo", "/foo/detector_out"),
-        (", topic: /detector_out", "foo", "/detector_out"),
-    ],
-)
-def test_the_namespace_is_put_before_the_topic_once(files, keys, namespace, topic):
-    robot = files.robot(SENSOR + keys, namespace=namespace).run()
-
-    assert robot.transport.topics == {topic}
-    assert not said(robot, topic)
-
-
-def test_nothing_is_published_that_nobody_listens_to(files, deaf_transport):
-    world = with_ball(files, transport=deaf_transport)
-
-    move(world, 0.1).run(0.1)
-
-    assert deaf_transport.published == []
-
-
-def test_who_begins_to_listen_during_a_touch_hears_of_it(files, deaf_transport):
-    world = move(with_ball(files, transport=deaf_transport), 0.1).run(0.1)
-
-    deaf_transport.publishers[0].has_subscribers = True
+    no_subscribers.set_subscribed_topics(None)
 
     assert said(world.run())
-
-
-@pytest.mark.parametrize("key", ["topic", "update_rate", "body"])
-def test_a_key_without_its_last_letter_is_refused_with_a_suggestion(files, key):
-    message = f'plugins[0] "sensor": unknown key "{key[:-1]}" (did you mean "{key}"?)'
-
-    assert files.refusal(f"{SENSOR}, {key[:-1]}: 1") == f"robot.model.yaml:5: {message}"
-
-
-WRONG: Dict[str, str] = {
-    "body: bas": (
-        'plugins[0].body: the model has no body "bas" (did you mean "base"?); it has: base'
-    ),
-    "update_rate: -1": "plugins[0].update_rate: expected a number above 0, found -1",
-    "update_rate: nan": 'plugins[0].update_rate: expected a number, found "nan"',
-    "topic: [1, 2]": "plugins[0].topic: expected a string, found [1, 2]",
-}
-
-
-@pytest.mark.parametrize("keys", WRONG)
-def test_a_wrong_configuration_is_refused_at_its_line(files, keys):
-    assert files.refusal(f"{SENSOR}, {keys}") == f"robot.model.yaml:5: {WRONG[keys]}"

@@ -52,7 +52,7 @@ def test_normals_go_from_the_robot_to_the_other_whichever_box2d_calls_the_first(
     robot_file = files.model("robot", BUMPER, footprint=mine)
     robot = {"robot": f"model: {robot_file}, pose: [3, 1, 0]"}
     post = {"post": f"model: {obstacle}, pose: [3, 2, 0]"}
-    world = files.load({**robot, **post} if is_first else {**post, **robot})
+    world = files.load_models({**robot, **post} if is_first else {**post, **robot})
 
     throw(world, 0.0, 1.0).run(1.0)
 
@@ -71,7 +71,7 @@ def test_two_robots_that_collide_tell_of_the_same_from_either_side(files, is_fir
     robot_file = files.model("robot", BUMPER)
     left = {"left": f"model: {robot_file}, pose: [-0.3, 0, 0], namespace: l"}
     right = {"right": f"model: {robot_file}, pose: [0.3, 0, 0], namespace: r"}
-    world = files.load({**left, **right} if is_first else {**right, **left})
+    world = files.load_models({**left, **right} if is_first else {**right, **left})
     throw(world, 1.0, name="left")
 
     seen = {topic: [] for topic in ("/l/collisions", "/r/collisions")}
@@ -108,7 +108,7 @@ def test_bodies_and_layers_are_named_as_in_their_files(files):
     files.write("long.model.yaml", two_bodies)
     leaf = f"bodies: [{{name: leaf, type: static, footprints: [{DISC}]}}]"
     files.write("door.model.yaml", leaf)
-    world = files.load(
+    world = files.load_models(
         {
             "robot": "model: long.model.yaml, pose: [0.36, 0, 0], namespace: robot1",
             "door": "model: door.model.yaml, pose: [0.36, 0.35, 0]",
@@ -182,7 +182,7 @@ def clapper(files, *plugins: str):
         plugins:{lines}
         """
     files.write("clapper.model.yaml", text)
-    world = files.load({"robot": "model: clapper.model.yaml"})
+    world = files.load_models({"robot": "model: clapper.model.yaml"})
     world.model().get_body("left").physics_body.velocity = (1.0, 0.0, 0.0)
     world.model().get_body("right").physics_body.velocity = (-1.0, 0.0, 0.0)
     return world
@@ -219,7 +219,7 @@ def test_what_an_ignored_body_hits_is_not_told_but_what_the_others_hit(files):
           - {type: Bumper, name: some, topic: some, exclude: [wheel]}
         """
     files.write("robot.model.yaml", text)
-    world = files.load({"robot": "model: robot.model.yaml"}, wall(files))
+    world = files.load_models({"robot": "model: robot.model.yaml"}, wall(files))
     for body in world.model().bodies.values():
         body.physics_body.velocity = (1.0, 0.0, 0.0)
 

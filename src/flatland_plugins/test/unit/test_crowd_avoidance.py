@@ -18,8 +18,6 @@ from townspeople import (
     walk,
 )
 
-from flatland_server.simulation.world import World
-
 DRIVE = "type: DiffDrive, name: drive, body: base"
 BLIND = "force: {noise: 0, repulsion: 0, evasion: 0}"
 
@@ -75,13 +73,12 @@ def test_twenty_who_cross_a_square_all_at_once_get_there(town):
 
 
 def test_two_crowds_give_way_to_each_other(town, files):
-    people = town(TOWARDS_EACH_OTHER[0], keys=CALM)
+    town(TOWARDS_EACH_OTHER[0], keys=CALM)
     text = (files.folder / "world.yaml").read_text()
     second = (
         f"  - {{type: Crowd, name: others, {CALM}, pedestrians: [{{{TOWARDS_EACH_OTHER[1]}}}]}}\n"
     )
-    path = files.write("world.yaml", f"{text}\n{second}")
-    people.world = World.from_file(path, loader=files._loader)
+    people = files.load(f"{text}\n{second}")
 
     way = walk(people, 7.0, "people_0", "others_0")
 

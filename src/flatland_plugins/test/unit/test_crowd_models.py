@@ -76,6 +76,7 @@ def test_people_go_when_their_crowd_fails(town, monkeypatch, caplog):
         raise RuntimeError("no luck")
 
     monkeypatch.setattr("flatland_plugins.pedestrian.Pedestrian.walk", fail)
+    people.allow_failures = True
     people.run(0.1)
 
     assert people.world.models == {}

@@ -1,13 +1,10 @@
 """DiffDrive: motion by command and within limits."""
 
 import math
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Callable, Tuple
 
-import numpy as np
 import pytest
 from readings import GROUND_TRUTH, pose_of, twist_of, warnings
-
-from flatland_server.timekeeper import Timekeeper
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
 
@@ -20,17 +17,6 @@ def arc(linear: float, angular: float, time: float) -> Tuple[float, float, float
     radius = linear / angular
     heading = math.remainder(turned, math.tau)
     return radius * math.sin(turned), radius * (1 - math.cos(turned)), heading
-
-
-def path_of(speed: Dict[float, float], turn: Dict[float, float], duration: float) -> np.ndarray:
-    """Time, x, y and yaw of a body whose speed and yaw rate change evenly between given times."""
-    grid, h = np.linspace(0.0, duration, 100_001, retstep=True)
-    v, omega = (np.interp(grid, list(curve), list(curve.values())) for curve in (speed, turn))
-    # The trapezoidal rule: exact for the yaw, and within h^2 of the position.
-    yaw = np.append(0.0, np.cumsum(omega[1:] + omega[:-1]) * h / 2)
-    velocity = v * np.exp(1j * yaw)
-    position = np.append(0.0, np.cumsum(velocity[1:] + velocity[:-1]) * h / 2)
-    return np.array([grid, position.real, position.imag, yaw])
 
 
 def test_the_turtlebot_in_the_office_drives_an_arc(office):
@@ -107,100 +93,6 @@ def test_dynamics_limits_bound_the_velocity(
     speeds = [sign * twist_of(message)[component] for message in messages]
     expected = [speed_at(message.header.stamp.to_sec()) for message in messages]
     assert speeds == pytest.approx(expected, abs=1e-3)
-
-
-V_CURVE = {0: 0.0, 2: 1.0, 5: 1.0, 6.25: 0.0}
-OMEGA_CURVE = {0: 0.0, 3: 0.9, 5: 0.9, 6.5: 0.0}
-
-
-@pytest.mark.parametrize(
-    ("limits", "commands", "speed", "turn"),
-    [
-        # Commands (linear, angular) by time; the speed and the yaw rate at their curves' corners.
-        pytest.param(
-            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}",
-            {0: (1.0, 0.0), 5: (0.0, 0.0)},
-            V_CURVE,
-            {0: 0.0},
-            id="straight",
-        ),
-        pytest.param(
-            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}",
-            {0: (1.0, 0.7), 5: (0.0, 0.7)},
-            V_CURVE,
-            {0: 0.7},
-            id="a speed that changes in a turn",
-        ),
-        pytest.param(
-            "angular_dynamics: {acceleration_limit: 0.3, deceleration_limit: 0.6}",
-            {0: (0.8, 0.9), 5: (0.8, 0.0)},
-            {0: 0.8},
-            OMEGA_CURVE,
-            id="clothoids",
-        ),
-        pytest.param(
-            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}, "
-            "angular_dynamics: {acceleration_limit: 0.3, deceleration_limit: 0.6}",
-            {0: (1.0, 0.9), 5: (0.0, 0.0)},
-            V_CURVE,
-            OMEGA_CURVE,
-            id="both",
-        ),
-        pytest.param(
-            "linear_dynamics: {acceleration_limit: 0.5, velocity_limit: 0.6}, "
-            "angular_dynamics: {acceleration_limit: 0.3, velocity_limit: 0.7}",
-            {0: (9.0, -9.0), 5: (0.0, 0.0)},
-            {0: 0.0, 1.2: 0.6, 5: 0.6, 6.2: 0.0},
-            {0: 0.0, 7 / 3: -0.7, 5: -0.7, 22 / 3: 0.0},
-            id="both up to their velocity limits",
-        ),
-        pytest.param(
-            "linear_dynamics: {acceleration_limit: 0.5, deceleration_limit: 0.8}, "
-            "angular_dynamics: {acceleration_limit: 0.3, deceleration_limit: 0.6}",
-            {0: (1.0, 0.9), 5: (-1.0, -0.9)},
-            {**V_CURVE, 8.25: -1.0},
-            {**OMEGA_CURVE, 9.5: -0.9},
-            id="both reversed",
-        ),
-    ],
-)
-@pytest.mark.parametrize("step", [0.005, 0.02])
-def test_limited_drives_follow_the_integral_of_their_exact_velocity(
-    files, limits: str, commands: Dict[float, Tuple[float, float]], speed: Dict[float, float],
-    turn: Dict[float, float], step: float,
-):  # fmt: skip
-    footprint = "{type: circle, center: [0.2, 0.1], radius: 0.2, density: 10}"
-    robot = files.robot(f"{DRIVE}, {limits}", footprint=footprint)
-    robot.timekeeper = Timekeeper(step)
-
-    truth: List[Any] = []
-    starts = list(commands)
-    for start, end in zip(starts, [*starts[1:], 10]):
-        robot.drive(*commands[start])
-        truth += robot.record(GROUND_TRUTH, end - start)
-
-    times = np.array([message.header.stamp.to_sec() for message in truth])
-    grid, x, y, yaw = path_of(speed, turn, 10.0)
-    measured = np.array([pose_of(message) for message in truth])
-    assert np.abs(measured[:, 0] - np.interp(times, grid, x)).max() < 1e-3
-    assert np.abs(measured[:, 1] - np.interp(times, grid, y)).max() < 1e-3
-    turned = np.exp(1j * (measured[:, 2] - np.interp(times, grid, yaw)))
-    assert np.abs(np.angle(turned)).max() < 1e-3
-    twists = np.array([twist_of(message) for message in truth[1:]])  # the first is at rest
-    for axis, curve in ((0, speed), (1, {0: 0.0}), (2, turn)):
-        expected = np.interp(times[1:], list(curve), list(curve.values()))
-        assert np.abs(twists[:, axis] - expected).max() < 1e-3
-
-
-def test_the_drive_stops_when_it_ends_before_its_body(files):
-    robot = files.robot(f"{DRIVE}, linear_dynamics: {{deceleration_limit: 1}}").drive(0.5)
-    robot.run(1.0)
-
-    robot.world.close()
-    robot.run(5.0)
-
-    # It rolls out over v^2 / 2a.
-    assert robot.model().pose == pytest.approx((0.5 + 0.125, 0.0, 0.0), abs=1e-3)
 
 
 def test_a_drive_ends_in_peace_after_its_body(files, caplog):

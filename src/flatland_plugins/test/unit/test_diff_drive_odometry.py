@@ -1,7 +1,5 @@
 """DiffDrive: odometry with noise and without, its covariances, transform and stamps."""
 
-import math
-
 import numpy as np
 import pytest
 from readings import FILTERED, GROUND_TRUTH, TWIST, assert_white, pose_of, twist_of
@@ -62,17 +60,6 @@ def test_given_covariances_are_sent_as_they_are(files):
 
     assert list(message.pose.covariance) == pose
     assert list(message.twist.covariance) == twist
-
-
-@pytest.mark.parametrize(("local", "expected"), [("true", (1.0, 0.0)), ("false", (0.6, 0.8))])
-def test_odometry_gives_its_twist_in_the_local_frame_or_the_worlds(files, local, expected):
-    heading = math.atan2(0.8, 0.6)
-    drive = f"{DRIVE}, twist_in_local_frame: {local}"
-    robot = files.robot(drive, pose=f"[0, 0, {heading}]").drive(1.0).run(0.1)
-
-    for topic in (FILTERED, GROUND_TRUTH):
-        assert twist_of(robot.last(topic))[:2] == pytest.approx(expected, abs=1e-4)
-    assert twist_of(robot.last(TWIST))[:2] == pytest.approx((1.0, 0.0), abs=1e-4)
 
 
 def test_the_transform_is_the_filtered_odometry(files):

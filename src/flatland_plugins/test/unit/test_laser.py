@@ -7,8 +7,8 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from flatland_plugins.laser import count_beams
-from flatland_server._core import Lidar
+from flatland_plugins.laser_config import count_beams
+from flatland_server import Lidar
 from flatland_server.geometry import Pose
 
 ANGLES = "angle: {min: -3, max: 3, increment: 0.05}"
@@ -259,119 +259,15 @@ def test_a_scan_shows_where_bodies_are_now(files):
     assert ranges == pytest.approx([1.8 + 0.005 * i for i in range(200)], abs=1e-3)
 
 
-def test_scans_come_at_their_rate_stamped_with_simulated_time(files):
-    robot = in_the_room(files, LASER + ", update_rate: 40", namespace="robot1")
-
-    scans = robot.record("/robot1/scan", 1.0)
-
-    assert [s.header.stamp.to_nsec() for s in scans] == [25_000_000 * i for i in range(40)]
-    assert {s.header.frame_id for s in scans} == {"robot1_laser"}
-    assert scans[0].scan_time == pytest.approx(0.025)
-
-
-def test_topic_and_frame_can_be_named_and_the_transform_switched_off(files):
-    loud = in_the_room(files, LASER + ", topic: front/scan, frame: eye").run()
-    quiet = in_the_room(files, LASER + ", broadcast_tf: false").run()
-
-    assert loud.transport.topics == {"/front/scan"}
-    assert loud.last("/front/scan").header.frame_id == "eye"
-    assert {t.child: t.parent for t in loud.transport.transforms.values()} == {"eye": "base"}
-    assert quiet.transport.transforms == {}
-
-
 @pytest.mark.parametrize(("flag", "scans"), [("", 0), (", always_publish: true", 10)])
-def test_it_scans_for_listeners_alone_unless_told_otherwise(
-    files, monkeypatch, deaf_transport, flag, scans
+def test_it_scans_for_subscribers_only_unless_told_otherwise(
+    files, monkeypatch, no_subscribers, flag, scans
 ):
     scan = Mock(wraps=Lidar.scan)
     monkeypatch.setattr(Lidar, "scan", lambda lidar: scan(lidar))
-    robot = files.robot(f"{LASER}, update_rate: 10{flag}", transport=deaf_transport)
+    robot = files.robot(f"{LASER}, update_rate: 10{flag}", transport=no_subscribers)
 
     robot.run(1.0)
 
     assert scan.call_count == scans
-    assert deaf_transport.published == ["scan"] * scans
-    assert deaf_transport.transforms == {}
-
-
-@pytest.mark.parametrize(
-    ("laser", "message"),
-    [
-        pytest.param(
-            LASER.replace("body: base", "body: bass"),
-            'plugins[0].body: the model has no body "bass" (did you mean "base"?); it has: base',
-            id="unknown body",
-        ),
-        pytest.param(
-            LASER.replace("range: 20, ", ""),
-            'plugins[0] "laser": the required key "range" is missing',
-            id="range missing",
-        ),
-        pytest.param(
-            LASER.replace("range: 20", "raneg: 20"),
-            'plugins[0] "laser": the required key "range" is missing\n'
-            'robot.model.yaml:5: plugins[0] "laser": unknown key "raneg" (did you mean "range"?)',
-            id="range misspelt",
-        ),
-        pytest.param(
-            LASER + ", update_rat: 5",
-            'plugins[0] "laser": unknown key "update_rat" (did you mean "update_rate"?)',
-            id="unknown key",
-        ),
-        pytest.param(
-            LASER.replace("range: 20", "range: inf"),
-            'plugins[0].range: expected a finite number, found "inf"',
-            id="infinite range",
-        ),
-        pytest.param(
-            LASER.replace("range: 20", "range: 0"),
-            "plugins[0].range: expected a number above 0, found 0",
-            id="range of zero",
-        ),
-        pytest.param(
-            LASER.replace(f", {ANGLES}", ""),
-            'plugins[0] "laser": the required key "angle" is missing',
-            id="angle missing",
-        ),
-        pytest.param(
-            LASER.replace("max: 3", "maxi: 3"),
-            'plugins[0].angle: the required key "max" is missing\n'
-            'robot.model.yaml:5: plugins[0].angle: unknown key "maxi" (did you mean "max"?)',
-            id="max missing",
-        ),
-        pytest.param(
-            LASER.replace("max: 3", "max: 3, step: 1"),
-            'plugins[0].angle: unknown key "step"',
-            id="unknown key of angle",
-        ),
-        pytest.param(
-            LASER.replace("increment: 0.05", "increment: -0.05"),
-            "plugins[0].angle: expected an increment that leads from min to max in 1 to 1000000 "
-            "beams, found -0.05 from -3 to 3",
-            id="the wrong way",
-        ),
-        pytest.param(
-            LASER.replace("increment: 0.05", "increment: 1e-7"),
-            "plugins[0].angle: expected an increment that leads from min to max in 1 to 1000000 "
-            "beams, found 1e-07 from -3 to 3",
-            id="too many beams",
-        ),
-        pytest.param(
-            LASER + ", noise_std_dev: -0.1",
-            "plugins[0].noise_std_dev: expected a number of 0 or more, found -0.1",
-            id="negative noise",
-        ),
-        pytest.param(
-            LASER + ", update_rate: 0",
-            "plugins[0].update_rate: expected a number above 0, found 0",
-            id="rate of zero",
-        ),
-        pytest.param(
-            LASER + ", layers: [walls]",
-            'plugins[0].layers: no layer is named "walls"; there are: none',
-            id="unknown layer",
-        ),
-    ],
-)
-def test_a_wrong_configuration_is_refused_at_its_line(files, laser, message):
-    assert files.refusal(laser) == f"robot.model.yaml:5: {message}"
+    assert no_subscribers.transforms == {}

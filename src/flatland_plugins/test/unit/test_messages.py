@@ -6,9 +6,9 @@ import numpy as np
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-from flatland_plugins.messages import header
 from flatland_plugins.odometry_writer import OdometryWriter
 from flatland_plugins.scan_writer import ScanWriter
+from flatland_server import header
 from flatland_server.geometry import Pose
 
 

@@ -23,7 +23,7 @@ def load(files, *plugins: str, namespace: str = "", **options: Any):
     """A world with a robot of three bodies."""
     files.write("robot.yaml", MODEL + "".join(f"  - {{{plugin}}}\n" for plugin in plugins))
     entry = f"model: robot.yaml, namespace: '{namespace}', pose: [10, 20, {HEADING}]"
-    return files.load({"robot": entry}, **options)
+    return files.load_models({"robot": entry}, **options)
 
 
 def frames(simulation) -> Dict[str, str]:
@@ -67,12 +67,6 @@ def test_the_world_is_the_parent_of_the_reference_if_asked_to(files):
     assert tuple(robot.transport.transforms["arm"].pose) == pytest.approx((x, y, HEADING), abs=1e-5)
 
 
-def test_the_worlds_frame_can_be_named(files):
-    robot = load(files, f"{TF}, publish_tf_world: true, world_frame_id: earth").run()
-
-    assert frames(robot)["base"] == "earth"
-
-
 def test_excluded_bodies_have_no_frame(files):
     assert frames(load(files, f"{TF}, exclude: [hand]").run()) == {"arm": "base"}
     assert frames(load(files, f"{TF}, exclude: [arm, hand], publish_tf_world: true").run()) == {
@@ -81,16 +75,6 @@ def test_excluded_bodies_have_no_frame(files):
     assert frames(load(files, f"{TF}, exclude: [base], publish_tf_world: true").run()) == {
         "arm": "base",
         "hand": "base",
-    }
-
-
-def test_a_namespace_is_put_before_the_models_frames_and_not_before_the_worlds(files):
-    robot = load(files, f"{TF}, publish_tf_world: true", namespace="robot1").run()
-
-    assert frames(robot) == {
-        "robot1_base": "map",
-        "robot1_arm": "robot1_base",
-        "robot1_hand": "robot1_base",
     }
 
 
@@ -108,22 +92,6 @@ def test_frames_follow_their_bodies(files):
     assert hand.x == pytest.approx(start + 0.995, abs=1e-3)
 
 
-def test_frames_come_at_their_rate(files):
-    robot = load(files, f"{TF}, update_rate: 10")
-
-    times = set()
-    for _ in range(200):
-        times.add(robot.run().transport.transforms["hand"].nanoseconds)
-
-    assert sorted(times) == [100_000_000 * i for i in range(10)]
-
-
-def test_nothing_is_sent_that_nobody_listens_to(files, deaf_transport):
-    load(files, f"{TF}, publish_tf_world: true", transport=deaf_transport).run()
-
-    assert deaf_transport.transforms == {}
-
-
 @pytest.mark.parametrize("seconds", [0.0, 0.1])
 def test_a_drive_and_the_world_as_two_parents_of_the_base_are_warned_of(files, caplog, seconds):
     drive = "type: DiffDrive, name: drive, body: base"
@@ -139,29 +107,3 @@ def test_a_drive_beside_it_is_no_trouble_without_the_world(files, caplog):
     load(files, "type: DiffDrive, name: drive, body: base", TF).run(0.1)
 
     assert warnings(caplog) == []
-
-
-@pytest.mark.parametrize(
-    ("plugin", "message"),
-    [
-        (
-            f"{TF}, reference: foot",
-            'plugins[0].reference: the model has no body "foot"; it has: base, arm, hand',
-        ),
-        (
-            f"{TF}, exclude: [arm, hnad]",
-            'plugins[0].exclude: the model has no body "hnad" (did you mean "hand"?); '
-            "it has: base, arm, hand",
-        ),
-        (f"{TF}, update_rate: 0", "plugins[0].update_rate: expected a number above 0, found 0"),
-        (
-            f"{TF}, publish_tf_wrld: true",
-            'plugins[0] "tf": unknown key "publish_tf_wrld" (did you mean "publish_tf_world"?)',
-        ),
-    ],
-)
-def test_a_wrong_configuration_is_refused_at_its_line(files, plugin, message):
-    with pytest.raises(Exception) as caught:  # noqa: PT011 (its text is compared)
-        load(files, plugin)
-
-    assert str(caught.value) == f"{files.folder}/robot.yaml:6: {message}"

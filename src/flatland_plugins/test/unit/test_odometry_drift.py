@@ -25,7 +25,9 @@ def swarm(files, count: int, keys: str, pose: str = "[0, 0, 0]"):
     """Robots that pass through each other and obey one topic, each with noise of its own."""
     model = files.model("robot", f"{DRIVE}, twist_sub: /cmd_vel, {keys}", footprint=GHOST)
     names = [f"r{i}" for i in range(count)]
-    return files.load({n: f"model: {model}, namespace: {n}, pose: {pose}" for n in names}, seed=3)
+    return files.load_models(
+        {n: f"model: {model}, namespace: {n}, pose: {pose}" for n in names}, seed=3
+    )
 
 
 def believed(robots) -> List[Pose]:
@@ -230,52 +232,3 @@ def test_two_robots_drift_apart(files):
     first, second = believed(robots)
 
     assert first.x != second.x
-
-
-@pytest.mark.parametrize("hears_after", [1, 57])
-def test_a_listener_does_not_change_the_drift(files, deaf_transport, hears_after):
-    keys = f"{DRIVE}, {DRIFT}, {NOISE}"
-    always_heard = drifted(files.robot(keys, seed=5).drive(0.5, 0.3), 1.0)
-    robot = files.robot(keys, seed=5, transport=deaf_transport)
-
-    robot.drive(0.5, 0.3).run(hears_after * 0.005)
-    assert deaf_transport.published == []
-    for publisher in deaf_transport.publishers:
-        publisher.has_subscribers = True
-    heard_late = drifted(robot, 1.0 - hears_after * 0.005)
-
-    assert heard_late == always_heard[hears_after:]
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        pytest.param(
-            "odom_drfit: [0, 0, 0]",
-            'plugins[0] "drive": unknown key "odom_drfit" (did you mean "odom_drift"?)',
-            id="unknown key",
-        ),
-        pytest.param(
-            "odom_drift: [0, -0.1, 0]",
-            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found [0, -0.1, 0]",
-            id="negative",
-        ),
-        pytest.param(
-            "odom_drift: [0, 0]",
-            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found [0, 0]",
-            id="too short",
-        ),
-        pytest.param(
-            "odom_drift: [0, 0, .inf]",
-            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found [0, 0, .inf]",
-            id="infinite",
-        ),
-        pytest.param(
-            "odom_drift: 0.1",
-            "plugins[0].odom_drift: expected a list of 3 numbers of 0 or more, found 0.1",
-            id="no list",
-        ),
-    ],
-)
-def test_a_drift_that_cannot_be_is_refused_at_its_line(files, keys, message):
-    assert files.refusal(f"{DRIVE}, {keys}") == f"robot.model.yaml:5: {message}"

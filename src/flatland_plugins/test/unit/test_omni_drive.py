@@ -1,9 +1,8 @@
 """OmniDrive: any planar velocity, commanded, obeyed and within limits; the rest is DiffDrive's."""
 
 import math
-from typing import Any, List, Tuple
+from typing import Tuple
 
-import numpy as np
 import pytest
 from geometry_msgs.msg import Twist
 from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of, warnings
@@ -58,73 +57,15 @@ def test_a_command_is_in_the_bodys_frame(files):
     assert robot.model().pose == pytest.approx((1 - 0.8, 2 + 0.6, math.pi / 2), abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("limits", "commands", "corners"),
-    [
-        # When it has which velocity; in between it changes evenly.
-        pytest.param(
-            "acceleration_limit: 0.5, deceleration_limit: 1.25",
-            {0: (0.6, 0.8), 4: (0.0, 0.0)},
-            {0: (0, 0), 2: (0.6, 0.8), 4: (0.6, 0.8), 4.8: (0, 0)},
-            id="a trapezoid at an angle",
-        ),
-        pytest.param(
-            "acceleration_limit: 0.5, velocity_limit: 0.5",
-            {0: (-3.0, 4.0)},
-            {0: (0, 0), 1: (-0.3, 0.4)},
-            id="velocity",
-        ),
-        pytest.param(
-            "acceleration_limit: 0.25, deceleration_limit: 0.5",
-            {0: (0.3, -0.4), 3: (-0.3, 0.4)},
-            {0: (0, 0), 2: (0.3, -0.4), 3: (0.3, -0.4), 4: (0, 0), 6: (-0.3, 0.4)},
-            id="a reversal",
-        ),
-        pytest.param(
-            # The middle of the way is the nearest to standing still, 0.5 m/s from either end.
-            "acceleration_limit: 0.25, deceleration_limit: 0.5",
-            {0: (math.sqrt(0.5), 0.0), 4: (0.0, math.sqrt(0.5))},
-            {
-                0: (0, 0),
-                math.sqrt(8): (math.sqrt(0.5), 0),
-                4: (math.sqrt(0.5), 0),
-                5: (math.sqrt(0.125), math.sqrt(0.125)),
-                7: (0, math.sqrt(0.5)),
-            },
-            id="round a corner",
-        ),
-    ],
-)
-def test_limits_are_those_of_the_planar_velocity(files, limits, commands, corners):
-    robot = files.robot(f"{DRIVE}, linear_dynamics: {{{limits}}}")
-
-    truth: List[Any] = []
-    starts = list(commands)
-    for start, end in zip(starts, [*starts[1:], 10]):
-        command(robot, *commands[start])
-        truth += robot.record(GROUND_TRUTH, end - start)
-
-    times = np.array([message.header.stamp.to_sec() for message in truth])
-    grid = np.linspace(0.0, 10.0, 200_001)
-    for axis in (0, 1):
-        ends = [velocity[axis] for velocity in corners.values()]
-        velocity = np.interp(grid, list(corners), ends)
-        # The trapezoidal rule, exact for what changes evenly.
-        way = np.append(0.0, np.cumsum(velocity[1:] + velocity[:-1]) * grid[1] / 2)
-        measured = np.array([(twist_of(m)[axis], pose_of(m)[axis]) for m in truth])
-        assert np.abs(measured[:, 0] - np.interp(times, grid, velocity)).max() < 1e-3
-        assert np.abs(measured[:, 1] - np.interp(times, grid, way)).max() < 1e-3
-
-
 def test_a_turn_has_limits_of_its_own(files):
     robot = files.robot(
-        f"{DRIVE}, angular_dynamics: {{acceleration_limit: 0.5}}, "
+        f"{DRIVE}, angular_dynamics: {{acceleration_limit: 0.25}}, "
         "linear_dynamics: {velocity_limit: 0.5}"
     )
 
     command(robot, 3.0, 4.0, 2.0).run(1.005)
 
-    assert twist_of(robot.last(GROUND_TRUTH)) == pytest.approx((0.3, 0.4, 0.5), abs=1e-3)
+    assert twist_of(robot.last(GROUND_TRUTH)) == pytest.approx((0.3, 0.4, 0.25), abs=1e-3)
 
 
 @pytest.mark.parametrize(("local", "expected"), [("true", (0.3, 0.4)), ("false", (-0.4, 0.3))])
@@ -150,113 +91,3 @@ def test_a_command_that_is_no_velocity_is_ignored_with_a_warning(files, caplog, 
     assert message.startswith("robot1/cmd_vel: ")
     assert message.endswith(f"ignored linear.x={bad[0]} linear.y={bad[1]} angular.z={bad[2]}")
     assert robot.model().pose == pytest.approx((0.6, 0.8, 0.0), abs=1e-3)
-
-
-def test_noise_and_drift_are_those_of_any_odometry(files):
-    keys = "odom_pose_noise: [1, 1, 1], odom_twist_noise: [1, 1, 1]"
-    robot = command(files.robot(f"{DRIVE}, {keys}, odom_drift: [1, 1, 1]"), 0.3, 0.4).run(0.1)
-
-    odometry, truth = robot.last(FILTERED), robot.last(GROUND_TRUTH)
-
-    assert all(a != b for a, b in zip(pose_of(odometry), pose_of(truth)))
-    assert all(a != b for a, b in zip(twist_of(odometry), twist_of(truth)))
-    assert twist_of(truth) == pytest.approx((0.3, 0.4, 0.0), abs=1e-3)
-
-
-def test_the_drive_stops_when_it_ends_before_its_body(files):
-    robot = files.robot(f"{DRIVE}, linear_dynamics: {{deceleration_limit: 1}}")
-    command(robot, 0.3, 0.4, 1.0).run(1.0)
-    before = robot.model().pose
-
-    robot.world.close()
-    robot.run(5.0)
-
-    # It rolls out over v^2 / 2a, straight on.
-    way = math.hypot(robot.model().pose.x - before.x, robot.model().pose.y - before.y)
-    assert way == pytest.approx(0.125, abs=1e-3)
-    assert robot.model().pose.yaw == pytest.approx(before.yaw, abs=1e-3)
-
-
-def test_frames_and_topics_are_those_of_a_differential_drive(files):
-    robot = files.robot(DRIVE).run()
-
-    filtered, truth, twist = (robot.last(topic) for topic in (FILTERED, GROUND_TRUTH, TWIST))
-    assert (filtered.header.frame_id, filtered.child_frame_id) == ("odom", "base")
-    assert (truth.header.frame_id, truth.child_frame_id) == ("map", "base")
-    assert twist.header.frame_id == "base"
-    assert robot.transport.transforms["base"].parent == "odom"
-    assert robot.transport.subscribed == {"/cmd_vel"}
-    assert robot.transport.topics == {FILTERED, GROUND_TRUTH, TWIST}
-
-
-def test_frames_topics_and_flags_can_be_set(files):
-    robot = files.robot(
-        f"{DRIVE}, twist_sub: go, odom_pub: a, ground_truth_pub: b, enable_twist_pub: false, "
-        "odom_frame_id: start, ground_truth_frame_id: world, enable_odom_tf_pub: false"
-    ).run()
-
-    assert robot.transport.subscribed == {"/go"}
-    assert robot.transport.topics == {"/a", "/b"}
-    assert robot.last("/a").header.frame_id == "start"
-    assert robot.last("/b").header.frame_id == "world"
-    assert robot.transport.transforms == {}
-
-
-def test_a_namespace_is_put_before_topics_and_the_models_own_frames(files):
-    robot = files.robot(DRIVE, namespace="robot1")
-
-    command(robot, 0.0, 1.0, topic="/robot1/cmd_vel").run(1.0)
-
-    assert robot.transport.topics == {f"/robot1{t}" for t in (FILTERED, GROUND_TRUTH, TWIST)}
-    odometry = robot.last(f"/robot1{FILTERED}")
-    assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "robot1_base")
-    assert robot.transport.transforms["robot1_base"].parent == "odom"
-    assert robot.model().pose.y == pytest.approx(1.0, abs=1e-3)
-
-
-def test_nothing_is_published_that_nobody_listens_to(files, deaf_transport):
-    command(files.robot(DRIVE, transport=deaf_transport), 1.0, 1.0).run(0.1)
-
-    assert deaf_transport.published == []
-    assert deaf_transport.transforms == {}
-
-
-@pytest.mark.parametrize(
-    ("drive", "message"),
-    [
-        pytest.param(
-            "type: OmniDrive, name: drive",
-            'plugins[0] "drive": the required key "body" is missing',
-            id="body missing",
-        ),
-        pytest.param(
-            "type: OmniDrive, name: drive, body: bas",
-            'plugins[0].body: the model has no body "bas" (did you mean "base"?); it has: base',
-            id="unknown body",
-        ),
-        pytest.param(
-            f"{DRIVE}, linear_dynamics: {{velocity_limt: 1}}",
-            'plugins[0].linear_dynamics: unknown key "velocity_limt" '
-            '(did you mean "velocity_limit"?)',
-            id="unknown limit",
-        ),
-        pytest.param(
-            f"{DRIVE}, angular_dynamics: {{deceleration_limit: -1}}",
-            "plugins[0].angular_dynamics.deceleration_limit: "
-            "expected a number of 0 or more, found -1",
-            id="negative limit",
-        ),
-        pytest.param(
-            f"{DRIVE}, twist_pubs: a",
-            'plugins[0] "drive": unknown key "twist_pubs" (did you mean "twist_pub"?)',
-            id="unknown key",
-        ),
-        pytest.param(
-            f"{DRIVE}, pub_rate: -1",
-            "plugins[0].pub_rate: expected a number above 0, found -1",
-            id="negative rate",
-        ),
-    ],
-)
-def test_a_wrong_configuration_is_refused_at_its_line(files, drive, message):
-    assert files.refusal(drive) == f"robot.model.yaml:5: {message}"

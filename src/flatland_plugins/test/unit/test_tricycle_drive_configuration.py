@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from forklift import FIRST_LINE, MODEL, forklift
+from forklift import MODEL, forklift
 
 from flatland_server.exceptions import FlatlandError
 
@@ -121,59 +121,3 @@ def test_a_rear_axle_that_is_none_is_refused(files, left, right, message):
     line = line_of("type: TricycleDrive")
 
     assert refusal(files, left=left, right=right) == f'{line}: plugins[0] "drive": {message}'
-
-
-@pytest.mark.parametrize("key", ["front_wheel_joint", "rear_left_wheel_joint", "body"])
-def test_what_is_required_must_be_there(files, key):
-    found = refusal(files, replaced=(f"    {key}: ", f"    #{key}: "))
-
-    message = f'plugins[0] "drive": the required key "{key}" is missing'
-    assert found == f"{line_of('type: TricycleDrive')}: {message}"
-
-
-LIMITS = ("acceleration_limit", "deceleration_limit", "velocity_limit")
-KEYS = (
-    "odom_frame_id", "pub_rate", "twist_sub", "odom_pub", "ground_truth_pub", "odom_pose_noise",
-    "odom_twist_noise", "odom_pose_covariance", "odom_twist_covariance", "max_steer_angle",
-    "angular_dynamics", "linear_dynamics", "max_angular_velocity", "max_steer_acceleration",
-    "ground_truth_frame_id",
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("key", KEYS)
-def test_a_key_without_its_last_letter_is_refused_with_a_suggestion(files, key):
-    message = f'plugins[0] "drive": unknown key "{key[:-1]}" (did you mean "{key}"?)'
-
-    assert refusal(files, f"{key[:-1]}: 1") == f"{FIRST_LINE}: {message}"
-
-
-@pytest.mark.parametrize("section", ["angular_dynamics", "linear_dynamics"])
-@pytest.mark.parametrize("key", LIMITS)
-def test_a_limit_without_its_last_letter_is_refused_with_a_suggestion(files, section, key):
-    message = f'plugins[0].{section}: unknown key "{key[:-1]}" (did you mean "{key}"?)'
-
-    assert refusal(files, f"{section}: {{{key[:-1]}: 1}}") == f"{FIRST_LINE}: {message}"
-
-
-@pytest.mark.parametrize(
-    ("key", "message"),
-    [
-        pytest.param(
-            "max_steer_angle: -1",
-            "plugins[0].max_steer_angle: expected a number of 0 or more, found -1",
-            id="negative angle",
-        ),
-        pytest.param(
-            "max_angular_velocity: -1",
-            "plugins[0].max_angular_velocity: expected a number of 0 or more, found -1",
-            id="negative deprecated limit",
-        ),
-        pytest.param(
-            "angular_dynamics: {acceleration_limit: inf}",
-            'plugins[0].angular_dynamics.acceleration_limit: expected a finite number, found "inf"',
-            id="infinite limit",
-        ),
-    ],
-)
-def test_a_wrong_configuration_is_refused_at_its_line(files, key, message):
-    assert refusal(files, key) == f"{FIRST_LINE}: {message}"

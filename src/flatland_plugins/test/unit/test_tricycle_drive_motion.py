@@ -62,13 +62,6 @@ def test_the_front_wheel_and_the_rear_axle_follow_circles_about_one_centre(
         assert math.remainder(yaw - np.angle(turned), math.tau) == pytest.approx(0.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("speed", [0.5, -1.5])
-def test_steered_straight_it_goes_straight_on(files, speed):
-    robot = forklift(files).drive(speed, 0.0).run(10.0)
-
-    assert robot.model().pose == pytest.approx((10.0 * speed, 0.0, 0.0), abs=1e-3)
-
-
 def test_the_rear_wheels_stay_where_they_are_welded(files):
     robot = forklift(files).drive(1.5, 0.6)
 
@@ -112,34 +105,6 @@ def test_the_front_wheels_body_is_turned_by_the_steering_angle(files, front, hea
         assert steer_angle(robot) == pytest.approx(angle, abs=1e-3)
         wheel, base = (robot.model().get_body(name).pose for name in ("front_wheel", "base"))
         assert wheel[:2] == pytest.approx(base[:2], abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("front", "angle", "seen"),
-    [
-        # The joint's limits are of the second body's angle less the first one's.
-        (FRONT, 0.6, 0.2),
-        (FRONT, -0.6, -0.1),
-        (FRONT_REVERSED, 0.6, 0.1),
-        (FRONT_REVERSED, -0.6, -0.2),
-    ],
-)
-def test_how_far_the_front_wheels_joint_turns_is_only_a_matter_of_what_is_seen(
-    files, front: str, angle: float, seen: float
-):
-    robot = forklift(files, front=f"{front}, limits: [-0.2, 0.1]").drive(1.0, angle).run(10.0)
-
-    assert steer_angle(robot) == pytest.approx(seen, abs=1e-3)
-    centre = complex(-WHEELBASE, WHEELBASE / math.tan(angle))
-    wheel = centre - centre * np.exp(10j * math.sin(angle) / WHEELBASE)
-    assert robot.model().pose[:2] == pytest.approx((wheel.real, wheel.imag), abs=1e-3)
-
-
-def test_standing_it_steers_on_the_spot(files):
-    robot = forklift(files).drive(0.0, 0.7).run(1.0)
-
-    assert steer_angle(robot) == pytest.approx(0.7, abs=1e-3)
-    assert robot.model().pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from forklift import forklift
 from geometry_msgs.msg import Twist
-from readings import FILTERED, warnings
+from readings import FILTERED, GROUND_TRUTH, TWIST, warnings
 
 
 @pytest.fixture(params=["DiffDrive", "OmniDrive", "TricycleDrive"])
@@ -20,16 +20,6 @@ def make(request, files):
         return files.robot(", ".join((drive, *keys)), namespace=namespace)
 
     return with_drive
-
-
-@pytest.mark.parametrize(
-    ("rate", "period"), [((), 5_000_000), (("pub_rate: inf",), 5_000_000), (("pub_rate: 50",), 2e7)]
-)
-def test_odometry_comes_at_its_rate_stamped_with_simulated_time(make, rate, period):
-    messages = make(*rate).record(FILTERED, 1.0)
-
-    stamps = [message.header.stamp.to_nsec() for message in messages]
-    assert stamps == [round(i * period) for i in range(round(1e9 / period))]
 
 
 @pytest.mark.parametrize(
@@ -59,3 +49,30 @@ def test_what_a_drive_cannot_do_is_not_looked_at(make, caplog):
 
     assert warnings(caplog) == []
     assert robot.model().pose == pytest.approx((0.5, 0.0, 0.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("make", ["DiffDrive"], indirect=True)
+@pytest.mark.parametrize(
+    ("flag", "topics", "frames"),
+    [
+        ("enable_odom_pub: false", {TWIST}, {"base"}),
+        ("enable_twist_pub: false", {FILTERED, GROUND_TRUTH}, {"base"}),
+        ("enable_odom_tf_pub: false", {FILTERED, GROUND_TRUTH, TWIST}, set()),
+    ],
+)
+def test_flags_switch_topics_and_the_transform_off(make, flag, topics, frames):
+    robot = make(flag).run()
+
+    assert robot.transport.topics == topics
+    assert set(robot.transport.transforms) == frames
+    assert all(robot.last(topic) is not None for topic in topics)
+
+
+def test_the_drive_stops_when_it_ends_before_its_body(make):
+    robot = make("linear_dynamics: {deceleration_limit: 1}").drive(0.5).run(1.0)
+
+    robot.world.close()
+    robot.run(5.0)
+
+    # It rolls out over v^2 / 2a.
+    assert robot.model().pose == pytest.approx((0.5 + 0.125, 0.0, 0.0), abs=1e-3)

@@ -6,19 +6,13 @@ mended: indentation, and the commas that are missing in covariance matrices.
 
 import shutil
 from pathlib import Path
-from typing import Any, List, Set, Tuple
+from typing import Any, Set, Tuple
 
 import pytest
-from geometry_msgs.msg import Twist
 
-from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.geometry import Pose
+from flatland_server import ModelConfig, Pose, YamlReader
 from flatland_server.models.collision_filter_registry import AnyLayer
-from flatland_server.models.model import ModelConfig
-from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.world import World
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.testing import Simulation
 
 EXAMPLES = Path(__file__).parent / "examples"
 DISC = "footprints: [{type: circle, radius: 0.2, density: 1}]"
@@ -29,44 +23,10 @@ models: [{{name: robot, model: robot.model.yaml, namespace: "{namespace}", pose:
 """
 
 
-class Simulation:
-    """A world that is stepped, 5 ms at a time, with the messages that wait for it."""
+class RobotSimulation(Simulation):
+    """A world with the model "robot", 5 ms a step."""
 
-    def __init__(self, world: World) -> None:
-        assert isinstance(world.transport, LocalTransport)
-        self.world = world
-        self.transport = world.transport
-        self._manager = SimulationManager(world, Timekeeper(0.005))
-
-    def run(self, seconds: float) -> "Simulation":
-        """Lets simulated time pass; no plugin may fail meanwhile."""
-        for _ in range(round(seconds / self._manager.timekeeper.step_size)):
-            self._manager.step()
-        assert self.world.plugin_failures == []
-        return self
-
-    def record(self, topic: str, seconds: float) -> List[Any]:
-        """The messages that a topic has while simulated time passes."""
-        messages: List[Any] = []
-
-        def take() -> None:
-            message = self.transport.last(topic)
-            if message is not None and (not messages or message is not messages[-1]):
-                messages.append(message)
-
-        self._manager.after_step.append(take)
-        self.run(seconds)
-        self._manager.after_step.remove(take)
-        return messages
-
-    def drive(self, linear: float, angular: float) -> "Simulation":
-        """Commands a velocity, or a speed and a steering angle, from the next step on."""
-        twist = Twist()
-        twist.linear.x, twist.angular.z = linear, angular
-        self.transport.send("/cmd_vel", twist)
-        return self
-
-    def throw(self, speed: float, *bodies: str) -> "Simulation":
+    def throw(self, speed: float, *bodies: str) -> "RobotSimulation":
         """Gives bodies of the robot a velocity along the x axis."""
         for name in bodies:
             self.world.get_model("robot").bodies[name].physics_body.velocity = (speed, 0.0, 0.0)
@@ -124,17 +84,17 @@ class Documented:
         ]
         return "bodies:\n" + "".join(lines)
 
-    def load(self, name: str) -> Simulation:
+    def load(self, name: str) -> RobotSimulation:
         """The world of a file."""
-        return Simulation(self.files.load(name))
+        return RobotSimulation(self.files.load(name))
 
-    def spawn(self, name: str) -> Simulation:
+    def spawn(self, name: str) -> RobotSimulation:
         """An empty world with the robot of a model file."""
-        return Simulation(self.files.spawn(self.text(name)))
+        return RobotSimulation(self.files.spawn(self.text(name)))
 
     def robot(
         self, plugins: str, model: str = "", *, namespace: str = "", pose: str = "[0, 0, 0]"
-    ) -> Simulation:
+    ) -> RobotSimulation:
         """A world with a robot in it, and a wall across the x axis at 1 m.
 
         Args:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
-from flatland_plugins.odometry import OdometryConfig
+from flatland_plugins.odometry_config import OdometryConfig
 
 STEPS_PER_SECOND = 200
 WHEELBASE = 0.83
@@ -118,42 +118,6 @@ def test_a_tricycle_has_no_limits_by_default(documented, tricycle_drive, which, 
     forwards, sideways = 10.0 * math.cos(steering), 10.0 * math.sin(steering)
     turning = sideways / WHEELBASE
     assert velocity_in(odometry) == pytest.approx((forwards, sideways, turning), rel=1e-3)
-
-
-def test_the_front_wheel_of_a_tricycle_stops_at_its_limit(documented):
-    robot = documented.robot(f"{TRICYCLE_DRIVE}, max_steer_angle: 0.3", documented.tricycle)
-
-    robot.drive(0.0, 1.0).run(1.0)
-
-    assert robot.pose("front_wheel").yaw == pytest.approx(0.3, abs=1e-3)
-
-
-DEPRECATED = {
-    # At 0.5 rad/s, or accelerating at 0.5 rad/s^2; the angle [rad] after t seconds.
-    "max_angular_velocity": ("velocity_limit", lambda t: 0.5 * t),
-    "max_steer_acceleration": ("acceleration_limit", lambda t: 0.5 * t**2 / 2),
-}
-
-
-@pytest.mark.parametrize("key", DEPRECATED)
-def test_a_deprecated_key_limits_the_steering_like_its_successor_and_warns(documented, caplog, key):
-    limit, angle = DEPRECATED[key]
-    new = f"{TRICYCLE_DRIVE}, angular_dynamics: {{{limit}: 0.5}}"
-    successor = documented.robot(new, documented.tricycle)
-    assert warnings(caplog) == []
-
-    robot = documented.robot(f"{TRICYCLE_DRIVE}, {key}: 0.5", documented.tricycle)
-
-    [warning] = warnings(caplog)
-    line = documented.text("robot.model.yaml").splitlines().index("plugins:") + 2
-    assert warning == (
-        f"{documented.folder / 'robot.model.yaml'}:{line}: plugins[0].{key}: is deprecated; "
-        f"write angular_dynamics.{limit}"
-    )
-    for each in (successor, robot):
-        each.drive(0.0, 1.5).run(1.0)
-        # It begins at the end of the first step.
-        assert angle(0.99) <= each.pose("front_wheel").yaw <= angle(1.0) + 1e-4
 
 
 def test_the_tricycle_of_the_example_warns_of_its_deprecated_keys(

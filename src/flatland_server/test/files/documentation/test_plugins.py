@@ -3,12 +3,7 @@
 The pages about drives are tested in test_drives.py.
 """
 
-import math
-
 import pytest
-from std_msgs.msg import Bool
-
-from flatland_plugins.laser import LaserConfig
 
 STEPS_PER_SECOND = 200
 
@@ -64,24 +59,6 @@ def test_the_bumpers_of_the_example_ignore_the_excluded_bodies(documented):
     assert reported == {("map", "base"), *(("world", name) for name in names)}
 
 
-def test_the_bumpers_defaults(documented):
-    bodies = documented.discs("base", "wheel")
-    robot = documented.robot("type: Bumper, name: least", bodies, namespace="r1")
-
-    before = robot.throw(1.0, "base", "wheel").record("/r1/collisions", 0.5)
-    after = robot.record("/r1/collisions", 0.5)[-1]
-
-    assert len(before) == 0.5 * STEPS_PER_SECOND  # at every step
-    assert [message.collisions for message in before] == [[]] * len(before)
-    assert {message.header.frame_id for message in (*before, after)} == {"map"}
-    # No body is excluded.
-    assert {(each.entity_A, each.body_A) for each in after.collisions} == {
-        ("robot", "base"),
-        ("robot", "wheel"),
-    }
-    assert {(each.entity_B, each.body_B) for each in after.collisions} == {("layer_1", "layer_1")}
-
-
 @pytest.mark.parametrize(
     ("key", "colliding"), [("", STEPS_PER_SECOND), (", publish_all_collisions: false", 2)]
 )
@@ -110,67 +87,6 @@ def test_the_bool_sensor_of_the_example_is_in_the_models_namespace(documented):
     assert [message.data for message in messages] == [False] * 8 + [True] * 2
 
 
-@pytest.mark.parametrize(("thrown", "is_touched"), [("base", True), ("wheel", False)])
-def test_the_bool_sensors_defaults(documented, thrown, is_touched):
-    bodies = documented.discs("base", "wheel")
-    robot = documented.robot("type: BoolSensor, name: least", bodies)
-
-    messages = robot.throw(1.0, thrown).record("/bool_sensor", 1.0)
-
-    assert len(messages) == STEPS_PER_SECOND  # at every step
-    assert messages[0].data is False
-    assert messages[-1].data is is_touched  # of the first body
-
-
-# Laser
-
-
-def test_the_lasers_defaults(documented):
-    angle = "angle: {min: -1, max: 1, increment: 0.5}"
-    entry = f"type: Laser, name: laser_back, body: base, range: 20, {angle}"
-    reader = documented.reader(entry)
-    reader.get_string("body")
-
-    laser = LaserConfig.read(reader, "laser_back")
-
-    assert laser.topic == "scan"
-    assert laser.origin == (0.0, 0.0, 0.0)
-    assert laser.broadcast_tf is True
-    assert laser.frame == "laser_back"
-    assert laser.noise_std_dev == 0.0
-    assert laser.update_rate == math.inf
-    assert laser.layers == ("all",)
-    assert laser.upside_down is False
-
-    robot = documented.robot(entry)
-    scans = robot.record("/scan", 0.1)
-
-    assert len(scans) == 0.1 * STEPS_PER_SECOND
-    assert robot.frames == {("base", "laser_back")}
-    for scan in scans:
-        assert scan.header.frame_id == "laser_back"
-        # Counter-clockwise, along the wall at 1 m, and without noise.
-        distances = [1.0 / math.cos(angle) for angle in (-1.0, -0.5, 0.0, 0.5, 1.0)]
-        assert scan.ranges == pytest.approx(distances)
-
-
-def test_a_laser_with_a_negative_increment_scans_clockwise(documented):
-    angle = "angle: {min: 2, max: -2, increment: -0.1}"
-    robot = documented.robot(
-        f"type: Laser, name: back, body: base, range: 4, origin: [0, 0, 0.5], {angle}"
-    )
-
-    [scan] = robot.record("/scan", 0.005)
-
-    assert (scan.angle_min, scan.angle_increment) == (2.0, -0.1)
-    assert scan.angle_max == pytest.approx(-2.0)
-    headings = [0.5 + 2.0 - 0.1 * beam for beam in range(41)]
-    distances = [
-        1.0 / math.cos(heading) if math.cos(heading) > 0.25 else math.inf for heading in headings
-    ]
-    assert scan.ranges == pytest.approx(distances, rel=1e-5)
-
-
 # Model TF Publisher
 
 
@@ -186,14 +102,6 @@ def test_the_transforms_by_default_and_of_the_example_are_from_the_first_body(do
         assert stamp == step * 5_000_000  # when the step begins
 
     assert robot.frames == {("base_link", "castor_wheel")}
-
-
-def test_the_worlds_frame_is_map_by_default(documented):
-    robot = documented.robot("type: ModelTfPublisher, name: least, publish_tf_world: true")
-
-    robot.run(0.005)
-
-    assert robot.frames == {("map", "base")}
 
 
 # Tween
@@ -213,30 +121,6 @@ def test_the_tween_of_the_example_returns_after_twenty_seconds(documented):
     assert start == pytest.approx((2.0, 0.0, 0.0), abs=1e-5)
 
 
-def test_a_tween_is_yoyo_linear_and_lasts_a_second_by_default(documented):
-    robot = documented.robot("type: Tween, name: least, body: base, delta: [0, 1, 0]")
-
-    ways = [robot.run(0.25).pose().y for _ in range(9)]
-
-    assert ways == pytest.approx([0.25, 0.5, 0.75, 1.0, 0.75, 0.5, 0.25, 0.0, 0.25], abs=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("namespace", "topic"), [("", "/tween_trigger"), ("foo", "/foo/tween_trigger")]
-)
-def test_a_tween_is_triggered_by_tween_trigger_by_default(documented, namespace, topic):
-    entry = "type: Tween, name: least, body: base, delta: [0, 1, 0], mode: trigger"
-    robot = documented.robot(entry, namespace=namespace)
-
-    rest = robot.run(0.5).pose().y
-    robot.transport.send(topic, Bool(True))
-    halfway = robot.run(0.5).pose().y
-    robot.transport.send(topic, Bool(False))
-    back = robot.run(1.0).pose().y
-
-    assert (rest, halfway, back) == pytest.approx((0.0, 0.5, 0.0), abs=1e-5)
-
-
 # GPS
 
 
@@ -250,17 +134,3 @@ def test_the_gps_of_the_example_is_at_the_origin_of_the_world(documented):
         assert (fix.latitude, fix.longitude) == pytest.approx((0.0, 0.0), abs=1e-12)
         assert fix.header.frame_id == "my_frame_name"
     assert robot.frames == {("base", "my_frame_name")}
-
-
-def test_the_gps_defaults(documented):
-    robot = documented.robot("type: Gps, name: least, body: base", pose="[-500, 0, 1]")
-
-    fixes = robot.record("/gps/fix", 1.0)
-
-    # On the equator of WGS 84, with a radius of 6378137 m.
-    longitude = math.degrees(math.atan2(-500.0, 6378137.0))
-    assert len(fixes) == 10
-    assert (fixes[0].latitude, fixes[0].longitude) == pytest.approx((0.0, longitude), abs=1e-9)
-    assert fixes[0].header.frame_id == "least"
-    assert robot.frames == {("base", "least")}
-    assert robot.transport.transforms["least"].pose == (0.0, 0.0, 0.0)

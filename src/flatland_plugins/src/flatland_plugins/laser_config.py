@@ -1,0 +1,71 @@
+"""The keys of a Laser."""
+
+import math
+from dataclasses import dataclass
+from typing import Tuple
+
+from flatland_server import Pose, YamlReader
+
+_MAX_BEAMS = 1_000_000
+
+
+@dataclass(frozen=True)
+class LaserConfig:
+    """The documented keys; angles in rad, lengths in m."""
+
+    topic: str
+    frame: str
+    broadcast_tf: bool
+    origin: Pose
+    range: float
+    noise_std_dev: float
+    angle_min: float
+    increment: float
+    beams: int
+    update_rate: float
+    layers: Tuple[str, ...]
+    upside_down: bool
+    always_publish: bool
+
+    @classmethod
+    def read(cls, config: YamlReader, name: str) -> "LaserConfig":
+        """Reads all keys but the body's; `name` is the plugin's, and the default of its frame."""
+        angle = config.get_section("angle", required=True)
+        angle_min = angle.get_float("min")
+        angle_max = angle.get_float("max")
+        increment = angle.get_float("increment")
+        angle.finish()
+        laser = cls(
+            topic=config.get_string("topic", "scan"),
+            frame=config.get_string("frame", name),
+            broadcast_tf=config.get_bool("broadcast_tf", True),
+            origin=config.get_pose("origin", Pose()),
+            range=config.get_float("range", above=0.0),
+            noise_std_dev=config.get_float("noise_std_dev", 0.0, minimum=0.0),
+            angle_min=angle_min,
+            increment=increment,
+            beams=count_beams(angle_min, angle_max, increment),
+            update_rate=config.get_rate("update_rate", math.inf),
+            layers=config.get_strings("layers", ("all",)),
+            upside_down=config.get_bool("upside_down", False),
+            always_publish=config.get_bool("always_publish", False),
+        )
+        if config.is_sound and not 1 <= laser.beams <= _MAX_BEAMS:
+            config.problem(
+                f"expected an increment that leads from min to max in 1 to {_MAX_BEAMS} beams, "
+                f"found {increment:g} from {angle_min:g} to {angle_max:g}",
+                "angle",
+            )
+        config.finish()
+        return laser
+
+
+def count_beams(angle_min: float, angle_max: float, increment: float) -> int:
+    """The number of beams from min to max, both included; 0 if the increment leads elsewhere.
+
+    The last beam may be off by a hundredth of an increment: files have rounded numbers.
+    """
+    if angle_min == angle_max:
+        return 1
+    steps = (angle_max - angle_min) / increment if increment else -1.0
+    return math.floor(steps + 1e-2) + 1 if 0 <= steps < 1e9 else 0

@@ -1,0 +1,270 @@
+"""Checks of what a plugin does while time passes. Each yields what it finds wrong."""
+
+import logging
+import math
+from contextlib import contextmanager
+from typing import Any, Callable, Dict, Iterator, List, Tuple
+
+from flatland_server.testing.plugin_case import (
+    ROBOT,
+    Document,
+    Names,
+    PluginCase,
+    Run,
+    filled,
+    key_name,
+    keys_of,
+    value_at,
+    with_value,
+)
+
+Problems = Iterator[str]
+Rename = Callable[[str], str]
+
+SECONDS = 0.5
+"""How long simulations last [s]."""
+
+_NAMESPACE = "robot1"
+_PREFIX = "renamed_"
+_WORLD_FRAME_KEYS = ("odom_frame_id", "ground_truth_frame_id", "world_frame_id")
+_WORLD_FRAMES = ("odom", "map")
+"""Frames that belong to no model: the values of these keys, and their defaults."""
+
+
+def check_messages(case: PluginCase) -> Problems:
+    """Equal seeds give equal messages, transforms and worlds; a writer's bytes are its message."""
+    runs = [case.load(seed=7).go(SECONDS) for _ in range(2)]
+    first, second = (_content(run) for run in runs)
+    if first != second:
+        different = [f"{a[1]} in step {a[0]}" for a, b in zip(first, second) if a != b]
+        where = (different or ["their number"])[0]
+        yield f"expected equal messages from equal seeds, found a difference in {where}"
+    if _state(runs[0]) != _state(runs[1]):
+        yield "expected equal poses and walls from equal seeds, found a difference"
+    for topic in sorted(set(runs[0].transport.wrong_data)):
+        yield f"expected the MessageWriter of {topic} to make bytes that equal its message"
+
+
+def check_rates(case: PluginCase) -> Problems:
+    """With `update_rate` or `pub_rate`, messages come at that rate, stamped with their step."""
+    for key in ("update_rate", "pub_rate"):
+        if key not in case.entry:
+            continue
+        for rate, period in (("inf", 1), (40, 5)):
+            run = case.load(with_value(case.entry, (key,), rate)).go(SECONDS)
+            yield from _check_period(run, period, f"{key}: {rate}")
+
+
+def _check_period(run: Run, period: int, label: str) -> Problems:
+    steps: Dict[Any, List[int]] = {}
+    stamps: List[Tuple[str, int, int]] = []  # of what, its stamp, and when it was sent
+    for event in run.transport.events:
+        steps.setdefault(event.topic, []).append(event.step)
+        header = getattr(event.message, "header", None)
+        if header is not None:
+            stamps.append((event.topic, header.stamp.to_nsec(), event.nanoseconds))
+    for step, now, transform in run.transport.sent_transforms:
+        steps.setdefault((transform.parent, transform.child), []).append(step)
+        stamps.append((transform.child, transform.nanoseconds, now))
+    expected = list(range(1, run.transport.step + 1, period))
+    for what, found in steps.items():
+        if found != expected and what not in run.transport.latched:
+            yield f"{label}: expected {what} in steps 1, {1 + period} ..., found {found[:9]} ..."
+    wrong = [each for each in stamps if each[1] != each[2]]
+    for what, stamp, now in wrong[:1]:
+        yield f"{label}: expected {what} to be stamped with the time, {now} ns, found {stamp} ns"
+
+
+def check_without_subscribers(case: PluginCase) -> Problems:
+    """Without subscribers, no message is made or published; later ones do not depend on that."""
+    run = case.load(has_subscribers=False)
+    transport = run.transport
+    with transport.counting_messages() as made:
+        run.go(SECONDS)
+    early = [event for event in transport.events if event.topic not in transport.latched]
+    for topic in sorted({event.topic for event in early}):
+        yield f"without subscribers: expected no message, found one published to {topic}"
+    for topic in sorted(set(made) - {event.topic for event in early}):
+        yield f"without subscribers: expected no message made for {topic}, found {made[topic]}"
+    for child in sorted({transform.child for _, _, transform in transport.sent_transforms}):
+        yield f'without subscribers: expected no transform, found one of the frame "{child}"'
+
+    listened = case.load().go(SECONDS)
+    listened.simulation.run(SECONDS)
+    seen = len(transport.events), len(transport.sent_transforms)
+    transport.set_subscribed_topics(None)
+    run.simulation.run(SECONDS)
+    late = _content(run, *seen)
+    expected = [each for each in _content(listened) if each[0] > late[0][0]] if late else []
+    if [each for each in late if each[0] > late[0][0]] != expected:
+        yield "expected the same messages, however late a topic gets its subscriber"
+    topics = {event.topic for event in transport.events}
+    for topic in sorted({event.topic for event in listened.transport.events} - topics):
+        yield f"expected a message on {topic} after it has got a subscriber, found none"
+
+
+def _content(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int, str, bytes]]:
+    """Everything that was sent, in order: the step, the topic or frame, and the content."""
+    sent = [(e.step, e.topic, e.data) for e in run.transport.events[events:]]
+    for step, _, transform in run.transport.sent_transforms[transforms:]:
+        sent.append((step, transform.child, repr(transform).encode()))
+    return sorted(sent, key=lambda each: each[:2])
+
+
+def _state(run: Run) -> Tuple[Any, ...]:
+    """The poses of all models, and the walls of all layers."""
+    world = run.simulation.world
+    poses = {name: model.pose for name, model in world.models.items()}
+    return poses, [layer.segments.tolist() for layer in world.layers]
+
+
+def check_names(case: PluginCase) -> Problems:
+    """Topics and frames are as the entry says, with the namespace before them once."""
+    names = _names(case, case.entry, "")
+    topics = {*names.published, *names.subscribed}
+    frames = {frame for edge in names.transforms for frame in edge}
+    frames |= {frame for _, frame in names.message_frames}
+    texts = [
+        (path, value)
+        for path in keys_of(case.entry)
+        for value in [value_at(case.entry, path)]
+        if isinstance(value, str)
+    ]
+    of_topics = [path for path, v in texts if f"/{v.lstrip('/')}" in topics]
+    of_frames = [path for path, v in texts if v in frames and "frame" in key_name(path)]
+    renamed = absolute = case.entry
+    for path in of_topics:
+        name = value_at(case.entry, path).lstrip("/")
+        renamed = with_value(renamed, path, f"{_PREFIX}{name}")
+        absolute = with_value(absolute, path, f"/{name}")
+    for path in of_frames:
+        renamed = with_value(renamed, path, f"{_PREFIX}{value_at(case.entry, path)}")
+    new_topics = {f"/{value_at(case.entry, path).lstrip('/')}" for path in of_topics}
+    new_frames = {value_at(case.entry, path) for path in of_frames}
+
+    def rename_topic(topic: str) -> str:
+        return f"/{_PREFIX}{topic[1:]}" if topic in new_topics else topic
+
+    def rename_frame(frame: str) -> str:
+        return f"{_PREFIX}{frame}" if frame in new_frames else frame
+
+    yield from _check_names(case, "renamed", renamed, "", names, rename_topic, rename_frame)
+    if case.is_of_world:
+        return
+    fixed = {str(case.entry.get(key)) for key in _WORLD_FRAME_KEYS} | set(_WORLD_FRAMES)
+    as_written = {f"/{v[1:]}" for _, v in texts if v.startswith("/")}
+
+    def frame_within(frame: str) -> str:
+        return frame if frame in fixed else f"{_NAMESPACE}_{frame}"
+
+    def topic_within(topic: str) -> str:
+        return topic if topic in as_written else f"/{_NAMESPACE}{topic}"
+
+    def topic_outside(topic: str) -> str:
+        return topic if topic in new_topics else topic_within(topic)
+
+    label = f'in the namespace "{_NAMESPACE}"'
+    yield from _check_names(case, label, case.entry, _NAMESPACE, names, topic_within, frame_within)
+    yield from _check_names(
+        case, f"{label}, topics absolute", absolute, _NAMESPACE, names, topic_outside, frame_within
+    )
+
+
+def _names(case: PluginCase, entry: Document, namespace: str) -> Names:
+    return case.load(entry, namespace=namespace).go(SECONDS).names
+
+
+def _check_names(
+    case: PluginCase,
+    label: str,
+    entry: Document,
+    namespace: str,
+    names: Names,
+    topic: Rename,
+    frame: Rename,
+) -> Problems:
+    found = _names(case, entry, namespace)
+    expected = Names(
+        tuple(sorted(map(topic, names.published))),
+        tuple(sorted(map(topic, names.subscribed))),
+        tuple(sorted((frame(a), frame(b)) for a, b in names.transforms)),
+        tuple(sorted((topic(a), frame(b)) for a, b in names.message_frames)),
+    )
+    for field, a, b in zip(Names._fields, expected, found):
+        if a != b:
+            yield f"{label}: expected {field.replace('_', ' ')} {_listed(a)}, found {_listed(b)}"
+
+
+def _listed(names: Tuple[Any, ...]) -> str:
+    return (
+        ", ".join(" ".join(each) if isinstance(each, tuple) else each for each in names) or "none"
+    )
+
+
+def check_bad_messages(case: PluginCase) -> Problems:
+    """Messages that are empty, NaN or infinite neither make the plugin fail nor move the robot."""
+    for value in (0.0, math.nan, -math.inf):
+        run = case.load()
+        run.simulation.allow_failures = True
+        for topic in run.names.subscribed:
+            run.simulation.send(topic, filled(run.transport.types[topic](), value))
+            run.simulation.run(0.1)
+        for failure in run.simulation.world.plugin_failures:
+            yield f"expected a message full of {value} to be ignored, found {failure.reason}"
+        if not all(model.pose.is_finite() for model in run.simulation.world.models.values()):
+            yield f"expected finite poses after a message full of {value}"
+
+
+def check_end(case: PluginCase) -> Problems:
+    """Its end leaves nothing behind, and the robot can be spawned again."""
+    with _warnings() as warnings:
+        run = case.load()
+        world, transport = run.simulation.world, run.transport
+        before = run.go(SECONDS).names
+        world.close() if case.is_of_world else world.delete_model(ROBOT)
+        yield from _check_nothing_left(run, before)
+        if case.is_of_world:
+            return
+        counts = world.physics.body_count, world.physics.joint_count
+        case.spawn(run.simulation)
+        after = run.go(SECONDS).names
+        if (after.published, after.subscribed) != (before.published, before.subscribed):
+            yield "expected the topics of the first robot after it was spawned again"
+        world.delete_model(ROBOT)
+        if (world.physics.body_count, world.physics.joint_count) != counts:
+            yield "expected no body or joint of a deleted robot, found one that is left"
+        transport.process()
+    for warning in warnings:
+        yield f"expected no warning while the robot is deleted and spawned, found: {warning}"
+
+
+def _check_nothing_left(run: Run, before: Names) -> Problems:
+    transport = run.transport
+    for topic in sorted(transport.topics):
+        yield f"after its end: expected no publisher, found one of {topic}"
+    for topic in sorted(transport.subscribed):
+        yield f"after its end: expected no subscription, found one of {topic}"
+    sent = len(transport.events), len(transport.sent_transforms)
+    for topic in before.subscribed:
+        run.simulation.send(topic, transport.types[topic]())
+    run.simulation.run(0.1)
+    for event in transport.events[sent[0] :]:
+        yield f"after its end: expected no message, found one on {event.topic}"
+    for _, _, transform in transport.sent_transforms[sent[1] :]:
+        yield f'after its end: expected no transform, found one of "{transform.child}"'
+    if run.loader.living_plugins():
+        yield "after its end: expected no reference to the plugin, found one"
+
+
+@contextmanager
+def _warnings() -> Iterator[List[str]]:
+    """The warnings and errors that are logged meanwhile."""
+    messages: List[str] = []
+    handler = logging.Handler(logging.WARNING)
+    handler.emit = lambda record: messages.append(record.getMessage())  # type: ignore[method-assign]
+    root = logging.getLogger()
+    root.addHandler(handler)
+    try:
+        yield messages
+    finally:
+        root.removeHandler(handler)

@@ -1,0 +1,94 @@
+"""A world whose simulated time a test advances, and its topics."""
+
+from typing import TYPE_CHECKING, Any, List, Optional
+
+from flatland_server.models.model import Model
+from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+
+if TYPE_CHECKING:
+    from flatland_server.testing.files import WorldFiles
+
+
+class Simulation:
+    """A world in a test: time passes in `run` only, and topics stay within the process.
+
+    Args:
+        world: what is simulated; its transport must be a `LocalTransport`.
+        step_size: length of a step [s].
+        allow_failures: whether plugins may fail. Otherwise `run` raises an AssertionError as soon
+            as a plugin was switched off because it raised an exception.
+    """
+
+    def __init__(
+        self, world: World, step_size: float = 0.005, *, allow_failures: bool = False
+    ) -> None:
+        self.world = world
+        self.timekeeper = Timekeeper(step_size)
+        self.allow_failures = allow_failures
+        self.files: Optional[WorldFiles] = None
+        """The files that it was loaded from, if `WorldFiles` has loaded it."""
+
+    @property
+    def transport(self) -> LocalTransport:
+        """The topics and transforms of the world."""
+        assert isinstance(self.world.transport, LocalTransport)
+        return self.world.transport
+
+    def model(self, name: str = "robot") -> Model:
+        """A model by its name.
+
+        Raises:
+            ModelError: there is no such model.
+        """
+        return self.world.get_model(name)
+
+    def run(self, seconds: Optional[float] = None) -> "Simulation":
+        """Advances the time by some seconds, or by one step, and returns this simulation.
+
+        Messages that were sent are received before the next step.
+
+        Raises:
+            AssertionError: a plugin has failed, and `allow_failures` is false.
+        """
+        steps = 1 if seconds is None else round(seconds / self.timekeeper.step_size)
+        for _ in range(steps):
+            self.world.transport.process()
+            self.world.step(self.timekeeper)
+        failures = self.world.plugin_failures
+        if failures and not self.allow_failures:
+            raise AssertionError(
+                "\n".join(f'the plugin "{each.label}" failed in {each.reason}' for each in failures)
+            )
+        return self
+
+    def send(self, topic: str, message: Any) -> "Simulation":
+        """Publishes a message, to be received before the next step."""
+        self.transport.send(topic, message)
+        return self
+
+    def drive(
+        self, forwards: float, turn: float = 0.0, *, left: float = 0.0, topic: str = "/cmd_vel"
+    ) -> "Simulation":
+        """Sends a `geometry_msgs/Twist` [m/s, rad/s]."""
+        from geometry_msgs.msg import Twist
+
+        twist = Twist()
+        twist.linear.x, twist.linear.y, twist.angular.z = forwards, left, turn
+        return self.send(topic, twist)
+
+    def last(self, topic: str) -> Any:
+        """The newest message of a topic; None if there is none yet."""
+        return self.transport.last(topic)
+
+    def record(self, topic: str, seconds: float) -> List[Any]:
+        """Advances the time, and returns the messages of a topic meanwhile, at most one a step."""
+        messages: List[Any] = []
+        before = self.last(topic)
+        for _ in range(round(seconds / self.timekeeper.step_size)):
+            message = self.run().last(topic)
+            if message is not before:
+                messages.append(message)
+                before = message
+        return messages

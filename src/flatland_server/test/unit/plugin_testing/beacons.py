@@ -1,0 +1,286 @@
+"""A plugin that keeps the contract, and others that break it in one way each."""
+
+import logging
+from io import BytesIO
+from typing import Any, Dict, List, Type
+
+import numpy as np
+from geometry_msgs.msg import PointStamped, Vector3
+from std_msgs.msg import Bool
+
+from flatland_server import (
+    MessageWriter,
+    ModelPlugin,
+    Pose,
+    Timekeeper,
+    Transform,
+    UpdateTimer,
+    YamlReader,
+    header,
+)
+
+ENTRY = {
+    "type": "Beacon",
+    "name": "beacon",
+    "body": "base",
+    "topic": "point",
+    "switch_topic": "switch",
+    "frame": "lamp",
+    "update_rate": "inf",
+    "limits": {"low": 1.0, "high": 2.0},
+    "colors": [{"red": 0.5}],
+}
+REMEMBERED: List[Any] = []
+
+
+class PointWriter(MessageWriter):
+    def __init__(self, frame: str) -> None:
+        self._frame = frame
+
+    def message(self, nanoseconds: int, x: float) -> PointStamped:
+        message = PointStamped(header=header(nanoseconds, self._frame))
+        message.point.x = x
+        return message
+
+    def data(self, nanoseconds: int, x: float) -> bytes:
+        buffer = BytesIO()
+        self.message(nanoseconds, x).serialize(buffer)
+        return buffer.getvalue()
+
+
+class Beacon(ModelPlugin):
+    writer_type: Type[MessageWriter] = PointWriter
+
+    def on_initialize(self, config: YamlReader) -> None:
+        self.body = self.read_body(config)
+        topic = config.get_string("topic", "point")
+        switch_topic = config.get_string("switch_topic", "switch")
+        self.frame = self.own_frame(config.get_string("frame", "lamp"))
+        rate = self.read_rate(config)
+        self.read_limits(config)
+        config.get_sections("colors", self.read_color)
+        self.read_more(config)
+        config.finish()
+        self.is_on = True
+        self.update_timer = UpdateTimer(rate)
+        self.publisher = self.node.advertise(self.own_topic(topic), PointStamped)
+        self.node.subscribe(switch_topic, Vector3, self.on_switch)
+        self.writer = self.writer_type(self.frame)
+
+    def read_body(self, config: YamlReader) -> Any:
+        return self.get_body(config)
+
+    def read_rate(self, config: YamlReader) -> float:
+        return config.get_rate("update_rate", 10.0)
+
+    def read_limits(self, config: YamlReader) -> None:
+        limits = config.get_section("limits")
+        self.low, self.high = limits.get_float("low", 1.0), limits.get_float("high", 2.0)
+        limits.finish()
+
+    def read_color(self, section: YamlReader) -> float:
+        red = section.get_float("red", 1.0)
+        section.finish()
+        return red
+
+    def read_more(self, config: YamlReader) -> None:
+        pass
+
+    def own_frame(self, frame: str) -> str:
+        return self.name_space_tf(frame)
+
+    def own_topic(self, topic: str) -> str:
+        return topic
+
+    def on_switch(self, message: Vector3) -> None:
+        self.is_on = message.x < 1.0
+
+    def before_physics_step(self, timekeeper: Timekeeper) -> None:
+        self.shine(timekeeper.nanoseconds)
+
+    def shine(self, now: int) -> None:
+        if self.publisher.has_subscribers:
+            x = np.random.default_rng([7, now]).normal()
+            self.publisher.write(self.writer, now, float(x))
+        if self.node.transforms_have_subscribers:
+            parent = self.name_space_tf(self.body.name)
+            self.node.send_transform(Transform(now, parent, self.frame, Pose()))
+
+
+class Breaks(ModelPlugin):
+    def on_initialize(self, config: YamlReader) -> None:
+        pass
+
+    def before_physics_step(self, timekeeper: Timekeeper) -> None:
+        raise ValueError("no luck")
+
+
+class ReadsMore(Beacon):
+    def read_more(self, config: YamlReader) -> None:
+        config.get_string("secret", "")
+
+
+class IgnoresUnknownKeys(Beacon):
+    def read_limits(self, config: YamlReader) -> None:
+        config.get_section("limits")  # without finish()
+
+
+class CrashesWithoutKey(Beacon):
+    def read_color(self, section: YamlReader) -> float:
+        if not section.has("red"):
+            raise section.error("no red")
+        return section.get_float("red")
+
+
+class AcceptsNaN(Beacon):
+    def read_limits(self, config: YamlReader) -> None:
+        limits = config.get_section("limits")
+        self.low, self.high = float(limits.get_string("low", "1")), limits.get_float("high", 1.0)
+
+
+class AcceptsAnyBody(Beacon):
+    def read_body(self, config: YamlReader) -> Any:
+        return self.model.bodies.get(config.get_string("body"), self.model.base)
+
+
+class AcceptsRateOfZero(Beacon):
+    def read_rate(self, config: YamlReader) -> float:
+        return config.get_float("update_rate", 1.0, minimum=0.0, allow_infinity=True) or 1.0
+
+
+class PublishesToNobody(Beacon):
+    def shine(self, now: int) -> None:
+        self.publisher.publish(PointWriter(self.frame).message(now, 1.0))
+
+
+class MakesMessagesForNobody(Beacon):
+    def shine(self, now: int) -> None:
+        message = PointWriter(self.frame).message(now, 1.0)
+        if self.publisher.has_subscribers:
+            self.publisher.publish(message)
+
+
+class SendsTransformsToNobody(Beacon):
+    def shine(self, now: int) -> None:
+        self.node.send_transform(Transform(now, self.body.name, self.frame, Pose()))
+
+
+class DependsOnSubscribers(Beacon):
+    def shine(self, now: int) -> None:
+        if self.publisher.has_subscribers:
+            self.publisher.write(self.writer, now, float(self.rng.normal()))
+
+
+class NamespacesTopicTwice(Beacon):
+    def own_topic(self, topic: str) -> str:
+        return f"{self.model.namespace}/{topic}" if self.model.namespace else topic
+
+
+class ForgetsNamespaceOfFrame(Beacon):
+    def own_frame(self, frame: str) -> str:
+        return frame
+
+
+class HasFixedFrame(Beacon):
+    def own_frame(self, frame: str) -> str:
+        return self.name_space_tf("lamp")
+
+
+class IgnoresItsRate(Beacon):
+    def read_rate(self, config: YamlReader) -> float:
+        super().read_rate(config)
+        return 100.0
+
+
+class StampsWrongly(Beacon):
+    def shine(self, now: int) -> None:
+        super().shine(now + 1)
+
+
+class IsNotRepeatable(Beacon):
+    def shine(self, now: int) -> None:
+        if self.publisher.has_subscribers:
+            self.publisher.write(self.writer, now, float(np.random.default_rng().normal()))
+
+
+class MovesAtRandom(Beacon):
+    def on_switch(self, message: Vector3) -> None:
+        self.model.move(Pose(np.random.default_rng().normal(), 0.0, 0.0))
+
+
+class WritesOtherBytes(Beacon):
+    class writer_type(PointWriter):
+        def data(self, nanoseconds: int, x: float) -> bytes:
+            return super().data(nanoseconds, x + 1.0)
+
+
+class FailsOnNaN(Beacon):
+    def on_switch(self, message: Vector3) -> None:
+        self.is_on = int(message.x) > 0
+
+
+class KeepsAPublisher(Beacon):
+    def read_more(self, config: YamlReader) -> None:
+        self.node._transport.advertise("/left", Bool, latch=False, queue_size=1)
+
+
+class KeepsASubscription(Beacon):
+    def read_more(self, config: YamlReader) -> None:
+        self.node._transport.subscribe("/left", Bool, lambda _: None)
+
+
+class IsRemembered(Beacon):
+    def read_more(self, config: YamlReader) -> None:
+        REMEMBERED.append(self)
+
+
+class KeepsABody(Beacon):
+    def read_more(self, config: YamlReader) -> None:
+        self.model.physics.add_body("static", (0.0, 0.0, 0.0))
+
+
+class Warns(Beacon):
+    def on_shutdown(self) -> None:
+        logging.getLogger(__name__).warning("the lamp is broken")
+
+
+class GoesOnSending(Beacon):
+    def on_shutdown(self) -> None:
+        transport, frame = self.node._transport, self.frame
+        process = transport.process
+
+        def process_and_send(timeout: float = 0.0) -> None:
+            process(timeout)
+            transport.send_transform(Transform(0, "base", frame, Pose()))
+
+        transport.process = process_and_send
+
+
+BROKEN: Dict[Type[Beacon], str] = {
+    ReadsMore: 'the plugin reads the key "secret", which the entry does not show',
+    IgnoresUnknownKeys: 'expected a refusal of "olw" in line',
+    CrashesWithoutKey: 'without "colors.red": the required key "red" is missing, found',
+    AcceptsNaN: 'expected a refusal of "limits.low: nan" that names the key and line',
+    AcceptsAnyBody: 'expected a refusal of "body: abse" that names the key and line',
+    AcceptsRateOfZero: 'expected a refusal of "update_rate: 0" that names the key and line',
+    PublishesToNobody: "expected no message, found one published to /point",
+    MakesMessagesForNobody: "expected no message made for /point, found 100",
+    SendsTransformsToNobody: 'expected no transform, found one of the frame "lamp"',
+    DependsOnSubscribers: "expected the same messages, however late a topic gets its subscriber",
+    NamespacesTopicTwice: "expected published /robot1/point, found /robot1/robot1/point",
+    ForgetsNamespaceOfFrame: "expected message frames /robot1/point robot1_lamp, found",
+    HasFixedFrame: "renamed: expected transforms base renamed_lamp, found base lamp",
+    IgnoresItsRate: "update_rate: inf: expected /point in steps 1, 2 ..., found [1, 3, 5",
+    StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
+    IsNotRepeatable: "expected equal messages from equal seeds, found a difference in /point",
+    MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
+    WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its message",
+    FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",
+    KeepsAPublisher: "after its end: expected no publisher, found one of /left",
+    KeepsASubscription: "after its end: expected no subscription, found one of /left",
+    IsRemembered: "after its end: expected no reference to the plugin, found one",
+    KeepsABody: "expected no body or joint of a deleted robot, found one that is left",
+    Warns: "expected no warning while the robot is deleted and spawned, found: the lamp is broken",
+    GoesOnSending: 'after its end: expected no transform, found one of "lamp"',
+}
+"""What the contract says of each."""
