@@ -20,7 +20,6 @@ LAYERS = (  # each may import those before it
     "messages",
     "plugins",
     "simulation",
-    "testing",
     "tools",
     "testing",
     "ros.rospy_patches",
