@@ -237,7 +237,7 @@ class {name}(ModelPlugin):
 """
 
 
-@pytest.mark.filterwarnings("ignore:of no interest")
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # as Python does by default
 def test_the_lines_that_use_former_names_are_logged_with_their_package_and_the_new_import(
     packages, caplog
 ):

@@ -1,5 +1,6 @@
 """TimerQueue alone: which plugins with an update rate are due at which step."""
 
+import math
 from types import SimpleNamespace
 from typing import Any, List
 
@@ -75,3 +76,18 @@ def test_a_plugin_that_has_asked_its_timer_itself_is_due_later(queue, timekeeper
     assert own.timer.check_update(timekeeper)
 
     assert due_names(queue, timekeeper, 3) == ["", "", "a"]
+
+
+def test_the_queue_knows_when_the_next_plugin_is_due(queue, timekeeper):
+    assert queue.next_due == math.inf
+    first = plugin("a", 20.0)
+    queue.add(first)
+    assert queue.next_due <= 0
+    due_names(queue, timekeeper, 1)
+    assert queue.next_due == 50_000_000
+    queue.add(plugin("b", 50.0))
+    due_names(queue, timekeeper, 1)
+    assert queue.next_due == 30_000_000
+
+    queue.remove({first})
+    assert queue.next_due == 30_000_000

@@ -85,3 +85,17 @@ def test_plugins_that_are_added_while_one_is_asked_are_called_from_the_next_step
 
     assert plugins.called() == ["a"]
     assert plugins.called() == ["a", "b"]
+
+
+def test_all_plugins_are_asked_again_after_an_interrupt(plugins):
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    plugins.add("a", 1)
+    plugins.add("b", 2)
+    plugins.on_ask["b"] = interrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        plugins.called()
+
+    assert plugins.called() == ["a", "b"]

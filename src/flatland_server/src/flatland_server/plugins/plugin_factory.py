@@ -10,6 +10,7 @@ from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.transport.node import Node
+from flatland_server.transport.transport import Transport
 
 P = TypeVar("P", bound=Plugin)
 
@@ -18,13 +19,13 @@ class PluginFactory:
     """Makes plugins, each with a node and a random number generator of its own.
 
     Args:
-        node: the world's node, within which each plugin gets its own.
+        transport: carries the topics, transforms and parameters of the plugins.
         loader: finds plugin classes.
         seed: the world's seed.
     """
 
-    def __init__(self, node: Node, loader: PluginLoader, seed: int) -> None:
-        self._node = node
+    def __init__(self, transport: Transport, loader: PluginLoader, seed: int) -> None:
+        self._root_node = Node(transport)
         self._loader = loader
         self._seed = seed
 
@@ -58,7 +59,7 @@ class PluginFactory:
             raise reader.error(str(error), "type") from error.__cause__
         label = f"{model_name}/{config.name}" if model_name else config.name
         rng = np.random.default_rng([self._seed, zlib.crc32(label.encode())])
-        node = self._node.scoped(namespace, label)
+        node = self._root_node.scoped(namespace, label)
         try:
             plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
             node.on_failure = lambda where: on_failure(plugin, where)

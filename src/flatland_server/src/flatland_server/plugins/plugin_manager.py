@@ -15,7 +15,7 @@ from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.schedule import Schedule
 from flatland_server.plugins.scheduled_plugin import StepCalls
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.node import Node
+from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)
 
@@ -43,7 +43,7 @@ class PluginManager:
     """The running plugins of a world and its models.
 
     Args:
-        node: the world's node, within which each plugin gets its own.
+        transport: carries the topics, transforms and parameters of the plugins.
         loader: finds plugin classes.
         seed: the world's seed.
         physics: reports contacts.
@@ -52,14 +52,14 @@ class PluginManager:
 
     def __init__(
         self,
-        node: Node,
+        transport: Transport,
         loader: PluginLoader,
         seed: int,
         physics: _core.World,
         entities: Entities,
     ) -> None:
-        self._node = node
-        self._factory = PluginFactory(node, loader, seed)
+        self._transport = transport
+        self._factory = PluginFactory(transport, loader, seed)
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
         self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
@@ -139,8 +139,9 @@ class PluginManager:
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `prepare_step` and `before_physics_step` of all plugins that are due."""
-        self._step_calls = self._schedule.calls(timekeeper, self._node.subscriber_revision)
-        self._call_step_hooks("prepare_step", timekeeper)
+        self._step_calls = self._schedule.calls(timekeeper, self._transport.subscriber_revision)
+        if self._step_calls.hooks["prepare_step"]:  # few plugins have it
+            self._call_step_hooks("prepare_step", timekeeper)
         self._call_step_hooks("before_physics_step", timekeeper)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:

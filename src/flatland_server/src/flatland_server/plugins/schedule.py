@@ -60,9 +60,9 @@ class Schedule:
             subscriber_revision: differs from that of the last step if subscribers have changed.
         """
         calls = self._work_cache.calls(subscriber_revision)
-        due = self._timer_queue.pop_due(timekeeper)
-        if not due:
+        if timekeeper.nanoseconds < self._timer_queue.next_due:
             return calls
+        due = self._timer_queue.pop_due(timekeeper)
         with_work = [each for each in due if self._has_work(each.plugin) and not each.is_removed]
         return StepCalls(sorted([*calls.plugins, *with_work], key=attrgetter("order")))
 

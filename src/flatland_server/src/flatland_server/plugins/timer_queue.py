@@ -1,5 +1,6 @@
 """Plugins with an update rate, by the time at which each is due next."""
 
+import math
 from heapq import heapify, heappop, heappush
 from typing import AbstractSet, List, Tuple
 
@@ -12,24 +13,25 @@ class TimerQueue:
 
     def __init__(self) -> None:
         self._heap: List[Tuple[float, int, ScheduledPlugin]] = []  # due [ns], order, plugin
+        self.next_due = math.inf
+        """The simulated time at which the next plugin is due [ns]."""
 
     def add(self, plugin: ScheduledPlugin) -> None:
         """Queues a plugin that has a timer."""
         assert plugin.timer is not None
         heappush(self._heap, (plugin.timer.due, plugin.order, plugin))
+        self.next_due = self._heap[0][0]
 
     def remove(self, plugins: AbstractSet[ScheduledPlugin]) -> None:
         """Removes those of these plugins that are in the queue."""
         self._heap = [item for item in self._heap if item[2] not in plugins]
         heapify(self._heap)
+        self.next_due = self._heap[0][0] if self._heap else math.inf
 
     def pop_due(self, timekeeper: Timekeeper) -> List[ScheduledPlugin]:
         """The plugins that are due now, in any order; each is queued again for its next time."""
-        now = timekeeper.nanoseconds
-        if not self._heap or self._heap[0][0] > now:
-            return []
         reached = []
-        while self._heap and self._heap[0][0] <= now:
+        while self._heap and self._heap[0][0] <= timekeeper.nanoseconds:
             reached.append(heappop(self._heap)[2])
         # A plugin may have asked its timer itself; then it is due later than it was queued for.
         due = [each for each in reached if each.timer and each.timer.check_update(timekeeper)]

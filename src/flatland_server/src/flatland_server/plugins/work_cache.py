@@ -41,13 +41,20 @@ class WorkCache:
             subscriber_revision: differs from that of the last call if subscribers have changed.
         """
         if self._is_stale or subscriber_revision != self._subscriber_revision:
-            # Before any plugin is asked: if it is removed meanwhile, the cache is stale again.
-            self._is_stale = False
             self._subscriber_revision = subscriber_revision
+            self._ask_all()
+        return self._calls
+
+    def _ask_all(self) -> None:
+        # Not stale from here on: plugins that are added or removed meanwhile make it stale again.
+        self._is_stale = False
+        try:
             with_work = [
                 each
                 for each in sorted(self._plugins, key=attrgetter("order"))
                 if self._has_work(each.plugin) and each in self._plugins
             ]
-            self._calls = StepCalls(with_work)
-        return self._calls
+        except BaseException:
+            self._is_stale = True
+            raise
+        self._calls = StepCalls(with_work)

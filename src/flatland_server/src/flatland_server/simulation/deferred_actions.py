@@ -25,7 +25,7 @@ class DeferredActions:
 
     Actions are deferred in two cases:
 
-    - within `locked()`: all of them. The world is locked during a step, while bodies are removed
+    - within `lock`: all of them. The world is locked during a step, while bodies are removed
       (which calls the `end_contact` hooks of other models) and while the world is closed.
     - within `changing(model)`, while the plugins of a model are started or stopped: those that
       cannot be run before this has ended. Others run at once.
@@ -34,7 +34,8 @@ class DeferredActions:
     """
 
     def __init__(self) -> None:
-        self._lock = _Lock()
+        self.lock = _Lock()
+        """A context in which all actions are deferred. May be nested."""
         self._changing: Set[str] = set()
         self._pending: Deque[Tuple[Callable[[], Any], str]] = deque()
         self._is_running = False
@@ -42,11 +43,7 @@ class DeferredActions:
     @property
     def is_locked(self) -> bool:
         """Whether all actions are deferred at the moment."""
-        return self._lock.depth > 0
-
-    def locked(self) -> ContextManager[None]:
-        """A context in which all actions are deferred. May be nested."""
-        return self._lock
+        return self.lock.depth > 0
 
     @contextmanager
     def changing(self, model: str) -> Iterator[None]:
@@ -115,5 +112,5 @@ class _Lock(ContextManager[None]):
     def __enter__(self) -> None:
         self.depth += 1
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: object, traceback: object) -> None:
         self.depth -= 1

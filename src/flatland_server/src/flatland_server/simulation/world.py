@@ -33,7 +33,7 @@ from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.node import Node, Transport
+from flatland_server.transport.transport import Transport
 
 
 class World:
@@ -66,7 +66,7 @@ class World:
         self.entities = Entities()
         """The model or layer that each body belongs to."""
         self._plugins = PluginManager(
-            Node(self.transport), loader or PluginLoader(), seed, self.physics, self.entities
+            self.transport, loader or PluginLoader(), seed, self.physics, self.entities
         )
         self._deferred = DeferredActions()
         try:
@@ -276,7 +276,7 @@ class World:
         Runs no callbacks of subscriptions: `transport.process()` does, and `SimulationManager.step`
         does both.
         """
-        with self._deferred.locked():
+        with self._deferred.lock:
             self._plugins.before_physics_step(timekeeper)
             self.physics.step(timekeeper.step_size)
             timekeeper.step()
@@ -287,7 +287,7 @@ class World:
     def close(self) -> None:
         """Stops all plugins. Changes that they request meanwhile are dropped."""
         try:
-            with self._deferred.locked():
+            with self._deferred.lock:
                 self._plugins.stop_all()
         finally:
             self._deferred.clear()
@@ -307,7 +307,7 @@ class World:
                 self._remove_bodies(model)
 
     def _remove_bodies(self, model: Model) -> None:
-        with self._deferred.locked():  # it ends contacts, which calls hooks
+        with self._deferred.lock:  # it ends contacts, which calls hooks
             model.remove()
 
     def _move(self, model: Model, pose: Pose) -> None:

@@ -37,7 +37,7 @@ def test_an_action_runs_at_once_and_its_result_is_returned(deferred):
 def test_actions_wait_in_order_until_the_lock_is_released_and_pending_ones_are_run(
     deferred, request_action, done
 ):
-    with deferred.locked():
+    with deferred.lock:
         assert deferred.run_or_defer(lambda: done.append("a"), "fails") is None
         request_action("b")
         deferred.run_pending()
@@ -50,8 +50,8 @@ def test_actions_wait_in_order_until_the_lock_is_released_and_pending_ones_are_r
 
 
 def test_locks_nest(deferred, request_action, done):
-    with deferred.locked():
-        with deferred.locked():
+    with deferred.lock:
+        with deferred.lock:
             request_action("a")
         assert deferred.is_locked
         deferred.run_pending()
@@ -63,7 +63,7 @@ def test_a_lock_is_released_by_an_exception_and_the_actions_are_kept(
     deferred, request_action, done
 ):
     def interrupted_step() -> None:
-        with deferred.locked():
+        with deferred.lock:
             request_action("a")
             raise KeyboardInterrupt
 
@@ -104,7 +104,7 @@ def test_an_action_that_runs_at_once_is_followed_by_those_that_it_has_deferred(
     deferred, request_action, done
 ):
     def remove_bodies() -> None:
-        with deferred.locked():
+        with deferred.lock:
             request_action("second")
         done.append("first")
 
@@ -122,7 +122,7 @@ def test_actions_that_are_deferred_by_deferred_actions_run_after_all_others(
         deferred.run_pending()
         done.append("first")
 
-    with deferred.locked():
+    with deferred.lock:
         deferred.run_or_defer(first, "fails")
         request_action("second")
     deferred.run_pending()
@@ -146,7 +146,7 @@ def test_a_deferred_action_that_fails_is_logged_and_the_next_ones_run(
     def fail() -> None:
         raise ModelError("no luck")
 
-    with deferred.locked():
+    with deferred.lock:
         deferred.run_or_defer(fail, "the action fails")
         request_action("next")
     deferred.run_pending()
@@ -161,7 +161,7 @@ def test_an_unexpected_exception_of_a_deferred_action_is_raised_and_the_others_a
     def fail() -> None:
         raise ZeroDivisionError
 
-    with deferred.locked():
+    with deferred.lock:
         deferred.run_or_defer(fail, "the action fails")
         request_action("next")
     with pytest.raises(ZeroDivisionError):
@@ -179,10 +179,10 @@ def test_actions_without_end_are_spread_over_runs(deferred):
     def repeat() -> None:
         nonlocal count
         count += 1
-        with deferred.locked():
+        with deferred.lock:
             deferred.run_or_defer(repeat, "fails")
 
-    with deferred.locked():
+    with deferred.lock:
         deferred.run_or_defer(repeat, "fails")
 
     for runs in (1, 2):
@@ -191,7 +191,7 @@ def test_actions_without_end_are_spread_over_runs(deferred):
 
 
 def test_dropped_actions_do_not_run(deferred, request_action, done):
-    with deferred.locked():
+    with deferred.lock:
         request_action("a")
     deferred.clear()
 
