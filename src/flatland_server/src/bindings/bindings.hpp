@@ -101,5 +101,6 @@ void BindRelativePoses(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindMechanisms(py::module_& m);
 void BindContacts(py::module_& m);
+void BindPriorityGuard(py::module_& m);
 
 }  // namespace flatland

@@ -323,3 +323,26 @@ class Tween:
     @property
     def progress(self) -> float:
         """How much of the way's time is behind it, 0 to 1; not eased."""
+
+class PriorityGuard:
+    """Takes real-time priority from the thread that creates it, if that computes for too long.
+
+    It then also runs the handler that the signal had before. Linux only; one per process.
+    """
+
+    def __init__(self, signal: int) -> None:
+        """Handles `signal`, which it has sent to the calling thread.
+
+        Raises:
+            RuntimeError: the system refuses it.
+        """
+
+    def arm(self, seconds: float) -> None:
+        """Allows the thread so much CPU time from now on [s]."""
+
+    def disarm(self) -> None:
+        """Allows it any CPU time."""
+
+    @property
+    def has_fired(self) -> bool:
+        """Whether the thread has used up its time."""
