@@ -6,7 +6,7 @@ world.step(timekeeper)
 """
 
 import logging
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Set
 
@@ -18,6 +18,7 @@ from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
     ModelError,
+    PluginError,
     Problem,
     YamlError,
     suggestion,
@@ -67,8 +68,9 @@ class World:
         self.models: Dict[str, Model] = {}
         self.physics = _core.World(config.velocity_iterations, config.position_iterations)
         self.entities = Entities()
+        self._loader = loader or PluginLoader()
         self._plugins = PluginManager(
-            Node(self.transport), loader or PluginLoader(), seed, self.physics, self.entities
+            Node(self.transport), self._loader, seed, self.physics, self.entities
         )
         self._is_locked = False  # while it steps, takes bodies away (contacts are told of) or ends
         self._unsettled: Set[str] = set()  # models that are being started or stopped
@@ -130,12 +132,7 @@ class World:
             FlatlandError: the file, the name, the namespace or the pose is not usable; the world is
                 then as it was.
         """
-        problem = topic_name_problem(name) or namespace_problem(namespace)
-        if problem:
-            raise ModelError(problem)
-        self._require_new(name)
-        _check_pose(pose)
-        entry = ModelEntry(name, namespace, pose, self.read_model(path))
+        entry = self.read_model_entry(path, name, namespace, pose)
         if not self._is_locked:
             return self.add_model(entry)
         self._deferred.append(lambda: self._add_later(entry))
@@ -151,6 +148,28 @@ class World:
             raise ModelError(f"there is no file {path}")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
             return ModelConfig.from_file(path, self.registry, preprocessor)
+
+    def read_model_entry(self, path: Path, name: str, namespace: str, pose: Pose) -> ModelEntry:
+        """Does all of `spawn_model` that does not change the world; any thread may call it.
+
+        The result is for `add_model`, which checks again that the name is free. Plugin classes are
+        imported here, so that `add_model` does not have to.
+
+        Args: those of `spawn_model`.
+
+        Raises:
+            FlatlandError: the file, the name, the namespace or the pose is not usable.
+        """
+        problem = topic_name_problem(name) or namespace_problem(namespace)
+        if problem:
+            raise ModelError(problem)
+        self._require_new(name)
+        _check_pose(pose)
+        model = self.read_model(path)
+        for plugin in model.plugins:
+            with suppress(PluginError):  # add_model reports it, with its line
+                self._loader.load(plugin.type, ModelPlugin)
+        return ModelEntry(name, namespace, pose, model)
 
     def add_model(self, entry: ModelEntry) -> Model:
         """Puts a model into the world that has been read, or made without a file.
