@@ -15,9 +15,9 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 class Launch:
-    """`scripts/run` with a ROS master of its own."""
+    """`scripts/run`, or another `command` like it, with a ROS master of its own."""
 
-    def __init__(self, *arguments, output, display=None):
+    def __init__(self, *arguments, output, display=None, command=(str(ROOT / "scripts" / "run"),)):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
@@ -30,7 +30,7 @@ class Launch:
         self._output = output
         with output.open("w") as file:
             self.process = subprocess.Popen(
-                [str(ROOT / "scripts" / "run"), *arguments, "-p", str(self.port)],
+                [*command, *arguments, "-p", str(self.port)],
                 stdout=file,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,

@@ -2,6 +2,7 @@
 
 import textwrap
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Optional, Type
 
 import hypothesis
@@ -66,6 +67,21 @@ class Simulation:
         for _ in range(steps):
             self.world.transport.process()
             self.world.step(self.timekeeper)
+
+
+@pytest.fixture
+def unpatched_rospy(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Undoes patches of rospy after the test; rospy's own class of connections."""
+    from rospy import topics
+    from rospy.impl import tcpros_base
+
+    monkeypatch.setattr(topics, "QueuedConnection", topics.QueuedConnection)
+    rospys = SimpleNamespace(
+        start_server=lambda: None,
+        tcp_ros_server=SimpleNamespace(server_sock=SimpleNamespace(listen=lambda _: None)),
+    )
+    monkeypatch.setattr(tcpros_base, "_tcpros_server", rospys)
+    return topics.QueuedConnection
 
 
 @pytest.fixture(scope="session")
