@@ -32,9 +32,9 @@ def pytest_collection_modifyitems(items):
 
 
 class Launch:
-    """`scripts/run` with a ROS master of its own."""
+    """`scripts/run`, or another `command` like it, with a ROS master of its own."""
 
-    def __init__(self, *arguments, output, display=None):
+    def __init__(self, *arguments, output, display=None, command=(str(ROOT / "scripts" / "run"),)):
         self.port = free_port()
         self.uri = f"http://127.0.0.1:{self.port}"
         environment = {**os.environ, "ROS_MASTER_URI": self.uri}
@@ -45,7 +45,7 @@ class Launch:
         self._output = output
         with output.open("w") as file:
             self.process = subprocess.Popen(
-                [str(ROOT / "scripts" / "run"), *arguments, "-p", str(self.port)],
+                [*command, *arguments, "-p", str(self.port)],
                 stdout=file,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,

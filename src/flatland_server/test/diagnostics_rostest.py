@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Over a real master: /diagnostics, and what becomes of plugins that fail."""
+"""/diagnostics over a real master, with plugins that fail."""
 
 import sys
 import time
@@ -35,7 +35,7 @@ class Diagnostics(unittest.TestCase):
 
         return by_name(self.diagnostics.next(holds=lambda m: holds(by_name(m))))
 
-    def test_a_running_simulation_is_all_right_once_a_second(self):
+    def test_a_running_simulation_is_ok_once_a_second(self):
         self.diagnostics.next()
         begin = time.monotonic()
         first = self.diagnostics.next()
@@ -57,7 +57,7 @@ class Diagnostics(unittest.TestCase):
         self.assertEqual(values["plugins"], "3")
         self.assertEqual(values["plugins that failed"], "0")
 
-    def test_a_paused_simulation_is_all_right_too(self):
+    def test_a_paused_simulation_is_ok_too(self):
         call("/pause", EmptyService)
         self.addCleanup(call, "/resume", EmptyService)
         paused = self.statuses(lambda s: s[f"{SERVER[1:]}: simulation"].message == "paused")
@@ -94,7 +94,7 @@ class Diagnostics(unittest.TestCase):
         self.assertEqual((status.level, status.message), (DiagnosticStatus.OK, "running"))
         values = {value.key: value.value for value in status.values}
         self.assertEqual((values["plugins"], values["plugins that failed"]), ("4", "1"))
-        self.clock.next(20)  # the simulation goes on, and the plugin is not called again
+        self.clock.next(20)  # the simulation continues, and the plugin is not called again
         errors = [m for m in self.log.messages[logged:] if m.level >= Log.ERROR]
         self.assertEqual([m.name for m in errors], [SERVER])
         self.assertIn('the plugin "robot/sensor" failed in before_physics_step', errors[0].msg)
@@ -131,12 +131,14 @@ class Diagnostics(unittest.TestCase):
             self.assertIn("base_link", frames)
             self.assertEqual([frame for frame in frames if frame.startswith("ns")], [])
             gone = delete("robot")
-            self.assertEqual((gone.success, gone.message), (False, 'there is no model "robot"'))
+            self.assertEqual(
+                (gone.success, gone.message), (False, 'ModelError: there is no model "robot"')
+            )
 
 
 if __name__ == "__main__":
     import rostest
 
-    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
+    # rospy's own subscription to /clock has a queue of one message, which would be ours too.
     rospy.init_node("diagnostics_rostest", disable_rostime=True)
     rostest.rosrun("flatland_server", "diagnostics", Diagnostics, sys.argv)

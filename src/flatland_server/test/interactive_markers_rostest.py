@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Dragging, turning and deleting by interactive markers, as rviz does it, but without rviz."""
+"""Dragging, turning and deleting models by interactive markers, with feedback as rviz sends it."""
 
 import math
 import sys
@@ -31,7 +31,7 @@ class InteractiveMarkers(unittest.TestCase):
         cls.mouse = rospy.Publisher("/interactive_model_markers/feedback", Feedback, queue_size=100)
         for service in ("/resume", "/pause", "/change_rate", "/get_model_markers"):
             rospy.wait_for_service(service, 20)
-        wait_until(cls.mouse.get_num_connections, "the server to listen to the mouse")
+        wait_until(cls.mouse.get_num_connections, "the server to subscribe to feedback")
         wait_until(lambda: BOX in [handle.name for handle in handles()], "the handles")
         cls.markers.next()
 
@@ -59,8 +59,9 @@ class InteractiveMarkers(unittest.TestCase):
     def wait_for_pose(self, x, y, yaw):
         def is_there():
             pose = self.markers.messages[-1].markers[0].pose
-            turn = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
-            return math.dist((pose.position.x, pose.position.y, turn), (x, y, yaw)) < 0.001
+            found_yaw = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
+            found = (pose.position.x, pose.position.y, found_yaw)
+            return math.dist(found, (x, y, yaw)) < 0.001
 
         wait_until(is_there, f"{BOX} to be at {x}, {y}, {yaw}")
 
@@ -85,7 +86,7 @@ class InteractiveMarkers(unittest.TestCase):
         self.state.next(3)
         self.assertTrue(all(state.paused for state in self.state.messages[after:]))
 
-    def test_a_mouse_that_vanishes_is_given_up_after_three_seconds(self):
+    def test_a_drag_without_feedback_ends_after_three_seconds(self):
         begin = rospy.get_rostime()
         self.send(Feedback.MOUSE_DOWN, 5.0, 0.0)
         self.wait_for_state(paused=True)
@@ -94,7 +95,7 @@ class InteractiveMarkers(unittest.TestCase):
         self.assertGreater(waited, 2.8)
         self.assertLess(waited, 8.0)  # a busy machine may take its time
 
-    def test_a_mouse_that_holds_still_is_waited_for(self):
+    def test_a_mouse_that_holds_still_does_not_end_the_drag(self):
         self.send(Feedback.MOUSE_DOWN, 5.0, 0.0)
         self.wait_for_state(paused=True)
         for _ in range(16):
@@ -104,16 +105,16 @@ class InteractiveMarkers(unittest.TestCase):
         self.send(Feedback.MOUSE_UP, 5.0, 0.0)
         self.wait_for_state(paused=False)
 
-    def test_rviz_is_told_twice_a_simulated_second_that_the_handles_live(self):
+    def test_keep_alive_messages_are_sent_twice_a_simulated_second(self):
         updates = Recorder("/interactive_model_markers/update", InteractiveMarkerUpdate)
 
         def alive(update):
             return update.type == InteractiveMarkerUpdate.KEEP_ALIVE
 
         updates.next(holds=alive)
-        begin, heard = self.state.next().stamp, len(updates.messages)
+        begin, received = self.state.next().stamp, len(updates.messages)
         end = self.state.next(15).stamp
-        count = len([update for update in updates.messages[heard:] if alive(update)])
+        count = len([update for update in updates.messages[received:] if alive(update)])
         self.assertAlmostEqual(count, 2.0 * (end - begin).to_sec(), delta=1.5)
         updates.close()
 
@@ -128,7 +129,7 @@ class InteractiveMarkers(unittest.TestCase):
             "box_5 to be deleted",
         )
 
-    def test_the_rate_is_changed_and_a_wrong_one_refused(self):
+    def test_the_rate_is_changed_and_an_invalid_one_refused(self):
         change = rospy.ServiceProxy("/change_rate", ChangeRate)
         self.assertTrue(change(0.5).success)
         wait_until(lambda: self.state.messages[-1].rate == 0.5, "the rate")
@@ -138,7 +139,7 @@ class InteractiveMarkers(unittest.TestCase):
         self.assertTrue(change(1.0).success)
         wait_until(lambda: self.state.messages[-1].rate == 1.0, "the rate")
 
-    def test_markers_of_a_model_file_are_told_and_a_wrong_file_refused(self):
+    def test_markers_of_a_model_file_are_returned_and_a_missing_file_refused(self):
         ask = rospy.ServiceProxy("/get_model_markers", GetModelMarkers)
         answer = ask(BOX_FILE)
         self.assertTrue(answer.success, answer.message)

@@ -1,4 +1,4 @@
-"""What the rostests share: waiting for things with a limit, and keeping what comes."""
+"""Tools of the rostests: waiting with a limit, and recording messages."""
 
 import time
 from typing import Any, Callable, Dict, List, Optional, Type
@@ -20,7 +20,7 @@ def wait_until(holds: Callable[[], Any], what: str, limit: float = LIMIT) -> Any
 
 
 class Recorder:
-    """Keeps the messages of a topic."""
+    """Records the messages of a topic."""
 
     def __init__(self, topic: str, message_type: Type[Any]) -> None:
         self.topic = topic
@@ -38,12 +38,12 @@ class Recorder:
         return wait_until(found, f"message {count} on {self.topic}")[0]
 
     def close(self) -> None:
-        """Stops listening."""
+        """Unsubscribes."""
         self._subscriber.unregister()
 
 
 def publish_rate(recorder: Recorder, seconds: float) -> float:
-    """Messages of a topic with a header, per second of simulated time, over that time."""
+    """Messages per second of simulated time, over a time [s], of a topic with a header."""
     first = recorder.next().header.stamp
     begin = len(recorder.messages)
     last = recorder.next(holds=lambda m: (m.header.stamp - first).to_sec() >= seconds)

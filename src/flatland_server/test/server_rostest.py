@@ -38,7 +38,7 @@ class Server(unittest.TestCase):
         cls.odometry = Recorder("/odometry/filtered", Odometry)
         cls.twist = Recorder("/twist", TwistStamped)
         cls.cmd_vel = rospy.Publisher("/cmd_vel", Twist, queue_size=1)
-        wait_until(cls.cmd_vel.get_num_connections, "the server to listen to /cmd_vel")
+        wait_until(cls.cmd_vel.get_num_connections, "the server to subscribe to /cmd_vel")
         cls.clock.next()
 
     def command(self, forwards, turn):
@@ -163,7 +163,7 @@ class Server(unittest.TestCase):
         self.assertTrue(found)
 
     def test_a_command_that_is_not_a_number_is_ignored(self):
-        # After the other tests in the alphabet's order or before: the robot just must go on living.
+        # Independent of other tests: the robot must only keep running.
         self.command(math.nan, 0.0)
         self.command(0.0, math.inf)
         before = self.truth.next()
@@ -175,6 +175,6 @@ class Server(unittest.TestCase):
 if __name__ == "__main__":
     import rostest
 
-    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
+    # rospy's own subscription to /clock has a queue of one message, which would be ours too.
     rospy.init_node("server_rostest", disable_rostime=True)
     rostest.rosrun("flatland_server", "server", Server, sys.argv)

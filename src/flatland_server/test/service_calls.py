@@ -1,4 +1,4 @@
-"""What the rostests ask of the server, and of the master about it."""
+"""Calls of the server's services, and queries to the master, for the rostests."""
 
 import os
 from typing import Any, Dict, List, NamedTuple, Set, Tuple
@@ -40,14 +40,14 @@ def delete(name: str) -> Any:
 
 
 class ServerTopics(NamedTuple):
-    """The server's topics, as the master knows them; not the markers, which follow models late."""
+    """The server's topics known to the master, except markers, which follow models with a delay."""
 
     published: Set[str]
     heard: Set[str]
 
     @classmethod
     def ask(cls) -> "ServerTopics":
-        """Those of now."""
+        """The present ones."""
         published, heard, _ = rosgraph.Master(rospy.get_name()).getSystemState()
         return cls(_of_server(published), _of_server(heard))
 

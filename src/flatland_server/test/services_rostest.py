@@ -1,21 +1,23 @@
 #!/usr/bin/python3
-"""The services over a real master: two robots in namespaces, and all that can be asked wrongly."""
+"""The services over a real master: two robots in namespaces, invalid requests, slow files."""
 
 import math
 import sys
+import threading
+import time
 import unittest
 from pathlib import Path
 
-import rosgraph
 import rospkg
 import rospy
 from flatland_msgs.msg import DebugTopicList
-from flatland_msgs.srv import DeleteModel, MoveModel, SpawnModel
-from geometry_msgs.msg import Pose2D, Twist
+from flatland_msgs.srv import ChangeRate, GetModelMarkers
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from rostest_tools import Recorder, wait_until
 from sensor_msgs.msg import LaserScan
+from service_calls import ServerTopics, call, delete, move, spawn
 from std_srvs.srv import Empty
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -23,28 +25,19 @@ from visualization_msgs.msg import Marker, MarkerArray
 OFFICE = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office"
 TURTLEBOT = str(OFFICE / "turtlebot.model.yaml")
 BOX = str(OFFICE / "box.model.yaml")
+SLOW_MODEL = Path(__file__).resolve().parent / "worlds" / "slow_to_read.model.yaml"
 
 
-def call(name, service, *arguments):
-    rospy.wait_for_service(name, timeout=20)
-    return rospy.ServiceProxy(name, service)(*arguments)
+MODEL, YAML = "ModelError", "YamlError"
+"""What messages of errors begin with."""
 
 
-def spawn(path, name, namespace="", x=0.0, y=0.0, theta=0.0):
-    return call("/spawn_model", SpawnModel, path, name, namespace, Pose2D(x, y, theta))
+def change_rate(rate):
+    return call("/change_rate", ChangeRate, rate)
 
 
-def move(name, x, y, theta):
-    return call("/move_model", MoveModel, name, Pose2D(x, y, theta))
-
-
-def delete(name):
-    return call("/delete_model", DeleteModel, name)
-
-
-def server_topics():
-    publishers, subscribers, _ = rosgraph.Master("/services_rostest").getSystemState()
-    return {t for t, nodes in publishers + subscribers if "/flatland_server" in nodes}
+def model_markers(path):
+    return call("/get_model_markers", GetModelMarkers, path)
 
 
 class Services(unittest.TestCase):
@@ -65,7 +58,7 @@ class Services(unittest.TestCase):
         }
 
     def test_two_robots_drive_and_scan_in_their_namespaces(self):
-        before = server_topics()
+        before = ServerTopics.ask()
         robots = {"r1": 1.5, "r2": -1.5}
         recorders = {}
         for name, y in robots.items():
@@ -101,10 +94,10 @@ class Services(unittest.TestCase):
                 recorder.close()
             recorders[name][2].unregister()
             self.assertTrue(delete(name).success)
-        wait_until(lambda: server_topics() == before, "the topics of deleted robots to go")
+        wait_until(lambda: ServerTopics.ask() == before, "the topics of deleted robots to go")
         self.assertFalse([frame for frame in self.frames() if frame.startswith(("r1", "r2"))])
 
-    def test_a_moved_robot_is_there_and_stands(self):
+    def test_a_moved_robot_is_there_and_at_rest(self):
         odometry = Recorder("/mover/odometry/ground_truth", Odometry)
         self.assertTrue(spawn(TURTLEBOT, "mover", "mover", 2.0, 2.0).success)
         cmd_vel = rospy.Publisher("/mover/cmd_vel", Twist, queue_size=1, latch=True)
@@ -125,41 +118,73 @@ class Services(unittest.TestCase):
         odometry.close()
         self.assertTrue(delete("mover").success)
 
-    def test_wrong_calls_say_what_is_wrong_and_change_nothing(self):
-        before = server_topics()
-        for answer, expected in (
-            (spawn("/nowhere/robot.yaml", "a"), "there is no file /nowhere/robot.yaml"),
-            (spawn(str(OFFICE), "a"), f"there is no file {OFFICE}"),
-            (spawn(str(OFFICE / "office.png"), "a"), "is not UTF-8 text"),
-            (spawn(str(OFFICE / "office.yaml"), "a"), '"bodies" is missing'),
-            (spawn(BOX, "turtlebot"), 'a model named "turtlebot" is already there'),
-            (spawn(BOX, ""), "expected a name, found an empty one"),
-            (spawn(BOX, "my box"), 'found "my box"'),
-            (spawn(BOX, "a", "name space"), 'found "name space"'),
-            (spawn(BOX, "a", x=math.nan), "expected a finite pose"),
-            (spawn(BOX, "a", y=math.inf), "expected a finite pose"),
-            (spawn(BOX, "a", theta=-math.inf), "expected a finite pose"),
-            (spawn(BOX, "a", x=1e30), "within 100 km"),
-            (delete("turtlebo"), 'there is no model "turtlebo" (did you mean "turtlebot"?)'),
-            (delete(""), 'there is no model ""'),
-            (move("nobody", 0, 0, 0), 'there is no model "nobody"'),
-            (move("turtlebot", math.nan, 0, 0), "expected a finite pose"),
-            (move("turtlebot", 1e30, 0, 0), "within 100 km"),
+    def test_invalid_requests_are_refused_with_a_reason_and_change_nothing(self):
+        before = ServerTopics.ask()
+        for answer, error, expected in (
+            (spawn("/nowhere/robot.yaml", "a"), MODEL, "there is no file /nowhere/robot.yaml"),
+            (spawn(str(OFFICE), "a"), MODEL, f"there is no file {OFFICE}"),
+            (spawn(str(OFFICE / "office.png"), "a"), YAML, "is not UTF-8 text"),
+            (spawn(str(OFFICE / "office.yaml"), "a"), YAML, '"bodies" is missing'),
+            (spawn(BOX, "turtlebot"), MODEL, 'a model named "turtlebot" is already there'),
+            (spawn(BOX, ""), MODEL, "expected a name, found an empty one"),
+            (spawn(BOX, "my box"), MODEL, 'found "my box"'),
+            (spawn(BOX, "a", "name space"), MODEL, 'found "name space"'),
+            (spawn(BOX, "a", x=math.nan), MODEL, "expected a finite pose"),
+            (spawn(BOX, "a", y=math.inf), MODEL, "expected a finite pose"),
+            (spawn(BOX, "a", yaw=-math.inf), MODEL, "expected a finite pose"),
+            (spawn(BOX, "a", x=1e30), MODEL, "within 100 km"),
+            (delete("turtlebo"), MODEL, 'there is no model "turtlebo" (did you mean "turtlebot"?)'),
+            (delete(""), MODEL, 'there is no model ""'),
+            (move("missing", 0, 0, 0), MODEL, 'there is no model "missing"'),
+            (move("turtlebot", math.nan, 0, 0), MODEL, "expected a finite pose"),
+            (move("turtlebot", 1e30, 0, 0), MODEL, "within 100 km"),
+            (change_rate(0.0), "ValueError", "expected a rate above 0, found 0.0"),
+            (model_markers("/nowhere.yaml"), MODEL, "there is no file /nowhere.yaml"),
         ):
             self.assertFalse(answer.success, expected)
             self.assertIn(expected, answer.message)
+            self.assertEqual(answer.message.partition(": ")[0], error)
 
-        self.assertEqual(server_topics(), before)
+        self.assertEqual(ServerTopics.ask(), before)
         pose = Recorder("/odometry/ground_truth", Odometry).next().pose.pose.position
         self.assertLess(math.hypot(pose.x, pose.y), 1e-6)
         self.clock.next(10)
 
-    def test_pause_stops_time_and_resume_lets_it_go_on(self):
+    def test_of_two_models_of_one_name_one_is_spawned(self):
+        answers = []
+        calls = [
+            threading.Thread(target=lambda: answers.append(spawn(SLOW_MODEL, "twin")))
+            for _ in range(2)
+        ]
+        for thread in calls:
+            thread.start()
+        for thread in calls:
+            thread.join()
+        self.addCleanup(delete, "twin")
+
+        refused, spawned = sorted(answers, key=lambda answer: answer.success)
+        self.assertTrue(spawned.success)
+        self.assertFalse(refused.success)
+        self.assertEqual(refused.message, 'ModelError: a model named "twin" is already there')
+
+    def test_the_simulation_steps_while_a_slow_file_is_read(self):
+        self.clock.next()
+        begin, wall = len(self.clock.messages), time.monotonic()
+        answer = spawn(SLOW_MODEL, "slow")
+        wall = time.monotonic() - wall
+        self.addCleanup(delete, "slow")
+        steps = len(self.clock.messages) - begin
+
+        self.assertTrue(answer.success, answer.message)
+        self.assertGreater(wall, 0.1)
+        self.assertGreater(steps, 0.8 * wall * 200.0)
+
+    def test_pause_stops_time_and_resume_continues_it(self):
         call("/pause", Empty)
         count = len(self.clock.messages)
-        # Services still work while time stands, and each answer comes from the simulation's loop.
+        # Services still work in a pause, and each answer comes from the simulation's loop.
         for _ in range(20):
-            self.assertFalse(delete("nobody").success)
+            self.assertFalse(delete("missing").success)
         self.assertLessEqual(len(self.clock.messages) - count, 1)
 
         call("/resume", Empty)
@@ -167,7 +192,7 @@ class Services(unittest.TestCase):
         call("/toggle_pause", Empty)
         count = len(self.clock.messages)
         for _ in range(20):
-            self.assertFalse(delete("nobody").success)
+            self.assertFalse(delete("missing").success)
         self.assertLessEqual(len(self.clock.messages) - count, 1)
         call("/toggle_pause", Empty)
         self.clock.next(5)
@@ -200,6 +225,6 @@ class Services(unittest.TestCase):
 if __name__ == "__main__":
     import rostest
 
-    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
+    # rospy's own subscription to /clock has a queue of one message, which would be ours too.
     rospy.init_node("services_rostest", disable_rostime=True)
     rostest.rosrun("flatland_server", "services", Services, sys.argv)

@@ -1,8 +1,12 @@
-"""The main job, as a user does it: scripts/run, a wrong world, Ctrl-C."""
+"""Launching the simulator as a user does: scripts/run, a wrong world, Ctrl-C."""
 
+import os
 import re
+import shutil
 import subprocess
+import sys
 import time
+import xmlrpc.client
 from pathlib import Path
 
 import pytest
@@ -10,6 +14,7 @@ from ros_processes import processes_under
 
 ROOT = Path(__file__).resolve().parents[3]
 ROOM = ROOT / "src" / "flatland_server" / "worlds" / "test_room"
+FAULTY_PLUGINS = ROOT / "src" / "flatland_server" / "test" / "faulty_plugins"
 ERROR = re.compile(r"\[FATAL\] \[[^]]*\]: (.*)")
 
 pytestmark = pytest.mark.slow
@@ -45,7 +50,7 @@ def test_ctrl_c_ends_everything_quietly(run):
 
 @pytest.mark.parametrize("delay", [0.0, 0.15, 0.3, 0.6])
 def test_ctrl_c_while_the_world_is_loading_ends_it_too(run, tmp_path, delay):
-    """Rospy's own signal handler could meet itself on a lock that a spawn held."""
+    """Rospy's own signal handler could wait for a lock of the thread that it interrupted."""
     robot = ROOT / "src" / "flatland_server" / "worlds" / "office" / "turtlebot.model.yaml"
     models = "".join(
         f"  - {{name: r{i}, namespace: r{i}, model: {robot}, pose: [{i}, 0, 0]}}\n"
@@ -55,11 +60,55 @@ def test_ctrl_c_while_the_world_is_loading_ends_it_too(run, tmp_path, delay):
     world.write_text(f"properties: {{}}\nlayers: []\nmodels:\n{models}")
     launch = run(str(world), "show_viz:=false")
     launch.wait_until(lambda: "/flatland_server" in launch.nodes(), "the server to register")
-    time.sleep(delay)  # another moment of loading each time
+    time.sleep(delay)  # another phase of loading each time
 
     launch.press_ctrl_c()
 
     assert launch.process.wait(20) == 0, launch.output
+    assert "escalating" not in launch.output
+    assert processes_under(launch.uri) == []
+
+
+def pid_of_server(launch):
+    master = xmlrpc.client.ServerProxy(launch.uri)
+    uri = master.lookupNode("/test_launch", "/flatland_server")[2]
+    return xmlrpc.client.ServerProxy(uri).getPid("/test_launch")[2]
+
+
+def may_have_real_time_priority():
+    """Whether a process of this user may; tried in one, as this thread must not have it."""
+    code = "import os; os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))"
+    result = subprocess.run([sys.executable, "-c", code], stderr=subprocess.DEVNULL)
+    return result.returncode == 0
+
+
+def test_an_endless_plugin_loses_its_priority_and_ctrl_c_ends_it(run, tmp_path, monkeypatch):
+    for name in ("ROS_PACKAGE_PATH", "PYTHONPATH"):  # scripts/run would set them again
+        monkeypatch.setenv(name, f"{FAULTY_PLUGINS}:{os.environ[name]}")
+    (tmp_path / "robot.yaml").write_text(
+        "bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 10}]}]\n"
+        "plugins: [{type: NeverReturns, name: looper}]\n"
+    )
+    world = tmp_path / "world.yaml"
+    world.write_text("properties: {}\nlayers: []\nmodels: [{name: robot, model: robot.yaml}]\n")
+    launch = run(
+        *("flatland_server", "server.launch", f"world_path:={world}", "show_viz:=false"),
+        command=(sys.executable, shutil.which("roslaunch")),
+    )
+    launch.wait_for("running")
+    pid = pid_of_server(launch)
+    if may_have_real_time_priority():
+        launch.wait_until(lambda: os.sched_getscheduler(pid), "the priority")
+        launch.wait_for("has lost its real-time priority")
+        assert 'the plugin "robot/looper"' in launch.output
+        assert os.sched_getscheduler(pid) == os.SCHED_OTHER
+
+    begin = time.monotonic()
+    launch.press_ctrl_c()
+    launch.process.wait(20)
+
+    assert time.monotonic() - begin < 10.0
+    assert "the current step does not end: the process exits within the plugin" in launch.output
     assert "escalating" not in launch.output
     assert processes_under(launch.uri) == []
 
@@ -116,17 +165,17 @@ def test_time_goes_at_update_rate_times_step_size(run, update_rate, factor):
     )
     launch.wait_for("running")
 
-    listen = (
+    measure = (
         "import rospy, sys, time\n"
         "from rosgraph_msgs.msg import Clock\n"
-        "rospy.init_node('listener', disable_rostime=True)\n"
+        "rospy.init_node('subscriber', disable_rostime=True)\n"
         "clock = lambda: rospy.wait_for_message('/clock', Clock, 20).clock.to_sec()\n"
         "a, begin = clock(), time.monotonic()\n"
         "time.sleep(4)\n"
         "print((clock() - a) / (time.monotonic() - begin))\n"
     )
     result = subprocess.run(
-        ["/usr/bin/python3", "-c", listen],
+        ["/usr/bin/python3", "-c", measure],
         env=launch.environment,
         stdout=subprocess.PIPE,
         text=True,

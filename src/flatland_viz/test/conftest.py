@@ -1,6 +1,6 @@
-"""A screen with a mouse, a keyboard and a camera, and ROS programs that are looked at on it.
+"""A virtual screen with mouse, keyboard and screenshots, and ROS programs on it.
 
-One launch serves a module: starting rviz takes longer than most tests.
+A module has one launch: starting rviz takes longer than most tests.
 """
 
 import json
@@ -20,7 +20,7 @@ from ros_processes import free_port
 ROOT = Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
 OFFICE = ROOT / "src" / "flatland_server" / "worlds" / "office"
-LIMIT = 60.0  # s: what takes a second on an idle machine may take long on a busy one
+LIMIT = 60.0  # s: a busy machine may take much longer than an idle one
 
 
 def wait_until(holds, what, limit=LIMIT):
@@ -35,7 +35,7 @@ def wait_until(holds, what, limit=LIMIT):
 
 
 class Screen:
-    """A display on which we see, point and type.
+    """An X display, controlled by xdotool.
 
     Args:
         display: its name.
@@ -45,21 +45,21 @@ class Screen:
         self.environment = {**os.environ, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}
 
     def picture(self, name):
-        """The colours of the screen: shape (height, width, 3). The picture is kept."""
+        """A screenshot, kept as a file: colours of shape (height, width, 3)."""
         SHOTS.mkdir(parents=True, exist_ok=True)
         path = SHOTS / f"gui_{name}.png"
         subprocess.run(["import", "-window", "root", path], env=self.environment, check=True)
         return np.asarray(Image.open(path).convert("RGB")).astype(int)
 
     def xdotool(self, *arguments):
-        """What xdotool prints; it is run to do something with mouse, keyboard or windows."""
+        """Runs xdotool for mouse, keyboard or windows. Returns the words of its output."""
         command = ["xdotool", *map(str, arguments)]
         return subprocess.run(
             command, env=self.environment, stdout=subprocess.PIPE, text=True
         ).stdout.split()
 
     def windows(self, title):
-        """The visible windows whose title this is."""
+        """The visible windows with this title."""
         return self.xdotool("search", "--onlyvisible", "--name", f"^{title}$")
 
     def wait_for_window(self, title):
@@ -71,7 +71,7 @@ class Screen:
         wait_until(lambda: not self.windows(title), f"the window {title!r} to close")
 
     def focus(self, window):
-        """What a window manager does."""
+        """Gives a window the keyboard, as a window manager does."""
         self.xdotool("windowfocus", "--sync", window)
 
     def key(self, *keys):
@@ -86,7 +86,7 @@ class Screen:
         time.sleep(0.2)
 
     def move(self, pixel):
-        """In two steps: what is under the mouse is found out when it moves."""
+        """In two steps: rviz determines what is under the mouse when it moves."""
         x, y = map(int, pixel)
         self.xdotool("mousemove", x - 2, y, "sleep", 0.1, "mousemove", x, y, "sleep", 0.1)
 
@@ -104,7 +104,7 @@ class Screen:
 
 
 class Ros:
-    """A ROS master of our own, programs that use it, and a node that asks them."""
+    """A ROS master, programs that use it, and a node that queries them."""
 
     def __init__(self, environment, logs):
         port = free_port()
@@ -116,7 +116,7 @@ class Ros:
             "ROS_IP": "127.0.0.1",
         }
         self.start("rosmaster", "--core", "-p", port)
-        # Before any node is there: a node that finds it unset lives in real time.
+        # Before any node starts: a node that finds it unset uses real time.
         wait_until(
             lambda: self._run("rosparam", "set", "/use_sim_time", "true").returncode == 0,
             "the master",
@@ -142,7 +142,7 @@ class Ros:
             self.end(program)
 
     def start(self, *command):
-        """Start a program; what it prints is kept."""
+        """Start a program; its output goes to a file."""
         log = self._logs / f"{len(self._programs)}_{Path(command[0]).name}.log"
         with log.open("w") as file:
             program = subprocess.Popen(
@@ -152,14 +152,14 @@ class Ros:
                 stdout=file,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
-                # A shell that starts us in the background has SIGINT ignored; a user's has not.
+                # A shell that starts pytest in the background has SIGINT ignored; a user's has not.
                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
             )
         self._programs.append(program)
         return program
 
     def launch_server(self, world, *arguments):
-        """server.launch; returns when the simulation runs."""
+        """Run server.launch; returns when the simulation runs."""
         program = self.start(
             *("roslaunch", "--sigint-timeout=1.5", "--sigterm-timeout=0.3", "--skip-log-check"),
             *("flatland_server", "server.launch", f"world_path:={world}", *arguments),
@@ -168,7 +168,7 @@ class Ros:
         return program
 
     def wait_for_clock(self, program):
-        """Wait until a simulation runs, which is the program's or a part of it."""
+        """Wait until the simulation started by a program runs."""
 
         def has_come():
             assert program.poll() is None, [log.read_text() for log in self._logs.iterdir()]
@@ -205,7 +205,7 @@ class Ros:
         return self.message("/clock", "rosgraph_msgs/Clock")["clock"]
 
     def models(self):
-        """The names of the models that are shown."""
+        """The names of the models in the world."""
         topics = self.message("/flatland_server/debug/topics", "flatland_msgs/DebugTopicList")
         return [topic[6:] for topic in topics["topics"] if topic.startswith("model/")]
 
@@ -214,8 +214,9 @@ class Ros:
         topic = f"/flatland_server/debug/model/{model}"
         markers = self.message(topic, "visualization_msgs/MarkerArray")
         pose = next(m for m in markers["markers"] if m["action"] == 0)["pose"]
-        turn = pose["orientation"]
-        return pose["position"]["x"], pose["position"]["y"], 2 * math.atan2(turn["z"], turn["w"])
+        rotation = pose["orientation"]
+        yaw = 2 * math.atan2(rotation["z"], rotation["w"])
+        return pose["position"]["x"], pose["position"]["y"], yaw
 
     def spawn(self, file, name, x, y, theta=0.0):
         pose = {"x": x, "y": y, "theta": theta}

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A ROS node on a pipe: reads requests from stdin and writes answers to stdout, as lines of JSON.
 
-pytest itself cannot be a node: a process is one only once, with one master.
+pytest itself cannot be a node: a process can be one only once, with one master.
 """
 
 import json
@@ -14,7 +14,7 @@ import rosservice
 
 
 def to_plain(value):
-    """Messages become dicts, times seconds."""
+    """Converts messages into dicts and times into seconds."""
     if isinstance(value, genpy.TVal):
         return value.to_sec()
     if isinstance(value, genpy.Message):
@@ -34,7 +34,7 @@ def message(topic, kind, timeout):
 
 
 def call(service, arguments):
-    """The answer of a service; None if nobody offers it."""
+    """The answer of a service; None if it is not available."""
     service_class = rosservice.get_service_class_by_name(service)
     request = service_class._request_class()
     genpy.message.fill_message_args(request, arguments)

@@ -1,4 +1,4 @@
-"""An rviz configuration of somebody else's, which knows of nothing but MarkerArrays."""
+"""An rviz configuration of a user, with MarkerArray displays only."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The window and the server, each started by itself: neither needs the other to live."""
+"""The window and the server, started separately: neither needs the other to run."""
 
 import signal
 import time
@@ -9,7 +9,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 WALLS, ROBOT, BOX, SCAN = (102, 102, 102), (51, 128, 204), (194, 145, 87), (204, 0, 0)
-NO_SERVER = (198, 40, 40)  # behind these words in the status line
+NO_SERVER = (198, 40, 40)  # background of this state in the status line
 TITLE = "Flatland.*"
 
 
@@ -24,7 +24,7 @@ def shows_office(screen, name):
 
 
 def settled_count(screen, name, color, waiting):
-    """How much there is of a colour once that stays the same: a world does not come all at once."""
+    """The number of pixels of a colour once it is constant: a world appears bit by bit."""
     seen = []
 
     def is_settled():
@@ -42,7 +42,7 @@ def says_no_server(screen, name):
 
 @pytest.fixture(scope="module")
 def start_server(ros, office):
-    """Starts the office's server by itself, so that it can be killed; returns when it runs."""
+    """Starts the office's server alone, to be killed; returns when it runs."""
     ros.start("rosrun", "tf2_ros", "static_transform_publisher", *[0] * 6, "map", "odom")
 
     def start():
@@ -58,7 +58,7 @@ def start_server(ros, office):
 
 @pytest.fixture
 def open_window(screen, ros, waiting):
-    """Opens the window by itself; returns when it shows the office."""
+    """Opens the window alone; returns when it shows the office."""
 
     def start():
         program = ros.start("rosrun", "flatland_viz", "flatland_viz")
@@ -78,7 +78,7 @@ def test_a_window_outlives_servers_and_a_server_windows(
     waiting(lambda: says_no_server(screen, "life_no_server"), '"no server"', limit=20)
     assert window.poll() is None
 
-    # Another run, whose time begins again, in a world without what was there before.
+    # A new run: time starts at 0, and the world is as in its file.
     server = start_server()
     waiting(lambda: not says_no_server(screen, "life_after"), "the status line to recover")
     waiting(lambda: shows_office(screen, "life_after"), "the office again")

@@ -1,5 +1,5 @@
-"""By mouse and keyboard, in our window and in plain rviz: models are spawned, dragged, turned and
-deleted, and the simulation is paused and slowed down. The server's topics say what came of it.
+"""Mouse and keyboard in the window and in plain rviz: models are spawned, dragged, turned and
+deleted, and the simulation is paused and slowed down. The server's topics have the results.
 """
 
 import math
@@ -23,7 +23,7 @@ def near(pixels, color, tolerance=40):
 
 
 def with_handles(office):
-    """Our rviz configuration, with a display of the handles to drag models by."""
+    """The configuration flatland.rviz, with interactive markers."""
     file = office.parents[2] / "flatland_viz" / "rviz" / "flatland.rviz"
     config = yaml.safe_load(file.read_text())
     displays = config["Visualization Manager"]["Displays"]
@@ -45,10 +45,10 @@ def straight(begin, end):
 
 
 class View:
-    """Where in a picture the world is, seen from above.
+    """The mapping from the world to the pixels of a screenshot, seen from above.
 
-    The edges of the panel are those of rviz's background colour; that tells the scale roughly.
-    Then it is measured by where the models are seen that the world's file has.
+    The area with rviz's background colour gives the panel, hence the scale roughly. It is then
+    fitted to the pixels of the models in the world's file.
     """
 
     def __init__(self, pixels, center, scale, models):
@@ -82,19 +82,19 @@ class View:
         assert max(errors) < 2, f"models are {errors} pixels away from where they belong"
 
     def exact(self, x, y):
-        """The place in the picture of a place in the world [m]."""
+        """The position in the screenshot of a point in the world [m]."""
         return self._u + self.scale * x, self._v - self.scale * y
 
     def pixel(self, x, y):
         return tuple(round(value) for value in self.exact(x, y))
 
     def world(self, pixel):
-        """The place in the world [m] of the corner of a pixel, which is where a mouse points."""
+        """The point in the world [m] of a pixel's corner, where the mouse points."""
         return (pixel[0] - self._u) / self.scale, (self._v - pixel[1]) / self.scale
 
 
 class Viewer:
-    """One of the two programs, with the office in it."""
+    """The window or plain rviz, with the office."""
 
     def __init__(self, kind, screen, ros, office, waiting, folder):
         self.kind, self.screen, self.ros = kind, screen, ros
@@ -125,14 +125,14 @@ class Viewer:
         return self.screen.picture(f"{self.kind}_{name}")
 
     def hint(self):
-        """The line in which rviz says what the mouse would do where it is."""
+        """The pixels of the line with rviz's hint for the mouse."""
         shell = self.screen.xdotool("getwindowgeometry", "--shell", self.window)
         place = {key: int(value) for key, value in (word.split("=") for word in shell)}
         bottom, left = place["Y"] + place["HEIGHT"], place["X"] + 75
         return self.picture("hint")[bottom - 28 : bottom - 6, left : left + 500]
 
     def take_hold(self, pixel):
-        """Moves the mouse onto a handle, and waits until rviz has found what is under it."""
+        """Moves the mouse onto a handle, and waits until rviz shows its hint."""
         self.screen.focus(self.window)
         self.screen.move((self.view.columns.stop - 12, self.view.rows.stop - 12))
         beside = self.hint()
@@ -149,7 +149,7 @@ class Viewer:
         self.screen.drag(pixels, while_held)
 
     def shows_office(self):
-        """Whether all is there, by the least number of pixels of each colour."""
+        """Whether everything is shown, by a minimum number of pixels of each colour."""
         pixels = self.picture("office")
         inside = pixels[near(pixels, BACKGROUND, 0).any(axis=1)]
         least = {WALLS: 3000, ROBOT: 6, BOX: 100, SCAN: 200}
@@ -178,14 +178,14 @@ class Viewer:
         return self.waiting(near_view, "the view to zoom", limit=20)
 
     def shows_box(self, name, x, y):
-        """Whether more than half of a box's face is seen at a place in the world [m]."""
+        """Whether more than half of a box's face is visible at a point in the world [m]."""
         u, v = self.view.pixel(x, y)
         reach = int(0.2 * self.view.scale)
         face = self.picture(name)[v - reach : v + reach, u - reach : u + reach]
         return near(face, BOX).mean() > 0.5
 
     def shows_ring(self, name, x, y):
-        """Whether a box's handle is seen around a place in the world [m]."""
+        """Whether a box's handle is visible around a point in the world [m]."""
         pixels = self.picture(name)
         angles = np.radians(np.arange(0, 360, 30))
         places = zip(x + 0.52 * np.cos(angles), y + 0.52 * np.sin(angles))
@@ -193,7 +193,7 @@ class Viewer:
         return (colors[:, 2] - colors[:, 0] > 30).mean() > 0.8  # bluish
 
     def press(self, key):
-        """A key, with the mouse in a corner of the view where nothing is."""
+        """A key, with the mouse in an empty corner of the view."""
         self.screen.focus(self.window)
         self.screen.move((self.view.columns.stop - 12, self.view.rows.stop - 12))
         self.screen.key(key)
@@ -227,7 +227,7 @@ def viewer(request, screen, ros, office, waiting, tmp_path_factory):
 
 @pytest.fixture
 def crate(viewer):
-    """A box in free space, by name, and taken away afterwards."""
+    """The name of a box in free space, which is deleted afterwards."""
     viewer.ros.spawn(viewer.box, "crate", 2.0, 3.0)
     try:
         viewer.waiting(lambda: viewer.shows_ring("crate", 2.0, 3.0), "the crate's handle", 20)
@@ -242,7 +242,7 @@ def test_the_office_is_shown(viewer):
     assert viewer.view.scale > 40  # pixels per metre: it has zoomed
 
 
-def test_a_model_is_spawned_where_is_clicked_and_looks_where_is_clicked(viewer):
+def test_a_model_is_spawned_at_a_click_and_faces_the_next(viewer):
     before = set(viewer.ros.models())
     at, towards = viewer.view.pixel(2.0, 3.0), viewer.view.pixel(4.0, 4.0)
 
@@ -263,7 +263,7 @@ def test_a_model_is_spawned_where_is_clicked_and_looks_where_is_clicked(viewer):
     assert yaw == pytest.approx(turn, abs=math.radians(3))
 
 
-def test_what_will_be_spawned_is_seen_at_the_mouse(viewer):
+def test_a_preview_follows_the_mouse(viewer):
     viewer.start_placing(viewer.box)
     for x, y in ((-1.5, 4.0), (-0.5, 3.8)):
         viewer.screen.move(viewer.view.pixel(x, y))
@@ -284,14 +284,14 @@ def test_a_cancelled_spawn_leaves_nothing(viewer, how, clicks):
         viewer.screen.key("Escape")
     else:
         viewer.screen.click(viewer.view.pixel(3.0, 3.0), button=3)
-    for x in (3.5, 4.0):  # what would have gone on with it
+    for x in (3.5, 4.0):  # would have continued it
         viewer.screen.click(viewer.view.pixel(x, 3.0))
     time.sleep(0.5)
     assert viewer.ros.models() == before
     assert not viewer.screen.windows("Spawn Model")
 
 
-def test_a_wrong_file_is_told_and_the_input_kept(viewer):
+def test_an_invalid_file_is_reported_and_the_input_kept(viewer):
     before = viewer.ros.models()
     viewer.open_spawn_dialog("/nowhere/at_all.model.yaml")
     without = viewer.picture("wrong_file")
@@ -302,7 +302,7 @@ def test_a_wrong_file_is_told_and_the_input_kept(viewer):
     )
     assert viewer.screen.windows("Spawn Model")
 
-    # The file is corrected in the dialog that is still there.
+    # The file is corrected in the same dialog.
     viewer.screen.focus(viewer.screen.windows("Spawn Model")[-1])
     viewer.screen.key("alt+f", "ctrl+a")
     viewer.screen.type(viewer.box)
@@ -319,7 +319,7 @@ def test_a_model_is_dragged_while_the_simulation_waits(viewer, crate):
         viewer.picture("dragging")
         viewer.wait_until_paused(True)
         clock = viewer.ros.state()["stamp"]
-        time.sleep(3.5)  # longer than the server waits for a mouse that it does not hear of
+        time.sleep(3.5)  # longer than the server waits for feedback
         viewer.picture("dragging")
         assert viewer.ros.state()["paused"]
         assert viewer.ros.state()["stamp"] == clock
@@ -381,7 +381,7 @@ def test_space_and_a_click_pause_and_resume(viewer):
     viewer.press("space")
     viewer.wait_until_paused(False)
 
-    # The button that has changed is the one.
+    # The button is where the toolbar has changed.
     ys, xs = np.nonzero((running != paused).any(axis=2))
     button = (xs.min() + 8, ys.mean())
     for is_paused in (True, False):

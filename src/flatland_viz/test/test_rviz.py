@@ -1,4 +1,4 @@
-"""The real rviz under Xvfb: does it show walls, robot, boxes and scan? Its picture is kept."""
+"""The window under Xvfb shows walls, robot, boxes and scan; its screenshots are kept."""
 
 import subprocess
 from pathlib import Path
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 
 def screenshot(launch, name):
-    """The colours of the screen: shape (height, width, 3). The picture is kept."""
+    """A screenshot, kept as a file: colours of shape (height, width, 3)."""
     SHOTS.mkdir(parents=True, exist_ok=True)
     path = SHOTS / name
     subprocess.run(["import", "-window", "root", str(path)], env=launch.environment, check=True)
@@ -48,7 +48,7 @@ def test_rviz_shows_walls_robot_boxes_and_scan(run, display):
 
     launch.wait_until(all_visible, "walls, robot, boxes and scan")
 
-    # A model that comes while rviz is running is shown, and goes with it.
+    # A model that is spawned later is shown, until it is deleted.
     boxes = count_near(screenshot(launch, "rviz_office.png"), (194, 145, 87))
     pose = "{x: 2.0, y: 3.0, theta: 0.0}"
     call(launch, "spawn_model", f"{{yaml_path: {BOX}, name: crate, ns: '', pose: {pose}}}")

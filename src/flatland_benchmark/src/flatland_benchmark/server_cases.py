@@ -7,6 +7,7 @@ import time
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from statistics import median
 from typing import Iterator, List, Tuple
 
 from flatland_benchmark.case import Case, Figures
@@ -31,6 +32,13 @@ GROWING = 10.0
 
 SPAWNED = 200
 """Number of models that are spawned."""
+
+SLOW_EXPRESSION = "local r = 0.2 for i = 1, 8e6 do r = r + i % 3 - i % 3 end return r"
+
+SLOW_MODEL = "bodies:\n- name: base\n  footprints:\n" + 8 * (
+    f"  - {{type: circle, density: 1, radius: '$eval {SLOW_EXPRESSION}'}}\n"
+)
+"""A model file whose expressions take about half a second."""
 
 REAL_TIME = 200.0
 """Steps per second of real time, where the loop is not unbounded."""
@@ -177,6 +185,25 @@ def spawn(worlds: Path) -> Figures:
     return durations(seconds)
 
 
+def slow_spawn(worlds: Path) -> Figures:
+    """The intervals between ticks of /clock while a file is spawned that takes long to read."""
+    with tempfile.TemporaryDirectory(prefix="flatland_benchmark_") as folder:
+        model = Path(folder) / "slow.model.yaml"
+        model.write_text(SLOW_MODEL)
+        with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
+            server.settle(SETTLING)
+            subscriber = server.subscribe("subscriber", "--clock")
+            subscriber.next_reading()
+            client = ["rosrun", "flatland_benchmark", "flatland_spawner", str(model), "5"]
+            seconds: List[float] = json.loads(server.call("spawner", client))["spawned"]
+            clock = subscriber.end()
+    return {
+        "spawn p50 [ms]": median(seconds) * 1e3,
+        "/clock p99 [ms]": clock["p99"] * 1e3,
+        "/clock worst [ms]": clock["worst"] * 1e3,
+    }
+
+
 SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
@@ -211,4 +238,5 @@ SERVER_CASES: Tuple[Case, ...] = (
         else []
     ),
     Case("serve_spawn", "spawning a robot by /spawn_model", spawn),
+    Case("serve_slow_spawn", "spawning a model whose file takes long to read", slow_spawn),
 )

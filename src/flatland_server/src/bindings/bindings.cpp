@@ -125,6 +125,7 @@ PYBIND11_MODULE(_core, m) {
   BindRelativePoses(m);
   BindContacts(m);
   BindWorld(m);
+  BindPriorityGuard(m);
 }
 
 }  // namespace flatland

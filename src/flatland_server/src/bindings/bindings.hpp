@@ -105,5 +105,6 @@ void BindFixture(py::class_<PyFixture>& fixture);
 void BindFixtureChecker(py::module_& m);
 void BindMechanisms(py::module_& m);
 void BindContacts(py::module_& m);
+void BindPriorityGuard(py::module_& m);
 
 }  // namespace flatland

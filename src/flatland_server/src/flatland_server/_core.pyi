@@ -579,3 +579,26 @@ class Manifold(ContactImpulse):
     @property
     def local_points(self) -> list[_Pair]:
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
+
+class PriorityGuard(metaclass=_Metaclass):
+    """Takes real-time priority from the thread that creates it, if that computes for too long.
+
+    It then also runs the handler that the signal had before. Linux only; one per process.
+    """
+
+    def __init__(self, signal: int) -> None:
+        """Handles `signal`, which it has sent to the calling thread.
+
+        Raises:
+            RuntimeError: the system refuses it.
+        """
+
+    def arm(self, seconds: float) -> None:
+        """Allows the thread so much CPU time from now on [s]."""
+
+    def disarm(self) -> None:
+        """Allows it any CPU time."""
+
+    @property
+    def has_fired(self) -> bool:
+        """Whether the thread has used up its time."""

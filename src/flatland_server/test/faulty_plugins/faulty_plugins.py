@@ -1,4 +1,4 @@
-"""Plugins that fail: what happens then is told by the rostest diagnostics.test."""
+"""Plugins that fail, for diagnostics.test and test_launch.py."""
 
 import logging
 
@@ -10,7 +10,7 @@ logger = logging.getLogger(__name__)
 
 
 class FailsToStart(ModelPlugin):
-    """Raises when it is started, its topics open."""
+    """Raises when it is started, after it has opened a topic."""
 
     def on_initialize(self, config):
         self.node.advertise("fails_to_start", Empty)
@@ -18,7 +18,7 @@ class FailsToStart(ModelPlugin):
 
 
 class FailsLater(ModelPlugin):
-    """Raises in its hook when it has been told to; logs an error if it is called again."""
+    """Raises in its hook after a message; logs an error if it is called again."""
 
     def on_initialize(self, config):
         self._publisher = self.node.advertise("alive", Empty)
@@ -35,3 +35,14 @@ class FailsLater(ModelPlugin):
             self._has_failed = True
             raise RuntimeError("the battery is empty")
         self._publisher.publish(Empty())
+
+
+class NeverReturns(ModelPlugin):
+    """Has an endless loop in its hook after three seconds."""
+
+    def on_initialize(self, config):
+        pass
+
+    def before_physics_step(self, timekeeper):
+        while timekeeper.seconds > 3.0:
+            pass

@@ -2,6 +2,7 @@
 
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Callable
 
 import hypothesis
@@ -24,6 +25,21 @@ class Files(WorldFiles):
 
     def load(self, world: str, **options: Any) -> World:
         return super().load(world, **options).world
+
+
+@pytest.fixture
+def unpatched_rospy(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Undoes patches of rospy after the test; rospy's own class of connections."""
+    from rospy import topics
+    from rospy.impl import tcpros_base
+
+    monkeypatch.setattr(topics, "QueuedConnection", topics.QueuedConnection)
+    rospys = SimpleNamespace(
+        start_server=lambda: None,
+        tcp_ros_server=SimpleNamespace(server_sock=SimpleNamespace(listen=lambda _: None)),
+    )
+    monkeypatch.setattr(tcpros_base, "_tcpros_server", rospys)
+    return topics.QueuedConnection
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""Telling the master of many topics at once: a master that is none notes what it hears."""
+"""Registering many topics in one call, with a fake master that notes the calls."""
 
 import xmlrpc.client
 from types import SimpleNamespace
@@ -20,26 +20,26 @@ NODE, URI = "/flatland_server", "http://here:2"
 
 
 class Manager:
-    """Stands in for the part of rospy that tells the master of each topic by itself."""
+    """A fake of rospy's RegManager, which registers each topic by itself."""
 
     master_uri, uri = "http://master:1", URI
 
     def __init__(self) -> None:
-        self.told: List[Tuple[Any, ...]] = []
+        self.calls: List[Tuple[Any, ...]] = []
         self.updates: List[Tuple[str, List[str]]] = []
 
     def reg_added(self, *what: str) -> None:
-        self.told.append(("added", *what))
+        self.calls.append(("added", *what))
 
     def reg_removed(self, *what: str) -> None:
-        self.told.append(("removed", *what))
+        self.calls.append(("removed", *what))
 
     def publisher_update(self, name: str, publishers: List[str]) -> None:
         self.updates.append((name, publishers))
 
 
 class Master:
-    """Answers calls that come together, as the master does."""
+    """Answers a multicall as the master does."""
 
     def __init__(self) -> None:
         self.batches: List[List[Tuple[Any, ...]]] = []
@@ -84,7 +84,7 @@ def open_all(listeners: registration.RegistrationListeners) -> None:
     listeners.notify_added(*SPAWN, Registration.SRV)
 
 
-def test_the_master_is_told_of_all_in_one_call(master, manager, listeners):
+def test_everything_is_registered_in_one_call(master, manager, listeners):
     with batch_registration():
         open_all(listeners)
         assert master.batches == []
@@ -97,35 +97,35 @@ def test_the_master_is_told_of_all_in_one_call(master, manager, listeners):
         ]
     ]
     assert manager.updates == [("/cmd_vel", ["http://joystick:3"])]
-    assert manager.told == []
+    assert manager.calls == []
 
 
-def test_before_and_after_it_the_master_is_told_of_each(master, manager, listeners):
+def test_before_and_after_it_each_topic_is_registered_by_itself(master, manager, listeners):
     with batch_registration():
         pass
     listeners.notify_added(*ODOM, Registration.PUB)
 
-    assert manager.told == [("added", *ODOM, Registration.PUB)]
+    assert manager.calls == [("added", *ODOM, Registration.PUB)]
 
 
-def test_what_is_closed_again_the_master_never_hears_of(master, manager, listeners):
+def test_what_is_closed_again_is_never_registered(master, manager, listeners):
     with batch_registration():
         open_all(listeners)
         listeners.notify_removed(*ODOM, Registration.PUB)
 
     assert "/odom" not in [call[2] for call in master.batches[0]]
-    assert manager.told == []
+    assert manager.calls == []
 
 
 def test_what_was_open_before_can_be_closed(master, manager, listeners):
     with batch_registration():
         listeners.notify_removed("/clock", "rosgraph_msgs/Clock", Registration.SUB)
 
-    assert manager.told == [("removed", "/clock", "rosgraph_msgs/Clock", Registration.SUB)]
+    assert manager.calls == [("removed", "/clock", "rosgraph_msgs/Clock", Registration.SUB)]
 
 
 @pytest.mark.parametrize("failure", [ConnectionRefusedError(), xmlrpc.client.Fault(1, "what?")])
-def test_a_master_that_does_not_take_it_is_left_to_rospy(failure, master, manager, listeners):
+def test_a_call_that_fails_is_left_to_rospy(failure, master, manager, listeners):
     def fail(calls: Any) -> None:
         raise failure
 
@@ -133,19 +133,19 @@ def test_a_master_that_does_not_take_it_is_left_to_rospy(failure, master, manage
     with batch_registration():
         listeners.notify_added(*ODOM, Registration.PUB)
 
-    assert manager.told == [("added", *ODOM, Registration.PUB)]
+    assert manager.calls == [("added", *ODOM, Registration.PUB)]
 
 
-def test_what_the_master_refuses_is_left_to_rospy(master, manager, listeners):
+def test_a_registration_that_the_master_refuses_is_left_to_rospy(master, manager, listeners):
     master.refuses.append("/odom")
 
     with batch_registration():
         open_all(listeners)
 
-    assert manager.told == [("added", *ODOM, Registration.PUB)]
+    assert manager.calls == [("added", *ODOM, Registration.PUB)]
 
 
-def test_a_world_that_does_not_load_is_not_told_of(master, manager, listeners):
+def test_a_world_that_does_not_load_is_not_registered(master, manager, listeners):
     def fail_to_load() -> None:
         with batch_registration():
             open_all(listeners)

@@ -1,4 +1,4 @@
-"""Simulated time as it is told to others, without a master: what leaves, in which order."""
+"""/clock without a master: which messages are sent, and in which order."""
 
 import struct
 from typing import Any, ClassVar, List, Tuple
@@ -7,17 +7,16 @@ import pytest
 import rospy
 
 from flatland_server.geometry import Pose, Transform
-from flatland_server.ros import clock as clock_module
-from flatland_server.ros import ros_transport
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.ros.rospy_patches import RospyCalls, local_time
 from flatland_server.timekeeper import Timekeeper
 
 STEP = 5_000_000  # ns
 
 
 class Publisher:
-    """Stands in for rospy's."""
+    """A fake of rospy's."""
 
     sent: ClassVar[List[Tuple[str, Any]]] = []
 
@@ -32,7 +31,7 @@ class Publisher:
 
 
 class Writer:
-    """Makes a value of its own bytes."""
+    """Serializes bytes as themselves."""
 
     def data(self, value: bytes) -> bytes:
         return value
@@ -40,25 +39,32 @@ class Writer:
 
 @pytest.fixture
 def sent(monkeypatch) -> List[Tuple[str, Any]]:
-    """What has left this process: topics and messages; /clock's as they go over the wire."""
+    """The topics and messages sent by this process; those of /clock as on a TCPROS connection."""
     sent: List[Tuple[str, Any]] = []
     monkeypatch.setattr(Publisher, "sent", sent)
     monkeypatch.setattr(rospy, "Publisher", Publisher)
-    for module, name in ((clock_module, "send_framed"), (ros_transport, "send_bytes")):
-        monkeypatch.setattr(module, name, lambda to, data: sent.append((to.topic, data)))
     return sent
 
 
 @pytest.fixture
-def make_clock(sent, monkeypatch):
-    """Makes a clock of a timekeeper that is at 0, and forgets that it has said so."""
+def rospy_calls(sent) -> RospyCalls:
+    """The operations of rospy, which note what is sent."""
+
+    def send(publisher: Publisher, data: bytes) -> None:
+        sent.append((publisher.topic, data))
+
+    return RospyCalls(send_bytes=send, send_framed=send, take_over_time=local_time.take_over_time)
+
+
+@pytest.fixture
+def make_clock(sent, rospy_calls, monkeypatch):
+    """Makes a clock of a timekeeper at 0, and discards its first tick."""
 
     def make(timekeeper: Timekeeper, uses_simulated_time: bool = False) -> ClockPublisher:
-        simtime = clock_module.simtime
-        monkeypatch.setattr(simtime, "_is_use_simtime", lambda: uses_simulated_time)
-        monkeypatch.setattr(simtime, "_clock_sub", Publisher("/clock"), raising=False)
+        subscription = Publisher("/clock") if uses_simulated_time else None
+        monkeypatch.setattr(local_time.simtime, "_clock_sub", subscription, raising=False)
         monkeypatch.setattr(Publisher, "unregister", lambda _: None, raising=False)
-        clock = ClockPublisher(timekeeper)
+        clock = ClockPublisher(timekeeper, rospy_calls)
         assert ticks(sent) == [0]
         sent.clear()
         return clock
@@ -67,7 +73,7 @@ def make_clock(sent, monkeypatch):
 
 
 def ticks(sent: List[Tuple[str, Any]]) -> List[int]:
-    """The times of all messages of /clock [ns]."""
+    """The times of all messages on /clock [ns]."""
     data = b"".join(message for topic, message in sent if topic == "/clock")
     messages = list(struct.iter_unpack("<III", data))
     assert all(length == 8 for length, _, _ in messages)
@@ -79,7 +85,7 @@ def make_step(timekeeper: Timekeeper, clock: ClockPublisher) -> None:
     clock.tick()
 
 
-def test_ticks_leave_together_each_a_message_of_its_own(sent, make_clock):
+def test_ticks_are_sent_together_each_as_a_message_of_its_own(sent, make_clock):
     timekeeper = Timekeeper(STEP * 1e-9)
     clock = make_clock(timekeeper)
 
@@ -93,7 +99,7 @@ def test_ticks_leave_together_each_a_message_of_its_own(sent, make_clock):
     assert ticks(sent) == [STEP * (i + 1) for i in range(49)]
 
 
-def test_no_more_ticks_leave_together_than_a_queue_of_100_holds(sent, make_clock):
+def test_no_more_ticks_are_sent_together_than_fit_into_a_queue_of_100(sent, make_clock):
     timekeeper = Timekeeper(STEP * 1e-9)
     clock = make_clock(timekeeper)
 
@@ -123,10 +129,10 @@ def test_this_process_knows_the_time_of_each_step_at_once(make_clock, monkeypatc
 
 
 @pytest.mark.parametrize("kind", ["message", "bytes", "latched", "transform", "callback"])
-def test_nothing_overtakes_the_clock(kind, sent, make_clock):
+def test_nothing_overtakes_the_clock(kind, sent, make_clock, rospy_calls):
     timekeeper = Timekeeper(STEP * 1e-9)
     clock = make_clock(timekeeper)
-    transport = RosTransport()
+    transport = RosTransport(rospy_calls)
     transport.before_sending = clock.flush
     topic = transport.advertise("/topic", None, latch=kind == "latched", queue_size=1)
     make_step(timekeeper, clock)

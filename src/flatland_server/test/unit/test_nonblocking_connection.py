@@ -1,4 +1,4 @@
-"""Sending to listeners: at once if they keep up, without ever waiting for those that do not."""
+"""Sending to subscribers: at once if they keep up, and never blocking if they do not."""
 
 import socket
 import threading
@@ -8,16 +8,14 @@ from types import SimpleNamespace
 import pytest
 from rospy.exceptions import TransportTerminated
 
-from flatland_server.ros.rospy_patches.nonblocking_connection import (
-    NonblockingConnection,
-    send_bytes,
-)
+from flatland_server.ros.rospy_patches.nonblocking_connection import NonblockingConnection
+from flatland_server.ros.rospy_patches.raw_publishing import send_bytes
 
 LIMIT = 10.0  # s
 
 
 class Transport:
-    """The server's end of a socket, as rospy wraps it."""
+    """The publisher's end of a socket, in place of rospy's TCPROSTransport."""
 
     def __init__(self, end: socket.socket) -> None:
         self.socket = end
@@ -40,8 +38,8 @@ class Transport:
 
 
 @pytest.fixture
-def listener():
-    """A listener's socket, and the connection to it."""
+def subscriber():
+    """A subscriber's socket, and the connection to it."""
     ours, theirs = socket.socketpair()
     ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 20_000)
     transport = Transport(ours)
@@ -59,8 +57,8 @@ def receive(end: socket.socket, count: int) -> bytes:
     return received
 
 
-def test_a_listener_that_keeps_up_is_sent_to_by_the_publisher_itself(listener):
-    theirs, transport, connection = listener
+def test_the_publishing_thread_itself_sends_to_a_subscriber_that_keeps_up(subscriber):
+    theirs, transport, connection = subscriber
 
     for i in range(100):
         connection.write_data(b"message %03d" % i)
@@ -70,8 +68,8 @@ def test_a_listener_that_keeps_up_is_sent_to_by_the_publisher_itself(listener):
     assert transport.stat_num_msg == 100
 
 
-def test_a_listener_that_does_not_read_loses_whole_messages_and_keeps_nobody_waiting(listener):
-    theirs, _, connection = listener
+def test_a_subscriber_that_does_not_read_loses_whole_messages_and_blocks_nothing(subscriber):
+    theirs, _, connection = subscriber
     messages = [bytes([i]) * 9000 for i in range(200)]
 
     begin = time.monotonic()
@@ -88,8 +86,8 @@ def test_a_listener_that_does_not_read_loses_whole_messages_and_keeps_nobody_wai
     assert len(got) < len(messages)
 
 
-def test_a_message_larger_than_the_socket_arrives_whole(listener):
-    theirs, _, connection = listener
+def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
+    theirs, _, connection = subscriber
     large = bytes(range(256)) * 4000
 
     connection.write_data(large)
@@ -99,8 +97,8 @@ def test_a_message_larger_than_the_socket_arrives_whole(listener):
     assert receive(theirs, 5) == b"after"
 
 
-def test_a_listener_that_is_gone_is_said_to_be(listener):
-    theirs, transport, connection = listener
+def test_a_closed_connection_is_reported(subscriber):
+    theirs, transport, connection = subscriber
     theirs.close()
 
     with pytest.raises(TransportTerminated):
@@ -110,7 +108,7 @@ def test_a_listener_that_is_gone_is_said_to_be(listener):
 
 
 class Topic:
-    """What rospy knows of a publisher's topic."""
+    """A publisher's topic, in place of rospy's."""
 
     closed = False
 
@@ -122,7 +120,7 @@ class Topic:
 
 
 class Broken:
-    """A connection over which nothing can be sent, for whatever reason."""
+    """A connection that cannot send."""
 
     is_closed = False
 
@@ -133,8 +131,8 @@ class Broken:
         self.is_closed = True
 
 
-def test_who_cannot_be_sent_to_is_left_out_and_the_others_are_not(listener):
-    theirs, _, connection = listener
+def test_a_connection_that_fails_is_dropped_and_the_others_are_not(subscriber):
+    theirs, _, connection = subscriber
     broken = Broken()
     publisher = SimpleNamespace(impl=Topic([broken, connection]))
 

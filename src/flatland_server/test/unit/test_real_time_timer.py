@@ -1,13 +1,13 @@
-"""Rates of real time, on a clock that is put forward."""
+"""Periods of real time, with a fake clock."""
 
 import pytest
 
-from flatland_server.ros import real_time_timer
-from flatland_server.ros.real_time_timer import RealTimeTimer
+from flatland_server import real_time_timer
+from flatland_server.real_time_timer import RealTimeTimer
 
 
 class Clock:
-    """Stands in for `time`."""
+    """A fake of the module `time`."""
 
     now = 1000.0
 
@@ -33,19 +33,19 @@ def test_it_is_due_at_once_and_then_once_a_period(clock: Clock) -> None:
     assert due == [True, False, False, False, True, False, False, False, True]
 
 
-def test_who_asks_a_bit_late_each_time_is_told_as_often(clock: Clock) -> None:
+def test_late_checks_do_not_lower_the_rate(clock: Clock) -> None:
     timer = RealTimeTimer(1.0)
     assert timer.check_update()
 
-    told = 0
+    count = 0
     for _ in range(100):
         clock.now += 0.375
-        told += timer.check_update()
+        count += timer.check_update()
 
-    assert told == 37
+    assert count == 37
 
 
-def test_what_was_missed_is_not_made_up_for(clock: Clock) -> None:
+def test_missed_periods_are_skipped(clock: Clock) -> None:
     timer = RealTimeTimer(1.0)
     assert timer.check_update()
 

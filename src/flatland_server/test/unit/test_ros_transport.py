@@ -1,18 +1,23 @@
+"""Waiting for callbacks, and running functions on the simulation's thread, without a master."""
+
 import sys
 import threading
+
+import pytest
+import rospy
 
 from flatland_server.ros.ros_transport import RosTransport
 
 
-def test_a_signal_may_end_it_wherever_it_interrupts_it():
-    """Python lets signal handlers run where it calls functions: so does a profiler."""
+def test_a_signal_may_end_it_at_any_point():
+    """Python runs signal handlers where it calls functions; a profiler runs there too."""
     transport = RosTransport()
     interrupted = set()
 
     def interrupt(frame, _event, _argument):
         interrupted.add(frame.f_code.co_name)
         transport.end()
-        transport.is_ending = False  # there is more to be interrupted
+        transport.is_ending = False  # interrupt it again later
 
     def simulate():
         sys.setprofile(interrupt)
@@ -27,7 +32,7 @@ def test_a_signal_may_end_it_wherever_it_interrupts_it():
     assert {"process", "wait", "clear", "_is_owned"} <= interrupted
 
 
-def test_after_its_end_it_waits_for_nothing():
+def test_after_its_end_it_does_not_wait():
     transport = RosTransport()
     transport.end()
 
@@ -36,3 +41,43 @@ def test_after_its_end_it_waits_for_nothing():
     simulation.join(10)
 
     assert not simulation.is_alive()
+
+
+@pytest.fixture
+def simulating():
+    """A transport that a thread processes until the test ends."""
+    transport = RosTransport()
+
+    def simulate():
+        while not transport.is_ending:
+            transport.process(0.01)
+
+    simulation = threading.Thread(target=simulate, name="simulation", daemon=True)
+    simulation.start()
+    yield transport
+    transport.end()
+    simulation.join(10)
+
+
+def test_a_function_is_run_on_the_simulations_thread(simulating):
+    assert simulating.call(lambda: threading.current_thread().name) == "simulation"
+
+
+@pytest.mark.parametrize("error", [ValueError("no"), TimeoutError("no answer"), SystemExit(3)])
+def test_an_exception_is_raised_for_the_caller(simulating, error):
+    def fail():
+        raise error
+
+    with pytest.raises(type(error)) as caught:
+        simulating.call(fail)
+
+    assert caught.value is error
+    assert simulating.call(lambda: "still running") == "still running"
+
+
+def test_a_call_is_refused_when_the_simulation_ends():
+    transport = RosTransport()
+    transport.end()
+
+    with pytest.raises(rospy.ServiceException, match="shutting down"):
+        transport.call(lambda: None)

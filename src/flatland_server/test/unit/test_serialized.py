@@ -1,4 +1,4 @@
-"""Markers and transforms that are sent as bytes: what ROS's own code reads out of them."""
+"""Markers and transforms serialized by us, deserialized by ROS's own code."""
 
 from io import BytesIO
 
@@ -24,16 +24,17 @@ def marker(namespace: str, **fields) -> Marker:
     return made
 
 
-def test_moving_markers_differ_in_their_poses_alone():
+def test_only_the_poses_of_moving_markers_change():
     markers = [marker("a/base", id=1), marker("büro/arm", id=2, text="hello")]
     poses = [Pose(1.0, 2.0, 0.5), Pose(-3.0, 4.0, -1.0)]
 
     received = MarkerArray().deserialize(sent(array_of([MovingMarkers(markers).place(poses)])))
 
     for one, original, pose in zip(received.markers, markers, poses):
-        turn = one.pose.orientation
+        rotation = one.pose.orientation
         assert (one.pose.position.x, one.pose.position.y) == (pose.x, pose.y)
-        assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(quaternion(pose.yaw))
+        found = (rotation.x, rotation.y, rotation.z, rotation.w)
+        assert found == pytest.approx(quaternion(pose.yaw))
         one.pose = original.pose
         assert sent(one) == sent(original)
 
@@ -53,7 +54,7 @@ def test_transforms_are_a_tf_message():
     ]
     queue = TransformQueue()
 
-    for _ in range(2):  # the second time with the names that it remembers
+    for _ in range(2):  # the second time with cached names
         for transform in transforms:
             queue.add(transform)
         received = TFMessage().deserialize(queue.take())
@@ -63,13 +64,13 @@ def test_transforms_are_a_tf_message():
         for one, transform in zip(received.transforms, transforms):
             assert one.header.stamp.to_nsec() == transform.nanoseconds
             assert (one.header.frame_id, one.child_frame_id) == (transform.parent, transform.child)
-            place, turn = one.transform.translation, one.transform.rotation
-            assert (place.x, place.y, place.z) == (*transform.pose[:2], 0.0)
+            position, rotation = one.transform.translation, one.transform.rotation
+            assert (position.x, position.y, position.z) == (*transform.pose[:2], 0.0)
             expected = quaternion(transform.pose.yaw, transform.roll)
-            assert (turn.x, turn.y, turn.z, turn.w) == expected
+            assert (rotation.x, rotation.y, rotation.z, rotation.w) == expected
 
 
-def test_frames_that_are_open_send_what_single_transforms_say():
+def test_open_frames_send_the_same_as_single_transforms():
     names = [("map", "läser"), ("odom", "robot1_base")]
     poses = [(1.0, -2.0, 2.5), (0.1, 0.2, -0.5)]
     quick, plain = TransformQueue(), TransformQueue()

@@ -1,4 +1,4 @@
-"""Room for listeners who connect at once, in rospy's own socket."""
+"""Many subscribers that connect at once to rospy's socket."""
 
 import socket
 from types import SimpleNamespace
@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import pytest
 from rospy.impl import tcpros_base
 
-from flatland_server.ros.rospy_patches.tcpros_backlog import enlarge_tcpros_backlog
+from flatland_server.ros.rospy_patches import install, tcpros_backlog
 
 
 @pytest.fixture
 def server(monkeypatch):
-    """A socket that listens as rospy's does, in its place; nobody accepts."""
+    """A socket in place of rospy's; connections are not accepted."""
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
         server.listen(5)
@@ -22,18 +22,18 @@ def server(monkeypatch):
         yield server
 
 
-def test_a_hundred_connect_before_anybody_is_let_in(server):
-    enlarge_tcpros_backlog()
+def test_a_hundred_connect_before_one_is_accepted(server):
+    tcpros_backlog.install()
 
-    listeners = [socket.create_connection(server.getsockname(), 1.0) for _ in range(100)]
+    subscribers = [socket.create_connection(server.getsockname(), 1.0) for _ in range(100)]
 
-    for listener in listeners:
-        listener.close()
+    for subscriber in subscribers:
+        subscriber.close()
 
 
-def test_a_rospy_that_is_another_inside_is_left_as_it_is(monkeypatch, caplog):
+def test_another_rospy_is_left_as_it_is(unpatched_rospy, monkeypatch, caplog):
     monkeypatch.setattr(tcpros_base, "_tcpros_server", SimpleNamespace(start_server=lambda: None))
 
-    enlarge_tcpros_backlog()
+    install()
 
-    assert "some will have to wait" in caplog.text
+    assert "some are delayed" in caplog.text

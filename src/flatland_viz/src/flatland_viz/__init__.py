@@ -1,1 +1,1 @@
-"""Flatland's view on the world."""
+"""Flatland's window, built on rviz."""

@@ -1,4 +1,4 @@
-"""How much room a world takes, and how to look at it from above."""
+"""The extent of a world, and the view that shows all of it from above."""
 
 import math
 import struct
@@ -27,7 +27,7 @@ class Bounds(NamedTuple):
 
 
 class View(NamedTuple):
-    """Where rviz's TopDownOrtho looks [m], and how large a metre is [pixels]."""
+    """The centre of rviz's TopDownOrtho view [m], and its scale [pixels per metre]."""
 
     x: float
     y: float
@@ -45,11 +45,11 @@ class Grid(NamedTuple):
 
 EMPTY_WORLD = Bounds(-5.0, -5.0, 5.0, 5.0)
 _MARGIN = 0.08  # of the view, altogether
-_LEAST_SIDE = 0.5  # m: a single short wall is not looked at through a microscope
+_MIN_SIDE = 0.5  # m: a single short wall is not magnified further
 
 
 def around(boxes: Iterable[Optional[Bounds]]) -> Bounds:
-    """The box around boxes; 10 x 10 m about the origin if there are none."""
+    """The bounding box of boxes; 10 x 10 m about the origin if there are none."""
     known: List[Bounds] = [box for box in boxes if box is not None]
     if not known:
         return EMPTY_WORLD
@@ -58,12 +58,12 @@ def around(boxes: Iterable[Optional[Bounds]]) -> Bounds:
 
 
 def framed(bounds: Bounds, width: int, height: int) -> View:
-    """The view of a box in a panel of so many pixels."""
+    """The view that shows a box in a panel of `width` x `height` pixels."""
     return View(
         (bounds.min_x + bounds.max_x) / 2,
         (bounds.min_y + bounds.max_y) / 2,
         (1 - _MARGIN)
-        * min(width / max(bounds.width, _LEAST_SIDE), height / max(bounds.height, _LEAST_SIDE)),
+        * min(width / max(bounds.width, _MIN_SIDE), height / max(bounds.height, _MIN_SIDE)),
     )
 
 
@@ -80,10 +80,10 @@ def grid_around(bounds: Bounds) -> Grid:
 
 
 def bounds_of_markers(data: bytes) -> Optional[Bounds]:
-    """The box around all points of a serialised visualization_msgs/MarkerArray; None without any.
+    """The bounding box of a serialized visualization_msgs/MarkerArray; None if it has no points.
 
-    A layer may have a million points. rospy would make an object of each, for seconds; this reads
-    the coordinates where they are. A marker's pose is taken to be the origin, as layers have it.
+    A layer may have a million points. rospy would make an object of each, which takes seconds; this
+    reads the coordinates in place. Markers' poses are assumed to be the origin, as those of layers.
     """
     boxes = []
     (count,), at = struct.unpack_from("<I", data), 4
@@ -103,6 +103,12 @@ def bounds_of_markers(data: bytes) -> Optional[Bounds]:
 
 
 def _after_list(data: bytes, at: int, item: int) -> int:
-    """Where a list or text ends that begins here with its length; an item has so many bytes."""
+    """The end of a list or string that begins with its length at `at`.
+
+    Args:
+        data: the message.
+        at: the offset of the list.
+        item: the size of an item [bytes].
+    """
     (length,) = struct.unpack_from("<I", data, at)
     return at + 4 + int(length) * item

@@ -1,6 +1,6 @@
-"""What the window shows of a world: displays that come and go with its layers and scans.
+"""The displays of a world in the window, by its layers and laser scans.
 
-Pure: which displays there should be, given what the server and the ROS master list.
+Pure functions of the topics that the server and the ROS master list.
 """
 
 from typing import Iterable, List, NamedTuple, Tuple
@@ -10,11 +10,11 @@ SCAN = "rviz/LaserScan"
 HANDLES = "rviz/InteractiveMarkers"
 
 TOPIC_PROPERTIES = {MARKERS: "Marker Topic", SCAN: "Topic", HANDLES: "Update Topic"}
-"""What rviz calls the topic, by the class of a display."""
+"""The name of the topic's property in rviz, by the class of a display."""
 
 
 class Shown(NamedTuple):
-    """A display: how rviz lists it, its class, and its topic."""
+    """A display: its name in rviz, its class, and its topic."""
 
     name: str
     kind: str
@@ -22,7 +22,7 @@ class Shown(NamedTuple):
 
 
 def laser_scans(published: Iterable[Tuple[str, str]]) -> List[str]:
-    """The topics with laser scans, of pairs of a topic and its type, in order."""
+    """The topics with laser scans, sorted, of pairs of a topic and its type."""
     return sorted(topic for topic, kind in published if kind == "sensor_msgs/LaserScan")
 
 
@@ -31,18 +31,18 @@ def layer_topics(debug: str, listed: Iterable[str]) -> List[str]:
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
-        listed: what the server lists on `~debug/topics`: `layer/<name>` and `model/<name>`.
+        listed: the topics on `~debug/topics`: `layer/<name>` and `model/<name>`.
     """
     return [f"{debug}/{topic}" for topic in listed if topic.startswith("layer/")]
 
 
 def wanted(debug: str, handles: str, listed: Iterable[str], scans: Iterable[str]) -> List[Shown]:
-    """All displays of a world. Models share one, so that it need not follow who comes and goes.
+    """All displays of a world. All models share one, which need not change when they do.
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
         handles: the topic of the interactive markers.
-        listed: what the server lists on `~debug/topics`.
+        listed: the topics on `~debug/topics`.
         scans: topics of laser scans.
     """
     return [
@@ -54,6 +54,6 @@ def wanted(debug: str, handles: str, listed: Iterable[str], scans: Iterable[str]
 
 
 def changes(shown: Iterable[Shown], wanted: Iterable[Shown]) -> Tuple[List[Shown], List[Shown]]:
-    """What to take away and what to add, in order. What stays is in neither list."""
+    """The displays to remove and those to add, in order."""
     old, new = list(shown), list(wanted)
     return [one for one in old if one not in new], [one for one in new if one not in old]

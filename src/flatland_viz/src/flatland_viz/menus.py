@@ -1,4 +1,4 @@
-"""The window's menus. They say what is asked for by signals, and do nothing themselves."""
+"""The window's menus. They emit signals, and do nothing themselves."""
 
 import math
 from functools import partial
@@ -20,8 +20,8 @@ class Menus(QObject):
     """Fills a menu bar.
 
     Args:
-        bar: to be filled.
-        docks: panels to be shown and hidden.
+        bar: the menu bar.
+        docks: panels that the menus show and hide.
     """
 
     model_chosen = Signal(str)
@@ -30,7 +30,7 @@ class Menus(QObject):
     reset_asked = Signal()
     quit_asked = Signal()
     pause_asked = Signal(bool)
-    """True to pause, False to go on."""
+    """True to pause, False to resume."""
     rate_chosen = Signal(float)
     background_chosen = Signal(str)
 
@@ -133,11 +133,11 @@ class Menus(QObject):
             menu.addAction(dock.toggleViewAction())
 
     def set_world(self, path: str) -> None:
-        """Tells the world's file, whose models are offered."""
+        """Sets the world's file, which determines the models to choose from."""
         self._world = Path(path)
 
     def show_simulation(self, simulation: Optional[Simulation]) -> None:
-        """Offers what makes sense now; nothing of the simulation if it is None."""
+        """Enables the actions that apply to the present state; none if it is None."""
         self._simulation.setEnabled(simulation is not None)
         if simulation is None:
             return
@@ -147,6 +147,6 @@ class Menus(QObject):
             action.setChecked(action.data() == simulation.rate)
 
     def enable_spawning(self, can_spawn: bool) -> None:
-        """Whether models can be spawned."""
+        """Enables or disables spawning."""
         self._models.setEnabled(can_spawn)
         self._other_model.setEnabled(can_spawn)

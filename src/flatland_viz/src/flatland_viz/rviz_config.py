@@ -1,4 +1,4 @@
-"""The rviz configuration of the window: that of `flatland.rviz`, without a world of its own."""
+"""The rviz configuration of the window, made of `flatland.rviz`."""
 
 from copy import deepcopy
 from typing import Any, Dict, List
@@ -13,15 +13,15 @@ _PANELS = (
     {"Class": "rviz/Tool Properties", "Name": "Tool Properties"},
 )
 _LEFT_OUT = ("rviz/Select", "rviz/FocusCamera")
-"""Tools that are of little use from above, and would not find room in a window of 1024 pixels."""
+"""Tools of little use from above, for which a window of 1024 pixels has no room."""
 
 _POINT_SIZE = "Size (Pixels)"
 
 
 def for_window(base: Config) -> Config:
-    """`base` without the displays of a world: those are made when the world is known.
+    """`base` without the displays of a world, which are added when the world is known.
 
-    Panels are ours, and the geometry of rviz's own window is left out.
+    Panels are replaced, and the geometry of rviz's own window is left out.
     """
     config = deepcopy(base)
     config["Panels"] = deepcopy(list(_PANELS))
@@ -33,12 +33,12 @@ def for_window(base: Config) -> Config:
 
 
 def for_display(base: Config, shown: Shown, pixel_ratio: float = 1.0) -> Config:
-    """The configuration of one display: like the first of its class in `base`, if there is one.
+    """The configuration of a display: that of the first of its class in `base`, if there is one.
 
     Args:
         base: the configuration to start from.
         shown: the display.
-        pixel_ratio: how many pixels of the screen are as wide as one of an ordinary screen.
+        pixel_ratio: device pixels per device-independent pixel (Qt).
     """
     displays: List[Config] = base["Visualization Manager"]["Displays"]
     patterns = {display["Class"]: display for display in reversed(displays)}

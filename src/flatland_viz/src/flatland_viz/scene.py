@@ -1,4 +1,4 @@
-"""rviz in the window: its frame without its menus, the displays, the view and the tools."""
+"""The embedded rviz: its frame without menus, the displays, the view and the tools."""
 
 import tempfile
 from typing import Any, Dict, List, Optional
@@ -14,13 +14,13 @@ from flatland_viz.displays import Shown, changes
 from flatland_viz.rviz_config import Config, for_display, for_window
 
 BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
-"""Colours behind the world, and how opaque the grid is: less than grey walls on either."""
+"""Background colour and opacity of the grid, by name; grey walls stand out on both."""
 _VIEW = ("X", "Y", "Scale", "Angle")
 SPAWN_TOOL = "flatland_viz/SpawnModel"
 
 
 class Scene(QObject):
-    """What is seen of the world.
+    """Controls the embedded rviz.
 
     Args:
         base: the rviz configuration to start from.
@@ -45,11 +45,11 @@ class Scene(QObject):
             for widget in self.frame.findChildren(QWidget)
             if widget.metaObject().className() == "rviz::RenderPanel"
         )
-        self.hints = self._manager.statusUpdate  # what the tools say about the mouse
+        self.hints = self._manager.statusUpdate  # the tools' hints for the mouse
         self._strip()
 
     def _strip(self) -> None:
-        """Leaves the toolbar and the view of rviz's own window."""
+        """Hides all of rviz's own window but the toolbar and the view."""
         self.frame.setWindowFlags(Qt.Widget)
         self.frame.menuBar().hide()
         for menu in self.frame.menuBar().findChildren(QMenu):
@@ -66,8 +66,8 @@ class Scene(QObject):
         toolbar.setMovable(False)
         toolbar.setContextMenuPolicy(Qt.PreventContextMenu)
         for action in toolbar.actions():
-            # They add and remove tools, which nobody would save. Tools that come later have no
-            # separator or widget of their own.
+            # They add and remove tools, which would not be saved. Tools added later have neither
+            # separator nor widget.
             if action.isSeparator() or isinstance(action, QWidgetAction):
                 action.setVisible(False)
 
@@ -78,7 +78,7 @@ class Scene(QObject):
         return docks
 
     def show_displays(self, wanted: List[Shown]) -> None:
-        """Makes and removes displays so that these are shown. The others stay untouched."""
+        """Adds and removes displays so that these are shown; leaves those that stay untouched."""
         gone, new = changes(self._displays, wanted)
         root = self._manager.getRootDisplayGroup()
         for shown in gone:
@@ -92,7 +92,7 @@ class Scene(QObject):
             self._displays[shown] = display
 
     def begin_again(self) -> None:
-        """Forgets what was shown of a run that has ended, and asks for all of it anew."""
+        """Discards everything shown of a previous run, and subscribes anew."""
         self._manager.resetTime()
         for display in self._displays.values():
             if display.isEnabled():
@@ -100,7 +100,7 @@ class Scene(QObject):
                 display.setEnabled(True)
 
     def set_bounds(self, bounds: Bounds) -> None:
-        """Tells where the world is. The view follows, unless somebody has moved it."""
+        """Sets the extent of the world. The view follows, unless the user has moved it."""
         if bounds == self._bounds:
             return
         self._bounds = bounds
@@ -108,7 +108,7 @@ class Scene(QObject):
         self.follow_size()
 
     def follow_size(self) -> None:
-        """Frames the world again after the panel has got another size, as `set_bounds` does."""
+        """Frames the world after the panel was resized, unless the user has moved the view."""
         if self._framed is None or self._view() == self._framed:
             self.reset_view()
 
@@ -123,7 +123,7 @@ class Scene(QObject):
         self._manager.queueRender()
 
     def _view(self) -> List[float]:
-        """How the view is now, in rviz's single precision."""
+        """The present view, in rviz's single precision."""
         controller = self._manager.getViewManager().getCurrent()
         return [controller.subProp(name).getValue() for name in _VIEW]
 
@@ -141,7 +141,7 @@ class Scene(QObject):
         return [display for display in displays if display.getClassId() == "rviz/Grid"]
 
     def set_background(self, name: str) -> None:
-        """Colours what is behind the world: one of `BACKGROUNDS`."""
+        """Sets the background, one of `BACKGROUNDS`."""
         color, grid_alpha = BACKGROUNDS[name]
         options = self._manager.getRootDisplayGroup().subProp("Global Options")
         options.subProp("Background Color").setValue(QColor(color))
@@ -154,14 +154,14 @@ class Scene(QObject):
 
     @property
     def can_spawn(self) -> bool:
-        """Whether the tool that spawns models is there."""
+        """Whether the tool that spawns models is available."""
         tool = self._tool(SPAWN_TOOL)
         return tool is not None and _child(tool.getPropertyContainer(), "Model File") is not None
 
     def spawn(self, model: str) -> None:
         """Starts the tool that spawns models, with this file."""
         tool = self._tool(SPAWN_TOOL)
-        self._tools.setCurrentTool(self._tools.getDefaultTool())  # ends a spawn that is going on
+        self._tools.setCurrentTool(self._tools.getDefaultTool())  # cancels a spawn in progress
         properties = tool.getPropertyContainer()
         properties.subProp("Model File").setValue(model)
         properties.subProp("Name").setValue("")  # it follows from the file
@@ -169,7 +169,7 @@ class Scene(QObject):
 
 
 def _child(parent: Any, name: str) -> Any:
-    """A property by name; subProp would complain about one that is not there."""
+    """A property by name, or None; subProp would log an error for a missing one."""
     children = [parent.childAt(index) for index in range(parent.numChildren())]
     return next((child for child in children if child.getName() == name), None)
 

@@ -1,7 +1,7 @@
-"""The server as the window sees it: ROS on one side, Qt's signals on the other.
+"""The connection to the server: ROS messages become Qt signals.
 
-rospy's callbacks come on threads of its own. What they bring leaves as signals, which Qt delivers
-on the thread of the window; nothing here touches a widget.
+rospy calls back on threads of its own. The signals are delivered by Qt on the window's thread;
+nothing here uses a widget.
 """
 
 import threading
@@ -19,6 +19,7 @@ from visualization_msgs.msg import MarkerArray
 
 from flatland_viz.bounds import bounds_of_markers
 from flatland_viz.displays import laser_scans, layer_topics
+from flatland_viz.error_text import error_text
 from flatland_viz.status import Simulation
 
 _SERVER = "flatland_server"
@@ -26,18 +27,18 @@ _POLL_PERIOD = 1.0  # s, of real time
 
 
 class Server(QObject):
-    """Follows the server from the start, whether it is there yet or not, until `close`."""
+    """Follows the server from `start` until `close`, also before it runs and across restarts."""
 
     simulation_changed = Signal(object)
     """A status.Simulation, five times a second."""
     topics_changed = Signal(object, object)
-    """What the server lists on ~debug/topics, and the topics of all laser scans: lists of text."""
+    """The topics that the server lists on ~debug/topics, and those of all laser scans."""
     walls_changed = Signal(str, object)
-    """A layer's topic, and the Bounds of its walls; None if it has none or is gone."""
+    """A layer's topic, and the Bounds of its walls; None if there are none."""
     world_changed = Signal(str)
     """The path of the world's file."""
     failed = Signal(str)
-    """A service that was called has failed: why."""
+    """The error of a service call."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -53,7 +54,7 @@ class Server(QObject):
         self._subscribers: List[rospy.Subscriber] = []
 
     def start(self) -> None:
-        """Begins to listen. Connect the signals before."""
+        """Subscribes to the server. Connect the signals before."""
         state = rospy.resolve_name(f"{_SERVER}/state")
         self._subscribers = [
             rospy.Subscriber(f"{self.debug}/topics", DebugTopicList, self._on_topics),
@@ -62,7 +63,7 @@ class Server(QObject):
         threading.Thread(target=self._poll, name="topics", daemon=True).start()
 
     def close(self) -> None:
-        """No signal comes after this."""
+        """Unsubscribes. No signal is emitted after this."""
         self._is_closed = True
         self._poll_now.set()
         for subscriber in [*self._subscribers, *self._layers.values()]:
@@ -73,7 +74,7 @@ class Server(QObject):
         self._call("pause", Empty)
 
     def resume(self) -> None:
-        """Lets simulated time go on."""
+        """Resumes simulated time."""
         self._call("resume", Empty)
 
     def change_rate(self, rate: float) -> None:
@@ -81,25 +82,25 @@ class Server(QObject):
         self._call("change_rate", ChangeRate, rate)
 
     def _call(self, name: str, service: Any, *arguments: Any) -> None:
-        """Calls a service on a thread of its own; `failed` if that does not succeed."""
+        """Calls a service on a thread of its own; emits `failed` if that does not succeed."""
 
         def call() -> None:
             try:
                 response = rospy.ServiceProxy(name, service)(*arguments)
             except (rospy.ServiceException, rospy.ROSException) as error:
-                self._tell(self.failed, f"{name}: {error}")
+                self._emit(self.failed, f"{name}: {error}")
                 return
             if not getattr(response, "success", True):
-                self._tell(self.failed, f"{name}: {response.message}")
+                self._emit(self.failed, f"{name}: {error_text(response.message)}")
 
         threading.Thread(target=call, name=name, daemon=True).start()
 
-    def _tell(self, signal: Any, *values: Any) -> None:
+    def _emit(self, signal: Any, *values: Any) -> None:
         if not self._is_closed:
             signal.emit(*values)
 
     def _on_state(self, message: SimulationState) -> None:
-        self._tell(
+        self._emit(
             self.simulation_changed,
             Simulation(
                 message.stamp.to_sec(), message.paused, message.rate, message.real_time_factor
@@ -110,26 +111,26 @@ class Server(QObject):
         with self._lock:
             self._listed = list(message.topics)
             self._follow_layers(layer_topics(self.debug, message.topics))
-            self._tell(self.topics_changed, self._listed, self._scans)
+            self._emit(self.topics_changed, self._listed, self._scans)
         self._poll_now.set()
 
     def _follow_layers(self, topics: List[str]) -> None:
         for topic in [topic for topic in self._layers if topic not in topics]:
             self._layers.pop(topic).unregister()
-            self._tell(self.walls_changed, topic, None)
+            self._emit(self.walls_changed, topic, None)
         for topic in topics:
             if topic not in self._layers:
                 self._layers[topic] = rospy.Subscriber(
-                    topic, _Unread, self._on_walls(topic), queue_size=1, buff_size=2**24
+                    topic, _RawMarkerArray, self._on_walls(topic), queue_size=1, buff_size=2**24
                 )
 
-    def _on_walls(self, topic: str) -> Callable[["_Unread"], None]:
-        return lambda message: self._tell(
+    def _on_walls(self, topic: str) -> Callable[["_RawMarkerArray"], None]:
+        return lambda message: self._emit(
             self.walls_changed, topic, bounds_of_markers(message.data)
         )
 
     def _poll(self) -> None:
-        """Asks the master, for nobody tells of new topics."""
+        """Polls the master, which does not notify of new topics."""
         master = rosgraph.Master(rospy.get_name())
         while not self._is_closed:
             self._poll_now.clear()
@@ -137,28 +138,28 @@ class Server(QObject):
                 scans = laser_scans(master.getPublishedTopics(""))
                 world = _parameter(master, rospy.resolve_name(f"{_SERVER}/world_path"))
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
-                pass  # the master is away; so is the server, which the window says
+                pass  # there is no master now; the window shows that there is no server
             else:
                 self._on_polled(scans, world)
             self._poll_now.wait(_POLL_PERIOD)
-            time.sleep(0.1)  # a burst of new models asks once
+            time.sleep(0.1)  # several models that are spawned together cause one poll
 
     def _on_polled(self, scans: List[str], world: Optional[str]) -> None:
         with self._lock:
             if scans != self._scans:
                 self._scans = scans
-                self._tell(self.topics_changed, self._listed, scans)
+                self._emit(self.topics_changed, self._listed, scans)
             if world and world != self._world:
                 self._world = world
-                self._tell(self.world_changed, world)
+                self._emit(self.world_changed, world)
 
 
-class _Unread(MarkerArray):
-    """A MarkerArray whose bytes are left as they came."""
+class _RawMarkerArray(MarkerArray):
+    """A MarkerArray that is not deserialized."""
 
     __slots__ = ["data"]
 
-    def deserialize(self, buff: bytes) -> "_Unread":
+    def deserialize(self, buff: bytes) -> "_RawMarkerArray":
         """Keeps the bytes."""
         self.data = bytes(buff)
         return self

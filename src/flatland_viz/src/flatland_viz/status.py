@@ -1,22 +1,22 @@
-"""The status line: what it says of the simulation."""
+"""The contents of the status line."""
 
 import math
 from typing import NamedTuple, Optional
 
 SILENCE = 2.0
-"""Seconds of real time without a word from the server, after which it is taken to be gone."""
+"""Seconds of real time without a message after which the server is taken to be gone."""
 
 
 class Simulation(NamedTuple):
-    """How the simulation goes, as the server last told."""
+    """The simulation's state in the server's last message."""
 
     time: float
-    """Simulated [s]."""
+    """Simulated time [s]."""
     is_paused: bool
     rate: float
-    """Asked for: simulated seconds per second of real time; may be infinite."""
+    """Requested: simulated seconds per second of real time; may be infinite."""
     real_time_factor: float
-    """Reached."""
+    """Simulated seconds per second of real time, as measured."""
 
 
 class Status(NamedTuple):
@@ -28,16 +28,16 @@ class Status(NamedTuple):
 
 
 def is_gone(silence: float) -> bool:
-    """Whether a server is gone that has not been heard for so long [s of real time]."""
+    """Whether a server is gone that has sent nothing for so long [s of real time]."""
     return silence > SILENCE
 
 
 def status(simulation: Optional[Simulation], silence: float) -> Status:
-    """What the line says.
+    """The fields of the line.
 
     Args:
-        simulation: what the server told last; None if it has never been heard.
-        silence: how long ago that was [s of real time].
+        simulation: the last state; None if there has been none.
+        silence: its age [s of real time].
     """
     if simulation is None:
         return Status("", "", "waiting for the server")
@@ -50,7 +50,7 @@ def status(simulation: Optional[Simulation], silence: float) -> Status:
 
 
 def speed(simulation: Simulation) -> str:
-    """How fast it goes; and how fast it should, where it is more than a tenth slower."""
+    """The rate, and the requested one if that is missed by more than a tenth."""
     factor, rate = simulation.real_time_factor, simulation.rate
     reached = f"{factor:.2f} x real time"
     lags = math.isfinite(rate) and factor < 0.9 * rate
@@ -58,5 +58,5 @@ def speed(simulation: Simulation) -> str:
 
 
 def has_restarted(before: Optional[Simulation], silence: float, now: Simulation) -> bool:
-    """Whether this is another run than before: it comes after silence, or time went back."""
+    """Whether the server was restarted: after a silence, or because time went back."""
     return before is not None and (is_gone(silence) or now.time < before.time)

@@ -1,4 +1,4 @@
-"""The status line: what the tools say about the mouse, and how the simulation goes."""
+"""The status line: hints of the tools, and the state of the simulation."""
 
 from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QLabel, QSizePolicy, QStatusBar
@@ -19,7 +19,7 @@ class StatusLine(QStatusBar):
         super().__init__()
         self.setObjectName("status")
         self._hint = QLabel(objectName="status_hint")
-        # A long hint is cut off; it must not widen the window.
+        # A long hint is truncated; it must not widen the window.
         self._hint.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self.addWidget(self._hint, 1)
         self._time = self._field("status_time", "simulated time", "100000.0 s")
@@ -28,7 +28,7 @@ class StatusLine(QStatusBar):
         self._state.setAlignment(Qt.AlignCenter)
 
     def _field(self, name: str, meaning: str, widest: str) -> QLabel:
-        """A label that does not jump while its text changes."""
+        """A label with a width that does not depend on its text."""
         field = QLabel(objectName=name, toolTip=meaning)
         field.setAlignment(Qt.AlignRight | Qt.AlignVCenter)
         field.setMinimumWidth(self.fontMetrics().horizontalAdvance(widest) + 12)
@@ -36,7 +36,7 @@ class StatusLine(QStatusBar):
         return field
 
     def show_status(self, status: Status) -> None:
-        """Shows how the simulation goes."""
+        """Shows the state of the simulation."""
         self._time.setText(status.time)
         self._speed.setText(status.speed)
         if status.state != self._state.text():

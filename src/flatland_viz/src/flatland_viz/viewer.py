@@ -1,4 +1,4 @@
-"""The node flatland_viz: opens the window on the world, or says that there is no display."""
+"""The node flatland_viz: opens the window, or logs that there is no display."""
 
 import ctypes
 import os
@@ -17,9 +17,10 @@ _WAKE_PERIOD = 50  # ms
 
 
 def main() -> int:
-    """Shows the window until it is closed; without a display, waits idly to be ended.
+    """Shows the window until it is closed; without a display, waits until it is shut down.
 
-    It does not just exit, because the launch ends with this node: closing the window is meant to.
+    It must not exit in that case: the node is required, and the whole launch would end with it, as
+    it does when the window is closed.
     """
     if not _has_display():
         rospy.init_node("flatland_viz")
@@ -31,10 +32,10 @@ def main() -> int:
 
 
 def _has_display() -> bool:
-    """Whether the X server that DISPLAY names lets us in.
+    """Whether the X server named by DISPLAY accepts connections.
 
-    A server without clients, such as Xvfb, starts anew when the last one leaves, and refuses others
-    for that moment: so this asks again for a second, and its connection stays open until Qt's is.
+    A server such as Xvfb resets when its last client disconnects, and refuses connections
+    meanwhile: so this tries for a second, and keeps its connection open until Qt has one.
     """
     try:
         x11 = ctypes.CDLL("libX11.so.6")
@@ -67,9 +68,9 @@ def _show_window() -> int:
     window = Window(server, Scene(_base_config()))
     server.start()
     window.show()
-    window.activateWindow()  # without a window manager nobody else gives it the keyboard
+    window.activateWindow()  # gives it the keyboard where there is no window manager
 
-    # rviz has put roscpp's handler in place. Python's run only when Python does: now and then.
+    # rviz has installed roscpp's handlers. Python's run between bytecodes only, hence the timer.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: application.quit())
     wake = QTimer(application)
@@ -78,19 +79,19 @@ def _show_window() -> int:
     application.exec_()
 
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the end
-    window.hide()  # at once; the rest takes rospy a second
+        signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the shutdown
+    window.hide()  # at once; rospy takes a second to shut down
     server.close()
     rospy.signal_shutdown("the window is closed")
     return 0
 
 
 def _base_config() -> Any:
-    """The rviz configuration that the window starts from."""
+    """The rviz configuration to start from."""
     path = Path(rospkg.RosPack().get_path("flatland_viz")) / "rviz" / "flatland.rviz"
     return yaml.safe_load(path.read_text())
 
 
 def _report(*error: Any) -> None:
-    """Says what went wrong in one of the window's actions; the others go on."""
+    """Logs an error in one of the window's actions; the window stays open."""
     rospy.logerr("%s", "".join(traceback.format_exception(*error)).rstrip())

@@ -16,19 +16,19 @@ from flatland_viz.status import Simulation, has_restarted, is_gone, status
 from flatland_viz.status_line import StatusLine
 from flatland_viz.world_files import title
 
-_LOOK_PERIOD = 200  # ms: how often the status line notices silence
-_MENU_GONE = 200  # ms: until a menu is off the screen
-_UNTIL_RVIZ_KNOWS = (200, 3000)
-"""Milliseconds after the start of a new run: rviz throws away all it has when it notices that time
-went back, also what the new server has said only once. It notices soon, but nobody knows when."""
+_REFRESH_PERIOD = 200  # ms: of the status line
+_MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
+_RESET_DELAYS = (200, 3000)
+"""Milliseconds after the restart of a server until the displays subscribe anew. rviz discards all
+messages, latched ones too, when it notices that time went back, at an unknown time within these."""
 
 
 class Window(QMainWindow):
-    """Shows the world of a server, whether it is there or not.
+    """Shows the world of a server, also before that runs and after it has ended.
 
     Args:
-        server: what is followed.
-        scene: rviz.
+        server: the connection to it.
+        scene: the embedded rviz.
     """
 
     def __init__(self, server: Server, scene: Scene) -> None:
@@ -38,7 +38,7 @@ class Window(QMainWindow):
         self._world = ""
         self._walls: Dict[str, Bounds] = {}
         self._simulation: Optional[Simulation] = None
-        self._heard = time.monotonic()
+        self._last_message = time.monotonic()
         self.setObjectName("flatland")
         self.setWindowTitle(title(""))
         self.setCentralWidget(scene.frame)
@@ -47,7 +47,7 @@ class Window(QMainWindow):
         self._menus = Menus(self.menuBar(), scene.docks)
         self._menus.enable_spawning(scene.can_spawn)
         self._connect()
-        self._look()
+        self._refresh()
         scene.panel.installEventFilter(self)
         self.resize(QSize(1280, 800).boundedTo(QApplication.primaryScreen().availableSize()))
 
@@ -68,22 +68,22 @@ class Window(QMainWindow):
         menus.rate_chosen.connect(server.change_rate)
         menus.background_chosen.connect(scene.set_background)
         self._clock = QTimer(self)
-        self._clock.timeout.connect(self._look)
-        self._clock.start(_LOOK_PERIOD)
+        self._clock.timeout.connect(self._refresh)
+        self._clock.start(_REFRESH_PERIOD)
 
     def _on_simulation(self, simulation: Simulation) -> None:
         if has_restarted(self._simulation, self._silence(), simulation):
-            for delay in _UNTIL_RVIZ_KNOWS:
+            for delay in _RESET_DELAYS:
                 QTimer.singleShot(delay, self._scene.begin_again)
         self._simulation = simulation
-        self._heard = time.monotonic()
-        self._look()
+        self._last_message = time.monotonic()
+        self._refresh()
 
     def _silence(self) -> float:
-        return time.monotonic() - self._heard
+        return time.monotonic() - self._last_message
 
-    def _look(self) -> None:
-        """Brings the status line and the menus up to date."""
+    def _refresh(self) -> None:
+        """Updates the status line and the menus."""
         silence = self._silence()
         self._line.show_status(status(self._simulation, silence))
         self._menus.show_simulation(None if is_gone(silence) else self._simulation)
@@ -108,7 +108,7 @@ class Window(QMainWindow):
             self._scene.reset_view()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Keeps the world framed while the view gets another size."""
+        """Keeps the world framed while the view is resized."""
         if event.type() == QEvent.Resize:
             self._scene.follow_size()
         return False
@@ -127,7 +127,7 @@ class Window(QMainWindow):
             self._scene.spawn(file)
 
     def _take_screenshot(self) -> None:
-        QTimer.singleShot(_MENU_GONE, self._save_screenshot)  # without the menu in it
+        QTimer.singleShot(_MENU_CLOSING_TIME, self._save_screenshot)  # without the menu in it
 
     def _save_screenshot(self) -> None:
         panel = self._scene.panel

@@ -9,10 +9,10 @@ _SUFFIX = ".model.yaml"
 
 
 def model_files(world: Path) -> List[Path]:
-    """The models of a world: those beside its file and those that the file names; each once.
+    """The models of a world: those in its folder and those named in its file, each once.
 
-    The server is who reads worlds. Here the names of models are picked out where they stand as they
-    are; a file that is not there or not plain YAML gives none.
+    Only the server evaluates world files. This finds the models that are named literally; a missing
+    file, or one that is not plain YAML, gives none.
     """
     try:
         beside = sorted(world.parent.glob(f"*{_SUFFIX}"))
@@ -40,15 +40,15 @@ def _named_models(world: Path) -> List[str]:
 
 
 def label(model: Path) -> str:
-    """How a menu calls a model file."""
+    """The name of a model file in a menu."""
     name = model.name
     return name[: -len(_SUFFIX)] if name.endswith(_SUFFIX) else model.stem
 
 
 def title(world: str) -> str:
-    """The window's title: a world's file with its folder, for many are called world.yaml.
+    """The window's title: a world's file with its folder, since many are called world.yaml.
 
     Args:
-        world: the path; empty if it is not known.
+        world: the path; empty if it is unknown.
     """
     return f"Flatland - {'/'.join(Path(world).parts[-2:])}" if world else "Flatland"

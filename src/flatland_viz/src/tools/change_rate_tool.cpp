@@ -5,6 +5,7 @@
 #include <rviz/properties/editable_enum_property.h>
 #include <rviz/window_manager_interface.h>
 
+#include "error_text.hpp"
 #include "rate.hpp"
 #include "state_subscriber.hpp"
 
@@ -27,7 +28,7 @@ ChangeRateTool::~ChangeRateTool() {
 
 void ChangeRateTool::onInitialize() {
   OneShotTool::onInitialize();
-  subscriber_ = ListenToState(
+  subscriber_ = SubscribeToState(
       *context_, [this](const flatland_msgs::SimulationState& state) { Follow(state); });
 }
 
@@ -41,7 +42,7 @@ void ChangeRateTool::Run() {
   }
   dialog_->open();
   dialog_->raise();
-  dialog_->activateWindow();  // without a window manager nobody else gives it the keyboard
+  dialog_->activateWindow();  // gives it the keyboard where there is no window manager
 }
 
 void ChangeRateTool::Send(double rate) {
@@ -50,9 +51,9 @@ void ChangeRateTool::Send(double rate) {
   server_.Call<ChangeRate>("/change_rate", request,
                            [this](const QString& error, const ChangeRate::Response& response) {
                              if (!error.isEmpty()) {
-                               Complain(error);
+                               ShowError(error);
                              } else if (!response.success) {
-                               Complain(QString::fromStdString(response.message));
+                               ShowError(QString::fromStdString(ErrorText(response.message)));
                              } else if (dialog_) {
                                dialog_->close();
                              }
@@ -72,7 +73,7 @@ void ChangeRateTool::OnPropertyEdited() {
   if (rate) {
     Send(*rate);
   } else {
-    Complain(QString("\"%1\" is no number.").arg(rate_->getString()));
+    ShowError(QString("\"%1\" is not a number.").arg(rate_->getString()));
   }
 }
 
@@ -82,7 +83,7 @@ void ChangeRateTool::ShowPresentRate() {
   is_following_ = false;
 }
 
-void ChangeRateTool::Complain(const QString& error) {
+void ChangeRateTool::ShowError(const QString& error) {
   ShowPresentRate();
   if (dialog_) {
     dialog_->ShowError(error);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// rviz's button for how fast the simulation runs.
+/// rviz's button to change the simulation's rate.
 
 #include <flatland_msgs/SimulationState.h>
 #include <ros/subscriber.h>
@@ -36,13 +36,13 @@ class ChangeRateTool : public OneShotTool {
   void Follow(const flatland_msgs::SimulationState& state);
   void OnPropertyEdited();
   void ShowPresentRate();
-  void Complain(const QString& error);
+  void ShowError(const QString& error);
 
   rviz::EditableEnumProperty* rate_;  // belongs to the tool's property container
   bool is_following_ = false;         // the property is being set, not edited
   ServiceCaller server_;
   ros::Subscriber subscriber_;
-  std::optional<flatland_msgs::SimulationState> state_;  // the last one; nothing at first
+  std::optional<flatland_msgs::SimulationState> state_;  // the last message; empty at first
   QPointer<RateDialog> dialog_;                          // belongs to the window, if there is one
 };
 

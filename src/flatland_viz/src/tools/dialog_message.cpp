@@ -8,7 +8,7 @@ namespace flatland_viz {
 namespace {
 
 const QColor kErrorColor(211, 47, 47);  // readable on white as on dark grey
-constexpr int kMostLines = 10;
+constexpr int kMaxLines = 10;
 
 }  // namespace
 
@@ -22,11 +22,11 @@ DialogMessage::DialogMessage() {
   hide();
 }
 
-void DialogMessage::Say(const QString& text) {
+void DialogMessage::ShowInfo(const QString& text) {
   Show(text, window()->palette().color(QPalette::WindowText));
 }
 
-void DialogMessage::Complain(const QString& text) { Show(text, kErrorColor); }
+void DialogMessage::ShowError(const QString& text) { Show(text, kErrorColor); }
 
 void DialogMessage::Show(const QString& text, const QColor& color) {
   QPalette colors = palette();
@@ -49,9 +49,10 @@ void DialogMessage::resizeEvent(QResizeEvent* event) {
 
 void DialogMessage::FitHeight() {
   const int text_height = static_cast<int>(std::ceil(document()->size().height()));
-  const int most = kMostLines * fontMetrics().lineSpacing();
-  setVerticalScrollBarPolicy(text_height > most ? Qt::ScrollBarAlwaysOn : Qt::ScrollBarAlwaysOff);
-  setFixedHeight(std::min(text_height, most));
+  const int max_height = kMaxLines * fontMetrics().lineSpacing();
+  setVerticalScrollBarPolicy(text_height > max_height ? Qt::ScrollBarAlwaysOn
+                                                      : Qt::ScrollBarAlwaysOff);
+  setFixedHeight(std::min(text_height, max_height));
 }
 
 }  // namespace flatland_viz

@@ -1,20 +1,20 @@
 #pragma once
 
-/// The part of a dialog that says what is going on, or what went wrong.
+/// The part of a dialog that shows progress or an error.
 
 #include <QTextEdit>
 
 namespace flatland_viz {
 
-/// As high as its text, up to some lines; takes no room while it has nothing to say. The text can
-/// be selected and copied.
+/// As high as its text, up to ten lines; hidden while it has no text. The text can be selected and
+/// copied.
 class DialogMessage : public QTextEdit {
  public:
   DialogMessage();
 
-  void Say(const QString& text);
-  /// Says it in red.
-  void Complain(const QString& text);
+  void ShowInfo(const QString& text);
+  /// Shows it in red.
+  void ShowError(const QString& text);
 
  protected:
   void resizeEvent(QResizeEvent* event) override;

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Which model to spawn, and under which name.
+/// The model to spawn, and its name.
 
 #include <QString>
 
@@ -8,7 +8,7 @@ namespace flatland_viz {
 
 struct ModelChoice {
   QString file;
-  QString own_name;  ///< the user's own; if empty, the name is taken from the file
+  QString own_name;  ///< given by the user; if empty, the name is taken from the file
   QString ns;        ///< of the model's topics and frames
   bool is_numbered = false;
   int number = 1;  ///< appended to the name, if it is numbered

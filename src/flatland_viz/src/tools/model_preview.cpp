@@ -9,7 +9,7 @@
 namespace flatland_viz {
 namespace {
 
-constexpr float kHeight = 0.1f;  // m: seen above the models that are there
+constexpr float kHeight = 0.1f;  // m: above the models in the world
 
 }  // namespace
 
@@ -21,7 +21,7 @@ ModelPreview::ModelPreview(rviz::DisplayContext& context,
     std::unique_ptr<rviz::MarkerBase> marker(
         rviz::createMarker(message.type, nullptr, &context, node_));
     if (!marker) continue;
-    // rviz puts a marker where it is in the fixed frame; in that of the node it stays there.
+    // rviz transforms a marker into the fixed frame; given in that frame, it stays in the node's.
     message.header.frame_id = context.getFixedFrame().toStdString();
     message.header.stamp = ros::Time();
     marker->setMessage(message);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// A model that is not in the world yet, as it will look there.
+/// The preview of a model that is about to be spawned.
 
 #include <geometry_msgs/Pose2D.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -21,7 +21,7 @@ class MarkerBase;
 
 namespace flatland_viz {
 
-/// Is seen from the first `Place` until it is destroyed.
+/// Visible from the first `Place` until it is destroyed.
 class ModelPreview {
  public:
   /// `markers` are in the model's own frame.

@@ -12,7 +12,7 @@ bool OneShotTool::is_handing_over_ = false;
 void OneShotTool::onInitialize() {
   rviz::ToolManager* manager = context_->getToolManager();
   previous_ = manager->getCurrentTool();
-  // rviz activates the first tool of a toolbar by itself, as soon as that is initialized.
+  // rviz activates the first tool of a toolbar once it is initialized, without a user's action.
   is_first_of_toolbar_ = manager->getDefaultTool() == nullptr;
   connect(manager, &rviz::ToolManager::toolChanged, this, [this](rviz::Tool* current) {
     if (current != this) previous_ = current;
@@ -20,9 +20,9 @@ void OneShotTool::onInitialize() {
 }
 
 void OneShotTool::activate() {
-  const bool is_asked_for = !is_first_of_toolbar_;
+  const bool is_by_user = !is_first_of_toolbar_;
   is_first_of_toolbar_ = false;
-  if (is_asked_for) Run();
+  if (is_by_user) Run();
 
   rviz::ToolManager* manager = context_->getToolManager();
   rviz::Tool* next = previous_ ? previous_.data() : manager->getDefaultTool();

@@ -1,6 +1,6 @@
 #pragma once
 
-/// A tool that does something when its button or key is pressed, and takes no mouse.
+/// A tool that acts once when its button or key is pressed, and takes no mouse events.
 
 #include <rviz/tool.h>
 
@@ -8,13 +8,13 @@
 
 namespace flatland_viz {
 
-/// Hands over to the tool that was the current one before, at once.
+/// Hands back to the previous tool at once.
 class OneShotTool : public rviz::Tool {
  public:
   void activate() final;
   void deactivate() final {}
 
-  /// True while such a tool hands over: then the tool that is activated has only been interrupted.
+  /// True while such a tool hands back: the tool that is activated then was only interrupted.
   static bool is_handing_over() { return is_handing_over_; }
 
  protected:

@@ -14,18 +14,18 @@ void PauseSimTool::onInitialize() {
   pause_icon_ = getIcon();
   resume_icon_ = rviz::loadPixmap("package://flatland_viz/icons/resume.svg");
   setName("Pause");
-  state_ = ListenToState(*context_, [this](const flatland_msgs::SimulationState& state) {
+  state_ = SubscribeToState(*context_, [this](const flatland_msgs::SimulationState& state) {
     if (is_paused_ != static_cast<bool>(state.paused)) Show(state.paused);
   });
 }
 
 void PauseSimTool::Show(bool is_paused) {
-  const bool is_news = is_paused_.has_value();
+  const bool is_change = is_paused_.has_value();
   is_paused_ = is_paused;
   setName(is_paused ? "Resume" : "Pause");
   setIcon(is_paused ? resume_icon_ : pause_icon_);
   context_->getToolManager()->refreshTool(this);
-  if (is_news) setStatus(is_paused ? "The simulation is paused." : "The simulation is running.");
+  if (is_change) setStatus(is_paused ? "The simulation is paused." : "The simulation is running.");
 }
 
 void PauseSimTool::Run() {

@@ -1,6 +1,6 @@
 #pragma once
 
-/// rviz's button that stops the simulation and lets it go on.
+/// rviz's button that pauses and resumes the simulation.
 
 #include <flatland_msgs/SimulationState.h>
 #include <ros/subscriber.h>
@@ -13,7 +13,7 @@
 
 namespace flatland_viz {
 
-/// Name and icon say what a click does: "Pause" or "Resume".
+/// Its name and icon show what a click does: "Pause" or "Resume".
 class PauseSimTool : public OneShotTool {
  public:
   PauseSimTool() { shortcut_key_ = ' '; }
@@ -27,7 +27,7 @@ class PauseSimTool : public OneShotTool {
 
   ServiceCaller server_;
   ros::Subscriber state_;
-  std::optional<bool> is_paused_;  // nothing while no server has told
+  std::optional<bool> is_paused_;  // empty before the first state message
   QIcon pause_icon_;
   QIcon resume_icon_;
 };

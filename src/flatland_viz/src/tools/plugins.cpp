@@ -1,4 +1,4 @@
-/// Where rviz finds the tools, by the names in plugin_description.xml.
+/// Exports the tools to rviz; plugin_description.xml has their names.
 
 #include <pluginlib/class_list_macros.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Rates as text: simulated seconds per second of real time.
+/// Rates as strings: simulated seconds per second of real time.
 
 #include <QString>
 #include <QStringList>
@@ -8,13 +8,13 @@
 
 namespace flatland_viz {
 
-/// The rates that are offered.
+/// The rates to choose from.
 QStringList CommonRates();
 
 /// "0.5", or "as fast as possible" for infinity.
 QString FormatRate(double rate);
 
-/// Nothing if the text is no rate. Whether the server accepts the rate is for the server to say.
+/// The rate, which the server may still refuse; nothing if the string is not a number.
 std::optional<double> ParseRate(const QString& text);
 
 }  // namespace flatland_viz

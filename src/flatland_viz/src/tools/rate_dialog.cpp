@@ -15,14 +15,14 @@ namespace flatland_viz {
 RateDialog::RateDialog(QWidget* parent)
     : QDialog(parent),
       rate_(new QComboBox),
-      state_(new QLabel("unknown: no word from flatland_server")),
+      state_(new QLabel("unknown: no message from flatland_server")),
       message_(new DialogMessage) {
   setObjectName("change_rate_dialog");
   setWindowTitle("Change Rate");
   setMinimumWidth(360);
   rate_->setObjectName("rate");
   rate_->setEditable(true);
-  rate_->setCompleter(nullptr);  // or "0" would become "0.1"
+  rate_->setCompleter(nullptr);  // it would complete "0" to "0.1"
   rate_->addItems(CommonRates());
   rate_->setCurrentText("1");
   rate_->lineEdit()->selectAll();
@@ -46,13 +46,13 @@ void RateDialog::ShowState(const flatland_msgs::SimulationState& state) {
       state.paused ? "paused" : QString("%1 is reached").arg(state.real_time_factor, 0, 'f', 2);
   state_->setText(QString("%1 (%2)").arg(FormatRate(state.rate), reached));
   if (has_rate_) return;
-  has_rate_ = true;  // from now on the field is the user's
+  has_rate_ = true;  // from now on only the user changes the field
   rate_->setCurrentText(FormatRate(state.rate));
   rate_->lineEdit()->selectAll();
 }
 
 void RateDialog::ShowError(const QString& error) {
-  message_->Complain(error);
+  message_->ShowError(error);
   rate_->setFocus();
 }
 
@@ -60,7 +60,7 @@ void RateDialog::accept() {
   if (const auto rate = ParseRate(rate_->currentText())) {
     Q_EMIT Submitted(*rate);
   } else {
-    ShowError(QString("\"%1\" is no number.").arg(rate_->currentText()));
+    ShowError(QString("\"%1\" is not a number.").arg(rate_->currentText()));
   }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Asks how fast the simulation is to run.
+/// The dialog of the ChangeRate tool.
 
 #include <flatland_msgs/SimulationState.h>
 
@@ -13,15 +13,15 @@ namespace flatland_viz {
 
 class DialogMessage;
 
-/// OK does not close the dialog: it emits Submitted, and whoever listens closes the dialog or lets
-/// it show an error.
+/// OK does not close the dialog: it emits Submitted, and the receiver closes the dialog or has it
+/// show an error.
 class RateDialog : public QDialog {
   Q_OBJECT
 
  public:
   explicit RateDialog(QWidget* parent);
 
-  /// The present rate, and the one that is reached.
+  /// Shows the present rate, and the one that is reached.
   void ShowState(const flatland_msgs::SimulationState& state);
   void ShowError(const QString& error);
 

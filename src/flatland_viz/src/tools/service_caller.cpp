@@ -49,7 +49,7 @@ QString ServiceCaller::Exchange(const std::string& name, const std::string& md5s
 }
 
 void ServiceCaller::Finish(int call, const QString& error, ros::SerializedMessage response) {
-  if (call != call_ || !on_answer_) return;  // given up after its thread had ended
+  if (call != call_ || !on_answer_) return;  // cancelled after its thread had ended
   thread_.join();
   // The function may start the next call.
   const OnSerialized on_answer = std::exchange(on_answer_, nullptr);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Calls ROS services without making the window wait.
+/// Calls ROS services without blocking the window.
 
 #include <ros/serialization.h>
 #include <ros/service_server_link.h>
@@ -16,27 +16,26 @@
 
 namespace flatland_viz {
 
-/// One call at a time runs on a thread of its own. Its answer is handed over on the thread that
+/// One call at a time runs on a thread of its own. Its response is delivered on the thread that
 /// owns this object, which is the window's.
 ///
-/// `ros::ServiceClient` offers no way to give up a call, and an rviz that is closed would wait for
-/// a server that does not answer. So a call goes over a connection of its own, which may be
-/// dropped.
+/// `ros::ServiceClient` cannot cancel a call: an rviz that is closed would wait for a server that
+/// does not answer. So each call has a connection of its own, which can be dropped.
 class ServiceCaller : public QObject {
  public:
-  /// Is told what went wrong, or nothing and the response.
+  /// Receives an error, or an empty string and the response.
   template <class Service>
   using OnAnswer =
       std::function<void(const QString& error, const typename Service::Response& response)>;
 
   ~ServiceCaller() override { Cancel(); }
 
-  /// Calls the service; a call that is still under way is given up.
+  /// Calls the service; cancels a call that has not ended.
   template <class Service>
   void Call(const std::string& name, const typename Service::Request& request,
             OnAnswer<Service> on_answer);
 
-  /// Gives up the call that is under way: its answer will not be heard.
+  /// Cancels the present call: its response will not be delivered.
   void Cancel();
 
   bool is_calling() const { return static_cast<bool>(on_answer_); }
@@ -46,16 +45,16 @@ class ServiceCaller : public QObject {
 
   void Start(const std::string& name, const std::string& md5sum, ros::SerializedMessage request,
              OnSerialized on_answer);
-  /// On the thread of the call: blocks until there is an answer or the connection is dropped.
+  /// On the thread of the call: blocks until there is a response or the connection is dropped.
   QString Exchange(const std::string& name, const std::string& md5sum,
                    const ros::SerializedMessage& request, ros::SerializedMessage& response);
   void Finish(int call, const QString& error, ros::SerializedMessage response);
 
-  OnSerialized on_answer_;  // of the call that is under way; empty if there is none
+  OnSerialized on_answer_;  // of the present call; empty if there is none
   int call_ = 0;            // its number
   std::thread thread_;
 
-  std::mutex mutex_;  // guards what is below, which both threads use
+  std::mutex mutex_;  // guards the members below, which both threads use
   ros::ServiceServerLinkPtr link_;
   bool is_cancelled_ = false;
 };

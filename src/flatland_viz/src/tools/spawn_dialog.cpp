@@ -129,10 +129,10 @@ ModelChoice SpawnDialog::choice() const {
 
 void SpawnDialog::Open(const QString& error) {
   SetInputEnabled(true);
-  message_->Complain(error);
+  message_->ShowError(error);
   open();
   raise();
-  activateWindow();  // without a window manager nobody else gives it the keyboard
+  activateWindow();  // gives it the keyboard where there is no window manager
   QLineEdit* first = file_->text().isEmpty() ? file_ : name_;
   first->setFocus();
   first->selectAll();
@@ -140,7 +140,7 @@ void SpawnDialog::Open(const QString& error) {
 
 void SpawnDialog::Wait(const QString& reason) {
   SetInputEnabled(false);
-  message_->Say(reason);
+  message_->ShowInfo(reason);
 }
 
 void SpawnDialog::SetInputEnabled(bool is_enabled) {

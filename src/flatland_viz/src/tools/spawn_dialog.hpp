@@ -1,6 +1,6 @@
 #pragma once
 
-/// The menu of the SpawnModel tool: which file, which name.
+/// The dialog of the SpawnModel tool, for the file and the name.
 
 #include <QDialog>
 
@@ -15,8 +15,8 @@ namespace flatland_viz {
 
 class DialogMessage;
 
-/// OK does not close the dialog: it emits Submitted, and whoever listens closes the dialog or lets
-/// it show an error. What the user has put in stays in either case.
+/// OK does not close the dialog: it emits Submitted, and the receiver closes the dialog or has it
+/// show an error. The input is kept in either case.
 class SpawnDialog : public QDialog {
   Q_OBJECT
 
@@ -25,9 +25,9 @@ class SpawnDialog : public QDialog {
 
   ModelChoice choice() const;
 
-  /// Takes input, and shows an error if there is one.
+  /// Enables input, and shows an error if there is one.
   void Open(const QString& error = {});
-  /// Takes no input but Cancel, and says why.
+  /// Disables all input but Cancel, and shows the reason.
   void Wait(const QString& reason);
 
   void accept() override;

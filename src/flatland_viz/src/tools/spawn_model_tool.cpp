@@ -12,6 +12,7 @@
 
 #include <cmath>
 
+#include "error_text.hpp"
 #include "one_shot_tool.hpp"
 
 namespace flatland_viz {
@@ -20,10 +21,10 @@ namespace {
 using flatland_msgs::GetModelMarkers;
 using flatland_msgs::SpawnModel;
 
-constexpr double kLeastDistance = 0.001;  // m: a cursor nearer to the model points nowhere
+constexpr double kMinDistance = 0.001;  // m: a nearer cursor gives no direction
 
 bool IsPress(const rviz::ViewportMouseEvent& event, Qt::MouseButton button) {
-  // The second of two quick clicks comes as a double click.
+  // The second of two quick clicks arrives as a double click.
   return event.acting_button == button &&
          (event.type == QEvent::MouseButtonPress || event.type == QEvent::MouseButtonDblClick);
 }
@@ -40,9 +41,9 @@ SpawnModelTool::SpawnModelTool() : properties_(getPropertyContainer()) { shortcu
 SpawnModelTool::~SpawnModelTool() { End(); }
 
 void SpawnModelTool::onInitialize() {
-  setCursor(Qt::CrossCursor);  // rviz's choice, the icon, would cover the model
-  // PauseSim and its like take over and hand back within one key press, which this tool survives:
-  // not deactivate() is the end, but that another tool has become the current one.
+  setCursor(Qt::CrossCursor);  // rviz's default, the icon, would cover the model
+  // A OneShotTool such as PauseSim interrupts this tool within one key press. So deactivate() does
+  // not end it, only another tool that becomes the current one.
   connect(context_->getToolManager(), &rviz::ToolManager::toolChanged, this,
           [this](rviz::Tool* current) {
             if (current != this) End();
@@ -82,10 +83,10 @@ void SpawnModelTool::AskForMarkers(const ModelChoice& choice) {
         if (!error.isEmpty()) {
           OpenMenu(error);
         } else if (!response.success) {
-          OpenMenu(QString::fromStdString(response.message));
+          OpenMenu(QString::fromStdString(ErrorText(response.message)));
         } else if (!WorldPlane::Find(*context_)) {
-          OpenMenu(QString("Nobody tells where the world's frame \"%1\" is in rviz's fixed frame "
-                           "\"%2\". Choose \"%1\" as the fixed frame.")
+          OpenMenu(QString("There is no transform from the world's frame \"%1\" to rviz's fixed "
+                           "frame \"%2\". Choose \"%1\" as the fixed frame.")
                        .arg(WorldPlane::kFrame, context_->getFixedFrame()));
         } else {
           StartPlacing(response.markers);
@@ -136,7 +137,7 @@ void SpawnModelTool::Follow(const rviz::ViewportMouseEvent& event) {
     pose_.y = point->y;
   } else {
     const double dx = point->x - pose_.x, dy = point->y - pose_.y;
-    if (std::hypot(dx, dy) > kLeastDistance) pose_.theta = std::atan2(dy, dx);
+    if (std::hypot(dx, dy) > kMinDistance) pose_.theta = std::atan2(dy, dx);
   }
   preview_->Place(pose_, *world);
 }
@@ -156,7 +157,7 @@ void SpawnModelTool::Spawn() {
         if (!error.isEmpty()) {
           OpenMenu(error);
         } else if (!response.success) {
-          OpenMenu(QString::fromStdString(response.message));
+          OpenMenu(QString::fromStdString(ErrorText(response.message)));
         } else {
           ModelChoice next = choice;
           if (choice.is_numbered) ++next.number;

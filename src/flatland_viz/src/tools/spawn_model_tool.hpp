@@ -1,6 +1,6 @@
 #pragma once
 
-/// rviz's tool that puts a model into the world, by mouse.
+/// rviz's tool that spawns models by mouse.
 
 #include <geometry_msgs/Pose2D.h>
 #include <rviz/tool.h>
@@ -18,10 +18,9 @@
 
 namespace flatland_viz {
 
-/// Goes through the phases from the menu on, in which the user chooses a model. A left click puts
-/// it in its place, another one ends its rotation, and the server spawns it. If the server refuses,
-/// the menu opens again with its message. A right click, Escape or another tool ends it all and
-/// leaves nothing.
+/// First the user chooses a model in a menu. A left click sets its position, another one its
+/// orientation, and the server spawns it. If the server refuses, the menu opens again with the
+/// error. A right click, Escape or another tool cancels all of it.
 class SpawnModelTool : public rviz::Tool {
  public:
   SpawnModelTool();

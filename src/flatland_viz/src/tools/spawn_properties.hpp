@@ -1,6 +1,6 @@
 #pragma once
 
-/// What is spawned, in rviz's panel of tool properties and in its configuration file.
+/// The model to spawn as properties of the tool, in rviz's panel and in its configuration file.
 
 #include "model_choice.hpp"
 

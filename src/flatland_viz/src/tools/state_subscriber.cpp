@@ -5,14 +5,14 @@
 
 namespace flatland_viz {
 
-ros::Subscriber ListenToState(
+ros::Subscriber SubscribeToState(
     rviz::DisplayContext& context,
-    const std::function<void(const flatland_msgs::SimulationState& state)>& listener) {
+    const std::function<void(const flatland_msgs::SimulationState& state)>& callback) {
   ros::NodeHandle node;
   node.setCallbackQueue(context.getUpdateQueue());
   return node.subscribe<flatland_msgs::SimulationState>(
       "/flatland_server/state", 1,
-      [listener](const flatland_msgs::SimulationState::ConstPtr& state) { listener(*state); });
+      [callback](const flatland_msgs::SimulationState::ConstPtr& state) { callback(*state); });
 }
 
 }  // namespace flatland_viz

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Listens to what the server tells about the simulation's progress.
+/// Subscribes to the simulation's state.
 
 #include <flatland_msgs/SimulationState.h>
 #include <ros/subscriber.h>
@@ -13,9 +13,9 @@ class DisplayContext;
 
 namespace flatland_viz {
 
-/// Calls `listener` on the window's thread for each message, until the subscriber is destroyed.
-ros::Subscriber ListenToState(
+/// Calls `callback` on the window's thread for each message, until the subscriber is destroyed.
+ros::Subscriber SubscribeToState(
     rviz::DisplayContext& context,
-    const std::function<void(const flatland_msgs::SimulationState& state)>& listener);
+    const std::function<void(const flatland_msgs::SimulationState& state)>& callback);
 
 }  // namespace flatland_viz

@@ -8,7 +8,7 @@ namespace flatland_viz {
 
 std::optional<WorldPlane> WorldPlane::Find(const rviz::DisplayContext& context) {
   WorldPlane plane;
-  if (context.getFixedFrame() == kFrame) return plane;  // also while nobody has told of that frame
+  if (context.getFixedFrame() == kFrame) return plane;  // needs no transform
   if (!context.getFrameManager()->getTransform(kFrame, ros::Time(), plane.origin_,
                                                plane.orientation_)) {
     return std::nullopt;

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The floor of the simulated world, as rviz shows it.
+/// The floor of the simulated world in rviz's scene.
 
 #include <OgreQuaternion.h>
 #include <geometry_msgs/Pose2D.h>
@@ -18,19 +18,19 @@ class DisplayContext;
 
 namespace flatland_viz {
 
-/// rviz's scene is in the fixed frame, which may be another one than the world's.
+/// rviz's scene is in its fixed frame, which may differ from the world's.
 class WorldPlane {
  public:
   static constexpr const char* kFrame = "map";
 
-  /// Where the world is in the scene now; nothing if no transform tells.
+  /// The present pose of the world in the scene; nothing without a transform.
   static std::optional<WorldPlane> Find(const rviz::DisplayContext& context);
 
-  /// The point of the world [m] that is seen at a pixel of the window; its z is 0. Nothing where
-  /// only the sky is seen.
+  /// The point of the floor at a pixel of the window, in the world [m], with z = 0. Nothing above
+  /// the horizon.
   std::optional<Ogre::Vector3> PointAt(Ogre::Viewport* viewport, int x, int y) const;
 
-  /// From the world into the scene. `height` is above the floor [m].
+  /// Transforms from the world into the scene. `height` is above the floor [m].
   Ogre::Vector3 PositionInScene(const geometry_msgs::Pose2D& pose, float height) const;
   Ogre::Quaternion OrientationInScene(const geometry_msgs::Pose2D& pose) const;
 

@@ -1,4 +1,4 @@
-"""Where a world is, and how it is looked at."""
+"""The extent of a world, and the view of it."""
 
 from io import BytesIO
 
@@ -11,26 +11,26 @@ from flatland_viz.bounds import Bounds, around, bounds_of_markers, framed, grid_
 
 
 def serialized(*markers: Marker) -> bytes:
-    """The message as it comes over the wire."""
+    """A serialized message."""
     buffer = BytesIO()
     MarkerArray(markers=list(markers)).serialize(buffer)
     return buffer.getvalue()
 
 
 def lines(*points, **fields) -> Marker:
-    """A marker with these points, and something in all of its lists and texts."""
+    """A marker with these points and a frame."""
     marker = Marker(type=Marker.LINE_LIST, points=[Point(*point) for point in points], **fields)
     marker.header.frame_id = "map"
     return marker
 
 
-def test_the_box_around_walls():
+def test_the_bounding_box_of_walls():
     marker = lines((1.0, 2.0, 9.0), (-3.5, 4.0, 0.0), (0.0, -0.25, -7.0))
 
     assert bounds_of_markers(serialized(marker)) == Bounds(-3.5, -0.25, 1.0, 4.0)
 
 
-def test_several_markers_with_texts_and_colours_are_read_to_the_end():
+def test_several_markers_with_strings_and_colours_are_read():
     data = serialized(
         lines((0, 0, 0), (1, 1, 0), ns="walls", colors=[ColorRGBA(1, 0, 0, 1)] * 2, text="a b"),
         lines(ns="no points"),
@@ -45,7 +45,7 @@ def test_without_points_there_is_no_box(markers):
     assert bounds_of_markers(serialized(*markers)) is None
 
 
-def test_the_box_around_boxes():
+def test_the_bounding_box_of_boxes():
     assert around([Bounds(0, 0, 1, 1), None, Bounds(-2, 0.5, 0, 3)]) == Bounds(-2, 0, 1, 3)
 
 

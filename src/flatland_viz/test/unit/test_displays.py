@@ -1,4 +1,4 @@
-"""Which displays the window has, and which of them come and go."""
+"""The displays of the window, and how they change with the world."""
 
 from flatland_viz.displays import Shown, changes, laser_scans, wanted
 
@@ -20,7 +20,7 @@ def test_each_layer_and_each_scan_has_a_display():
     ]
 
 
-def test_models_are_waited_for_in_an_empty_world():
+def test_an_empty_world_has_the_displays_of_models():
     shown = wanted(DEBUG, HANDLES, [], [])
 
     assert [one.name for one in shown] == ["models", "drag and turn"]
@@ -47,7 +47,7 @@ def test_laser_scans_are_found_among_all_topics():
     assert laser_scans(published) == ["/camera/scan", "/scan"]
 
 
-def test_a_robot_that_comes_adds_its_scan_and_touches_no_other_display():
+def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
     before = wanted(DEBUG, HANDLES, LISTED, ["/scan"])
     after = wanted(DEBUG, HANDLES, [*LISTED, "model/robot2"], ["/robot2/scan", "/scan"])
 
@@ -57,14 +57,14 @@ def test_a_robot_that_comes_adds_its_scan_and_touches_no_other_display():
     assert new == [Shown("robot2/scan", "rviz/LaserScan", "/robot2/scan")]
 
 
-def test_a_robot_that_goes_takes_its_scan_with_it():
+def test_the_scan_of_a_deleted_robot_is_removed():
     before = wanted(DEBUG, HANDLES, LISTED, ["/robot2/scan", "/scan"])
     after = wanted(DEBUG, HANDLES, LISTED, ["/scan"])
 
     assert changes(before, after) == ([Shown("robot2/scan", "rviz/LaserScan", "/robot2/scan")], [])
 
 
-def test_another_world_replaces_the_layers_alone():
+def test_another_world_replaces_only_the_layers():
     before = wanted(DEBUG, HANDLES, ["layer/map"], ["/scan"])
     after = wanted(DEBUG, HANDLES, ["layer/hall"], ["/scan"])
 
@@ -74,7 +74,7 @@ def test_another_world_replaces_the_layers_alone():
     assert [one.name for one in new] == ["layer/hall"]
 
 
-def test_nothing_changes_when_nothing_has_changed():
+def test_equal_displays_stay():
     shown = wanted(DEBUG, HANDLES, LISTED, ["/scan"])
 
     assert changes(shown, list(shown)) == ([], [])

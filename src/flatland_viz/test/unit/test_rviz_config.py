@@ -1,4 +1,4 @@
-"""The rviz configuration of the window, and of the displays that are made for a world."""
+"""The rviz configurations of the window and of displays."""
 
 from copy import deepcopy
 from pathlib import Path
@@ -44,7 +44,7 @@ def test_the_window_looks_from_above(base):
     assert manager["Global Options"] == base["Visualization Manager"]["Global Options"]
 
 
-def test_the_window_has_tools_to_touch_the_world(base):
+def test_the_window_has_tools_for_the_world(base):
     assert tools(for_window(base)) == [
         "rviz/Interact",
         "rviz/MoveCamera",
@@ -70,7 +70,7 @@ def test_the_window_places_itself(base):
         ("rviz/LaserScan", "Topic"),
     ],
 )
-def test_a_display_is_like_the_pattern_but_for_its_name_and_topic(base, kind, topic_property):
+def test_a_display_differs_from_the_pattern_in_name_and_topic(base, kind, topic_property):
     pattern = next(display for display in displays(base) if display["Class"] == kind)
 
     config = for_display(base, Shown("front", kind, "/front/topic"))

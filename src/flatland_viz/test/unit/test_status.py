@@ -1,4 +1,4 @@
-"""What the status line says of the simulation."""
+"""The contents of the status line."""
 
 import math
 
@@ -9,7 +9,7 @@ from flatland_viz.status import Simulation, has_restarted, status
 RUNNING = Simulation(time=12.345, is_paused=False, rate=1.0, real_time_factor=0.999)
 
 
-def test_a_simulation_that_runs():
+def test_a_running_simulation():
     assert status(RUNNING, silence=0.2) == ("12.3 s", "1.00 x real time", "running")
 
 
@@ -29,7 +29,7 @@ def test_a_paused_simulation_has_no_speed():
         (math.inf, 87.6, "87.60 x real time"),
     ],
 )
-def test_the_speed_asked_for_is_told_when_it_is_not_reached(rate, factor, speed):
+def test_the_requested_speed_is_shown_if_it_is_not_reached(rate, factor, speed):
     simulation = RUNNING._replace(rate=rate, real_time_factor=factor)
 
     assert status(simulation, silence=0.0).speed == speed
@@ -40,15 +40,15 @@ def test_a_server_that_is_silent_for_two_seconds_is_gone():
     assert status(RUNNING, silence=2.1) == ("12.3 s", "", "no server")
 
 
-def test_before_the_first_word_the_window_waits():
+def test_before_the_first_message_the_window_waits():
     assert status(None, silence=100.0) == ("", "", "waiting for the server")
 
 
 @pytest.mark.parametrize(
     ("before", "silence", "time", "is_other_run"),
     [
-        pytest.param(None, 0.1, 0.0, False, id="the first word"),
-        pytest.param(RUNNING, 0.2, 12.5, False, id="it goes on"),
+        pytest.param(None, 0.1, 0.0, False, id="the first message"),
+        pytest.param(RUNNING, 0.2, 12.5, False, id="it continues"),
         pytest.param(RUNNING, 0.2, 12.345, False, id="paused"),
         pytest.param(RUNNING, 0.2, 0.1, True, id="time went back"),
         pytest.param(RUNNING, 2.5, 50.0, True, id="after silence"),

@@ -1,4 +1,4 @@
-"""Which models the window offers, and what it calls them."""
+"""The models in the window's menu, and their names."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from flatland_viz.world_files import label, model_files, title
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A world's folder with two models; a third is elsewhere."""
+    """A folder with a world and two models, and a third model in another folder."""
     (tmp_path / "world").mkdir()
     (tmp_path / "robots").mkdir()
     for name in ("world/crate.model.yaml", "world/arm.model.yaml", "robots/rover.yaml"):
@@ -25,7 +25,7 @@ def write_world(folder: Path, text: str) -> Path:
     return world
 
 
-def test_models_beside_the_world_come_first_then_those_that_it_names(folder):
+def test_models_in_the_worlds_folder_come_before_those_that_it_names(folder):
     world = write_world(
         folder, "models: [{name: a, model: ../robots/rover.yaml}, {name: b, model: arm.model.yaml}]"
     )
@@ -46,7 +46,7 @@ def test_an_absolute_path_is_taken_as_it_is(folder):
 @pytest.mark.parametrize(
     "text",
     [
-        pytest.param("models: [{model: missing.model.yaml}]", id="a file that is not there"),
+        pytest.param("models: [{model: missing.model.yaml}]", id="a missing file"),
         pytest.param("models: [{model: {$eval: name}}, 3]", id="no plain names"),
         pytest.param("models: none", id="no list"),
         pytest.param("- 1", id="no map"),
@@ -55,7 +55,7 @@ def test_an_absolute_path_is_taken_as_it_is(folder):
         pytest.param("", id="empty"),
     ],
 )
-def test_a_world_that_names_nothing_readable_still_offers_its_folder(folder, text):
+def test_a_world_without_readable_names_still_offers_its_folder(folder, text):
     files = model_files(write_world(folder, text))
 
     assert [file.name for file in files] == ["arm.model.yaml", "crate.model.yaml"]
@@ -69,7 +69,7 @@ def test_a_world_that_is_not_on_this_machine_offers_nothing(tmp_path):
     ("file", "name"),
     [("box.model.yaml", "box"), ("rover.yaml", "rover"), ("a.b.model.yaml", "a.b")],
 )
-def test_models_are_called_without_their_endings(file, name):
+def test_names_of_models_have_no_ending(file, name):
     assert label(Path("/worlds") / file) == name
 
 

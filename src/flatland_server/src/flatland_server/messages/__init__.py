@@ -1,4 +1,4 @@
-"""ROS messages from Flatland's values, as objects and as bytes; no master and no rospy needed."""
+"""Makes ROS messages of Flatland's values, as objects or serialized. Needs no rospy."""
 
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
 

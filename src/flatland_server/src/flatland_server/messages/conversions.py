@@ -1,4 +1,4 @@
-"""ROS messages from Flatland's values. Message classes need no ROS master."""
+"""Conversions of Flatland's values into ROS messages. No ROS master is needed."""
 
 from typing import Any
 
@@ -19,12 +19,12 @@ def header(nanoseconds: int, frame_id: str) -> Header:
 
 
 def fill_pose(message: Any, pose: Pose) -> None:
-    """Writes a pose into a geometry_msgs/Pose."""
+    """Writes a pose [m, rad] into a geometry_msgs/Pose."""
     message.position.x, message.position.y = pose.x, pose.y
     orientation = message.orientation
     orientation.x, orientation.y, orientation.z, orientation.w = quaternion(pose.yaw)
 
 
 def fill_twist(message: Any, vx: float, vy: float, omega: float) -> None:
-    """Writes a planar velocity into a geometry_msgs/Twist."""
+    """Writes a planar velocity [m/s, m/s, rad/s] into a geometry_msgs/Twist."""
     message.linear.x, message.linear.y, message.angular.z = vx, vy, omega

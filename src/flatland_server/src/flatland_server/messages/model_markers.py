@@ -1,4 +1,4 @@
-"""A model as rviz markers: its footprints, filled and outlined, and its joints."""
+"""The rviz markers of a model: its footprints, filled and outlined, and its joints."""
 
 from typing import List, Sequence, Tuple
 
@@ -43,19 +43,19 @@ class ModelMarkers:
         self._poses: List[Tuple[float, float, float]] = []
 
     def place(self) -> bool:
-        """Puts the markers where the bodies are now. Returns whether any has moved."""
+        """Sets the markers' poses to the bodies' present ones. Returns whether any has changed."""
         poses = [body.physics_body.pose for body in self._unique]
         has_moved = poses != self._poses
         self._poses = poses
         return has_moved
 
     def bytes(self) -> MarkerBytes:
-        """The markers as they were placed."""
+        """The serialized markers, at the poses set by `place`."""
         return self._markers.place(Pose(*self._poses[index]) for index in self._index)
 
 
 def preview(config: ModelConfig) -> List[Marker]:
-    """The markers of a model that is not in the world, about its origin, without a frame."""
+    """The markers of a model that is not in a world: in its own frame, with an empty frame_id."""
     poses = {body.name: body.pose for body in config.bodies}
     placed = _markers_of(config, "")
     for marker, body in placed:
@@ -64,13 +64,18 @@ def preview(config: ModelConfig) -> List[Marker]:
 
 
 def _markers_of(config: ModelConfig, prefix: str) -> List[Tuple[Marker, str]]:
-    """All markers of a model, each with the body in whose frame it is; namespaces have a prefix."""
+    """All markers of a model, each with the name of the body that has its frame.
+
+    Args:
+        config: the model.
+        prefix: put before each marker's namespace.
+    """
     markers = [
         (marker, body.name)
         for body in config.bodies
         for marker in body_markers(body, prefix + body.name)
     ]
-    # In the frame of a joint's first body, on which a hinge stays where it is.
+    # In the frame of the joint's first body, in which the anchor is fixed.
     markers += [
         (joint_marker(joint, prefix + joint.name), joint.bodies[0]) for joint in config.joints
     ]

@@ -1,13 +1,13 @@
-"""Messages whose bytes are there already; rospy sends them as they are."""
+"""ROS messages that are serialized in advance."""
 
 from typing import Any
 
 
 class PreparedMessage:
-    """To be mixed in before a message's class.
+    """A mixin for message classes, to be named before the class.
 
     Args:
-        data: the serialised message.
+        data: the serialized message.
     """
 
     def __init__(self, data: bytes) -> None:
@@ -15,5 +15,5 @@ class PreparedMessage:
         self._data = data
 
     def serialize(self, buff: Any) -> None:
-        """Writes the bytes."""
+        """Writes the message's bytes into a buffer; called by rospy."""
         buff.write(self._data)

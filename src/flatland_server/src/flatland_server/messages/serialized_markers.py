@@ -1,4 +1,4 @@
-"""Marker arrays whose bytes are there already: rospy would serialise each point by itself."""
+"""Marker arrays serialized in advance: rospy would serialize them point by point."""
 
 import struct
 from io import BytesIO
@@ -13,25 +13,25 @@ _POSE = struct.Struct("<7d")
 
 
 class SerializedMarkerArray(PreparedMessage, MarkerArray):  # type: ignore[misc]
-    """A MarkerArray that rospy sends as it is."""
+    """A MarkerArray that is serialized already."""
 
 
 class MarkerBytes(NamedTuple):
-    """Some markers, as a MarkerArray has them after its length."""
+    """Serialized markers, in the form in which they follow the length in a MarkerArray."""
 
     number: int
     data: bytes
 
 
 def array_of(parts: Iterable[MarkerBytes]) -> SerializedMarkerArray:
-    """The message of these markers together."""
+    """One message with the markers of all parts."""
     parts = list(parts)
     length = struct.pack("<I", sum(part.number for part in parts))
     return SerializedMarkerArray(length + b"".join(part.data for part in parts))
 
 
 def serialized(markers: List[Marker]) -> MarkerBytes:
-    """Markers that do not change."""
+    """Serializes markers."""
     buffer = BytesIO()
     for marker in markers:
         marker.serialize(buffer)
@@ -39,10 +39,10 @@ def serialized(markers: List[Marker]) -> MarkerBytes:
 
 
 class MovingMarkers:
-    """Markers of which nothing changes but their poses.
+    """Serialized markers of which only the poses change.
 
     Args:
-        markers: as they are otherwise.
+        markers: the markers, with any pose.
     """
 
     def __init__(self, markers: List[Marker]) -> None:
@@ -50,12 +50,12 @@ class MovingMarkers:
         self._offsets: List[int] = []  # of the poses
         for marker in markers:
             # In a Marker the pose comes after header (seq, stamp, frame_id), ns, id, type, action.
-            texts = len(marker.header.frame_id.encode()) + len(marker.ns.encode())
-            self._offsets.append(len(self._data) + 12 + 4 + 4 + texts + 12)
+            strings = len(marker.header.frame_id.encode()) + len(marker.ns.encode())
+            self._offsets.append(len(self._data) + 12 + 4 + 4 + strings + 12)
             self._data += serialized([marker]).data
 
     def place(self, poses: Iterable[Pose]) -> MarkerBytes:
-        """The markers at these poses, one for each."""
+        """Returns the markers with new poses, one for each marker, in its order."""
         for offset, pose in zip(self._offsets, poses):
             _POSE.pack_into(self._data, offset, pose.x, pose.y, 0.0, *quaternion(pose.yaw))
         return MarkerBytes(len(self._offsets), bytes(self._data))

@@ -1,4 +1,4 @@
-"""The walls of a layer as one marker, serialised from an array: it may have a million points."""
+"""The walls of a layer as one marker, serialized from an array of perhaps a million points."""
 
 import struct
 
@@ -20,15 +20,15 @@ _WALL_WIDTH = 0.05  # m
 
 
 def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
-    """A line list of all walls of a layer."""
+    """All walls of a layer as one line list."""
     marker = Marker(ns=layer.name, type=Marker.LINE_LIST, action=Marker.ADD)
     marker.header.frame_id = frame_id
     marker.scale.x = _WALL_WIDTH
     marker.color = ColorRGBA(*layer.config.color)
     marker.pose.orientation.w = 1.0
     points = _lines(layer).astype("<f8")
-    # The list of points begins with its length: where a message without points first differs from
-    # one with a point.
+    # The offset of the point list's length: the first byte in which a marker without points differs
+    # from one with a point.
     empty = serialized([marker]).data
     marker.points = [Point()]
     one_point = serialized([marker]).data
@@ -39,7 +39,9 @@ def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
 
 
 def _lines(layer: Layer) -> FloatArray:
-    """Pairs of points: the walls at the least height; with a height, also on top and upright."""
+    """Pairs of points, shape (n, 3): walls at min_z; if max_z is above that, also at max_z, and
+    the vertical edges between both.
+    """
     corners = layer.segments.reshape(-1, 2)
     low, high = (
         np.column_stack([corners, np.full(len(corners), z)])

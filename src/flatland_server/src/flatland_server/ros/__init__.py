@@ -1,1 +1,1 @@
-"""The ROS edge: the only part of the server that imports rospy."""
+"""The ROS node: the only part of the server that imports rospy."""

@@ -1,13 +1,13 @@
-"""What rviz shows: the layers and models as marker arrays.
+"""The layers and models as marker arrays for rviz.
 
-`~debug/layer/<name>` is latched, and published again if walls are added. `~debug/model/<name>` is
-published at a rate of real time, while somebody listens and the model moves, and once a second.
-`~debug/topics` is latched and lists them without `~debug/`. `~debug/models` has the markers of all
-models that move, for a viewer that does not follow that list.
+`~debug/layer/<name>` is latched, and published again when walls are added. `~debug/model/<name>` is
+published at a rate of real time while it has subscribers and the model moves, and once a second.
+`~debug/topics` is latched and lists these topics without `~debug/`. `~debug/models` has the markers
+of all moving models, for a viewer that does not read that list.
 """
 
 import time
-from typing import Dict
+from typing import Dict, List
 
 import rospy
 from flatland_msgs.msg import DebugTopicList
@@ -19,15 +19,15 @@ from flatland_server.messages.serialized_markers import MarkerBytes, array_of, s
 from flatland_server.messages.wall_markers import wall_markers
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model
-from flatland_server.ros.real_time_timer import RealTimeTimer
+from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.simulation.world import World
 
 FRAME_ID = "map"
 
 _FULL_PERIOD = 1.0
-"""Seconds of real time after which models that rest are published again."""
+"""Seconds of real time after which models at rest are published again."""
 
-# With a frame, or rviz would not wait its turn behind the markers that it is to delete.
+# With a frame: rviz would otherwise process it before the markers that it is to delete.
 _DELETE_ALL = serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=FRAME_ID))])
 
 
@@ -35,7 +35,7 @@ class DebugVisualization:
     """Publishes the markers of a world.
 
     Args:
-        world: what is shown.
+        world: the world to show.
         rate: how often models are published [Hz of real time].
     """
 
@@ -43,46 +43,50 @@ class DebugVisualization:
         self._world = world
         self._timer = RealTimeTimer(1.0 / rate)
         self._next_full = 0.0
-        self._listeners = 0
+        self._subscribers = 0
         self._layers = [_LayerDisplay(layer) for layer in world.layers]
         self._models: Dict[str, _ModelDisplay] = {}
+        self._closing: List[_ModelDisplay] = []  # of deleted models
         self._topics = rospy.Publisher("~debug/topics", DebugTopicList, queue_size=1, latch=True)
         self._all = rospy.Publisher("~debug/models", MarkerArray, queue_size=1)
         self._follow_models()
         self._publish_topics()
 
     def update(self) -> None:
-        """Publishes what is due. To be called often, on the simulation's thread."""
+        """Publishes the markers that are due. To be called often, on the simulation's thread."""
         if not self._timer.check_update():
             return
         now = time.monotonic()
         for layer in self._layers:
             layer.update()
+        while self._closing:
+            self._closing.pop().close()
         has_changed = self._follow_models()
         if has_changed:
             self._publish_topics()
-        listeners = self._all.get_num_connections()
-        # What rests need not be told of again, but to somebody who comes late.
-        with_all = has_changed or listeners > self._listeners or now >= self._next_full
-        self._listeners = listeners
+        subscribers = self._all.get_num_connections()
+        # Models at rest are published again for new subscribers only, and once a period.
+        with_all = has_changed or subscribers > self._subscribers or now >= self._next_full
+        self._subscribers = subscribers
         if with_all:
             self._next_full = now + _FULL_PERIOD
         markers = [_DELETE_ALL] if has_changed else []
         for display in self._models.values():
-            if (listeners or display.has_subscribers) and display.place(with_all):
+            if (subscribers or display.has_subscribers) and display.place(with_all):
                 markers.append(display.publish())
-        if listeners and markers:
+        if subscribers and markers:
             self._all.publish(array_of(markers))
 
     def _follow_models(self) -> bool:
-        """Makes displays for new models and ends those of models that are gone."""
+        """Adds displays of new models and removes those of deleted ones. Returns whether any."""
         present = self._world.models
         gone = [
             name for name, shown in self._models.items() if present.get(name) is not shown.model
         ]
         new = [name for name in present if name not in self._models or name in gone]
         for name in gone:
-            self._models.pop(name).close()
+            self._closing.append(self._models.pop(name))
+            self._closing[-1].delete_markers()
         for name in new:
             self._models[name] = _ModelDisplay(present[name])
         return bool(gone or new)
@@ -102,7 +106,7 @@ class _LayerDisplay:
         self.update()
 
     def update(self) -> None:
-        """Publishes the walls, if there are new ones."""
+        """Publishes the walls if there are new ones."""
         if len(self._layer.segments) != self._shown:
             self._shown = len(self._layer.segments)
             self._publisher.publish(wall_markers(self._layer, FRAME_ID))
@@ -113,29 +117,36 @@ class _ModelDisplay:
         self.model = model
         self.topic = f"model/{model.name}"
         self._publisher = rospy.Publisher(f"~debug/{self.topic}", MarkerArray, queue_size=1)
-        self._listeners = 0
+        self._subscribers = 0
         self._markers = ModelMarkers(model, FRAME_ID)
 
     @property
     def has_subscribers(self) -> bool:
-        """Whether anybody listens to this model's own topic."""
+        """Whether this model's own topic has subscribers."""
         return self._publisher.get_num_connections() > 0
 
-    def place(self, anyway: bool) -> bool:
-        """Puts the markers where the model is. Returns whether to publish them: if it has moved."""
-        listeners = self._publisher.get_num_connections()
-        is_new_to_somebody = listeners > self._listeners
-        self._listeners = listeners
-        return self._markers.place() or anyway or is_new_to_somebody
+    def place(self, is_full: bool) -> bool:
+        """Updates the markers' poses. Returns whether to publish them.
+
+        Args:
+            is_full: whether to publish them even if the model is at rest.
+        """
+        subscribers = self._publisher.get_num_connections()
+        has_new_subscriber = subscribers > self._subscribers
+        self._subscribers = subscribers
+        return self._markers.place() or is_full or has_new_subscriber
 
     def publish(self) -> MarkerBytes:
-        """The markers; publishes them, if anybody listens to this model."""
+        """Returns the markers, and publishes them if the model's own topic has subscribers."""
         markers = self._markers.bytes()
-        if self._listeners:
+        if self._subscribers:
             self._publisher.publish(array_of([markers]))
         return markers
 
-    def close(self) -> None:
-        """Makes rviz forget the model, and takes the topic away."""
+    def delete_markers(self) -> None:
+        """Makes rviz delete the markers."""
         self._publisher.publish(array_of([_DELETE_ALL]))
+
+    def close(self) -> None:
+        """Closes the topic; a while after the last message, which rospy may send later."""
         self._publisher.unregister()

@@ -1,4 +1,4 @@
-"""/diagnostics: how the simulation goes, and the plugins that have failed."""
+"""/diagnostics: the state of the simulation, and the plugins that have failed."""
 
 from typing import Any, Dict, List
 
@@ -6,22 +6,22 @@ import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from flatland_server.plugins.plugin_manager import PluginFailure
-from flatland_server.ros.real_time_timer import RealTimeTimer
+from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.simulation.simulation_manager import SimulationManager
 
 _PERIOD = 1.0
-"""Seconds of real time between two messages: a paused simulation has something to tell too."""
+"""Seconds of real time between two messages, also while the simulation is paused."""
 
 
 class _Updater(diagnostic_updater.Updater):
-    """Does not announce a failure as well: the library reports a new status as "starting up"."""
+    """Without the library's extra message for each new status, which says "starting up"."""
 
     def addedTaskCallback(self, task: Any) -> None:  # noqa: N802 (the library's name)
         pass
 
 
 class Diagnostics:
-    """Publishes a status of the simulation, and an error for each plugin that is switched off."""
+    """Publishes the status of the simulation, and an error for each plugin switched off."""
 
     def __init__(self, manager: SimulationManager) -> None:
         self._manager = manager
@@ -70,5 +70,5 @@ class Diagnostics:
 
 
 def _percentile(values: List[float], percent: int) -> float:
-    """Of sorted values."""
+    """A percentile of sorted values."""
     return values[(len(values) - 1) * percent // 100]

@@ -1,12 +1,10 @@
 """Interactive markers: models that are dragged, turned and deleted by mouse, in rviz."""
 
 import math
-import threading
 import time
 from typing import Dict, List, Tuple
 
 import rospy
-from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 from visualization_msgs.msg import (
     InteractiveMarker,
     InteractiveMarkerControl,
@@ -20,30 +18,30 @@ from flatland_server.geometry import Pose
 from flatland_server.messages import fill_pose
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import Model
-from flatland_server.ros.real_time_timer import RealTimeTimer
+from flatland_server.real_time_timer import RealTimeTimer
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.simulation.simulation_manager import SimulationManager
 
 _DELETE = 1
 _HANDLE_Z = 0.05
-"""Above the outlines of models [m]: the mouse takes what is on top."""
+"""Above the outlines of models [m]: the mouse picks what is on top."""
 
 _DRAG_TIMEOUT = 3.0
-"""Real seconds without a word from whoever drags: rviz sends one every quarter of a second."""
+"""Real seconds without feedback after which a drag ends: rviz sends it every 0.25 s."""
 
 _KEEP_ALIVE_PERIOD = rospy.Duration(0.5)
-"""Of ROS time, which is simulated or not: rviz measures in it when it has heard of us last."""
+"""Of ROS time, simulated or not: rviz uses it to time out servers."""
 
 
 class InteractiveMarkerManager:
     """Offers an interactive marker for each model at `interactive_model_markers`.
 
-    While a model is dragged the simulation is paused, and it goes on afterwards if it ran before.
+    While a model is dragged the simulation is paused; it resumes afterwards if it ran before.
 
     Args:
-        manager: what is paused, and whose world's models are shown.
-        transport: brings what the mouse does to the simulation's thread.
-        rate: how often markers follow their models [Hz of real time], while somebody looks.
+        manager: the simulation with the models.
+        transport: hands feedback over to the simulation's thread.
+        rate: how often markers follow their models [Hz of real time], while there are subscribers.
         frame_id: of the world.
     """
 
@@ -55,37 +53,35 @@ class InteractiveMarkerManager:
         self._transport = transport
         self._timer = RealTimeTimer(1.0 / rate)
         self._frame_id = frame_id
-        self._server = _server_without_timer("interactive_model_markers")
+        self._server = transport.rospy_calls.marker_server("interactive_model_markers")
         self._keep_alive_due = rospy.Time()
-        self._shown: Dict[
-            str, Tuple[Model, Tuple[float, float, float]]
-        ] = {}  # and where its base is
-        self._drags: Dict[str, float] = {}  # by model, when the mouse was last heard of
+        self._shown: Dict[str, Tuple[Model, Tuple[float, float, float]]] = {}  # with base's pose
+        self._drags: Dict[str, float] = {}  # real time of the last feedback, by model
         self._resumes = False
 
     def update(self) -> None:
-        """Follows the models if it is time to; to be called often."""
+        """Updates the markers if it is time to; to be called often."""
         self._keep_alive()
         if not self._timer.check_update():
             return
-        long_ago = time.monotonic() - _DRAG_TIMEOUT
-        for name in [name for name, heard in self._drags.items() if heard < long_ago]:
+        oldest = time.monotonic() - _DRAG_TIMEOUT
+        for name in [name for name, updated in self._drags.items() if updated < oldest]:
             self._end_drag(name)
         gone, new = self._follow_models()
         has_moved = self._server.update_pub.get_num_connections() > 0 and self._follow_poses()
         if gone or new or has_moved:
             self._server.applyChanges()
             for name in new:
-                self._let_anybody_drag(name)
+                self._server.allow_drag(name)
 
     def _keep_alive(self) -> None:
         now = rospy.get_rostime()
         if now >= self._keep_alive_due and self._server.update_pub.get_num_connections() > 0:
             self._keep_alive_due = now + _KEEP_ALIVE_PERIOD
-            self._server.keepAlive(None)
+            self._server.keep_alive()
 
     def _follow_models(self) -> Tuple[List[str], List[str]]:
-        """Has markers made and removed; returns the names of models that are gone, and new."""
+        """Adds and removes markers. Returns the names of the models that are gone, and new."""
         models = self._world.models
         gone = [name for name, (model, _) in self._shown.items() if models.get(name) is not model]
         for name in gone:
@@ -105,10 +101,10 @@ class InteractiveMarkerManager:
 
     def _follow_poses(self) -> bool:
         has_moved = False
-        for name, (model, shown_at) in self._shown.items():
-            place = model.base.physics_body.pose
-            if place != shown_at:
-                self._shown[name] = (model, place)
+        for name, (model, shown_pose) in self._shown.items():
+            pose = model.base.physics_body.pose
+            if pose != shown_pose:
+                self._shown[name] = (model, pose)
                 has_moved |= self._server.setPose(name, _pose_message(model.pose))
         return has_moved
 
@@ -141,7 +137,7 @@ class InteractiveMarkerManager:
         try:
             self._world.move_model(name, pose)
         except FlatlandError:
-            return  # beyond where anything can be: it stays where it was
+            return  # outside the limits of the world: the model stays where it was
 
     def _begin_drag(self, name: str) -> None:
         if not self._drags:
@@ -152,31 +148,9 @@ class InteractiveMarkerManager:
     def _end_drag(self, name: str) -> None:
         if self._drags.pop(name, None) is None:
             return
-        self._let_anybody_drag(name)
+        self._server.allow_drag(name)
         if not self._drags and self._resumes:
             self._manager.resume()
-
-    def _let_anybody_drag(self, name: str) -> None:
-        """Undoes what the library does for a second of simulated time: for ever, in a pause.
-
-        It lets nobody else drag a marker that somebody has dragged, or that is new.
-        """
-        context = self._server.marker_contexts.get(name)
-        if context is not None:
-            context.last_feedback = rospy.Time()
-
-
-def _server_without_timer(topic_namespace: str) -> InteractiveMarkerServer:
-    """The library's server, but for the thread that calls `keepAlive`.
-
-    It would wake up at every step of simulated time.
-    """
-    others = set(threading.enumerate())
-    server = InteractiveMarkerServer(topic_namespace)
-    for thread in threading.enumerate():
-        if thread not in others and isinstance(thread, rospy.Timer):
-            thread.shutdown()
-    return server
 
 
 def _pose_message(pose: Pose) -> object:
@@ -186,13 +160,13 @@ def _pose_message(pose: Pose) -> object:
 
 
 def _interactive_marker(model: Model, frame_id: str) -> InteractiveMarker:
-    """A handle on a model: its footprints to drag it by, and a ring to turn it by."""
+    """The marker of a model: its footprints to drag it, and a ring to turn it."""
     marker = InteractiveMarker(name=model.name, pose=_pose_message(model.pose))
-    marker.header.frame_id = frame_id  # without a stamp: feedback comes in this frame
+    marker.header.frame_id = frame_id  # no stamp: feedback comes in this frame
     marker.menu_entries = [MenuEntry(id=_DELETE, title=f"Delete {model.name}")]
     shapes = [shape for shape in preview(model.config) if shape.type == Marker.TRIANGLE_LIST]
     for shape in shapes:
-        shape.color.a = 0.01  # the model itself is shown by others; this is to be hit by the mouse
+        shape.color.a = 0.01  # for the mouse only; other markers show the model
         shape.pose.position.z = _HANDLE_Z
     marker.scale = 2.5 * max(0.2, model.radius)
     drag = InteractiveMarkerControl(

@@ -1,7 +1,7 @@
 """Topics, transforms and parameters over ROS.
 
 rospy calls back on threads of its own. Here a callback is only queued; it runs on the simulation's
-thread when that calls `process`, so that no plugin ever sees a half-stepped world or needs a lock.
+thread when that calls `process`, so that a plugin never sees a half-stepped world or needs a lock.
 """
 
 import itertools
@@ -9,14 +9,15 @@ import logging
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Generic, List, Sequence, Tuple, TypeVar
+from concurrent.futures import Future, wait
+from typing import Any, Callable, Deque, Sequence, Tuple, TypeVar
 
 import rospy
 from tf2_msgs.msg import TFMessage
 
 from flatland_server.geometry import Transform
 from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
-from flatland_server.ros.rospy_patches.nonblocking_connection import send_bytes
+from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
 
@@ -24,28 +25,44 @@ logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
+_SHUTDOWN_CHECK_PERIOD = 0.1  # s
+
 
 class RosTransport(Transport):
-    """A transport over rospy. The ROS node must be initialised."""
+    """A transport over rospy. The ROS node must be initialised.
 
-    def __init__(self) -> None:
-        self._waiting: Deque[Callable[[], None]] = deque()
-        self._arrival = threading.Event()
+    Args:
+        rospy_calls: the operations of rospy to use; by default without patches.
+    """
+
+    def __init__(self, rospy_calls: RospyCalls = RospyCalls()) -> None:  # noqa: B008 (immutable)
+        self.rospy_calls = rospy_calls
+        """The operations of rospy in use."""
         self.has_started = False
-        """Whether the simulation runs, and so comes by to look at `is_ending`."""
+        """Whether the simulation runs, so that it checks `is_ending` regularly."""
         self.is_ending = False
         self.before_sending: Callable[[], None] = lambda: None
-        """Called before anything is sent, and before callbacks: by what has to arrive first."""
+        """Called before anything is sent and before callbacks, to send what must arrive first."""
+        self._waiting: Deque[Callable[[], None]] = deque()
+        self._arrival = threading.Event()
         self._transforms = TransformQueue()
-        self._listeners = _Listeners()
+        self._subscriber_counter = _SubscriberCounter()
         self._tf = rospy.Publisher(
-            "/tf", TFMessage, self._listeners, queue_size=100, tcp_nodelay=True
+            "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
 
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        return _RosPublisher(self, topic, message_type, latch, queue_size, self._listeners)
+        publisher = rospy.Publisher(
+            topic,
+            message_type,
+            self._subscriber_counter,
+            latch=latch,
+            queue_size=queue_size,
+            tcp_nodelay=True,
+        )
+        return _RosPublisher(self, publisher)
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
@@ -58,7 +75,7 @@ class RosTransport(Transport):
 
     @property
     def subscriber_revision(self) -> object:
-        return self._listeners.version
+        return self._subscriber_counter.revision
 
     def send_transform(self, transform: Transform) -> None:
         self._transforms.add(transform)
@@ -74,7 +91,7 @@ class RosTransport(Transport):
         if self._waiting:
             self._run_callbacks()
         if timeout <= 0.0:
-            return  # as quickly as can be: at full speed it comes by at each step
+            return  # at full speed, this is called at each step
         deadline = time.monotonic() + timeout
         remaining = timeout
         while remaining > 0.0 and not self.is_ending:
@@ -84,35 +101,46 @@ class RosTransport(Transport):
             remaining = deadline - time.monotonic()
 
     def end(self) -> None:
-        """Lets the simulation end as soon as `process` has waited; may be called from anywhere.
+        """Makes the simulation end after the current wait of `process`; for any thread.
 
-        That is from a signal handler, too. It takes no lock, hence does not wake `process`: the
+        Signal handlers may call it too. It takes no lock, hence does not wake `process`: the
         handler may have interrupted this very thread while it holds the lock.
         """
         self.is_ending = True
 
     def post(self, callback: Callable[[], None]) -> None:
-        """Has a callback run on the simulation's thread, between steps. For ROS's threads."""
+        """Queues a callback for the simulation's thread, between steps. For ROS's threads."""
         self._waiting.append(callback)
         self._arrival.set()
 
     def call(self, function: Callable[[], T]) -> T:
         """Runs a function on the simulation's thread, between steps, and returns its result.
 
-        For ROS's threads; blocks until it is done. An exception is raised here.
+        For ROS's threads; blocks until it is done.
+
+        Raises:
+            rospy.ServiceException: the simulation is shutting down.
+            Exception: whatever the function raises.
         """
-        errand = _Errand(function)
-        self.post(errand.run)
-        while not errand.is_done(0.1):
+        future: Future[T] = Future()
+
+        def run() -> None:
+            try:
+                future.set_result(function())
+            except BaseException as error:
+                future.set_exception(error)
+
+        self.post(run)
+        while not wait([future], _SHUTDOWN_CHECK_PERIOD).done:
             if self.is_ending:
                 raise rospy.ServiceException("the simulation is shutting down")
-        return errand.result()
+        return future.result()
 
     def flush(self) -> None:
         message = self._transforms.take()
         if message:
             self.before_sending()
-            send_bytes(self._tf, message)
+            self.rospy_calls.send_bytes(self._tf, message)
 
     def _run_callbacks(self) -> None:
         self.before_sending()
@@ -123,64 +151,25 @@ class RosTransport(Transport):
                 logger.exception("a callback failed")
 
 
-class _Errand(Generic[T]):
-    """A function that one thread runs for another."""
-
-    def __init__(self, function: Callable[[], T]) -> None:
-        self._function = function
-        self._outcome: List[Any] = []
-        self._done = threading.Event()
-
-    def run(self) -> None:
-        try:
-            self._outcome = [self._function(), None]
-        except BaseException as error:
-            self._outcome = [None, error]
-        self._done.set()
-
-    def is_done(self, timeout: float) -> bool:
-        return self._done.wait(timeout)
-
-    def result(self) -> T:
-        value, error = self._outcome
-        if error is not None:
-            raise error
-        return value
-
-
-class _Listeners(rospy.SubscribeListener):  # type: ignore[misc]
-    """Counts how often listeners have come or gone. ROS's threads call it."""
+class _SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
+    """Counts how often subscribers have connected or disconnected. ROS's threads call it."""
 
     def __init__(self) -> None:
         self._counter = itertools.count(1)
-        self.version = 0
+        self.revision = 0
 
     def peer_subscribe(self, *_: Any) -> None:
-        self.version = next(self._counter)
+        self.revision = next(self._counter)
 
     def peer_unsubscribe(self, *_: Any) -> None:
-        self.version = next(self._counter)
+        self.revision = next(self._counter)
 
 
 class _RosPublisher(Publisher):
-    def __init__(
-        self,
-        transport: RosTransport,
-        topic: str,
-        message_type: Any,
-        latch: bool,
-        queue_size: int,
-        listeners: _Listeners,
-    ) -> None:
+    def __init__(self, transport: RosTransport, publisher: rospy.Publisher) -> None:
         self._transport = transport
-        self._publisher = rospy.Publisher(
-            topic,
-            message_type,
-            listeners,
-            latch=latch,
-            queue_size=queue_size,
-            tcp_nodelay=True,
-        )
+        self._publisher = publisher
+        self._send_bytes = transport.rospy_calls.send_bytes
 
     @property
     def has_subscribers(self) -> bool:
@@ -193,7 +182,7 @@ class _RosPublisher(Publisher):
     def write(self, writer: MessageWriter, *values: Any) -> None:
         if self.has_subscribers:
             self._transport.before_sending()
-            send_bytes(self._publisher, writer.data(*values))
+            self._send_bytes(self._publisher, writer.data(*values))
 
     def close(self) -> None:
         self._publisher.unregister()

@@ -1,4 +1,4 @@
-"""The server's ROS services. Each runs between steps, and says what was wrong if something was."""
+"""The server's ROS services. Errors are reported as `ModelError: a model named ...`."""
 
 from pathlib import Path
 from typing import Any, Callable, Type
@@ -29,12 +29,19 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.messages.model_markers import preview
 from flatland_server.ros.ros_transport import RosTransport
-from flatland_server.ros.rospy_patches.batch_registration import batch_registration
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world_config import ModelEntry
 
 
 class ServiceManager:
-    """Offers the services for models, for pausing and for the rate."""
+    """Offers the services for models, for pausing and for the rate.
+
+    rospy calls a service on a thread of its own. Files are read there; what changes the simulation
+    runs on the simulation's thread, between two steps.
+
+    The `message` of a response begins with the name of an exception class (see
+    `flatland_server.exceptions`; `ValueError` for a rate), for programs to tell errors apart.
+    """
 
     def __init__(self, manager: SimulationManager, transport: RosTransport) -> None:
         self._manager = manager
@@ -44,21 +51,31 @@ class ServiceManager:
         self._offer("delete_model", DeleteModel, DeleteModelResponse, self._delete_model)
         self._offer("move_model", MoveModel, MoveModelResponse, self._move_model)
         self._offer("change_rate", ChangeRate, ChangeRateResponse, self._change_rate)
-        rospy.Service("get_model_markers", GetModelMarkers, self._get_model_markers)
+        self._offer(
+            "get_model_markers", GetModelMarkers, GetModelMarkersResponse, self._get_model_markers
+        )
         self._offer_empty("pause", manager.pause)
         self._offer_empty("resume", manager.resume)
         self._offer_empty("toggle_pause", manager.toggle_pause)
 
     def _offer(
-        self, name: str, service: Any, response: Type[Any], action: Callable[[Any], None]
+        self, name: str, service: Any, response: Type[Any], action: Callable[[Any], Any]
     ) -> None:
+        """Offers a service.
+
+        Args:
+            name: of the service.
+            service: its type.
+            response: its response's type, with `success` and `message`.
+            action: called with the request; returns the response, or None for success.
+        """
+
         def handle(request: Any) -> Any:
             try:
-                self._transport.call(lambda: action(request))
+                return action(request) or response(success=True)
             except (FlatlandError, ValueError) as error:
                 rospy.logwarn("%s: %s", name, error)
-                return response(success=False, message=str(error))
-            return response(success=True, message="")
+                return response(success=False, message=f"{type(error).__name__}: {error}")
 
         rospy.Service(name, service, handle)
 
@@ -70,26 +87,27 @@ class ServiceManager:
         rospy.Service(name, Empty, handle)
 
     def _spawn_model(self, request: SpawnModelRequest) -> None:
-        with batch_registration():
-            self._world.spawn_model(
-                Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
-            )
+        entry = self._world.read_model_entry(
+            Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
+        )
+        self._transport.call(lambda: self._add_model(entry))
+
+    def _add_model(self, entry: ModelEntry) -> None:
+        with self._transport.rospy_calls.batch_registration():
+            self._world.add_model(entry)
 
     def _delete_model(self, request: DeleteModelRequest) -> None:
-        self._world.delete_model(request.name)
+        self._transport.call(lambda: self._world.delete_model(request.name))
 
     def _move_model(self, request: MoveModelRequest) -> None:
-        self._world.move_model(request.name, _to_pose(request.pose))
+        pose = _to_pose(request.pose)
+        self._transport.call(lambda: self._world.move_model(request.name, pose))
 
     def _change_rate(self, request: ChangeRateRequest) -> None:
-        self._manager.change_rate(request.rate)
+        self._transport.call(lambda: self._manager.change_rate(request.rate))
 
     def _get_model_markers(self, request: GetModelMarkersRequest) -> GetModelMarkersResponse:
-        """Reads the file on the caller's thread: nothing of the world is touched."""
-        try:
-            markers = preview(self._world.read_model(Path(request.yaml_path)))
-        except FlatlandError as error:
-            return GetModelMarkersResponse(success=False, message=str(error))
+        markers = preview(self._world.read_model(Path(request.yaml_path)))
         return GetModelMarkersResponse(success=True, markers=MarkerArray(markers))
 
 

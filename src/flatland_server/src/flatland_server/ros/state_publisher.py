@@ -1,4 +1,4 @@
-"""~state: whether and how fast the simulation goes, for windows on it."""
+"""~state: whether the simulation is paused, and its rate, for graphical front ends."""
 
 import time
 
@@ -9,7 +9,7 @@ from flatland_server.messages import ros_time
 from flatland_server.simulation.simulation_manager import SimulationManager
 
 _PERIOD = 0.2
-"""Seconds of real time between two messages; a change of what is asked for is told at once."""
+"""Seconds of real time between two messages; a change by a user is published at once."""
 
 
 class StatePublisher:
@@ -19,17 +19,17 @@ class StatePublisher:
         self._manager = manager
         self._publisher = rospy.Publisher("~state", SimulationState, queue_size=1, latch=True)
         self._due = 0.0
-        self._told = (False, 0.0)
+        self._published = (False, 0.0)
 
     def update(self) -> None:
         """Publishes if it is time to; to be called often."""
         manager = self._manager
-        asked = (manager.is_paused, manager.rate)
+        requested = (manager.is_paused, manager.rate)
         now = time.monotonic()
-        if now < self._due and asked == self._told:
+        if now < self._due and requested == self._published:
             return
         self._due = now + _PERIOD
-        self._told = asked
+        self._published = requested
         stamp = ros_time(manager.timekeeper.nanoseconds)
-        paused, rate = asked
+        paused, rate = requested
         self._publisher.publish(SimulationState(stamp, paused, rate, manager.real_time_factor))

@@ -5,7 +5,7 @@ timekeeper = Timekeeper(step_size=0.005)
 world.step(timekeeper)
 """
 
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Dict, List, Optional
 
@@ -17,6 +17,7 @@ from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
     ModelError,
+    PluginError,
     Problem,
     YamlError,
     suggestion,
@@ -65,8 +66,9 @@ class World:
         """The world of the core."""
         self.entities = Entities()
         """The model or layer that each body belongs to."""
+        self._loader = loader or PluginLoader()
         self._plugins = PluginManager(
-            self.transport, loader or PluginLoader(), seed, self.physics, self.entities
+            self.transport, self._loader, seed, self.physics, self.entities
         )
         self._deferred = DeferredActions()
         try:
@@ -143,12 +145,7 @@ class World:
             FlatlandError: the file, the name, the namespace or the pose is not usable. The world is
                 unchanged.
         """
-        problem = topic_name_problem(name) or namespace_problem(namespace)
-        if problem:
-            raise ModelError(problem)
-        self._check_is_new(name)
-        _check_pose(pose)
-        entry = ModelEntry(name, namespace, pose, self.read_model(path))
+        entry = self.read_model_entry(path, name, namespace, pose)
         return self._deferred.run_or_defer(
             lambda: self.add_model(entry), f'the model "{name}" is not spawned'
         )
@@ -163,6 +160,28 @@ class World:
             raise ModelError(f"there is no file {path}")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
             return ModelConfig.from_file(path, self.registry, preprocessor)
+
+    def read_model_entry(self, path: Path, name: str, namespace: str, pose: Pose) -> ModelEntry:
+        """Does all of `spawn_model` that does not change the world; any thread may call it.
+
+        The result is for `add_model`, which checks again that the name is free. Plugin classes are
+        imported here, so that `add_model` does not have to.
+
+        Args: those of `spawn_model`.
+
+        Raises:
+            FlatlandError: the file, the name, the namespace or the pose is not usable.
+        """
+        problem = topic_name_problem(name) or namespace_problem(namespace)
+        if problem:
+            raise ModelError(problem)
+        self._check_is_new(name)
+        _check_pose(pose)
+        model = self.read_model(path)
+        for plugin in model.plugins:
+            with suppress(PluginError):  # add_model reports it, with its line
+                self._loader.load(plugin.type, ModelPlugin)
+        return ModelEntry(name, namespace, pose, model)
 
     def add_model(self, entry: ModelEntry) -> Model:
         """Adds a model that has been read already, or made without a file, to the world.

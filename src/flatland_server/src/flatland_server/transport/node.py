@@ -86,12 +86,13 @@ class Node:
         def guarded(message: Any) -> None:
             if self._is_closed:
                 return
+            on_failure = self.on_failure  # the callback may close this node
             try:
                 callback(message)
             except Exception:
-                if self.on_failure is None:
+                if on_failure is None:
                     raise
-                self.on_failure(f"its callback of {name}")
+                on_failure(f"its callback of {name}")
 
         subscription = self._transport.subscribe(name, message_type, guarded)
         self._subscriptions.append(subscription)
@@ -141,4 +142,5 @@ class Node:
             subscription.close()
         self._publishers.clear()
         self._subscriptions.clear()
+        self.on_failure = None  # it refers to the plugin, which refers to this node
         self._frames.release(self.owner)

@@ -1,58 +1,66 @@
-"""Sending at once what a listener has room for.
+"""Sends a message at once if the subscriber's socket has room for it.
 
-rospy hands every message to a thread of its connection, which costs two changes of threads under
-Python's lock: more than all the rest of a small message, hundreds of times a second. Here the
-publishing thread writes to the socket itself, as long as that does not have to wait. A listener
-that does not keep up gets what follows from rospy's thread, and loses the oldest of a full queue,
-as before: it never holds the simulation up.
+rospy hands every message to a thread of the connection. This costs two thread switches under
+Python's global lock: more than the rest of the work for a small message, hundreds of times a
+second. Here the publishing thread writes to the socket itself, as long as that does not block. A
+subscriber that does not keep up receives what follows from rospy's thread, and loses the oldest
+messages of a full queue, as with rospy alone: it never delays the simulation.
 """
 
 import socket
-import struct
-from typing import Any
+from typing import Any, Dict
 
 import rospy.topics
 from rospy.exceptions import TransportTerminated
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
-_LENGTH = struct.Struct("<I")
+from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+
+_CONNECTION = "rospy.impl.tcpros_pubsub:QueuedConnection"
+
+REQUIREMENTS = (
+    Requirement("rospy.topics:QueuedConnection", ("connection", "queue_size")),
+    Requirement("rospy.topics:_PublisherImpl.add_connection", uses=("QueuedConnection",)),
+    Requirement(
+        f"{_CONNECTION}.__init__",
+        uses=(
+            "_connection",
+            "_queue_size",
+            "_lock",
+            "_cond_data_available",
+            "_queue",
+            "_error",
+            "_run",
+        ),
+    ),
+    Requirement(f"{_CONNECTION}.write_data", ("self", "data")),
+    Requirement(f"{_CONNECTION}._run", ("self",)),
+    Requirement("rospy.impl.tcpros_base:TCPROSTransport.__init__", uses=("socket",)),
+    Requirement(
+        "rospy.impl.transport:Transport.__init__", uses=("done", "stat_bytes", "stat_num_msg")
+    ),
+)
 
 
-def use_nonblocking_connections() -> None:
-    """Lets publishers of this process send so. To be called before there are any."""
+def install() -> Dict[str, Any]:
+    """Makes publishers use `NonblockingConnection` for new subscribers. Replaces no call."""
+    check_all(REQUIREMENTS)
     rospy.topics.QueuedConnection = NonblockingConnection
-
-
-def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
-    """Publishes a serialised message, without the detour over an object. Not for latched topics."""
-    send_framed(publisher, _LENGTH.pack(len(data)) + data)
-
-
-def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
-    """The same with one message or several that have their lengths before them."""
-    topic = publisher.impl
-    if topic is None or topic.closed:
-        return
-    for connection in topic.connections:
-        try:
-            connection.write_data(framed)
-        except Exception:  # as rospy's own publish: who cannot be sent to is listened to no more
-            connection.close()
-            topic.remove_connection(connection)
+    return {}
 
 
 class NonblockingConnection(QueuedConnection):
-    """A connection to a listener, as rospy's publishers use it."""
+    """A connection to a subscriber, with the interface that rospy's publishers use."""
 
     def __init__(self, connection: Any, queue_size: int) -> None:
-        self._unsent = b""  # what the thread is sending, or has to send first
+        self._unsent = b""  # what the thread is sending, or must send first
         super().__init__(connection, queue_size)
 
     def write_data(self, data: bytes) -> bool:
-        """Sends a message, or leaves it to the thread if it does not fit into the socket now.
+        """Sends a message, or queues it for the thread if it does not fit into the socket now.
 
         Raises:
-            TransportTerminated: the listener is gone.
+            TransportTerminated: the connection is closed.
         """
         try:
             with self._lock:
@@ -78,7 +86,7 @@ class NonblockingConnection(QueuedConnection):
         self._cond_data_available.notify()
 
     def _send_now(self, data: bytes) -> int:
-        """How many bytes the socket has taken without waiting."""
+        """Returns how many bytes the socket has taken without blocking."""
         connection = self._connection
         if connection.socket is None:
             raise TransportTerminated("connection closed")

@@ -1,24 +1,30 @@
-"""Room for many listeners who connect at once.
+"""A longer queue for incoming connections.
 
-rospy has the system keep five connections that nobody has come to accept yet. Who subscribes to
-hundreds of topics of a node, as a listener to a hundred robots does, asks for all of them in a
-moment; those that find no room try again after a second, two seconds, four seconds and so on.
+rospy's socket keeps at most five connections waiting to be accepted. A subscriber to hundreds of
+topics of this node, such as a recorder of a hundred robots, opens all of its connections at once;
+those that do not fit are retried by the system after one second, two seconds, four seconds etc.
 """
 
-import logging
+from typing import Any, Dict
 
 from rospy.impl import tcpros_base
 
-logger = logging.getLogger(__name__)
+from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+
+REQUIREMENTS = (
+    Requirement("rospy.impl.tcpros_base:start_tcpros_server", ()),
+    Requirement("rospy.impl.tcpros_base:_tcpros_server"),
+    Requirement("rospy.impl.tcpros_base:TCPROSServer.__init__", uses=("tcp_ros_server",)),
+    Requirement("rospy.impl.tcpros_base:TCPServer.__init__", uses=("server_sock",)),
+)
 
 _BACKLOG = 1024
 """Connections that may wait to be accepted; the system may allow fewer."""
 
 
-def enlarge_tcpros_backlog() -> None:
-    """Lets so many connect to this process at once. To be called after `rospy.init_node`."""
-    try:
-        tcpros_base.start_tcpros_server()  # as the first listener would
-        tcpros_base._tcpros_server.tcp_ros_server.server_sock.listen(_BACKLOG)
-    except (AttributeError, OSError) as error:  # another rospy than we know: as it is without us
-        logger.warning("when many listeners connect at once, some will have to wait: %s", error)
+def install() -> Dict[str, Any]:
+    """Enlarges the queue of rospy's socket, which it opens if need be. Replaces no call."""
+    check_all(REQUIREMENTS)
+    tcpros_base.start_tcpros_server()  # as the first subscriber would
+    tcpros_base._tcpros_server.tcp_ros_server.server_sock.listen(_BACKLOG)
+    return {}

@@ -1,13 +1,13 @@
-"""Rates of real time, for what goes on in a pause too."""
+"""Periods of real time, for what also happens while the simulation is paused."""
 
 import time
 
 
 class RealTimeTimer:
-    """Says when something is due: at once, and then again and again.
+    """Is due at once, and then periodically.
 
     Args:
-        period: [s] of real time. Who asks too late for one time hears of it once, not twice.
+        period: [s] of real time. Periods missed since the last check are skipped.
     """
 
     def __init__(self, period: float) -> None:
@@ -15,7 +15,7 @@ class RealTimeTimer:
         self._due = 0.0
 
     def check_update(self) -> bool:
-        """Whether it is due now. True only once for each time."""
+        """Whether it is due now; true only once per period."""
         now = time.monotonic()
         if now < self._due:
             return False

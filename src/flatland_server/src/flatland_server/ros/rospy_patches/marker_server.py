@@ -1,0 +1,50 @@
+"""Interactive markers without the library's thread, which wakes at every step of simulated time."""
+
+import threading
+from typing import Any, Dict
+
+import rospy
+
+from flatland_server.ros.rospy_patches import rospy_calls
+from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+
+_SERVER = "interactive_markers.interactive_marker_server:InteractiveMarkerServer"
+
+REQUIREMENTS = (
+    Requirement(f"{_SERVER}.__init__", uses=("Timer", "keepAlive", "marker_contexts")),
+    Requirement(f"{_SERVER}.keepAlive", ("self", "msg")),
+    Requirement(
+        "interactive_markers.interactive_marker_server:MarkerContext.__init__",
+        uses=("last_feedback",),
+    ),
+    Requirement("rospy:Timer.shutdown", ("self",)),
+)
+
+
+def install() -> Dict[str, Any]:
+    """Checks the requirements. Returns the class that this replaces."""
+    check_all(REQUIREMENTS)
+    return {"marker_server": MarkerServer}
+
+
+class MarkerServer(rospy_calls.MarkerServer):
+    """Sends keep-alive messages only when asked to.
+
+    Args:
+        topic_namespace: of its topics.
+    """
+
+    def __init__(self, topic_namespace: str) -> None:
+        others = set(threading.enumerate())
+        super().__init__(topic_namespace)
+        for thread in threading.enumerate():
+            if thread not in others and isinstance(thread, rospy.Timer):
+                thread.shutdown()
+
+    def keep_alive(self) -> None:
+        self.keepAlive(None)
+
+    def allow_drag(self, name: str) -> None:
+        context = self.marker_contexts.get(name)
+        if context is not None:
+            context.last_feedback = rospy.Time()

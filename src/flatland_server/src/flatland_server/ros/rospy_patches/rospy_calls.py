@@ -1,0 +1,84 @@
+"""The operations that patches replace, here through rospy's public interface."""
+
+import struct
+from contextlib import nullcontext
+from dataclasses import dataclass
+from typing import Any, Callable, ContextManager, Optional, Type
+
+import rospy
+from interactive_markers.interactive_marker_server import InteractiveMarkerServer
+
+LENGTH = struct.Struct("<I")
+"""Precedes each message on a TCPROS connection: the message's size [bytes]."""
+
+
+class LocalTime:
+    """This process's simulated time, set without the detour over /clock."""
+
+    def set(self, seconds: int, nanoseconds: int) -> None:
+        """Sets what `rospy.Time.now()` returns."""
+        raise NotImplementedError
+
+    def notify(self) -> None:
+        """Wakes the threads of this process that wait for a time."""
+        raise NotImplementedError
+
+
+class MarkerServer(InteractiveMarkerServer):  # type: ignore[misc]
+    """The server of interactive_markers: a thread of its own sends keep-alive messages."""
+
+    def keep_alive(self) -> None:
+        """Sends a keep-alive message, unless the library does so itself."""
+
+    def allow_drag(self, name: str) -> None:
+        """Lets any client drag a marker at once.
+
+        The library reserves a marker for a second of simulated time, which in a pause never ends,
+        to the client that dragged it last.
+        """
+
+
+class _SerializedMessage(rospy.AnyMsg):  # type: ignore[misc]
+    def __init__(self, data: bytes) -> None:
+        super().__init__()
+        self._data = data
+
+    def serialize(self, buff: Any) -> None:
+        buff.write(self._data)
+
+
+def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
+    """Publishes a serialized message."""
+    if publisher.get_num_connections():
+        publisher.publish(_SerializedMessage(data))
+
+
+def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
+    """Publishes serialized messages, each preceded by its length."""
+    begin = 0
+    while begin < len(framed):
+        (length,) = LENGTH.unpack_from(framed, begin)
+        begin += LENGTH.size
+        send_bytes(publisher, framed[begin : begin + length])
+        begin += length
+
+
+@dataclass(frozen=True)
+class RospyCalls:
+    """What the server does through rospy; by default, without any patch.
+
+    Attributes:
+        send_bytes: publishes a serialized message; not for latched topics.
+        send_framed: publishes one or more serialized messages, each preceded by its length.
+        batch_registration: within this context, topics and services may be registered with the
+            master later, together, at its end.
+        take_over_time: returns the object that sets this process's time, from then on instead of
+            rospy's own subscription to /clock; None if time is not simulated, or is left to rospy.
+        marker_server: the class that serves interactive markers.
+    """
+
+    send_bytes: Callable[[rospy.Publisher, bytes], None] = send_bytes
+    send_framed: Callable[[rospy.Publisher, bytes], None] = send_framed
+    batch_registration: Callable[[], ContextManager[None]] = nullcontext
+    take_over_time: Callable[[], Optional[LocalTime]] = lambda: None
+    marker_server: Type[MarkerServer] = MarkerServer

@@ -1,0 +1,70 @@
+"""The private parameters of the node flatland_server."""
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import rospy
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.maps.simplify_outlines import TOLERANCES
+
+
+class ServerConfig(NamedTuple):
+    """The node's private parameters."""
+
+    world_path: Path
+    update_rate: float
+    step_size: float
+    show_viz: bool
+    viz_pub_rate: float
+    seed: int
+    simplify_map: int
+    realtime_priority: bool
+    rospy_patches: bool
+
+    @classmethod
+    def read(cls) -> "ServerConfig":
+        """Reads and checks them.
+
+        Raises:
+            FlatlandError: one is missing or invalid.
+        """
+        world_path = rospy.get_param("~world_path", "")
+        if not world_path:
+            raise FlatlandError("the parameter ~world_path must be the path of a world file")
+        seed = rospy.get_param("~seed", 0)
+        if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+            raise FlatlandError(f"~seed: expected a whole number of 0 or more, found {seed}")
+        simplify_map = rospy.get_param("~simplify_map", 0)
+        if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
+            raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
+        return cls(
+            world_path=Path(str(world_path)).absolute(),
+            update_rate=_positive("~update_rate", 200.0, allow_infinity=True),
+            step_size=_positive("~step_size", 0.005),
+            show_viz=_flag("~show_viz", True),
+            viz_pub_rate=_positive("~viz_pub_rate", 30.0),
+            seed=seed,
+            simplify_map=simplify_map,
+            realtime_priority=_flag("~realtime_priority", True),
+            rospy_patches=_flag("~rospy_patches", True),
+        )
+
+
+def _flag(name: str, default: bool) -> bool:
+    value = rospy.get_param(name, default)
+    if not isinstance(value, bool):
+        raise FlatlandError(f"{name}: expected true or false, found {value}")
+    return value
+
+
+def _positive(name: str, default: float, *, allow_infinity: bool = False) -> float:
+    value: Any = rospy.get_param(name, default)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if number > 0 and (allow_infinity or math.isfinite(number)):
+        return number
+    raise FlatlandError(f"{name}: expected a number above 0, found {value}")

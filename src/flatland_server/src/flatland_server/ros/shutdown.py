@@ -1,0 +1,59 @@
+"""Ctrl-C and SIGTERM: end the simulation after the current step, if that ends."""
+
+import os
+import queue
+import signal
+import sys
+import threading
+from typing import Any
+
+import rospy
+
+from flatland_server.plugins.running_plugin import describe_running
+from flatland_server.ros.ros_transport import RosTransport
+
+STEP_LIMIT = 1.0
+"""Real time that the current step has to end after a signal [s]. scripts/run kills after 1.5 s."""
+
+
+class Shutdown:
+    """Handles the signals that end the node. To be made on the main thread, which simulates.
+
+    rospy's own handler shuts down at once, on the main thread: if it interrupts a spawn that holds
+    one of rospy's locks, it waits for itself for ever. Here the current step is finished first. A
+    step that does not end, for instance in a plugin with an endless loop, ends the process.
+
+    While the world is loading there is no step to wait for: the process ends at once.
+    """
+
+    def __init__(self, transport: RosTransport) -> None:
+        self._transport = transport
+        # A signal handler must not take a lock that the code it interrupts may hold, and starting
+        # a thread takes several; SimpleQueue.put is reentrant.
+        self._signals: queue.SimpleQueue[int] = queue.SimpleQueue()
+        self._steps_have_ended = threading.Event()
+        self._simulation = threading.get_ident()
+        threading.Thread(target=self._limit_step, daemon=True).start()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._end)
+        rospy.on_shutdown(transport.end)
+
+    def steps_have_ended(self) -> None:
+        """To be called after the last step."""
+        self._steps_have_ended.set()
+
+    def _end(self, number: int, _frame: Any) -> None:
+        if not self._transport.has_started:
+            os._exit(0)
+        self._transport.end()
+        self._signals.put(number)
+
+    def _limit_step(self) -> None:
+        self._signals.get()
+        if self._steps_have_ended.wait(STEP_LIMIT):
+            return
+        frame = sys._current_frames().get(self._simulation)
+        rospy.logfatal(
+            "the current step does not end: the process exits within %s", describe_running(frame)
+        )
+        os._exit(1)

@@ -1,0 +1,36 @@
+"""The interactive markers' server without the library's thread; the rest is in a rostest."""
+
+import rospy
+from interactive_markers.interactive_marker_server import InteractiveMarkerServer
+from rospy import rostime
+
+from flatland_server.ros.rospy_patches.marker_server import MarkerServer
+
+LIMIT = 10.0  # s
+
+
+def test_no_thread_of_the_library_waits_for_the_next_step(monkeypatch):
+    timers, calls = [], []
+
+    def start_timer(_server, _topics):
+        """Starts a thread that waits for simulated time, as the library does."""
+        timers.append(rospy.Timer(rospy.Duration(0.5), calls.append))
+
+    monkeypatch.setattr(rostime, "_rostime_initialized", True)
+    monkeypatch.setattr(rostime, "_rostime_current", None)
+    monkeypatch.setattr(InteractiveMarkerServer, "__init__", start_timer)
+    monkeypatch.setattr(InteractiveMarkerServer, "__del__", lambda _: None)
+    rostime._set_rostime(rospy.Time(1))
+    other = rospy.Timer(rospy.Duration(1000.0), lambda _: None)
+
+    MarkerServer("topics")
+    for second in range(2, 10):
+        rostime._set_rostime(rospy.Time(second))
+    timers[0].join(LIMIT)
+
+    assert not timers[0].is_alive()
+    assert len(calls) == 0
+    assert other.is_alive()
+    other.shutdown()
+    rostime._set_rostime(rospy.Time(2000))
+    other.join(LIMIT)
