@@ -1,8 +1,12 @@
 """The interactive markers' server without the library's thread; the rest is in a rostest."""
 
+import threading
+
+import pytest
 import rospy
-from interactive_markers.interactive_marker_server import InteractiveMarkerServer
+from interactive_markers.interactive_marker_server import InteractiveMarkerServer, MarkerContext
 from rospy import rostime
+from visualization_msgs.msg import InteractiveMarkerFeedback
 
 from flatland_server.ros.rospy_patches.marker_server import MarkerServer
 
@@ -34,3 +38,22 @@ def test_no_thread_of_the_library_waits_for_the_next_step(monkeypatch):
     other.shutdown()
     rostime._set_rostime(rospy.Time(2000))
     other.join(LIMIT)
+
+
+@pytest.mark.parametrize(("is_allowed", "received"), [(False, 0), (True, 1)])
+def test_a_drag_is_allowed_in_the_first_second_of_simulated_time(monkeypatch, is_allowed, received):
+    monkeypatch.setattr(rostime, "_rostime_initialized", True)
+    monkeypatch.setattr(rostime, "_rostime_current", rospy.Time.from_sec(0.3))
+    monkeypatch.setattr(InteractiveMarkerServer, "__del__", lambda _: None)
+    feedback = []
+    marker = MarkerContext()
+    marker.default_feedback_cb = feedback.append
+    marker.last_feedback = rospy.Time.from_sec(0.1)  # when the library made it
+    server = MarkerServer.__new__(MarkerServer)
+    server.mutex, server.marker_contexts = threading.Lock(), {"box": marker}
+
+    if is_allowed:
+        server.allow_drag("box")
+    server.processFeedback(InteractiveMarkerFeedback(marker_name="box", client_id="rviz"))
+
+    assert len(feedback) == received

@@ -20,6 +20,12 @@ REQUIREMENTS = (
     Requirement("rospy:Timer.shutdown", ("self",)),
 )
 
+_LONG_AGO = rospy.Duration(-3600)
+"""Stands for the time of a marker's last feedback, which the library subtracts from the present.
+
+A duration, since no rospy.Time precedes 0: in the first second of simulated time, 0 is recent.
+"""
+
 
 def install() -> Dict[str, Any]:
     """Checks the requirements. Returns the class that this replaces."""
@@ -47,4 +53,4 @@ class MarkerServer(rospy_calls.MarkerServer):
     def allow_drag(self, name: str) -> None:
         context = self.marker_contexts.get(name)
         if context is not None:
-            context.last_feedback = rospy.Time()
+            context.last_feedback = _LONG_AGO
