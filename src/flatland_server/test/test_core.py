@@ -22,18 +22,23 @@ def run(*command):
         )
 
 
+def build(folder, *options):
+    """Compile; the tests that run meanwhile, some of them in real time, come first."""
+    run("nice", "cmake", "--build", folder, "--parallel", os.cpu_count(), *options)
+
+
 def test_core_as_the_server_uses_it():
     """With the objects of the extension module; only the tests are compiled."""
-    run("nice", "cmake", "--build", BUILD, "--target", "core_test", "--parallel", os.cpu_count())
+    build(BUILD, "--target", "flatland_core_test")
 
-    run(BUILD / "src" / "flatland_server" / "test" / "core" / "core_test")
+    run(BUILD / "src" / "flatland_server" / "test" / "core" / "flatland_core_test")
 
 
 def test_core_under_the_sanitizers():
     """With AddressSanitizer and UndefinedBehaviorSanitizer, the core and the tests."""
-    build = BUILD / "core_test_sanitized"
+    folder = BUILD / "core_test_sanitized"
 
-    run("cmake", "-S", SOURCE, "-B", build, "-DFLATLAND_SANITIZE=ON")
-    run("nice", "cmake", "--build", build, "--parallel", os.cpu_count())
+    run("cmake", "-S", SOURCE, "-B", folder, "-DFLATLAND_SANITIZE=ON")
+    build(folder)
 
-    run(build / "core_test")
+    run(folder / "flatland_core_test")

@@ -28,9 +28,11 @@ def settled_count(screen, name, color, waiting):
     seen = []
 
     def is_settled():
-        seen.append((time.monotonic(), count(screen.picture(name), color)))
-        latest = [number for when, number in seen if when > seen[-1][0] - 2.0]
-        return len(latest) < len(seen) and len(latest) > 2 and len(set(latest)) == 1
+        number = count(screen.picture(name), color)
+        if seen and number != seen[-1][1]:
+            seen.clear()
+        seen.append((time.monotonic(), number))
+        return len(seen) > 2 and seen[-1][0] - seen[0][0] >= 2.0
 
     waiting(is_settled, "a picture that stays the same")
     return seen[-1][1]

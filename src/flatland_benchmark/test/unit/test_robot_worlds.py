@@ -22,7 +22,7 @@ def distances_to_segments(places, segments):
     return np.linalg.norm(offsets - part[..., np.newaxis] * along, axis=2)
 
 
-@pytest.mark.parametrize("count", [1, 2, 10, 50, 100, 1000])
+@pytest.mark.parametrize("count", [1, 2, 10, 50, 100, pytest.param(1000, marks=pytest.mark.slow)])
 def test_places_are_distinct_and_clear_of_walls_and_of_each_other(count):
     places = np.array(free_places(OFFICE, count))
 

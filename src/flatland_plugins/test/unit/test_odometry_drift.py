@@ -135,6 +135,7 @@ def test_a_drift_is_in_the_bodys_frame(files):
     assert np.abs(error[:, 2]).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_robots_error_grows_as_it_drives(files):
     robots = swarm(files, 100, "odom_drift: [1e-4, 1e-4, 1e-4], pub_rate: 20").drive(0.5, 0.2)
 

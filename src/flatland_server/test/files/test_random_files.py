@@ -292,6 +292,7 @@ def test_a_spoilt_world_loads_or_is_refused(files, written):
     assert_loads_or_is_refused(files)
 
 
+@pytest.mark.slow
 @settings(bounded, max_examples=60)
 @given(data=st.data())
 @pytest.mark.parametrize("name", ["world.yaml", "robot.model.yaml", "map.yaml", "lines.dat"])
