@@ -4,7 +4,7 @@ import rospy
 from rospy import rostime
 
 from flatland_server.ros import interactive_marker_manager
-from flatland_server.ros.interactive_marker_manager import _server_without_timer
+from flatland_server.ros.interactive_marker_manager import _LONG_AGO, _server_without_timer
 
 LIMIT = 10.0  # s
 
@@ -38,3 +38,8 @@ def test_no_thread_of_the_library_waits_for_the_next_step(monkeypatch):
     others.shutdown()
     rostime._set_rostime(rospy.Time(2000))
     others.join(LIMIT)
+
+
+def test_a_marker_can_be_dragged_in_the_first_second_of_a_simulation():
+    """The library refuses another client's feedback if the last was less than a second ago."""
+    assert (rospy.Time(0) - _LONG_AGO).to_sec() >= 1.0

@@ -35,6 +35,11 @@ _KEEP_ALIVE_PERIOD = rospy.Duration(0.5)
 """Of ROS time, which is simulated or not: rviz measures in it when it has heard of us last."""
 
 
+_LONG_AGO = rospy.Duration(-1)
+"""In place of the time of a marker's last feedback: any time minus this is at least a second. Time
+0 would be less than a second ago in the first second of a simulation."""
+
+
 class InteractiveMarkerManager:
     """Offers an interactive marker for each model at `interactive_model_markers`.
 
@@ -163,7 +168,7 @@ class InteractiveMarkerManager:
         """
         context = self._server.marker_contexts.get(name)
         if context is not None:
-            context.last_feedback = rospy.Time()
+            context.last_feedback = _LONG_AGO
 
 
 def _server_without_timer(topic_namespace: str) -> InteractiveMarkerServer:
