@@ -51,12 +51,12 @@ def test_the_bumpers_of_the_example_ignore_the_bodies_that_they_are_told_to(docu
 
     messages = robot.throw(1.0, *names).record("/collisions", 1.0)
 
-    told = {
+    reported = {
         (message.header.frame_id, collision.body_A)
         for message in messages
         for collision in message.collisions
     }
-    assert told == {("map", "base"), *(("world", name) for name in names)}
+    assert reported == {("map", "base"), *(("world", name) for name in names)}
 
 
 @pytest.mark.parametrize(
