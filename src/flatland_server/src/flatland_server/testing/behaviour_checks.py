@@ -116,7 +116,7 @@ def _state(run: Run) -> Tuple[Any, ...]:
 
 
 def check_bad_messages(case: PluginCase) -> Problems:
-    """Messages that are empty, NaN or infinite neither make the plugin fail nor move the robot."""
+    """Messages that are empty, NaN or infinite do not make the plugin fail."""
     for value in (0.0, math.nan, -math.inf):
         run = case.load()
         run.simulation.allow_failures = True
@@ -125,8 +125,6 @@ def check_bad_messages(case: PluginCase) -> Problems:
             run.simulation.run(0.1)
         for failure in run.simulation.world.plugin_failures:
             yield f"expected a message full of {value} to be ignored, found {failure.reason}"
-        if not all(model.pose.is_finite() for model in run.simulation.world.models.values()):
-            yield f"expected finite poses after a message full of {value}"
 
 
 def check_end(case: PluginCase) -> Problems:
@@ -162,10 +160,10 @@ def _check_nothing_left(run: Run, before: Names) -> Problems:
     for topic in before.subscribed:
         run.simulation.send(topic, transport.types[topic]())
     run.simulation.run(0.1)
-    for event in transport.events[sent[0] :]:
-        yield f"after its end: expected no message, found one on {event.topic}"
-    for _, _, transform in transport.sent_transforms[sent[1] :]:
-        yield f'after its end: expected no transform, found one of "{transform.child}"'
+    for topic in sorted({event.topic for event in transport.events[sent[0] :]}):
+        yield f"after its end: expected no message, found one on {topic}"
+    for child in sorted({each.child for _, _, each in transport.sent_transforms[sent[1] :]}):
+        yield f'after its end: expected no transform, found one of "{child}"'
     if run.loader.living_plugins():
         yield "after its end: expected no reference to the plugin, found one"
 

@@ -39,7 +39,7 @@ def check_plugin(
     - With an `update_rate` or `pub_rate` it publishes at that rate of simulated time.
     - Equal seeds give equal messages, poses and walls; a `MessageWriter` makes the bytes of its
       message.
-    - A message of NaN or infinities neither makes it fail nor moves the robot to infinity.
+    - An empty message, or one of NaN or infinities, does not make it fail.
     - Its end leaves no topic, subscription, transform, body or joint behind, and nothing refers to
       the plugin any more. A deleted model can be spawned again.
 
