@@ -30,7 +30,7 @@ class ListeningCase(unittest.TestCase):
 
     Attributes:
         published, frames: what each robot has.
-        robots: whose topics these are; what the world has is that of a robot without a namespace.
+        robots: the robots with these topics; the world counts as a robot without a namespace.
     """
 
     published: ClassVar[Tuple[Topic, ...]] = ()
@@ -121,7 +121,7 @@ class ListeningCase(unittest.TestCase):
 
     @classmethod
     def drive(cls, topic: str, x: float = 0.0, y: float = 0.0, turn: float = 0.0) -> None:
-        """Commands a velocity, on which the robot goes until told otherwise."""
+        """Commands a velocity, which holds until the next command."""
         publisher = rospy.Publisher(topic, Twist, queue_size=1, latch=True)
         cls.addClassCleanup(publisher.unregister)
         twist = Twist()

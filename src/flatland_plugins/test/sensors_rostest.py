@@ -54,8 +54,8 @@ class Bumper(plugin_case.PluginCase):
         for robot, recorder in recorders.values():
             recorder.next(5, holds=lambda m: m.collisions)  # after the impact
             (collision,) = recorder.next().collisions
-            told = (collision.entity_A, collision.body_A, collision.entity_B, collision.body_B)
-            self.assertEqual(told[:3], (robot.name, "base", "room"))
+            reported = (collision.entity_A, collision.body_A, collision.entity_B, collision.body_B)
+            self.assertEqual(reported[:3], (robot.name, "base", "room"))
             (position,) = collision.contact_positions
             self.assertAlmostEqual(position.x, 5.0, delta=0.02)
             self.assertAlmostEqual(position.y, robot.y, delta=1e-3)

@@ -69,7 +69,7 @@ class Crowd(plugin_case.ListeningCase):
     )
 
     def two_moments(self, name):
-        """Messages a second apart, when nobody gets any faster."""
+        """Messages a second apart, at constant speeds."""
         poses = self.recorders[name]
         first = poses.next(holds=lambda m: m.header.stamp.to_sec() > 6.0)
         then = first.header.stamp + rospy.Duration(1)

@@ -4,7 +4,7 @@ from flatland_server import ModelPlugin, Timekeeper, YamlReader
 
 
 class ConstVelocity(ModelPlugin):
-    """Sets a body's velocity before each step, whatever has slowed it down in the last one."""
+    """Sets a body's velocity before each step, also if something has slowed it down."""
 
     def on_initialize(self, config: YamlReader) -> None:
         """Finds the body and reads its velocity in the world's frame [m/s, m/s, rad/s]."""

@@ -1,4 +1,4 @@
-"""ContactCounter: how often something has touched a model."""
+"""ContactCounter: counts the contacts of a model."""
 
 import logging
 from collections import Counter
@@ -11,7 +11,7 @@ logger = logging.getLogger(__name__)
 
 
 class ContactCounter(ModelPlugin):
-    """Counts contacts that begin, for each model and layer, and publishes their sum.
+    """Counts new contacts with each model and layer, and publishes their sum.
 
     A wall is one contact, a corner of two walls is two.
     """
@@ -24,7 +24,7 @@ class ContactCounter(ModelPlugin):
         self._counts: Counter[str] = Counter()
 
     def begin_contact(self, contact: Contact) -> None:
-        """Called whenever two fixtures start to touch: the `update_timer` has no say in that."""
+        """Called whenever two fixtures start to touch, regardless of the `update_timer`."""
         sides = self.filter_contact(contact)
         if sides is not None and sides.entity is not self.model:
             self._counts[sides.entity.name] += 1

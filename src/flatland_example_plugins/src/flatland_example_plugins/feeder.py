@@ -1,4 +1,4 @@
-"""Feeder: a source of models, and their sink."""
+"""Feeder: spawns models, and deletes them when they leave an area."""
 
 from typing import List
 
@@ -8,13 +8,13 @@ from flatland_server import Pose, Timekeeper, UpdateTimer, WorldPlugin, YamlRead
 
 
 class Feeder(WorldPlugin):
-    """Spawns a model again and again, deletes those that leave an area, and publishes their number.
+    """Spawns a model at a rate, deletes those that leave an area, and publishes their number.
 
     A feeder called `box` names its models, and their namespaces, `box_0`, `box_1` ...
     """
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads what to spawn where and how often [Hz], and in which area it may live."""
+        """Reads the model, the pose and the rate [Hz] of spawning, and the area."""
         self._model = config.get_path("model")
         self._pose = config.get_pose("pose", Pose())
         self._area = config.get_floats("area", 4)
@@ -28,7 +28,7 @@ class Feeder(WorldPlugin):
         self._published = -1
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Asks for models to go and to come, which they do at the end of the step."""
+        """Deletes and spawns models; both take effect at the end of the step."""
         models = self.world.models
         there = [name for name in self._names if name in models]  # others may delete them too
         self._names = [name for name in there if self._contains(models[name].pose)]

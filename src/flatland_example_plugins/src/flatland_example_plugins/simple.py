@@ -1,4 +1,4 @@
-"""Simple: the least that a plugin can be."""
+"""Simple: the smallest plugin."""
 
 import logging
 

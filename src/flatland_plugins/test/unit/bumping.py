@@ -37,7 +37,7 @@ def press(robot, force: Tuple[float, float], seconds: float, at: Tuple[float, fl
 
 
 def record(robot, seconds: float, topic: str = "/collisions") -> List[Collision]:
-    """The collisions that are told of while time passes, one after the other."""
+    """The collisions that are reported while time passes, in order."""
     return [each for message in robot.record(topic, seconds) for each in message.collisions]
 
 

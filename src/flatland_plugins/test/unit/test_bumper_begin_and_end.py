@@ -68,17 +68,17 @@ def test_what_rests_in_touch_is_told_of_without_any_force(files):
     robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(1.0)
     [touch] = now(robot)
 
-    told = robot.record("/collisions", 2.0)
+    reported = robot.record("/collisions", 2.0)
 
     assert not robot.model().base.physics_body.awake
-    assert len(told) == 400
-    for message in told:
+    assert len(reported) == 400
+    for message in reported:
         [collision] = message.collisions
         assert collision.magnitude_forces == [pytest.approx(0.0, abs=1e-3)]
         assert names(collision) == names(touch)
         assert collision.contact_positions == touch.contact_positions
         assert collision.contact_normals == touch.contact_normals
-    assert told[-1].collisions[0].magnitude_forces == [0.0]
+    assert reported[-1].collisions[0].magnitude_forces == [0.0]
 
 
 def test_what_rests_feels_the_next_push(files):
@@ -98,10 +98,10 @@ def test_a_touch_that_ends_within_the_step_is_told_of(files):
 
     throw(robot, 60.0).run()
 
-    told = {vectors(each.contact_normals)[0][0]: each for each in now(robot)}
-    assert set(told) == {-1.0, 1.0}
-    assert told[-1.0].magnitude_forces == [0.0]
-    assert impulse([told[1.0]]) == pytest.approx(MASS * 60.0, rel=1e-4)
+    reported = {vectors(each.contact_normals)[0][0]: each for each in now(robot)}
+    assert set(reported) == {-1.0, 1.0}
+    assert reported[-1.0].magnitude_forces == [0.0]
+    assert impulse([reported[1.0]]) == pytest.approx(MASS * 60.0, rel=1e-4)
     robot.run()
     assert [vectors(each.contact_normals)[0][0] for each in now(robot)] == [1.0]
 

@@ -1,4 +1,4 @@
-"""Bumper: who collides with whom, where and in which direction; and which bodies it ignores."""
+"""Bumper: what collides, where and in which direction; and excluded bodies."""
 
 import math
 
@@ -118,8 +118,8 @@ def test_bodies_and_layers_are_named_as_in_their_files(files):
 
     throw(world, 1.0, 1.0).run(0.5)
 
-    told = {names(each) for each in now(world, "/robot1/collisions")}
-    assert told == {("robot", "base", "door", "leaf"), ("robot", "fender", "bricks", "bricks")}
+    reported = {names(each) for each in now(world, "/robot1/collisions")}
+    assert reported == {("robot", "base", "door", "leaf"), ("robot", "fender", "bricks", "bricks")}
 
 
 def test_flat_faces_touch_at_two_points(files):

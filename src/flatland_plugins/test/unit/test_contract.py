@@ -22,7 +22,10 @@ NOISE: Dict[str, Any] = {
     "odom_twist_noise": [0.1, 0.1, 0.1],
     "odom_drift": [0.1, 0.1, 0.1],
 }
-POST = "bodies: [{name: post, type: static, footprints: [{type: circle, radius: 0.5, density: 1}]}]"
+POST = """
+bodies: [{name: post, type: static, footprints: [{type: circle, radius: 0.5, density: 1}]}]
+plugins: [{type: ModelTfPublisher, name: tf}]
+"""
 BESIDE_A_POST = """
 layers: [{name: map}]
 models: [{name: post, model: post.yaml, pose: [0.5, 0, 0]}]

@@ -1,4 +1,4 @@
-"""Laser: every range against the room's geometry, and who sees what."""
+"""Laser: every range against the room's geometry, and what a lidar sees."""
 
 import math
 from typing import Any, Tuple

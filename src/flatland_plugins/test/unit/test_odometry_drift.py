@@ -30,7 +30,7 @@ def swarm(files, count: int, keys: str, pose: str = "[0, 0, 0]"):
     )
 
 
-def believed(robots) -> List[Pose]:
+def estimated(robots) -> List[Pose]:
     """What each robot's odometry says now."""
     return [pose_of(robots.last(f"/{name}{FILTERED}")) for name in robots.world.models]
 
@@ -38,7 +38,7 @@ def believed(robots) -> List[Pose]:
 def errors(robots) -> np.ndarray:
     """Each robot's odometry less the truth, in the world's frame: a row of x, y and yaw."""
     rows = []
-    for name, (x, y, yaw) in zip(robots.world.models, believed(robots)):
+    for name, (x, y, yaw) in zip(robots.world.models, estimated(robots)):
         truth = pose_of(robots.last(f"/{name}{GROUND_TRUTH}"))
         rows.append((x - truth.x, y - truth.y, math.remainder(yaw - truth.yaw, math.tau)))
     return np.array(rows)
@@ -68,13 +68,13 @@ def test_a_robot_at_rest_drifts_by_its_variances_per_second(files, rate, step, s
     robots.timekeeper = Timekeeper(step)
 
     robots.run(step)
-    poses, stamps = [believed(robots)], [0.0]
+    poses, stamps = [estimated(robots)], [0.0]
     for _ in range(5):
         robots.run(seconds)
-        poses.append(believed(robots))
+        poses.append(estimated(robots))
         stamps.append(robots.last(f"/r0{FILTERED}").header.stamp.to_sec())
 
-    # What a robot believes to have moved in each of the times, in its own frame.
+    # The motions that a robot estimates, between these times, in its own frame.
     moved = np.array(
         [
             [before.inverse().compose(after).wrapped() for before, after in zip(*pair)]
@@ -213,7 +213,7 @@ def test_a_twist_in_the_odometrys_frame_goes_by_the_drifted_heading(files):
 
 
 def drifted(simulation, seconds: float) -> List[Pose]:
-    """What the robot believes at each step."""
+    """The estimate at each step."""
     return [pose_of(simulation.run().last(FILTERED)) for _ in range(round(seconds / 0.005))]
 
 
@@ -230,6 +230,6 @@ def test_equal_seeds_drift_equally_and_others_do_not(files):
 def test_two_robots_drift_apart(files):
     robots = swarm(files, 2, DRIFT).run(0.1)
 
-    first, second = believed(robots)
+    first, second = estimated(robots)
 
     assert first.x != second.x

@@ -1,4 +1,4 @@
-"""RandomWall: where walls are put up, which ones, and who notices them."""
+"""RandomWall: where walls are put up, which ones, and what they affect."""
 
 import math
 from typing import Any, List, Set, Tuple
@@ -270,7 +270,7 @@ def test_other_seeds_put_up_other_walls(files):
     assert len(chosen) == 6
 
 
-# Who notices them
+# What they affect
 
 
 def test_a_lidar_sees_them(files):

@@ -88,7 +88,7 @@ def evasion(gap: float, bearing: float, velocity: complex, epsilon: float = 0.00
 
 
 def evade(gap: float, bearing: float, velocity: complex, **constants: float) -> complex:
-    """The same from the code: of somebody else at a gap and a bearing."""
+    """The same from the code: of another person at a gap and a bearing."""
     other = Others(np.array([[gap]]), -np.array([[[math.cos(bearing), math.sin(bearing)]]]))
     relative_velocity = np.array([[[velocity.real, velocity.imag]]])
     return complex(*SocialForce(**constants).evade(other, relative_velocity)[0])

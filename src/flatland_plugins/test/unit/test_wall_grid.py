@@ -85,10 +85,10 @@ def test_a_straight_wall_is_felt_once_into_how_many_segments_it_may_be_cut(piece
     ends = np.linspace(-10.0, 10.0, pieces + 1)
     wall = [[a, 2.0, b, 2.0] for a, b in zip(ends[:-1], ends[1:])]
 
-    felt = around(wall, (0.3, 1.0))
+    found = around(wall, (0.3, 1.0))
 
-    assert felt[0] == pytest.approx((1.0, -math.pi / 2))
-    assert all(distance > 5.0 for distance, _ in felt[1:])
+    assert found[0] == pytest.approx((1.0, -math.pi / 2))
+    assert all(distance > 5.0 for distance, _ in found[1:])
 
 
 def test_both_walls_of_a_corridor_are_felt():
@@ -110,10 +110,10 @@ def test_both_walls_of_a_corner_are_felt():
 def test_both_corners_of_a_door_are_felt():
     door = [[0.0, -9.0, 0.0, -0.5], [0.0, 0.5, 0.0, 9.0]]
 
-    felt = around(door, (-0.3, 0.1))
+    found = around(door, (-0.3, 0.1))
 
-    assert felt[0] == pytest.approx((0.5, math.atan2(-0.4, -0.3)))
-    assert felt[1] == pytest.approx((math.hypot(0.3, 0.6), math.atan2(0.6, -0.3)))
+    assert found[0] == pytest.approx((0.5, math.atan2(-0.4, -0.3)))
+    assert found[1] == pytest.approx((math.hypot(0.3, 0.6), math.atan2(0.6, -0.3)))
 
 
 def test_where_there_is_no_wall_none_is_felt():
@@ -125,7 +125,7 @@ def test_where_there_is_no_wall_none_is_felt():
 def test_on_the_wall_itself_there_is_no_direction_away():
     walls = nearest(np.array([[1.0, 1.0]]), np.array(CORRIDOR))
 
-    felt = sides(walls)
+    found = sides(walls)
 
-    assert felt.distances[0][:2] == pytest.approx([0.0, 1.5])
-    assert felt.away[0][:2] == pytest.approx(np.array([[0.0, 0.0], [0.0, 1.0]]))
+    assert found.distances[0][:2] == pytest.approx([0.0, 1.5])
+    assert found.away[0][:2] == pytest.approx(np.array([[0.0, 0.0], [0.0, 1.0]]))

@@ -15,7 +15,7 @@ ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
 
 
 def robot(files, *plugins: str, pose: str = "[0, 0, 0]", **options: Any) -> Dict[str, str]:
-    """A disc of 0.2 m, if not told otherwise, for `town`."""
+    """A disc of 0.2 m, by default, for `town`."""
     return {"robot": f"model: {files.model('robot', *plugins, **options)}, pose: {pose}"}
 
 

@@ -6,7 +6,7 @@ import yaml
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.testing import behaviour_checks, configuration_checks
+from flatland_server.testing import behaviour_checks, configuration_checks, name_checks
 from flatland_server.testing.files import Entry
 from flatland_server.testing.plugin_case import PluginCase
 
@@ -39,7 +39,7 @@ def check_plugin(
     - With an `update_rate` or `pub_rate` it publishes at that rate of simulated time.
     - Equal seeds give equal messages, poses and walls; a `MessageWriter` makes the bytes of its
       message.
-    - A message of NaN or infinities neither makes it fail nor moves the robot to infinity.
+    - An empty message, or one of NaN or infinities, does not make it fail.
     - Its end leaves no topic, subscription, transform, body or joint behind, and nothing refers to
       the plugin any more. A deleted model can be spawned again.
 
@@ -77,7 +77,7 @@ def check_plugin(
         *configuration_checks.check_missing_keys(case),
         *configuration_checks.check_wrong_values(case),
         *behaviour_checks.check_without_subscribers(case),
-        *behaviour_checks.check_names(case),
+        *name_checks.check_names(case),
         *behaviour_checks.check_rates(case),
         *behaviour_checks.check_messages(case),
         *behaviour_checks.check_bad_messages(case),

@@ -171,6 +171,15 @@ class DependsOnSubscribers(Beacon):
             self.publisher.write(self.writer, now, float(self.rng.normal()))
 
 
+class NeverNoticesSubscribers(Beacon):
+    is_noticed = True
+
+    def shine(self, now: int) -> None:
+        self.is_noticed = self.is_noticed and self.publisher.has_subscribers
+        if self.is_noticed:
+            super().shine(now)
+
+
 class NamespacesTopicTwice(Beacon):
     def own_topic(self, topic: str) -> str:
         return f"{self.model.namespace}/{topic}" if self.model.namespace else topic
@@ -246,14 +255,24 @@ class Warns(Beacon):
 
 class GoesOnSending(Beacon):
     def on_shutdown(self) -> None:
-        transport, frame = self.node._transport, self.frame
-        process = transport.process
+        transport, process = self.node._transport, self.node._transport.process
+        publisher, frame = self.publisher, self.frame
 
         def process_and_send(timeout: float = 0.0) -> None:
             process(timeout)
+            publisher.publish(PointStamped())
             transport.send_transform(Transform(0, "base", frame, Pose()))
 
         transport.process = process_and_send
+
+
+class GoesOnPublishing(GoesOnSending):
+    pass
+
+
+class ChangesItsTopic(Beacon):
+    def own_topic(self, topic: str) -> str:
+        return topic if self.body.physics_body.id < 2**33 else "another"  # its slot is used again
 
 
 BROKEN: Dict[Type[Beacon], str] = {
@@ -281,6 +300,9 @@ BROKEN: Dict[Type[Beacon], str] = {
     IsRemembered: "after its end: expected no reference to the plugin, found one",
     KeepsABody: "expected no body or joint of a deleted robot, found one that is left",
     Warns: "expected no warning while the robot is deleted and spawned, found: the lamp is broken",
+    ChangesItsTopic: "expected the topics of the first robot after it was spawned again",
+    GoesOnPublishing: "after its end: expected no message, found one on /point",
+    NeverNoticesSubscribers: "expected a message on /point after it has got a subscriber, found",
     GoesOnSending: 'after its end: expected no transform, found one of "lamp"',
 }
 """What the contract says of each."""
