@@ -12,6 +12,7 @@ from rviz import bindings as rviz
 from flatland_viz.bounds import EMPTY_WORLD, Bounds, framed, grid_around
 from flatland_viz.displays import Shown, changes
 from flatland_viz.rviz_config import Config, for_display, for_window
+from flatland_viz.window_ids import synchronised_window_ids
 
 BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
 """Background colour and opacity of the grid, by name; grey walls stand out on both."""
@@ -37,7 +38,8 @@ class Scene(QObject):
         with tempfile.NamedTemporaryFile("w", suffix=".rviz") as file:
             yaml.safe_dump(for_window(base), file)
             file.flush()
-            self.frame.initialize(file.name)
+            with synchronised_window_ids():
+                self.frame.initialize(file.name)
         self._manager = self.frame.getManager()
         self._tools = self._manager.getToolManager()
         self.panel = next(
