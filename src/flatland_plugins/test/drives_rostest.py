@@ -4,13 +4,13 @@
 import math
 import sys
 
-import plugin_case
 import rospy
+import rostest_case
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from plugin_case import STEP
 from readings import pose_of, turned
 from robots import Frame, Topic
+from rostest_case import STEP
 from rostest_tools import wait_until
 from std_msgs.msg import Bool
 
@@ -44,7 +44,7 @@ class Driving:
             self.assert_pose(pose_of(transform), pose_of(odometry.pose.pose), delta=1e-9)
 
 
-class DiffDrive(Driving, plugin_case.PluginCase):
+class DiffDrive(Driving, rostest_case.PluginCase):
     model = "diff_drive"
     published = (
         Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
@@ -74,7 +74,7 @@ class DiffDrive(Driving, plugin_case.PluginCase):
             self.assertAlmostEqual(twist.linear.y, -0.3 * math.sin(yaw), delta=1e-4)
 
 
-class OmniDrive(Driving, plugin_case.PluginCase):
+class OmniDrive(Driving, rostest_case.PluginCase):
     model = "omni_drive"
     published = (
         Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
@@ -93,7 +93,7 @@ class OmniDrive(Driving, plugin_case.PluginCase):
         self.assert_odometry_and_tf_agree("second/odometry", "{ns}second")
 
 
-class TricycleDrive(Driving, plugin_case.PluginCase):
+class TricycleDrive(Driving, rostest_case.PluginCase):
     model = "tricycle_drive"
     published = (
         Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
@@ -115,7 +115,7 @@ class TricycleDrive(Driving, plugin_case.PluginCase):
         self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
 
 
-class ModelTfPublisher(plugin_case.PluginCase):
+class ModelTfPublisher(rostest_case.PluginCase):
     model = "model_tf_publisher"
     frames = (
         Frame("{ns}base", "{ns}arm"),
@@ -137,7 +137,7 @@ class ModelTfPublisher(plugin_case.PluginCase):
             self.assert_pose(transforms[robot.frame("{ns}flag")], flag)
 
 
-class Tween(plugin_case.PluginCase):
+class Tween(rostest_case.PluginCase):
     model = "tween"
     heard = ("tween_trigger", "second_gate/open")
     frames = (

@@ -4,13 +4,13 @@
 import math
 import sys
 
-import plugin_case
 import rospy
+import rostest_case
 from flatland_msgs.msg import Collisions
 from nav_msgs.msg import Odometry
-from plugin_case import WORLDS
 from readings import pose_of
 from robots import Frame, Robot, Topic
+from rostest_case import WORLDS
 from rostest_tools import wait_until
 from sensor_msgs.msg import Imu as ImuMessage
 from sensor_msgs.msg import LaserScan, NavSatFix
@@ -32,7 +32,7 @@ def range_in_room(x, y, angle):
     )
 
 
-class Bumper(plugin_case.PluginCase):
+class Bumper(rostest_case.PluginCase):
     model = "bumper"
     published = (
         Topic("collisions", Collisions, 200.0, "map"),
@@ -72,7 +72,7 @@ class Bumper(plugin_case.PluginCase):
             wait_until(lambda r=recorder: not r.next().collisions, "the robot to be free")
 
 
-class BoolSensor(plugin_case.PluginCase):
+class BoolSensor(rostest_case.PluginCase):
     model = "bool_sensor"
     published = (Topic("bool_sensor", Bool), Topic("pad/pressed", Bool, 20.0))
 
@@ -94,7 +94,7 @@ class BoolSensor(plugin_case.PluginCase):
             )
 
 
-class Gps(plugin_case.PluginCase):
+class Gps(rostest_case.PluginCase):
     model = "gps"
     published = (
         Topic("gps/fix", NavSatFix, 10.0, "{ns}receiver"),
@@ -136,7 +136,7 @@ class Gps(plugin_case.PluginCase):
                 self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)
 
 
-class Imu(plugin_case.PluginCase):
+class Imu(rostest_case.PluginCase):
     model = "imu"
     published = (
         Topic("odometry/filtered", Odometry),
@@ -186,7 +186,7 @@ class Imu(plugin_case.PluginCase):
             self.assertEqual(measured.messages[-1].angular_velocity_covariance[8], 0.0001)
 
 
-class Laser(plugin_case.PluginCase):
+class Laser(rostest_case.PluginCase):
     model = "laser"
     published = (
         Topic("scan", LaserScan, 200.0, "{ns}laser"),

@@ -5,8 +5,8 @@ import math
 import sys
 import unittest
 
-import plugin_case
 import rospy
+import rostest_case
 from geometry_msgs.msg import PoseArray
 from readings import pose_of
 from robots import Topic
@@ -60,7 +60,7 @@ class RandomWall(unittest.TestCase):
         )
 
 
-class Crowd(plugin_case.ListeningCase):
+class Crowd(rostest_case.ListeningCase):
     """One walks east and one stands; one of another crowd walks south, on legs."""
 
     published = (

@@ -1,6 +1,7 @@
 #pragma once
 
-/// Lidars on bodies: their settings, and their latest scan.
+/// Lidars on bodies: their settings, and their latest scan. World casts it (world_lidars.cpp), by
+/// drawing into a DepthBuffer (depth_buffer.cpp).
 
 #include <cstdint>
 #include <memory>

@@ -79,8 +79,7 @@ class World : private b2DestructionListener, private b2ContactListener {
     const World& world_;
   };
 
-  // ---- Bodies
-  // ------------------------------------------------------------------------------------
+  // ---- Bodies ----
 
   Body AddBody(const BodySettings& settings);
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
@@ -145,8 +144,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Immediate change of angular momentum [N m s].
   void ApplyAngularImpulse(Body body, double impulse);
 
-  // ---- Fixtures
-  // ----------------------------------------------------------------------------------
+  // ---- Fixtures ----
 
   /// Adds a disc, in the body's frame; centre and radius in m.
   Fixture AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings);
@@ -162,19 +160,17 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Whether a point of the world [m] is within the shape; always false for a wall.
   bool TestPoint(Fixture fixture, Vec2 point) const;
 
-  // ---- Joints
-  // ------------------------------------------------------------------------------------
+  // ---- Joints ----
 
   Joint AddRevolute(Body a, Body b, const RevoluteSettings& settings);
   Joint AddWeld(Body a, Body b, const WeldSettings& settings);
   /// Whether the joint still exists: until one of its bodies is removed.
   bool Contains(Joint joint) const { return joints_.Contains(joint); }
   int joint_count() const { return world_.GetJointCount(); }
-  /// Angle of b minus that of a, minus a weld's own angle, within [-pi, pi] [rad].
-  double JointAngle(Joint joint) const;
+  /// Angle of b minus that of a, minus a weld's reference angle, within [-pi, pi] [rad].
+  double GetJointAngle(Joint joint) const;
 
-  // ---- Drives and tweens
-  // -------------------------------------------------------------------------
+  // ---- Drives and tweens ----
 
   /// Drives the body at commanded velocities. The limits are in m/s and m/s^2, rad/s and rad/s^2.
   Drive AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular);
@@ -187,8 +183,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   TricycleDrive& Get(Tricycle tricycle) { return GetMechanism(tricycles_, tricycle); }
   BodyTween& Get(Tween tween) { return GetMechanism(tweens_, tween); }
 
-  // ---- Lidars and scanning
-  // -----------------------------------------------------------------------
+  // ---- Lidars and scanning ----
 
   LidarHandle AddLidar(Body body, const LidarSettings& settings);
   /// Announces a call of Scan. The first Scan computes all announced scans, on all processor cores.
@@ -206,8 +201,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   void Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
             float* intensities, const AccessGuard& guard) const;
 
-  // ---- Contacts
-  // ----------------------------------------------------------------------------------
+  // ---- Contacts ----
 
   /// Sets the listener that receives contact events, or null. The caller keeps it alive as long as
   /// the world, or until another one is set.
@@ -217,8 +211,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// event is reported if either of its two bodies has chosen it.
   void ListenToContacts(Body body, ContactEvents events);
 
-  // ---- Stepping
-  // ----------------------------------------------------------------------------------
+  // ---- Stepping ----
 
   /// Advances the simulation by `dt` [s], 1e-9 or more.
   void Step(double dt) { Step(dt, AccessGuard(*this)); }
@@ -254,7 +247,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   b2Fixture& Find(Fixture fixture) const;
   Body AddRecord(BodyRecord record);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
-  /// Moves a body, at the angle nearest to its present one of those that mean the same heading.
+  /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.
   static void Place(b2Body& body, const Pose& pose);
   /// Wakes the bodies that a static body may touch; Box2D does not do so.
   void WakeBodiesNear(const b2Body& body);

@@ -344,7 +344,7 @@ void BindMechanisms(py::module_& m) {
       .def_property_readonly("alive",
                              [](const PyJoint& self) { return self.world->Contains(self.handle); })
       .def_property_readonly(
-          "angle", [](const PyJoint& self) { return self.world->JointAngle(self.handle); });
+          "angle", [](const PyJoint& self) { return self.world->GetJointAngle(self.handle); });
   py::class_<PyDrive>(m, "Drive")
       .def(
           "command",

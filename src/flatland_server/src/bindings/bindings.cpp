@@ -95,6 +95,16 @@ void BindWorld(py::module_& m) {
       .def("step", &Step, py::arg("dt"))
       .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
            py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0)
+      .def(
+          "scan",
+          [](PyWorld&, PyLidar& lidar) {
+            if (PyErr_WarnEx(PyExc_DeprecationWarning,
+                             "World.scan(lidar) is deprecated; use lidar.scan()", 1) != 0) {
+              throw py::error_already_set();
+            }
+            return ScanLidar(lidar);
+          },
+          py::arg("lidar"))
       .def("set_contact_listener", &SetContactListener, py::arg("listener"))
       .def_property_readonly("body_count",
                              [](const PyWorld& self) { return self.world->body_count(); })

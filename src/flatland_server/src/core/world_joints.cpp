@@ -62,7 +62,7 @@ void World::SayGoodbye(b2Joint* joint) {
   });
 }
 
-double World::JointAngle(Joint joint) const {
+double World::GetJointAngle(Joint joint) const {
   RequireAccess();
   b2Joint* found = joints_.Get(joint);
   double angle = found->GetBodyB()->GetAngle() - found->GetBodyA()->GetAngle();

@@ -1,4 +1,5 @@
-/// World: lidars and scanning.
+/// World: lidars and scanning. Decides what is scanned from where; the ray casting itself is in
+/// depth_buffer.cpp.
 
 #include "box2d_limits.hpp"
 #include "flatland_server/parallel.hpp"

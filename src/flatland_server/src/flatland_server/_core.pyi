@@ -13,7 +13,7 @@ properties raise, unless it is said otherwise:
         something.
 """
 
-from typing import Callable, NoReturn, Sequence
+from typing import Callable, NoReturn, Sequence, overload
 
 from flatland_server.arrays import Float32Array, Segments
 
@@ -69,6 +69,7 @@ class World(metaclass=_Metaclass):
         Raises:
             Exception: what the contact listener has raised, after the step.
         """
+    @overload
     def scan(
         self,
         fan: BeamFan,
@@ -91,6 +92,9 @@ class World(metaclass=_Metaclass):
             (REP 117). Intensities, shape (n,): 255 for what reflects, 0 for the rest. A shape that
             contains the pose is not seen.
         """
+    @overload
+    def scan(self, lidar: Lidar) -> tuple[Float32Array, Float32Array]:
+        """Deprecated alias of `lidar.scan()`."""
     def set_contact_listener(self, listener: Callable[..., None] | None) -> None:
         """Sets the function that receives contact events, or None.
 

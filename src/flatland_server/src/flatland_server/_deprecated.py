@@ -5,8 +5,8 @@ import sys
 import warnings
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
-from types import ModuleType
-from typing import Any, Optional, Sequence
+from types import CodeType, ModuleType
+from typing import Any, Optional, Sequence, Set, Tuple
 
 _MOVED = {
     "check_world": "tools.check_world",
@@ -58,10 +58,18 @@ def warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
 
 
 def renamed(old: str, new: str) -> Any:
-    """A class attribute `old` that reads, as a deprecated alias, the attribute `new`."""
+    """A class attribute `old` that reads, as a deprecated alias, the attribute `new`.
+
+    It warns once for each line of code: the line may be in a hook that is called at every step.
+    """
+    warned: Set[Tuple[CodeType, int]] = set()
 
     def get(self: object) -> Any:
-        warn_renamed(f"{type(self).__name__}.{old}", new)
+        user = sys._getframe(1)
+        line = (user.f_code, user.f_lineno)
+        if line not in warned:
+            warned.add(line)
+            warn_renamed(f"{type(self).__name__}.{old}", new)
         return getattr(self, new)
 
     return property(get, doc=f"Deprecated alias of `{new}`.")

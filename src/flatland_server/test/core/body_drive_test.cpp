@@ -260,8 +260,8 @@ TEST_F(DrivenRobot, LetsASpringSwing) {
   double least = 0.0, most = 0.0;
   for (int step = 0; step < 200; ++step) {
     world_.Step(kStep);
-    least = std::min(least, world_.JointAngle(joint));
-    most = std::max(most, world_.JointAngle(joint));
+    least = std::min(least, world_.GetJointAngle(joint));
+    most = std::max(most, world_.GetJointAngle(joint));
   }
 
   // An amplitude of 1 rad/s over 2 pi 1/s, less what an implicit spring loses.

@@ -66,7 +66,7 @@ TEST_F(Listening, MayLookAtTheWorld) {
     EXPECT_EQ(world_.GetFixtureCount(contact.a.body), 1);
     EXPECT_EQ(world_.GetSettings(contact.b).restitution, 1.0);
     EXPECT_TRUE(world_.TestPoint({moving_, 0}, world_.GetCenter(moving_)));
-    EXPECT_EQ(world_.JointAngle(hinge_), 0.0);
+    EXPECT_EQ(world_.GetJointAngle(hinge_), 0.0);
     EXPECT_EQ(world_.Get(drive_).velocity().vx, 0.0);
   };
 
@@ -199,7 +199,7 @@ TEST_F(Listening, IsSafeFromOtherThreads) {
       refuse("force", [&] { world_.ApplyForce(moving_, {9, 0}); });
       refuse("fixture", [&] { world_.GetSettings({moving_, 0}); });
       refuse("fixtures", [&] { world_.GetFixtureCount(moving_); });
-      refuse("joint", [&] { world_.JointAngle(hinge_); });
+      refuse("joint", [&] { world_.GetJointAngle(hinge_); });
       refuse("drive", [&] { world_.Get(drive_); });
       refuse("place", [&] { world_.SetPose(moving_, {}); });
       refuse("add", [&] { world_.AddBody({}); });

@@ -21,10 +21,10 @@ TEST_F(WorldTest, RevoluteLimitsHoldUnderTorque) {
     for (int step = 0; step < 600; ++step) {
       world_.ApplyTorque(arm, torque);
       world_.Step(kStep);
-      ASSERT_GT(world_.JointAngle(hinge), -0.52);
-      ASSERT_LT(world_.JointAngle(hinge), 0.82);
+      ASSERT_GT(world_.GetJointAngle(hinge), -0.52);
+      ASSERT_LT(world_.GetJointAngle(hinge), 0.82);
     }
-    EXPECT_NEAR(world_.JointAngle(hinge), torque > 0 ? 0.8 : -0.5, 0.02);
+    EXPECT_NEAR(world_.GetJointAngle(hinge), torque > 0 ? 0.8 : -0.5, 0.02);
   }
 }
 
@@ -62,7 +62,7 @@ TEST_F(WorldTest, RigidWeldHolds) {
     world_.ApplyTorque(b, 0.2);
     world_.Step(kStep);
     const Pose pa = world_.GetPose(a), pb = world_.GetPose(b);
-    ASSERT_NEAR(world_.JointAngle(weld), 0.0, 0.01);
+    ASSERT_NEAR(world_.GetJointAngle(weld), 0.0, 0.01);
     const Vec2 apart = Rotation(pa.yaw).ApplyInverse({pb.x - pa.x, pb.y - pa.y});
     ASSERT_NEAR(apart.x, 1.0, 0.01);
     ASSERT_NEAR(apart.y, 0.0, 0.01);
@@ -83,10 +83,10 @@ TEST_F(WorldTest, SoftWeldYields) {
     world_.Step(kStep);
   }
   // A spring of stiffness I (2 pi f)^2, with I = 1/6 kg m^2 for a square of 1 m and 1 kg.
-  EXPECT_NEAR(world_.JointAngle(weld), 6.0 / (4.0 * M_PI * M_PI), 0.01);
+  EXPECT_NEAR(world_.GetJointAngle(weld), 6.0 / (4.0 * M_PI * M_PI), 0.01);
 
   StepTimes(world_, 1000);
-  EXPECT_NEAR(world_.JointAngle(weld), 0.0, 0.01);
+  EXPECT_NEAR(world_.GetJointAngle(weld), 0.0, 0.01);
 }
 
 // The arm swings about a hinge beside the post, and after half a turn over the post.
@@ -115,11 +115,11 @@ TEST_F(WorldTest, JointAngleIsThatOfBMinusThatOfA) {
   const World::Body a = AddBox(world_, {0, 0, 3.0});
   const World::Body b = AddBox(world_, {0, 0, -3.0});
 
-  EXPECT_NEAR(world_.JointAngle(world_.AddRevolute(a, b, {})), 2.0 * M_PI - 6.0, 1e-6);
-  EXPECT_NEAR(world_.JointAngle(world_.AddRevolute(b, a, {})), 6.0 - 2.0 * M_PI, 1e-6);
+  EXPECT_NEAR(world_.GetJointAngle(world_.AddRevolute(a, b, {})), 2.0 * M_PI - 6.0, 1e-6);
+  EXPECT_NEAR(world_.GetJointAngle(world_.AddRevolute(b, a, {})), 6.0 - 2.0 * M_PI, 1e-6);
   WeldSettings weld;
   weld.angle = 0.2;
-  EXPECT_NEAR(world_.JointAngle(world_.AddWeld(a, b, weld)), 2.0 * M_PI - 6.2, 1e-6);
+  EXPECT_NEAR(world_.GetJointAngle(world_.AddWeld(a, b, weld)), 2.0 * M_PI - 6.2, 1e-6);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST_F(WorldTest, SpinsOnWithAWeldedCompanionForAVeryLongTime) {
     world_.Step(kStep);
     const Pose pose = world_.GetPose(body), other = world_.GetPose(companion);
     ASSERT_NEAR(AngleBetween(before, pose.yaw), kSpin * kStep, 2e-5) << "step " << step;
-    ASSERT_LT(std::abs(world_.JointAngle(weld)), 0.01) << "step " << step;
+    ASSERT_LT(std::abs(world_.GetJointAngle(weld)), 0.01) << "step " << step;
     ASSERT_NEAR(std::hypot(other.x - pose.x, other.y - pose.y), 0.5, 0.005) << "step " << step;
   }
 }
@@ -70,7 +70,7 @@ TEST_F(WorldTest, SpinsOnWithAHingedArmWithinItsLimits) {
 
   for (int step = 0; step < 20000; ++step) {
     world_.Step(kStep);
-    ASSERT_NEAR(world_.JointAngle(hinge), 0.1, 0.001) << "step " << step;
+    ASSERT_NEAR(world_.GetJointAngle(hinge), 0.1, 0.001) << "step " << step;
   }
 }
 

@@ -271,7 +271,7 @@ TEST_F(LidarTest, RefusesOtherThreadsMeanwhile) {
   const BeamFan fan(0.0, 1e-6, 1000000);
   const std::pair<const char*, std::function<void()>> touches[] = {
       {"pose", [&] { world_.GetPose(body); }},
-      {"joint", [&] { world_.JointAngle(joint); }},
+      {"joint", [&] { world_.GetJointAngle(joint); }},
       {"drive", [&] { world_.Get(drive); }},
   };
 

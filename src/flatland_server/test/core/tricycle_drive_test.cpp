@@ -241,7 +241,7 @@ TEST_F(Tricycle, ShowsTheAngleOnTheWheelsBody) {
 
       const double angle = std::min(0.8, 0.5 * step * kStep);
       ASSERT_NEAR(ShownAngle(), angle, 1e-5) << "step " << step;
-      ASSERT_NEAR(world_.JointAngle(hinge_), wheel_is_b ? angle : -angle, 1e-5);
+      ASSERT_NEAR(world_.GetJointAngle(hinge_), wheel_is_b ? angle : -angle, 1e-5);
       // It stays on its hub, and moves with it.
       const Pose wheel = world_.GetPose(wheel_);
       ASSERT_LT(Apart({wheel.x, wheel.y}, FrontWheel()), 1e-6) << "step " << step;
@@ -320,7 +320,7 @@ TEST_F(Tricycle, DrivesOnWithoutItsWheel) {
   const double turned = 0.6 * std::sin(0.5) / kWheelbase * 10.0;
   const Vec2 center{-kWheelbase, kWheelbase / std::tan(0.5)};
   EXPECT_LT(Apart(FrontWheel(), center + Rotation(turned).Apply(Vec2{} - center)), 1e-3);
-  EXPECT_THROW(world_.JointAngle(hinge_), GoneError);
+  EXPECT_THROW(world_.GetJointAngle(hinge_), GoneError);
 }
 
 TEST_F(Tricycle, GoesWithItsBody) {

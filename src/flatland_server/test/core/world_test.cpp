@@ -31,11 +31,11 @@ TEST_F(WorldTest, RemovedBodyTakesItsJointsAndDrivesWithIt) {
   EXPECT_EQ(world_.joint_count(), 1);
   EXPECT_FALSE(world_.Contains(b));
   EXPECT_FALSE(world_.Contains(hinge));
-  EXPECT_THROW(world_.JointAngle(hinge), GoneError);
-  EXPECT_THROW(world_.JointAngle(weld), GoneError);
+  EXPECT_THROW(world_.GetJointAngle(hinge), GoneError);
+  EXPECT_THROW(world_.GetJointAngle(weld), GoneError);
   EXPECT_THROW(world_.Get(drive_b), GoneError);
   EXPECT_THROW(world_.Get(second_drive_b), GoneError);
-  EXPECT_NO_THROW(world_.JointAngle(other));
+  EXPECT_NO_THROW(world_.GetJointAngle(other));
   EXPECT_NO_THROW(world_.Get(drive_a));
   StepTimes(world_, 10);
 }

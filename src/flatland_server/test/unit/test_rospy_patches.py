@@ -16,8 +16,8 @@ from flatland_server.ros import rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.rospy_patches import PATCHES, RospyCalls, install
-from flatland_server.ros.rospy_patches.requirements import Requirement
-from flatland_server.ros.rospy_patches.rospy_calls import LENGTH, MarkerServer
+from flatland_server.ros.rospy_patches.public_rospy import LENGTH, MarkerServer
+from flatland_server.ros.rospy_patches.rospy_checks import Requirement
 from flatland_server.timekeeper import Timekeeper
 
 ROS = Path(rospy_patches.__file__).resolve().parents[1]

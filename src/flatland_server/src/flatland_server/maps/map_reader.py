@@ -143,7 +143,10 @@ def _simplified(segments: Segments, config: MapConfig, tolerance: float) -> Segm
         simplified = simplify(segments, tolerance)
     logger.info(
         "%s: outlines simplified from %d to %d segments, within %g m",
-        *(config.path, before, len(simplified), tolerance * config.scale),
+        config.path,
+        before,
+        len(simplified),
+        tolerance * config.scale,
     )
     return simplified
 

@@ -82,7 +82,7 @@ class Plugin:
         self.node = node
         self.rng = rng
         self._update_timer: Optional[UpdateTimer] = None
-        self.on_new_timer: Optional[Callable[[], None]] = None
+        self.timer_observer: Optional[Callable[[], None]] = None
         """Called when the plugin gets another `update_timer`; for the schedule."""
 
     @property
@@ -93,8 +93,8 @@ class Plugin:
     @update_timer.setter
     def update_timer(self, timer: Optional[UpdateTimer]) -> None:
         self._update_timer = timer
-        if self.on_new_timer is not None:
-            self.on_new_timer()
+        if self.timer_observer is not None:
+            self.timer_observer()
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the configuration and opens topics. Must be overridden.
@@ -114,7 +114,8 @@ class Plugin:
 
         To be overridden by plugins that only publish, which have no work while their topics have no
         subscribers. A plugin with an `update_timer` is asked whenever this is due; any other only
-        after a topic has got or lost a subscriber, or plugins were started or stopped.
+        after a topic has got or lost a subscriber, or plugins were started or stopped: its answer
+        may depend on nothing else.
         """
         return True
 

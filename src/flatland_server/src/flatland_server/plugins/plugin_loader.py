@@ -182,6 +182,8 @@ def _package_folders() -> Iterator[Path]:
             elif "package.xml" in files:
                 subfolders.clear()
                 yield Path(folder)
+            else:  # as rospack, which does not look into .git and the like either
+                subfolders[:] = [name for name in subfolders if not name.startswith(".")]
             seen.add(real)
 
 

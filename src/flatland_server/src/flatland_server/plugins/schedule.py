@@ -38,7 +38,7 @@ class Schedule:
         scheduled = ScheduledPlugin(plugin, hooks, self._count)
         self._plugins[plugin] = scheduled
         self._insert(scheduled)
-        plugin.on_new_timer = lambda: self._move(scheduled)
+        plugin.timer_observer = lambda: self._move(scheduled)
 
     def remove(self, plugins: Sequence[Plugin]) -> None:
         """Removes plugins, and marks them as removed for the calls of the step that is being made.
@@ -48,7 +48,7 @@ class Schedule:
         removed = {self._plugins.pop(plugin) for plugin in plugins if plugin in self._plugins}
         for each in removed:
             each.is_removed = True
-            each.plugin.on_new_timer = None
+            each.plugin.timer_observer = None
         self._timer_queue.remove(removed)
         self._work_cache.remove(removed)
 

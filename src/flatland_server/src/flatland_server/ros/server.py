@@ -55,7 +55,9 @@ def _run(config: ServerConfig) -> None:
     exclude_from_garbage_collection()
     rospy.loginfo(
         "%s: %d layers, %d models; running",
-        *(config.world_path, len(world.layers), len(world.models)),
+        config.world_path,
+        len(world.layers),
+        len(world.models),
     )
     try:
         manager.run(lambda: not transport.is_ending)

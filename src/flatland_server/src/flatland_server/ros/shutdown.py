@@ -9,7 +9,7 @@ from typing import Any
 
 import rospy
 
-from flatland_server.plugins.running_plugin import describe_running
+from flatland_server.plugins.plugin_on_stack import describe_running
 from flatland_server.ros.ros_transport import RosTransport
 
 STEP_LIMIT = 1.0

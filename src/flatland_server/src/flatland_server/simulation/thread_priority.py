@@ -10,7 +10,7 @@ from types import FrameType
 from typing import Optional
 
 from flatland_server import _core
-from flatland_server.plugins.running_plugin import describe_running
+from flatland_server.plugins.plugin_on_stack import describe_running
 from flatland_server.real_time_timer import RealTimeTimer
 
 logger = logging.getLogger(__name__)
@@ -99,5 +99,6 @@ def _log_report(reports: "queue.SimpleQueue[str]") -> None:
     logger.error(
         "the simulation's thread has lost its real-time priority until the server is restarted: "
         "%g s of CPU time without a break in %s",
-        *(_MAX_BUSY_TIME, reports.get()),
+        _MAX_BUSY_TIME,
+        reports.get(),
     )

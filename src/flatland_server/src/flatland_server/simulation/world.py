@@ -63,7 +63,7 @@ class World:
         self.models: Dict[str, Model] = {}
         """By name."""
         self.physics = _core.World(config.velocity_iterations, config.position_iterations)
-        """The world of the core."""
+        """The Box2D world, in the core."""
         self.entities = Entities()
         """The model or layer that each body belongs to."""
         self._loader = loader or PluginLoader()
@@ -175,7 +175,7 @@ class World:
         problem = topic_name_problem(name) or namespace_problem(namespace)
         if problem:
             raise ModelError(problem)
-        self._check_is_new(name)
+        self._check_name_is_free(name)
         _check_pose(pose)
         model = self.read_model(path)
         for plugin in model.plugins:
@@ -194,7 +194,7 @@ class World:
             raise FlatlandError(
                 "add_model is for between steps; spawn_model may be called in a hook"
             )
-        self._check_is_new(entry.name)
+        self._check_name_is_free(entry.name)
         models_before = set(self.models.values())
         model = Model(
             entry.name,
@@ -311,7 +311,7 @@ class World:
         finally:
             self._deferred.clear()
 
-    def _check_is_new(self, name: str) -> None:
+    def _check_name_is_free(self, name: str) -> None:
         if name in self.models:
             raise ModelError(f'a model named "{name}" is already there')
 

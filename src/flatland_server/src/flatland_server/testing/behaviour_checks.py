@@ -5,10 +5,10 @@ import math
 from contextlib import contextmanager
 from typing import Any, Dict, Iterator, List, Tuple
 
-from flatland_server.testing.plugin_case import (
+from flatland_server.testing.checked_plugin import (
     ROBOT,
+    CheckedPlugin,
     Names,
-    PluginCase,
     Run,
     filled,
     with_value,
@@ -20,7 +20,7 @@ SECONDS = 0.5
 """How long simulations last [s]."""
 
 
-def check_messages(case: PluginCase) -> Problems:
+def check_messages(case: CheckedPlugin) -> Problems:
     """Equal seeds give equal messages, transforms and worlds; a writer's bytes are its message."""
     runs = [case.load(seed=7).go(SECONDS) for _ in range(2)]
     first, second = (_content(run) for run in runs)
@@ -34,7 +34,7 @@ def check_messages(case: PluginCase) -> Problems:
         yield f"expected the MessageWriter of {topic} to make bytes that equal its message"
 
 
-def check_rates(case: PluginCase) -> Problems:
+def check_rates(case: CheckedPlugin) -> Problems:
     """With `update_rate` or `pub_rate`, messages come at that rate, stamped with their step."""
     for key in ("update_rate", "pub_rate"):
         if key not in case.entry:
@@ -67,7 +67,7 @@ def _check_period(run: Run, period: int, label: str) -> Problems:
         yield f"{label}: expected {what} to be stamped with the time, {now} ns, found {stamp} ns"
 
 
-def check_without_subscribers(case: PluginCase) -> Problems:
+def check_without_subscribers(case: CheckedPlugin) -> Problems:
     """Without subscribers, no message is made or published; later ones do not depend on that."""
     run = case.load(has_subscribers=False)
     transport = run.transport
@@ -83,7 +83,7 @@ def check_without_subscribers(case: PluginCase) -> Problems:
     yield from _check_late_subscriber(case, run)
 
 
-def _check_late_subscriber(case: PluginCase, run: Run) -> Problems:
+def _check_late_subscriber(case: CheckedPlugin, run: Run) -> Problems:
     """The messages to a late subscriber are those of a run with subscribers from the start."""
     transport = run.transport
     subscribed = case.load().go(SECONDS)
@@ -115,7 +115,7 @@ def _state(run: Run) -> Tuple[Any, ...]:
     return poses, [layer.segments.tolist() for layer in world.layers]
 
 
-def check_bad_messages(case: PluginCase) -> Problems:
+def check_bad_messages(case: CheckedPlugin) -> Problems:
     """Messages that are empty, NaN or infinite do not make the plugin fail."""
     for value in (0.0, math.nan, -math.inf):
         run = case.load()
@@ -127,7 +127,7 @@ def check_bad_messages(case: PluginCase) -> Problems:
             yield f"expected a message full of {value} to be ignored, found {failure.reason}"
 
 
-def check_end(case: PluginCase) -> Problems:
+def check_end(case: CheckedPlugin) -> Problems:
     """Its end leaves nothing behind, and the robot can be spawned again."""
     with _warnings() as warnings:
         run = case.load()

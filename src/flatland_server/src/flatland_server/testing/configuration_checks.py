@@ -3,9 +3,9 @@
 import re
 from typing import Any, Collection, Iterator, List
 
-from flatland_server.testing.plugin_case import (
+from flatland_server.testing.checked_plugin import (
+    CheckedPlugin,
     KeyPath,
-    PluginCase,
     key_name,
     keys_of,
     value_at,
@@ -21,7 +21,7 @@ _NAMES_NO_PART = re.compile(r"frame|topic|_pub$|_sub$")
 """Keys whose value is not the name of a body or joint, even if there is one of that name."""
 
 
-def check_keys(case: PluginCase, other_keys: Collection[str]) -> Problems:
+def check_keys(case: CheckedPlugin, other_keys: Collection[str]) -> Problems:
     """The entry has all keys that the plugin reads."""
     run = case.load()
     run.simulation.world.close()
@@ -31,7 +31,7 @@ def check_keys(case: PluginCase, other_keys: Collection[str]) -> Problems:
             yield f'the plugin reads the key "{key}", which the entry does not show'
 
 
-def check_unknown_keys(case: PluginCase) -> Problems:
+def check_unknown_keys(case: CheckedPlugin) -> Problems:
     """A misspelt key is refused, at any depth, with its line and a suggestion."""
     for path in keys_of(case.entry):
         key = str(path[-1])
@@ -44,7 +44,7 @@ def check_unknown_keys(case: PluginCase) -> Problems:
             yield _expected(f'a refusal of "{wrong}" in line {line}: {expected}', refusal)
 
 
-def check_missing_keys(case: PluginCase) -> Problems:
+def check_missing_keys(case: CheckedPlugin) -> Problems:
     """Without a key the plugin is loaded, or refused because the key is missing."""
     for path in keys_of(case.entry):
         refusal = case.refusal(without(case.entry, path))
@@ -53,7 +53,7 @@ def check_missing_keys(case: PluginCase) -> Problems:
             yield _expected(f'without "{key_name(path)}": {expected}', refusal)
 
 
-def check_wrong_values(case: PluginCase) -> Problems:
+def check_wrong_values(case: CheckedPlugin) -> Problems:
     """Values of a wrong type, NaN, rates of zero and unknown bodies are refused at their line."""
     parts = case.names_of_parts()
     for path in keys_of(case.entry):
@@ -67,7 +67,7 @@ def check_wrong_values(case: PluginCase) -> Problems:
             yield from _check_refused(case, path, each)
 
 
-def _check_refused(case: PluginCase, path: KeyPath, value: Any) -> Problems:
+def _check_refused(case: CheckedPlugin, path: KeyPath, value: Any) -> Problems:
     entry = with_value(case.entry, path, value)
     place = re.compile(rf"plugins\[0\]\S*\.{re.escape(str(path[-1]))}[.:\[]")
     refusal = case.refusal(entry)
@@ -103,7 +103,7 @@ def misspelt(name: str) -> str:
     return swapped if len(name) > 2 and swapped != name else name + name[-1:]
 
 
-def _is_at(case: PluginCase, line: int, message: str) -> bool:
+def _is_at(case: CheckedPlugin, line: int, message: str) -> bool:
     return message.startswith(f"{case.file}:{line}: plugins[0]")
 
 

@@ -7,8 +7,8 @@ import yaml
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.testing import behaviour_checks, configuration_checks, name_checks
+from flatland_server.testing.checked_plugin import CheckedPlugin
 from flatland_server.testing.files import Entry
-from flatland_server.testing.plugin_case import PluginCase
 
 _MOST_SHOWN = 20
 
@@ -59,7 +59,7 @@ def check_plugin(
     Raises:
         PluginContractError: an AssertionError that lists what was expected and what was found.
     """
-    case = PluginCase(
+    case = CheckedPlugin(
         _document(entry),
         _document(model) if model is not None else None,
         _document(world) if world is not None else None,

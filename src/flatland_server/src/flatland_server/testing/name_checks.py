@@ -2,11 +2,11 @@
 
 from typing import Any, Callable, Iterator, List, Tuple
 
-from flatland_server.testing.plugin_case import (
+from flatland_server.testing.checked_plugin import (
+    CheckedPlugin,
     Document,
     KeyPath,
     Names,
-    PluginCase,
     key_name,
     keys_of,
     value_at,
@@ -26,7 +26,7 @@ _WORLD_FRAMES = ("odom", "map")
 """Frames that belong to no model: the values of these keys, and their defaults."""
 
 
-def check_names(case: PluginCase) -> Problems:
+def check_names(case: CheckedPlugin) -> Problems:
     """Topics and frames are as the entry says, with the namespace before them once."""
     names = _names(case, case.entry, "")
     yield from _check_renamed(case, names)
@@ -34,7 +34,7 @@ def check_names(case: PluginCase) -> Problems:
         yield from _check_namespace(case, names)
 
 
-def _check_renamed(case: PluginCase, names: Names) -> Problems:
+def _check_renamed(case: CheckedPlugin, names: Names) -> Problems:
     """Other names in the entry change those of topics and frames."""
     topics, frames = _topic_keys(case, names), _frame_keys(case, names)
     entry = case.entry
@@ -53,7 +53,7 @@ def _check_renamed(case: PluginCase, names: Names) -> Problems:
     yield from _compare("renamed", _renamed(names, topic, frame), found)
 
 
-def _check_namespace(case: PluginCase, names: Names) -> Problems:
+def _check_namespace(case: CheckedPlugin, names: Names) -> Problems:
     """The namespace is before relative topics and the model's frames; and nowhere else."""
     values = [value_at(case.entry, path) for path in keys_of(case.entry)]
     outside = {v for v in values if isinstance(v, str) and v.startswith("/")}
@@ -78,24 +78,24 @@ def _check_namespace(case: PluginCase, names: Names) -> Problems:
     yield from _compare(f"{label}, topics absolute", _renamed(names, topic, frame), found)
 
 
-def _names(case: PluginCase, entry: Document, namespace: str) -> Names:
+def _names(case: CheckedPlugin, entry: Document, namespace: str) -> Names:
     return case.load(entry, namespace=namespace).go(SECONDS).names
 
 
-def _topic_keys(case: PluginCase, names: Names) -> List[KeyPath]:
+def _topic_keys(case: CheckedPlugin, names: Names) -> List[KeyPath]:
     """The keys of an entry whose values are topics."""
     topics = {*names.published, *names.subscribed}
     return [path for path, value in _texts(case) if _absolute(value) in topics]
 
 
-def _frame_keys(case: PluginCase, names: Names) -> List[KeyPath]:
+def _frame_keys(case: CheckedPlugin, names: Names) -> List[KeyPath]:
     """The keys of an entry whose values are frames."""
     frames = {frame for edge in names.transforms for frame in edge}
     frames |= {frame for _, frame in names.message_frames}
     return [path for path, value in _texts(case) if value in frames and "frame" in key_name(path)]
 
 
-def _texts(case: PluginCase) -> Iterator[Tuple[KeyPath, str]]:
+def _texts(case: CheckedPlugin) -> Iterator[Tuple[KeyPath, str]]:
     """The keys whose values are strings."""
     for path in keys_of(case.entry):
         value = value_at(case.entry, path)

@@ -33,7 +33,10 @@ class FrameRegistry:
                 conflict += f' and from "{other}", though a frame can have only one parent'
             logger.warning(
                 'two plugins publish the frame "%s" %s: %s and %s; switch one of them off',
-                *(child, conflict, first, publisher),
+                child,
+                conflict,
+                first,
+                publisher,
             )
 
     def release(self, publisher: str) -> None:

@@ -15,7 +15,7 @@ from rospy.impl.registration import (
     get_registration_listeners,
 )
 
-from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 _MODULE = "rospy.impl.registration"
 _ADDED = ("self", "resolved_name", "data_type_or_uri", "reg_type")
@@ -41,7 +41,7 @@ _METHODS = {
 
 
 def install() -> Dict[str, Any]:
-    """Checks the requirements. Returns the call that this replaces."""
+    """Checks the rospy_checks. Returns the call that this replaces."""
     check_all(REQUIREMENTS)
     return {"batch_registration": batch_registration}
 

@@ -10,8 +10,8 @@ import rospy
 from rospy import rostime
 from rospy.impl import simtime
 
-from flatland_server.ros.rospy_patches import rospy_calls
-from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+from flatland_server.ros.rospy_patches import public_rospy
+from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 REQUIREMENTS = (
     Requirement("rospy.impl.simtime:init_simtime", uses=("Subscriber", "_clock_sub")),
@@ -24,7 +24,7 @@ _new = rospy.Time.__new__
 
 
 def install() -> Dict[str, Any]:
-    """Checks the requirements. Returns the call that this replaces."""
+    """Checks the rospy_checks. Returns the call that this replaces."""
     check_all(REQUIREMENTS)
     return {"take_over_time": take_over_time}
 
@@ -38,7 +38,7 @@ def take_over_time() -> Optional["LocalTime"]:
     return LocalTime()
 
 
-class LocalTime(rospy_calls.LocalTime):
+class LocalTime(public_rospy.LocalTime):
     """Sets rospy's time in this process."""
 
     def set(self, seconds: int, nanoseconds: int) -> None:

@@ -5,8 +5,8 @@ from typing import Any, Dict
 
 import rospy
 
-from flatland_server.ros.rospy_patches import rospy_calls
-from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+from flatland_server.ros.rospy_patches import public_rospy
+from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 _SERVER = "interactive_markers.interactive_marker_server:InteractiveMarkerServer"
 
@@ -28,12 +28,12 @@ A duration, since no rospy.Time precedes 0: in the first second of simulated tim
 
 
 def install() -> Dict[str, Any]:
-    """Checks the requirements. Returns the class that this replaces."""
+    """Checks the rospy_checks. Returns the class that this replaces."""
     check_all(REQUIREMENTS)
     return {"marker_server": MarkerServer}
 
 
-class MarkerServer(rospy_calls.MarkerServer):
+class MarkerServer(public_rospy.MarkerServer):
     """Sends keep-alive messages only when asked to.
 
     Args:

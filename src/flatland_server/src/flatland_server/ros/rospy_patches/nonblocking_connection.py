@@ -14,7 +14,7 @@ import rospy.topics
 from rospy.exceptions import TransportTerminated
 from rospy.impl.tcpros_pubsub import QueuedConnection
 
-from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 _CONNECTION = "rospy.impl.tcpros_pubsub:QueuedConnection"
 

@@ -7,8 +7,8 @@ from typing import Any, Dict
 
 import rospy
 
-from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
-from flatland_server.ros.rospy_patches.rospy_calls import LENGTH
+from flatland_server.ros.rospy_patches.public_rospy import LENGTH
+from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 REQUIREMENTS = (
     Requirement("rospy.topics:Topic.__init__", uses=("impl",)),
@@ -19,7 +19,7 @@ REQUIREMENTS = (
 
 
 def install() -> Dict[str, Any]:
-    """Checks the requirements. Returns the calls that this replaces."""
+    """Checks the rospy_checks. Returns the calls that this replaces."""
     check_all(REQUIREMENTS)
     return {"send_bytes": send_bytes, "send_framed": send_framed}
 

@@ -9,7 +9,7 @@ from typing import Any, Dict
 
 from rospy.impl import tcpros_base
 
-from flatland_server.ros.rospy_patches.requirements import Requirement, check_all
+from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 REQUIREMENTS = (
     Requirement("rospy.impl.tcpros_base:start_tcpros_server", ()),

@@ -73,7 +73,7 @@ class Run(NamedTuple):
         )
 
 
-class PluginCase:
+class CheckedPlugin:
     """A plugin, and the world in which it is checked.
 
     Args:
