@@ -76,7 +76,7 @@ class Launch:
         os.killpg(self.process.pid, signal.SIGINT)
 
     def nodes(self):
-        """Who is registered with the master."""
+        """The nodes that are registered with the master."""
         master = xmlrpc.client.ServerProxy(self.environment["ROS_MASTER_URI"])
         try:
             publishers, subscribers, services = master.getSystemState("/test_launch")[2]

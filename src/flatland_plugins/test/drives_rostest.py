@@ -18,7 +18,7 @@ from std_msgs.msg import Bool
 class Driving:
     """With `PluginCase`: both bodies of both robots are driven all the time."""
 
-    heard = ("cmd_vel", "second/cmd_vel")
+    subscribed = ("cmd_vel", "second/cmd_vel")
     command = second_command = (0.0, 0.0, 0.0)  # forwards [m/s], to the left [m/s], turn [rad/s]
     velocities = ()  # topics of odometry, and the velocities that the commands lead to
 
@@ -31,7 +31,7 @@ class Driving:
     def test_odometry_has_the_commanded_velocities(self):
         for robot in self.robots:
             for name, expected in self.velocities:
-                twist = self.heard_of(robot, name).next().twist.twist
+                twist = self.recorder_of(robot, name).next().twist.twist
                 found = twist.linear.x, twist.linear.y, twist.angular.z
                 for value, number in zip(found, expected):
                     self.assertAlmostEqual(value, number, delta=1e-3, msg=f"{name}: {found}")
@@ -39,7 +39,7 @@ class Driving:
     def assert_odometry_and_tf_agree(self, topic, frame):
         """Fails if a body's odometry is not the transform of the same moment."""
         for robot in self.robots:
-            odometry = self.heard_of(robot, topic).next()
+            odometry = self.recorder_of(robot, topic).next()
             transform = self.transform(robot, frame, odometry.header.stamp)
             self.assert_pose(pose_of(transform), pose_of(odometry.pose.pose), delta=1e-9)
 
@@ -64,10 +64,10 @@ class DiffDrive(Driving, rostest_case.PluginCase):
 
     def test_twists_are_in_the_frames_they_are_asked_for_in(self):
         for robot in self.robots:
-            twist = self.heard_of(robot, "twist").next().twist
+            twist = self.recorder_of(robot, "twist").next().twist
             self.assertAlmostEqual(twist.linear.x, 0.4, delta=1e-4)
             self.assertAlmostEqual(twist.linear.y, 0.0, delta=1e-4)
-            odometry = self.heard_of(robot, "second/truth").next()
+            odometry = self.recorder_of(robot, "second/truth").next()
             yaw = pose_of(odometry.pose.pose)[2]
             twist = odometry.twist.twist
             self.assertAlmostEqual(twist.linear.x, -0.3 * math.cos(yaw), delta=1e-4)
@@ -139,7 +139,7 @@ class ModelTfPublisher(rostest_case.PluginCase):
 
 class Tween(rostest_case.PluginCase):
     model = "tween"
-    heard = ("tween_trigger", "second_gate/open")
+    subscribed = ("tween_trigger", "second_gate/open")
     frames = (
         Frame("{ns}base", "{ns}lift"),
         Frame("{ns}base", "{ns}gate"),

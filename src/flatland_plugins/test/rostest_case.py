@@ -128,7 +128,7 @@ class ListeningCase(unittest.TestCase):
         twist.linear.x, twist.linear.y, twist.angular.z = x, y, turn
         publisher.publish(twist)
 
-    def heard_of(self, robot: Robot, name: str) -> Recorder:
+    def recorder_of(self, robot: Robot, name: str) -> Recorder:
         """A topic of a robot."""
         return self.recorders[robot.topic(name)]
 
@@ -176,7 +176,7 @@ class ListeningCase(unittest.TestCase):
                 name = robot.topic(topic.name)
                 if name in self.stamps:
                     self.assert_rate(name, self.stamps[name], topic.rate)
-                else:  # as it was heard, beside the clock
+                else:  # by the times of arrival, compared with the clock
                     expected = topic.rate * (self.end - self.begin) * 1e-9
                     delta = 2.0 + 0.15 * expected
                     self.assertAlmostEqual(self.counts[name], expected, delta=delta, msg=name)
@@ -218,12 +218,12 @@ class PluginCase(ListeningCase):
 
     Attributes:
         model: its file in worlds/.
-        heard: the topics that each robot listens to.
+        subscribed: the topics that each robot subscribes to.
         robots: where they are spawned.
     """
 
     model: ClassVar[str]
-    heard: ClassVar[Tuple[str, ...]] = ()
+    subscribed: ClassVar[Tuple[str, ...]] = ()
     robots = (
         Robot("plain", "", -2.0, 1.2, 0.3),
         Robot("spaced", "ns", -2.0, -1.2, -0.4),
@@ -245,7 +245,7 @@ class PluginCase(ListeningCase):
     def test_each_robot_has_the_topics_and_no_others(self):
         published = {r.topic(t.name) for r in self.robots for t in self.published}
         self.assertEqual(self.topics.published, published)
-        self.assertEqual(self.topics.heard, {r.topic(n) for r in self.robots for n in self.heard})
+        self.assertEqual(self.topics.subscribed, {r.topic(n) for r in self.robots for n in self.subscribed})
 
     def test_a_deleted_model_takes_its_topics_and_frames_along(self):
         before = ServerTopics.ask()
@@ -257,7 +257,7 @@ class PluginCase(ListeningCase):
         answer = delete(guest.name)
 
         self.assertEqual(topics.published, {guest.topic(t.name) for t in self.published})
-        self.assertEqual(topics.heard, {guest.topic(name) for name in self.heard})
+        self.assertEqual(topics.subscribed, {guest.topic(name) for name in self.subscribed})
         self.assertTrue(answer.success, answer.message)
         self.assertEqual(ServerTopics.ask(), before)
 

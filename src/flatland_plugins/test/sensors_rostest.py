@@ -38,12 +38,12 @@ class Bumper(rostest_case.PluginCase):
         Topic("collisions", Collisions, 200.0, "map"),
         Topic("slow/collisions", Collisions, 25.0, "world"),
     )
-    heard = ("cmd_vel",)
+    subscribed = ("cmd_vel",)
     robots = FACING_THE_WALL
 
     def test_a_robot_is_told_of_the_wall_that_it_presses_against(self):
         recorders = {
-            name: (robot, self.heard_of(robot, name))
+            name: (robot, self.recorder_of(robot, name))
             for robot in self.robots
             for name in ("collisions", "slow/collisions")
         }
@@ -111,7 +111,7 @@ class Gps(rostest_case.PluginCase):
                 ("gps/fix", 0.0, 0.0, (0.0, 0.0)),
                 ("second/fix", 52.5, 13.4, (0.5, 0.1)),
             ):
-                fix = self.heard_of(robot, name).next()
+                fix = self.recorder_of(robot, name).next()
                 east, north = robot.at(*antenna)
                 # Radii of curvature of WGS 84, along the meridian and across; a few metres away,
                 # what this leaves out is less than 1e-11 degrees.
@@ -132,7 +132,7 @@ class Gps(rostest_case.PluginCase):
                 ("gps/fix", "{ns}receiver", (0.0, 0.0, 0.0)),
                 ("second/fix", "{ns}antenna", (0.5, 0.1, 0.0)),
             ):
-                stamp = self.heard_of(robot, name).next().header.stamp
+                stamp = self.recorder_of(robot, name).next().header.stamp
                 self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)
 
 
@@ -146,7 +146,7 @@ class Imu(rostest_case.PluginCase):
         Topic("second/imu", ImuMessage, 25.0, "{ns}second_imu"),
         Topic("second/truth", ImuMessage, 25.0, "{ns}second_imu"),
     )
-    heard = ("cmd_vel",)
+    subscribed = ("cmd_vel",)
     frames = (
         Frame("{ns}base", "{ns}imu"),
         Frame("{ns}base", "{ns}second_imu", 25.0),
@@ -160,7 +160,7 @@ class Imu(rostest_case.PluginCase):
     def test_on_a_circle_the_acceleration_is_inwards(self):
         for robot in self.robots:
             for name in ("imu/filtered", "imu/ground_truth", "second/truth"):
-                imu = self.heard_of(robot, name).next(3)
+                imu = self.recorder_of(robot, name).next(3)
                 self.assertAlmostEqual(imu.angular_velocity.z, 1.2, delta=1e-4)
                 acceleration = imu.linear_acceleration
                 self.assertAlmostEqual(acceleration.x, 0.0, delta=2e-3)
@@ -169,8 +169,8 @@ class Imu(rostest_case.PluginCase):
 
     def test_the_orientation_is_the_body_s(self):
         for robot in self.robots:
-            imu = self.heard_of(robot, "second/truth").next()
-            odometry = self.heard_of(robot, "odometry/ground_truth")
+            imu = self.recorder_of(robot, "second/truth").next()
+            odometry = self.recorder_of(robot, "odometry/ground_truth")
             stamp = imu.header.stamp
             wait_until(lambda o=odometry, s=stamp: o.messages[-1].header.stamp >= s, "odometry")
             pose = next(m.pose.pose for m in odometry.messages if m.header.stamp == stamp)
@@ -179,7 +179,7 @@ class Imu(rostest_case.PluginCase):
 
     def test_noise_is_in_what_is_measured_alone(self):
         for robot in self.robots:
-            measured = self.heard_of(robot, "second/imu")
+            measured = self.recorder_of(robot, "second/imu")
             measured.next(2)
             turns = [m.angular_velocity.z for m in measured.messages[-20:]]
             self.assertGreater(max(turns) - min(turns), 0.005)  # half a standard deviation
@@ -203,7 +203,7 @@ class Laser(rostest_case.PluginCase):
                 ("scan", (0.0, 0.0), 0.0, 20.0),
                 ("rear/scan", (-0.1, 0.0), math.pi, 15.0),
             ):
-                scan = self.heard_of(robot, name).next()
+                scan = self.recorder_of(robot, name).next()
                 self.assertEqual((scan.range_min, scan.range_max), (0.0, range_max))
                 self.assertEqual(len(scan.ranges), 3)
                 for beam, distance in enumerate(scan.ranges):
@@ -217,7 +217,7 @@ class Laser(rostest_case.PluginCase):
                 ("scan", "{ns}laser", (0.0, 0.0, 0.0)),
                 ("rear/scan", "{ns}rear_link", (-0.1, 0.0, math.pi)),
             ):
-                stamp = self.heard_of(robot, name).next().header.stamp
+                stamp = self.recorder_of(robot, name).next().header.stamp
                 self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)
 
 

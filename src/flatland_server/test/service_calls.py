@@ -43,17 +43,17 @@ class ServerTopics(NamedTuple):
     """The server's topics known to the master, except markers, which follow models with a delay."""
 
     published: Set[str]
-    heard: Set[str]
+    subscribed: Set[str]
 
     @classmethod
     def ask(cls) -> "ServerTopics":
         """The present ones."""
-        published, heard, _ = rosgraph.Master(rospy.get_name()).getSystemState()
-        return cls(_of_server(published), _of_server(heard))
+        published, subscribed, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+        return cls(_of_server(published), _of_server(subscribed))
 
     def without(self, others: "ServerTopics") -> "ServerTopics":
         """Those that are not among others."""
-        return ServerTopics(self.published - others.published, self.heard - others.heard)
+        return ServerTopics(self.published - others.published, self.subscribed - others.subscribed)
 
 
 def _of_server(state: List[Tuple[str, List[str]]]) -> Set[str]:
