@@ -245,7 +245,9 @@ class PluginCase(ListeningCase):
     def test_each_robot_has_the_topics_and_no_others(self):
         published = {r.topic(t.name) for r in self.robots for t in self.published}
         self.assertEqual(self.topics.published, published)
-        self.assertEqual(self.topics.subscribed, {r.topic(n) for r in self.robots for n in self.subscribed})
+        self.assertEqual(
+            self.topics.subscribed, {r.topic(n) for r in self.robots for n in self.subscribed}
+        )
 
     def test_a_deleted_model_takes_its_topics_and_frames_along(self):
         before = ServerTopics.ask()
