@@ -67,6 +67,7 @@ def test_it_keeps_the_contract(name):
     check_plugin(documented_entry(name), other_keys=prose_keys(name), model=ROBOT)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "keys"), VARIANTS, ids=[name for name, _ in VARIANTS])
 def test_it_keeps_the_contract_otherwise_configured(name, keys):
     entry = {**documented_entry(name), **keys}

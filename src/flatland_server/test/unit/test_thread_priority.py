@@ -218,6 +218,7 @@ def start_endless() -> Iterator[object]:
         process.communicate()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["python_code", "native_code"])
 def test_an_endless_plugin_loses_the_priority_and_goes_on(start_endless, kind):
     process = start_endless(kind)
@@ -230,6 +231,7 @@ def test_an_endless_plugin_loses_the_priority_and_goes_on(start_endless, kind):
     assert process.poll() is None
 
 
+@pytest.mark.slow
 def test_an_endless_plugin_is_named(start_endless):
     process = start_endless("python_code")
 

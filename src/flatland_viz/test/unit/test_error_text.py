@@ -18,7 +18,7 @@ int main(int, char** arguments) { std::cout << flatland_viz::ErrorText(arguments
 """
 
 
-@pytest.fixture(scope="module", params=["python", "c++"])
+@pytest.fixture(scope="module", params=["python", pytest.param("c++", marks=pytest.mark.slow)])
 def text_of(request, tmp_path_factory) -> Callable[[str], str]:
     """The function, in one of the two languages."""
     if request.param == "python":

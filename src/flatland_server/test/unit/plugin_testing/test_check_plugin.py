@@ -16,6 +16,7 @@ def test_a_plugin_that_keeps_the_contract_passes():
     check(Beacon)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plugin", BROKEN, ids=lambda plugin: plugin.__name__)
 def test_a_broken_plugin_is_told_what_was_expected_and_found(plugin):
     with pytest.raises(PluginContractError) as caught:
