@@ -140,13 +140,16 @@ class PluginManager:
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `prepare_step` and `before_physics_step` of all plugins that are due."""
         self._step_calls = self._schedule.calls(timekeeper, self._transport.subscriber_revision)
-        if self._step_calls.hooks["prepare_step"]:  # few plugins have it
+        hooks = self._step_calls.hooks
+        if hooks["prepare_step"]:
             self._call_step_hooks("prepare_step", timekeeper)
-        self._call_step_hooks("before_physics_step", timekeeper)
+        if hooks["before_physics_step"]:
+            self._call_step_hooks("before_physics_step", timekeeper)
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `after_physics_step` of all plugins that were due before the step."""
-        self._call_step_hooks("after_physics_step", timekeeper)
+        if self._step_calls.hooks["after_physics_step"]:
+            self._call_step_hooks("after_physics_step", timekeeper)
 
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:

@@ -36,8 +36,9 @@ class DeferredActions:
     def __init__(self) -> None:
         self.lock = _Lock()
         """A context in which all actions are deferred. May be nested."""
+        self.pending: Deque[Tuple[Callable[[], Any], str]] = deque()
+        """The deferred actions, each with what to log if it fails."""
         self._changing: Set[str] = set()
-        self._pending: Deque[Tuple[Callable[[], Any], str]] = deque()
         self._is_running = False
 
     @property
@@ -69,7 +70,7 @@ class DeferredActions:
             What the action has returned; None if it is deferred.
         """
         if self.is_locked or unless_changing in self._changing:
-            self._pending.append((action, failure))
+            self.pending.append((action, failure))
             return None
         result = action()
         self.run_pending()
@@ -81,14 +82,14 @@ class DeferredActions:
         At most 1000 of them are run; the others wait for the next call. A call from within an
         action does nothing, since the call that runs this action goes on.
         """
-        if not self._pending or self._is_running:
+        if not self.pending or self._is_running:
             return
         self._is_running = True
         try:
             for _ in range(MAX_ACTIONS_PER_RUN):
-                if not self._pending or self.is_locked or self._changing:
+                if not self.pending or self.is_locked or self._changing:
                     return
-                action, failure = self._pending.popleft()
+                action, failure = self.pending.popleft()
                 try:
                     action()
                 except FlatlandError as error:
@@ -98,11 +99,11 @@ class DeferredActions:
 
     def clear(self) -> None:
         """Drops the deferred actions."""
-        self._pending.clear()
+        self.pending.clear()
 
 
 class _Lock(ContextManager[None]):
-    """Counts how deeply its contexts are nested. Lean, since every step enters it."""
+    """A context that may be nested; it counts how deeply. Lean, since every step enters it."""
 
     __slots__ = ("depth",)
 

@@ -300,7 +300,8 @@ class World:
             self.physics.step(timekeeper.step_size)
             timekeeper.step()
             self._plugins.after_physics_step(timekeeper)
-        self._deferred.run_pending()
+        if self._deferred.pending:
+            self._deferred.run_pending()
         self.transport.flush()
 
     def close(self) -> None:
