@@ -41,7 +41,7 @@ _METHODS = {
 
 
 def install() -> Dict[str, Any]:
-    """Checks the rospy_checks. Returns the call that this replaces."""
+    """Checks the requirements. Returns the call that this replaces."""
     check_all(REQUIREMENTS)
     return {"batch_registration": batch_registration}
 

@@ -24,7 +24,7 @@ _new = rospy.Time.__new__
 
 
 def install() -> Dict[str, Any]:
-    """Checks the rospy_checks. Returns the call that this replaces."""
+    """Checks the requirements. Returns the call that this replaces."""
     check_all(REQUIREMENTS)
     return {"take_over_time": take_over_time}
 

@@ -28,7 +28,7 @@ A duration, since no rospy.Time precedes 0: in the first second of simulated tim
 
 
 def install() -> Dict[str, Any]:
-    """Checks the rospy_checks. Returns the class that this replaces."""
+    """Checks the requirements. Returns the class that this replaces."""
     check_all(REQUIREMENTS)
     return {"marker_server": MarkerServer}
 

@@ -19,7 +19,7 @@ REQUIREMENTS = (
 
 
 def install() -> Dict[str, Any]:
-    """Checks the rospy_checks. Returns the calls that this replaces."""
+    """Checks the requirements. Returns the calls that this replaces."""
     check_all(REQUIREMENTS)
     return {"send_bytes": send_bytes, "send_framed": send_framed}
 
