@@ -273,8 +273,7 @@ def test_a_preview_follows_the_mouse(viewer):
     viewer.waiting(lambda: not viewer.shows_box("no_preview", -0.5, 3.8), "its end", 20)
 
 
-@pytest.mark.parametrize("clicks", [0, 1])
-@pytest.mark.parametrize("how", ["Escape", "right click"])
+@pytest.mark.parametrize(("how", "clicks"), [("Escape", 1), ("right click", 0)])
 def test_a_cancelled_spawn_leaves_nothing(viewer, how, clicks):
     before = viewer.ros.models()
     viewer.start_placing(viewer.box)

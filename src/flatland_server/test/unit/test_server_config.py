@@ -1,0 +1,64 @@
+"""The node's parameters: their defaults, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+import rospy
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.ros.server_config import ServerConfig
+
+
+@pytest.fixture
+def read(monkeypatch):
+    """Reads the configuration of a node with these parameters, besides a world's path."""
+
+    def read_with(**params):
+        params = {"world_path": "/world.yaml", **params}
+        monkeypatch.setattr(rospy, "get_param", lambda name, default: params.get(name[1:], default))
+        return ServerConfig.read()
+
+    return read_with
+
+
+def test_the_defaults_are_those_of_the_launch_file(read):
+    assert read() == ServerConfig(
+        world_path=Path("/world.yaml"),
+        update_rate=200.0,
+        step_size=0.005,
+        show_viz=True,
+        viz_pub_rate=30.0,
+        seed=0,
+        simplify_map=0,
+        realtime_priority=True,
+        rospy_patches=True,
+    )
+
+
+def test_the_world_may_run_as_fast_as_the_machine_can(read):
+    assert read(update_rate="inf").update_rate == float("inf")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("world_path", "", "the parameter ~world_path must be the path of a world file"),
+        ("update_rate", 0, "~update_rate: expected a number above 0, found 0"),
+        ("update_rate", "fast", "~update_rate: expected a number above 0, found fast"),
+        ("step_size", -0.005, "~step_size: expected a number above 0, found -0.005"),
+        ("step_size", "inf", "~step_size: expected a number above 0, found inf"),
+        ("viz_pub_rate", "nan", "~viz_pub_rate: expected a number above 0, found nan"),
+        ("viz_pub_rate", [30], "~viz_pub_rate: expected a number above 0, found [30]"),
+        ("seed", -1, "~seed: expected a whole number of 0 or more, found -1"),
+        ("seed", 0.5, "~seed: expected a whole number of 0 or more, found 0.5"),
+        ("seed", True, "~seed: expected a whole number of 0 or more, found True"),
+        ("simplify_map", 3, "~simplify_map: expected 0, 1 or 2, found 3"),
+        ("show_viz", "yes", "~show_viz: expected true or false, found yes"),
+        ("realtime_priority", 1, "~realtime_priority: expected true or false, found 1"),
+    ],
+)
+def test_a_wrong_parameter_is_named(read, name, value, message):
+    with pytest.raises(FlatlandError) as refusal:
+        read(**{name: value})
+
+    assert str(refusal.value) == message
