@@ -1,4 +1,4 @@
-"""A remedy against a crash of rviz when its render window is created.
+"""Makes a crash of rviz less likely when its render window is created.
 
 rviz's RenderWidget gets a window id from Qt and at once has Ogre create a window with it, on
 another connection to the X server. The server may not have processed Qt's request to create that
