@@ -30,9 +30,12 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture
 def server(tmp_path):
-    """Two robots, five times as fast as real time."""
+    """Two robots, twice as fast as real time.
+
+    A topic's queue holds 10 messages: a subscriber that gets no core for 25 ms loses none.
+    """
     world = write_world(tmp_path, WORLDS, 2)
-    with ServerProcess(world, update_rate=1000) as server:
+    with ServerProcess(world, update_rate=400) as server:
         yield server
 
 
@@ -92,7 +95,7 @@ def test_the_intervals_of_clock_are_those_of_steps(server):
     clock = subscriber.end()
 
     assert clock["clock_intervals"] > 100
-    assert clock["p50"] == pytest.approx(0.001, rel=0.5)
+    assert clock["p50"] == pytest.approx(0.0025, rel=0.5)
     assert clock["p50"] <= clock["p99"] <= clock["worst"]
 
 
