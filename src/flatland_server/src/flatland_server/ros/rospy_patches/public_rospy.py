@@ -1,6 +1,7 @@
 """The operations that patches replace, here through rospy's public interface."""
 
 import struct
+from abc import ABC, abstractmethod
 from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any, Callable, ContextManager, Optional, Type
@@ -12,16 +13,16 @@ LENGTH = struct.Struct("<I")
 """Precedes each message on a TCPROS connection: the message's size [bytes]."""
 
 
-class LocalTime:
+class LocalTime(ABC):
     """This process's simulated time, set without the detour over /clock."""
 
+    @abstractmethod
     def set(self, seconds: int, nanoseconds: int) -> None:
         """Sets what `rospy.Time.now()` returns."""
-        raise NotImplementedError
 
+    @abstractmethod
     def notify(self) -> None:
         """Wakes the threads of this process that wait for a time."""
-        raise NotImplementedError
 
 
 class MarkerServer(InteractiveMarkerServer):  # type: ignore[misc]
