@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import ImageGrab
 from ros_processes import free_port
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -48,8 +48,9 @@ class Screen:
         """A screenshot, kept as a file: colours of shape (height, width, 3)."""
         SHOTS.mkdir(parents=True, exist_ok=True)
         path = SHOTS / f"gui_{name}.png"
-        subprocess.run(["import", "-window", "root", path], env=self.environment, check=True)
-        return np.asarray(Image.open(path).convert("RGB")).astype(int)
+        picture = ImageGrab.grab(xdisplay=self.environment["DISPLAY"])
+        picture.save(path, compress_level=1)
+        return np.asarray(picture).astype(int)
 
     def xdotool(self, *arguments):
         """Runs xdotool for mouse, keyboard or windows. Returns the words of its output."""
@@ -104,7 +105,14 @@ class Screen:
 
 
 class Ros:
-    """A ROS master, programs that use it, and a node that queries them."""
+    """A ROS master, programs that use it, and a node that queries them.
+
+    Attributes:
+        frame_rate: how often the window draws [Hz]. Without a graphics card each frame takes much
+            of a core.
+    """
+
+    frame_rate = 10
 
     def __init__(self, environment, logs):
         port = free_port()
@@ -121,6 +129,7 @@ class Ros:
             lambda: self._run("rosparam", "set", "/use_sim_time", "true").returncode == 0,
             "the master",
         )
+        self._run("rosparam", "set", "/flatland_viz/frame_rate", str(self.frame_rate))
         self._probe = subprocess.Popen(
             [sys.executable, Path(__file__).with_name("ros_probe.py")],
             env=self.environment,

@@ -14,7 +14,7 @@ COLORS = {  # of the world's files, and the least number of pixels
 }
 
 
-def config():
+def config(frame_rate):
     displays = [
         {
             "Class": "rviz/MarkerArray",
@@ -29,6 +29,7 @@ def config():
         "Visualization Manager": {
             "Global Options": {
                 "Fixed Frame": "map",
+                "Frame Rate": frame_rate,
                 "Background Color": "; ".join(map(str, BACKGROUND)),
             },
             "Displays": displays,
@@ -43,7 +44,7 @@ def config():
 
 def test_markers_alone_show_the_world(screen, ros, office, waiting, tmp_path):
     file = tmp_path / "generic.rviz"
-    file.write_text(yaml.safe_dump(config()))
+    file.write_text(yaml.safe_dump(config(ros.frame_rate)))
     ros.launch_server(office / "world.yaml", "use_rviz:=true")
     ros.start("rviz", "-d", file)
     screen.wait_for_window(".*generic.rviz.* - RViz")

@@ -22,10 +22,11 @@ def near(pixels, color, tolerance=40):
     return np.abs(pixels - np.array(color)).max(axis=2) <= tolerance
 
 
-def with_handles(office):
-    """The configuration flatland.rviz, with interactive markers."""
+def with_handles(office, frame_rate):
+    """The configuration flatland.rviz, with interactive markers and another frame rate [Hz]."""
     file = office.parents[2] / "flatland_viz" / "rviz" / "flatland.rviz"
     config = yaml.safe_load(file.read_text())
+    config["Visualization Manager"]["Global Options"]["Frame Rate"] = frame_rate
     displays = config["Visualization Manager"]["Displays"]
     if not any(display["Class"] == "rviz/InteractiveMarkers" for display in displays):
         displays.append(
@@ -104,7 +105,7 @@ class Viewer:
         if kind == "rviz":
             self._programs = [ros.launch_server(world, "use_rviz:=true")]
             config = folder / "flatland.rviz"
-            config.write_text(yaml.safe_dump(with_handles(office)))
+            config.write_text(yaml.safe_dump(with_handles(office, ros.frame_rate)))
             self._programs.append(ros.start("rviz", "-d", config))
             title = ".*flatland.rviz.* - RViz"
         else:

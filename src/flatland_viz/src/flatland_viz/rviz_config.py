@@ -18,15 +18,20 @@ _LEFT_OUT = ("rviz/Select", "rviz/FocusCamera")
 _POINT_SIZE = "Size (Pixels)"
 
 
-def for_window(base: Config) -> Config:
+def for_window(base: Config, frame_rate: int) -> Config:
     """`base` without the displays of a world, which are added when the world is known.
 
     Panels are replaced, and the geometry of rviz's own window is left out.
+
+    Args:
+        base: the configuration to start from.
+        frame_rate: how often the view is drawn [Hz].
     """
     config = deepcopy(base)
     config["Panels"] = deepcopy(list(_PANELS))
     config.pop("Window Geometry", None)
     manager = config["Visualization Manager"]
+    manager["Global Options"]["Frame Rate"] = frame_rate
     manager["Displays"] = [d for d in manager["Displays"] if d["Class"] not in _PER_WORLD]
     manager["Tools"] = [tool for tool in manager["Tools"] if tool["Class"] not in _LEFT_OUT]
     return config

@@ -25,9 +25,10 @@ class Scene(QObject):
 
     Args:
         base: the rviz configuration to start from.
+        frame_rate: how often the view is drawn [Hz].
     """
 
-    def __init__(self, base: Config) -> None:
+    def __init__(self, base: Config, frame_rate: int) -> None:
         super().__init__()
         self._base = base
         self._displays: Dict[Shown, Any] = {}
@@ -36,7 +37,7 @@ class Scene(QObject):
         self.frame = rviz.VisualizationFrame()
         self.frame.setSplashPath("")
         with tempfile.NamedTemporaryFile("w", suffix=".rviz") as file:
-            yaml.safe_dump(for_window(base), file)
+            yaml.safe_dump(for_window(base, frame_rate), file)
             file.flush()
             with synchronised_window_ids():
                 self.frame.initialize(file.name)

@@ -14,6 +14,7 @@ import rospy
 import yaml
 
 _WAKE_PERIOD = 50  # ms
+_FRAME_RATE = 30  # Hz
 
 
 def main() -> int:
@@ -65,7 +66,7 @@ def _show_window() -> int:
     sys.excepthook = _report  # PyQt aborts the process otherwise
 
     server = Server()
-    window = Window(server, Scene(_base_config()))
+    window = Window(server, Scene(_base_config(), _frame_rate()))
     server.start()
     window.show()
     window.activateWindow()  # gives it the keyboard where there is no window manager
@@ -90,6 +91,16 @@ def _base_config() -> Any:
     """The rviz configuration to start from."""
     path = Path(rospkg.RosPack().get_path("flatland_viz")) / "rviz" / "flatland.rviz"
     return yaml.safe_load(path.read_text())
+
+
+def _frame_rate() -> int:
+    """The parameter `~frame_rate`: how often the view is drawn [Hz], 30 unless it is set."""
+    value = rospy.get_param("~frame_rate", _FRAME_RATE)
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and 1 <= value <= 1000:
+        return round(value)
+    name = rospy.resolve_name("~frame_rate")
+    rospy.logwarn("%s: expected 1 to 1000 [Hz], found %r; using %d", name, value, _FRAME_RATE)
+    return _FRAME_RATE
 
 
 def _report(*error: Any) -> None:

@@ -32,20 +32,26 @@ def tools(config: Dict[str, Any]) -> List[str]:
 
 
 def test_the_window_starts_without_displays_of_a_world(base):
-    kinds = [display["Class"] for display in displays(for_window(base))]
+    kinds = [display["Class"] for display in displays(for_window(base, 30))]
 
     assert kinds == ["rviz/Grid", "rviz/TF"]
 
 
 def test_the_window_looks_from_above(base):
-    manager = for_window(base)["Visualization Manager"]
+    manager = for_window(base, 30)["Visualization Manager"]
 
     assert manager["Views"]["Current"]["Class"] == "rviz/TopDownOrtho"
     assert manager["Global Options"] == base["Visualization Manager"]["Global Options"]
 
 
+def test_the_window_draws_as_often_as_it_is_told(base):
+    options = for_window(base, 12)["Visualization Manager"]["Global Options"]
+
+    assert options == {**base["Visualization Manager"]["Global Options"], "Frame Rate": 12}
+
+
 def test_the_window_has_tools_for_the_world(base):
-    assert tools(for_window(base)) == [
+    assert tools(for_window(base, 30)) == [
         "rviz/Interact",
         "rviz/MoveCamera",
         "rviz/Measure",
@@ -59,7 +65,7 @@ def test_the_window_has_tools_for_the_world(base):
 
 def test_the_window_places_itself(base):
     assert "Window Geometry" in base
-    assert "Window Geometry" not in for_window(base)
+    assert "Window Geometry" not in for_window(base, 30)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +124,7 @@ def test_points_of_a_scan_are_as_large_on_a_screen_with_smaller_pixels(base):
 def test_the_configuration_it_starts_from_is_not_changed(base):
     before = deepcopy(base)
 
-    for_window(base)["Visualization Manager"]["Tools"][0]["Class"] = "changed afterwards"
+    for_window(base, 30)["Visualization Manager"]["Tools"][0]["Class"] = "changed afterwards"
     for_display(base, Shown("scan", "rviz/LaserScan", "/scan"), 2.0)["Name"] = "changed"
 
     assert base == before
