@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+"""Starts the window many times under Xvfb, and reports the starts that ended in a crash.
+
+    src/flatland_viz/test/window_starts.py [--starts 300] [--at-once 2] [--seconds 1] [--cores DIR]
+
+Run it with ROS's environment (`source devel/setup.bash`). Each window gets SIGINT after its first
+second on the screen, and must end with exit code 0. The exit code of this program says whether all
+did. The server does not run: the crash that this looks for (see `window_ids.py`) is in the first
+frames, whatever they show.
+"""
+
+import argparse
+import collections
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Dict, List, Optional
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "flatland_server" / "test"))
+
+from ros_processes import free_port
+
+LIMIT = 60.0  # s: for a window to appear, and to end
+
+
+class Start:
+    """One window, from its start to its end.
+
+    Args:
+        number: of the start; part of the node's name.
+        environment: with the display and the master.
+        seconds: how long the window is on the screen.
+        folder: the working directory, where core files are written.
+    """
+
+    def __init__(self, number: int, environment: Dict[str, str], seconds: float, folder: Path):
+        self._environment = environment
+        self._seconds = seconds
+        self._begin = time.monotonic()
+        self._shown: Optional[float] = None
+        self._interrupted: Optional[float] = None
+        self.process = subprocess.Popen(
+            ["rosrun", "flatland_viz", "flatland_viz", f"__name:=window_{number}"],
+            env=environment,
+            cwd=folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    def advance(self) -> Optional[str]:
+        """Does what is due. Returns how the start ended, once it has."""
+        code = self.process.poll()
+        now = time.monotonic()
+        if code is not None:
+            if code == 0 and self._interrupted is not None:
+                return "ended as asked"
+            return f"exit code {code} {'after SIGINT' if self._interrupted else 'by itself'}"
+        if now - (self._interrupted or self._begin) > LIMIT:
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+            return f"no {'end' if self._interrupted else 'window'} within {LIMIT:g} s"
+        if self._shown is None:
+            if self._is_visible():
+                self._shown = now
+        elif self._interrupted is None and now - self._shown >= self._seconds:
+            os.killpg(self.process.pid, signal.SIGINT)
+            self._interrupted = now
+        return None
+
+    def _is_visible(self) -> bool:
+        search = ["xdotool", "search", "--onlyvisible", "--pid", str(self.process.pid)]
+        return bool(subprocess.run(search, env=self._environment, stdout=subprocess.PIPE).stdout)
+
+
+def run(starts: int, at_once: int, seconds: float, folder: Path) -> Dict[str, int]:
+    """Starts windows, and returns how many ended in which way."""
+    read, write = os.pipe()
+    screen = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x900x24", "-noreset"],
+        pass_fds=[write],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        display = f":{pipe.readline().strip()}"
+    port = free_port()
+    environment = {
+        **os.environ,
+        "DISPLAY": display,
+        "LIBGL_ALWAYS_SOFTWARE": "1",
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_IP": "127.0.0.1",
+    }
+    master = subprocess.Popen(
+        ["rosmaster", "--core", "-p", str(port)],
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    ends: Dict[str, int] = collections.Counter()
+    running: List[Start] = []
+    number = 0
+    try:
+        while number < starts or running:
+            while number < starts and len(running) < at_once:
+                number += 1
+                running.append(Start(number, environment, seconds, folder))
+            time.sleep(0.05)
+            for start in list(running):
+                end = start.advance()
+                if end is not None:
+                    running.remove(start)
+                    ends[end] += 1
+                    if end != "ended as asked":
+                        print(f"start {number}, process {start.process.pid}: {end}", flush=True)
+    finally:
+        for start in running:
+            os.killpg(start.process.pid, signal.SIGKILL)
+        master.terminate()
+        screen.terminate()
+    return ends
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--starts", type=int, default=300, help="how many (300)")
+    parser.add_argument("--at-once", type=int, default=2, help="how many at a time (2)")
+    parser.add_argument("--seconds", type=float, default=1.0, help="each on the screen (1)")
+    parser.add_argument("--cores", type=Path, default=Path.cwd(), help="folder for core files")
+    options = parser.parse_args()
+    begin = time.monotonic()
+    ends = run(options.starts, options.at_once, options.seconds, options.cores)
+    for end, count in sorted(ends.items()):
+        print(f"{count:5d} {end}")
+    print(f"in {time.monotonic() - begin:.0f} s")
+    return 0 if set(ends) <= {"ended as asked"} else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
