@@ -1,5 +1,6 @@
-"""What docs/files.md and docs/plugins.md say is so: each of their blocks is loaded or run."""
+"""What the pages of docs say is so: each of their blocks is loaded or run."""
 
+import importlib
 import re
 import subprocess
 import sys
@@ -17,10 +18,11 @@ from flatland_server.models.entity import Entity
 from flatland_server.models.model import ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.node import Node
+from flatland_server.transport.node import Node, Publisher
 
 DOCS = Path(__file__).resolve().parents[3] / "docs"
 PAGE = DOCS / "files.md"
@@ -244,3 +246,55 @@ def test_the_tests_of_the_page_pass():
     assert len(tests) == 2
     for test in tests:
         test()
+
+
+# docs/coming_from_cpp.md
+
+
+MIGRATION = DOCS / "coming_from_cpp.md"
+
+
+def test_the_plugin_that_was_one_in_cpp_works(tmp_path, monkeypatch):
+    text = MIGRATION.read_text(encoding="utf-8")
+    [(name, source)] = PYTHON_FILE.findall(text)
+    assert text.count("```python") == 1
+    (tmp_path / name).write_text(source, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    declaration = PluginDeclaration.of(importlib.import_module(Path(name).stem).Speedometer)
+    files = testing.WorldFiles(tmp_path, PluginLoader([declaration]))
+    plugin = "type: Speedometer, name: speedometer, body: base"
+
+    simulation = files.robot(plugin)
+    simulation.model().bodies["base"].physics_body.velocity = (0.3, 0.4, 0.0)
+    messages = simulation.record("/speed", 1.0)
+
+    assert len(messages) == 10
+    assert messages[-1].data == pytest.approx(0.5, abs=1e-6)
+
+
+def test_the_twins_of_cpp_calls_exist():
+    text = MIGRATION.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `.*?\| (.*) \|$", text.partition("| C++ |")[2], flags=re.MULTILINE)
+    owners = {
+        "config": YamlReader,
+        "self": ModelPlugin,
+        "node": Node,
+        "physics": _core.Body,
+        "publisher": Publisher,
+        "timekeeper": Timekeeper,
+        "contact": _core.Contact,
+        "lidar": _core.Lidar,
+    }
+
+    named = [pair for row in rows for pair in re.findall(r"\b(\w+)\.(\w+)", row)]
+    checked = [(owner, name) for owner, name in named if owner in owners]
+    getters = [name for row in rows for name in re.findall(r"`(get_\w+)", row)]
+    assert len(checked) >= 25
+    assert len(getters) >= 10
+    attributes = {"self": {"name", "type", "node", "model", "update_timer", "_callback"}}
+    missing = [
+        f"{owner}.{name}"
+        for owner, name in checked
+        if not hasattr(owners[owner], name) and name not in attributes.get(owner, ())
+    ]
+    assert missing + [name for name in getters if not hasattr(YamlReader, name)] == []
