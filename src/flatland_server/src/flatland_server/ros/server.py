@@ -7,7 +7,7 @@ import sys
 import rospy
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.ros import rospy_patches
+from flatland_server.ros import open_files, rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
@@ -23,11 +23,15 @@ from flatland_server.simulation.thread_priority import ThreadPriority
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
+_REGISTRATION_LIMIT = 10.0
+"""Real time that the ROS master has to register the topics of the world [s]."""
+
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
     rospy.init_node("flatland_server", disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
+    open_files.raise_limit()
     try:
         _run(ServerConfig.read())
     except rospy.ROSInterruptException:
@@ -53,6 +57,8 @@ def _run(config: ServerConfig) -> None:
         manager = SimulationManager(world, timekeeper, config.update_rate)
         _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
+    if not transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+        rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
     rospy.loginfo(
         "%s: %d layers, %d models; running",
         config.world_path,
