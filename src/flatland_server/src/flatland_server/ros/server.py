@@ -19,6 +19,7 @@ from flatland_server.ros.service_manager import ServiceManager
 from flatland_server.ros.shutdown import Shutdown
 from flatland_server.ros.state_publisher import StatePublisher
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
@@ -87,6 +88,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     manager.on_tick.append(StatePublisher(manager).update)
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
+    manager.on_tick.append(SlowPluginWatch().update)
     ServiceManager(manager, transport)
 
 

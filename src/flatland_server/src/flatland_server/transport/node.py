@@ -7,6 +7,7 @@ program without a ROS master. Callbacks run between steps, on the thread of the 
 from typing import Any, Callable, List, Optional, Tuple
 
 from flatland_server._deprecated import renamed
+from flatland_server.exceptions import PLUGIN_ERRORS
 from flatland_server.geometry import Transform
 from flatland_server.transport.frame_registry import FrameRegistry
 from flatland_server.transport.transport import Frames, Publisher, Subscription, Transport
@@ -89,7 +90,7 @@ class Node:
             on_failure = self.on_failure  # the callback may close this node
             try:
                 callback(message)
-            except Exception:
+            except PLUGIN_ERRORS:
                 if on_failure is None:
                     raise
                 on_failure(f"its callback of {name}")
