@@ -180,7 +180,7 @@ def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_ser
     wait_until(lambda: "/while_dead/scan" not in master.topics(), "those of the deleted one")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_the_server_while_the_master_is_stopped(master, start_server, number):
     server = start_server()
     master.process.send_signal(signal.SIGSTOP)

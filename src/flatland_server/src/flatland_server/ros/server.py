@@ -12,7 +12,7 @@ from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
-from flatland_server.ros.log_handler import RosLogHandler
+from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import ServiceManager
@@ -32,6 +32,7 @@ def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
     rospy.init_node("flatland_server", disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
+    tolerate_write_errors()
     open_files.raise_limit()
     try:
         _run(ServerConfig.read())

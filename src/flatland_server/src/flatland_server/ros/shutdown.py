@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: end the simulation after the current step, if that ends."""
+"""Ctrl-C, SIGTERM and SIGHUP: end the simulation after the current step, if that ends."""
 
 import logging
 import os
@@ -42,7 +42,7 @@ class Shutdown:
         self._steps_have_ended = threading.Event()
         self._simulation = threading.get_ident()
         threading.Thread(target=self._limit_time, daemon=True).start()
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._end)
         rospy.on_shutdown(transport.end)
 
