@@ -89,6 +89,7 @@ class Model(Entity):
         namespace: without a "/" at its ends.
         bodies: by name, the base first; none after the model was deleted.
         joints: none after the model was deleted.
+        move_revision: incremented by every `move`.
 
     Raises:
         ModelError: Box2D cannot represent it.
@@ -112,6 +113,7 @@ class Model(Entity):
         self.entities = entities
         self.bodies: Dict[str, ModelBody] = {}
         self.joints: List[Joint] = []
+        self.move_revision = 0
         try:
             for body in config.bodies:
                 self.bodies[body.name] = ModelBody(body, pose.wrapped(), physics)
@@ -221,6 +223,7 @@ class Model(Entity):
             raise ModelError(f'the model "{self.name}" cannot be there: {error}') from None
         for body, _ in before:
             body.halt()
+        self.move_revision += 1
 
     def remove(self) -> None:
         """Removes its bodies and joints from the world."""
