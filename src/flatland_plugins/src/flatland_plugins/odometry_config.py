@@ -9,6 +9,8 @@ from flatland_server import YamlReader
 
 Vector3 = Tuple[float, ...]
 
+_NO_NOISE = (0.0, 0.0, 0.0)
+
 
 @dataclass(frozen=True)
 class OdometryConfig:
@@ -35,15 +37,18 @@ class OdometryConfig:
     twist_covariance: Vector3
 
     @classmethod
-    def read(cls, config: YamlReader, enable_twist_pub: bool = True) -> "OdometryConfig":
+    def read(
+        cls, config: YamlReader, *, enable_twist_pub: bool = True, enable_odom_tf_pub: bool = True
+    ) -> "OdometryConfig":
         """Reads the keys, as documented, from a drive's configuration.
 
         Args:
             config: of the drive.
             enable_twist_pub: the default of that key.
+            enable_odom_tf_pub: the default of that key.
         """
-        pose_noise = config.get_floats("odom_pose_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
-        twist_noise = config.get_floats("odom_twist_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
+        pose_noise = config.get_floats("odom_pose_noise", 3, _NO_NOISE, minimum=0.0)
+        twist_noise = config.get_floats("odom_twist_noise", 3, _NO_NOISE, minimum=0.0)
         return cls(
             odom_frame_id=config.get_string("odom_frame_id", "odom"),
             ground_truth_frame_id=config.get_string("ground_truth_frame_id", "map"),
@@ -52,11 +57,11 @@ class OdometryConfig:
             twist_pub=config.get_string("twist_pub", "twist"),
             enable_odom_pub=config.get_bool("enable_odom_pub", True),
             enable_twist_pub=config.get_bool("enable_twist_pub", enable_twist_pub),
-            enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", True),
+            enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", enable_odom_tf_pub),
             twist_in_local_frame=config.get_bool("twist_in_local_frame", True),
             pose_noise=pose_noise,
             twist_noise=twist_noise,
-            drift=config.get_floats("odom_drift", 3, (0.0, 0.0, 0.0), minimum=0.0),
+            drift=config.get_floats("odom_drift", 3, _NO_NOISE, minimum=0.0),
             pose_covariance=config.get_floats(
                 "odom_pose_covariance", 36, planar_covariance(pose_noise)
             ),

@@ -23,16 +23,22 @@ class TwistDrive(ModelPlugin, ABC):
 
     Attributes:
         publishes_twist: the default of `enable_twist_pub`.
+        publishes_transform: the default of `enable_odom_tf_pub`.
     """
 
     publishes_twist: ClassVar[bool] = True
+    publishes_transform: ClassVar[bool] = True
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topics."""
         body = self.get_body(config)
         twist_sub = config.get_string("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
-        odometry = OdometryConfig.read(config, self.publishes_twist)
+        odometry = OdometryConfig.read(
+            config,
+            enable_twist_pub=self.publishes_twist,
+            enable_odom_tf_pub=self.publishes_transform,
+        )
         self.add_drive(config, body)
 
         self._topic = self.node.resolve(twist_sub)

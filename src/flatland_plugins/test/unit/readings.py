@@ -18,8 +18,8 @@ def pose_of(odometry: Any) -> Tuple[float, float, float]:
 
 
 def twist_of(stamped: Any) -> Tuple[float, float, float]:
-    """The velocity in an Odometry or a TwistStamped."""
-    twist = getattr(stamped.twist, "twist", stamped.twist)
+    """The velocity in an Odometry or a TwistWithCovarianceStamped."""
+    twist = stamped.twist.twist
     return twist.linear.x, twist.linear.y, twist.angular.z
 
 
