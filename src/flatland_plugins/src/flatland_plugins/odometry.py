@@ -7,7 +7,7 @@ import numpy as np
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
-from flatland_plugins.odometry_config import OdometryConfig
+from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_plugins.odometry_writer import OdometryWriter, Twist, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise
@@ -23,10 +23,13 @@ class OdometryPublisher:
     Args:
         plugin: the drive.
         body: the body, whose origin is tracked.
-        config: topics, frames, noise and drift.
+        frames: of the poses.
+        config: topics, noise and drift.
     """
 
-    def __init__(self, plugin: ModelPlugin, body: ModelBody, config: OdometryConfig) -> None:
+    def __init__(
+        self, plugin: ModelPlugin, body: ModelBody, frames: OdometryFrames, config: OdometryConfig
+    ) -> None:
         self._config = config
         self._body = body
         self._node = plugin.node
@@ -49,12 +52,14 @@ class OdometryPublisher:
             OdometryWriter(
                 frame_id, self._base_frame, config.pose_covariance, config.twist_covariance
             )
-            for frame_id in (config.odom_frame_id, config.ground_truth_frame_id)
+            for frame_id in frames
         )
         self._twist_writer = TwistWriter(self._base_frame, config.twist_covariance)
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
-            self._frame = self._node.open_frames((config.odom_frame_id, self._base_frame))
+            self._frame = self._node.open_frames((frames.odom, self._base_frame))
+            if frames.odom != frames.ground_truth:  # the world's frame is for all models
+                self._node.claim_odometry_frame(frames.odom)
 
     def has_work(self) -> bool:
         """Whether `publish` does anything: there is a subscriber, or a drift to accumulate."""

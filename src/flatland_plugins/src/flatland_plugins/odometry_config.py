@@ -1,28 +1,41 @@
 """The keys of a drive that concern its odometry."""
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from flatland_server import YamlReader
+from flatland_server import ModelPlugin, YamlReader
 
 Vector3 = Tuple[float, ...]
 
 _NO_NOISE = (0.0, 0.0, 0.0)
 
 
+class OdometryFrames(NamedTuple):
+    """The frames of the estimated poses and of the true ones."""
+
+    odom: str
+    ground_truth: str
+
+    @classmethod
+    def read(cls, config: YamlReader, drive: ModelPlugin) -> "OdometryFrames":
+        """Reads the keys of a drive."""
+        return cls(
+            drive.get_frame_id(config, "odom_frame_id", "odom"),
+            drive.get_frame_id(config, "ground_truth_frame_id", "map"),
+        )
+
+
 @dataclass(frozen=True)
 class OdometryConfig:
-    """The keys of a drive that concern odometry.
+    """The keys of a drive that concern odometry, except its frames.
 
     Noises are variances of x, y and yaw, or of their velocities, drawn anew for each message. Drift
     accumulates: variances per second [m^2/s, m^2/s, rad^2/s] in the body's frame; see
     `OdometryDrift`.
     """
 
-    odom_frame_id: str
-    ground_truth_frame_id: str
     odom_pub: str
     ground_truth_pub: str
     twist_pub: str
@@ -50,8 +63,6 @@ class OdometryConfig:
         pose_noise = config.get_floats("odom_pose_noise", 3, _NO_NOISE, minimum=0.0)
         twist_noise = config.get_floats("odom_twist_noise", 3, _NO_NOISE, minimum=0.0)
         return cls(
-            odom_frame_id=config.get_string("odom_frame_id", "odom"),
-            ground_truth_frame_id=config.get_string("ground_truth_frame_id", "map"),
             odom_pub=config.get_string("odom_pub", "odometry/filtered"),
             ground_truth_pub=config.get_string("ground_truth_pub", "odometry/ground_truth"),
             twist_pub=config.get_string("twist_pub", "twist"),

@@ -10,7 +10,7 @@ from geometry_msgs.msg import Twist
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.odometry import OdometryPublisher
-from flatland_plugins.odometry_config import OdometryConfig
+from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_server import GoneError, ModelBody, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
 
 logger = logging.getLogger(__name__)
@@ -34,6 +34,7 @@ class TwistDrive(ModelPlugin, ABC):
         body = self.get_body(config)
         twist_sub = config.get_string("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
+        frames = OdometryFrames.read(config, self)
         odometry = OdometryConfig.read(
             config,
             enable_twist_pub=self.publishes_twist,
@@ -42,7 +43,7 @@ class TwistDrive(ModelPlugin, ABC):
         self.add_drive(config, body)
 
         self._topic = self.node.resolve(twist_sub)
-        self._odometry = OdometryPublisher(self, body, odometry)
+        self._odometry = OdometryPublisher(self, body, frames, odometry)
         self.update_timer = UpdateTimer(pub_rate)
         self.node.subscribe(twist_sub, Twist, self._receive)
 

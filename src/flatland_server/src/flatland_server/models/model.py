@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
+from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import ModelError, suggestion
@@ -243,4 +244,4 @@ class Model(Entity):
         """
         if frame_id.startswith("/"):
             return frame_id[1:]
-        return f"{self.namespace}_{frame_id}" if self.namespace else frame_id
+        return namespaced_frame(self.namespace, frame_id)
