@@ -31,11 +31,13 @@ class OdometryPublisher:
         self, plugin: ModelPlugin, body: ModelBody, frames: OdometryFrames, config: OdometryConfig
     ) -> None:
         self._config = config
+        self._model = plugin.model
         self._body = body
         self._node = plugin.node
         self._noise = TimedNoise(plugin.rng)
         self._drift: Optional[OdometryDrift] = None
-        if any(config.drift):
+        self._move_revision = self._model.move_revision
+        if config.drift:
             self._drift = OdometryDrift(config.drift, int(plugin.rng.integers(2**63)))
         self._base_frame = plugin.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
@@ -72,7 +74,9 @@ class OdometryPublisher:
         """
         pose = self._body.pose
         if self._drift is not None:
-            self._drift.advance(nanoseconds, pose)
+            has_jumped = self._model.move_revision != self._move_revision
+            self._move_revision = self._model.move_revision
+            self._drift.advance(nanoseconds, pose, has_jumped=has_jumped)
             if not self._has_subscribers():
                 return
         local: Twist = self._body.physics_body.local_velocity

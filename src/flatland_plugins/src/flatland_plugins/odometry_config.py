@@ -5,6 +5,7 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
+from flatland_plugins.odometry_drift import DriftVariances
 from flatland_server import ModelPlugin, YamlReader
 
 Vector3 = Tuple[float, ...]
@@ -32,8 +33,7 @@ class OdometryConfig:
     """The keys of a drive that concern odometry, except its frames.
 
     Noises are variances of x, y and yaw, or of their velocities, drawn anew for each message. Drift
-    accumulates: variances per second [m^2/s, m^2/s, rad^2/s] in the body's frame; see
-    `OdometryDrift`.
+    accumulates; see `OdometryDrift`.
     """
 
     odom_pub: str
@@ -45,7 +45,7 @@ class OdometryConfig:
     twist_in_local_frame: bool
     pose_noise: Vector3
     twist_noise: Vector3
-    drift: Vector3
+    drift: DriftVariances
     pose_covariance: Vector3
     twist_covariance: Vector3
 
@@ -72,7 +72,7 @@ class OdometryConfig:
             twist_in_local_frame=config.get_bool("twist_in_local_frame", True),
             pose_noise=pose_noise,
             twist_noise=twist_noise,
-            drift=config.get_floats("odom_drift", 3, _NO_NOISE, minimum=0.0),
+            drift=_read_drift(config),
             pose_covariance=config.get_floats(
                 "odom_pose_covariance", 36, planar_covariance(pose_noise)
             ),
@@ -80,6 +80,23 @@ class OdometryConfig:
                 "odom_twist_covariance", 36, planar_covariance(twist_noise)
             ),
         )
+
+
+def _read_drift(config: YamlReader) -> DriftVariances:
+    """The drift: a map, or a list of variances per second."""
+    key = "odom_drift"
+    if config.is_list(key):
+        return DriftVariances(per_second=config.get_floats(key, 3, minimum=0.0))
+    section = config.get_section(key)
+    drift = DriftVariances(
+        translation_per_metre=section.get_float("translation_per_metre", 0.0, minimum=0.0),
+        translation_per_radian=section.get_float("translation_per_radian", 0.0, minimum=0.0),
+        rotation_per_metre=section.get_float("rotation_per_metre", 0.0, minimum=0.0),
+        rotation_per_radian=section.get_float("rotation_per_radian", 0.0, minimum=0.0),
+        per_second=section.get_floats("per_second", 3, _NO_NOISE, minimum=0.0),
+    )
+    section.finish()
+    return drift
 
 
 def planar_covariance(variances: Vector3) -> Vector3:

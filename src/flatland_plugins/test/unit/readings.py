@@ -36,6 +36,19 @@ def assert_white(noise: np.ndarray, variances: Sequence[float]) -> None:
     assert np.abs((scaled[1:] * scaled[:-1]).mean(axis=0)).max() < 4 / math.sqrt(count)
 
 
+def assert_covariance(samples: np.ndarray, covariance: Any) -> None:
+    """Asserts that these rows are drawn from the normal distribution of mean 0 and a covariance."""
+    count = len(samples)
+    white = np.linalg.solve(np.linalg.cholesky(covariance), samples.T).T
+    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared), and
+    # one of n products of two of them the mean 0 and the variance n.
+    products = white.T @ white
+    squares = np.diag(products)
+    assert np.abs(squares - count).max() < 4 * math.sqrt(2 * count)
+    assert np.abs(products - np.diag(squares)).max() < 4 * math.sqrt(count)
+    assert np.abs(white.sum(axis=0)).max() < 4 * math.sqrt(count)
+
+
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
     """What was warned of so far."""
     return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
