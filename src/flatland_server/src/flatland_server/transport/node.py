@@ -116,6 +116,13 @@ class Node:
         """Announces that this node publishes a frame; warns if another one does already."""
         self._frames.claim(parent, child, self.owner)
 
+    def claim_odometry_frame(self, frame_id: str) -> None:
+        """Announces that this node publishes a model's transform from a frame of odometry.
+
+        Such a frame is of one model alone; warns if a node of another model has announced it.
+        """
+        self._frames.claim_odometry(frame_id, self.owner)
+
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.
 
