@@ -45,6 +45,7 @@ class Services(unittest.TestCase):
     def setUpClass(cls):
         cls.clock = Recorder("/clock", Clock)
         cls.tf = Recorder("/tf", TFMessage)
+        cls.static = Recorder("/tf_static", TFMessage)
         cls.clock.next()
 
     def frames(self):
@@ -88,6 +89,11 @@ class Services(unittest.TestCase):
             self.assertEqual(frames[f"{name}_base_link"], f"{name}_odom")
             self.assertEqual(frames[f"{name}_laser"], f"{name}_base_link")
             self.assertEqual(frames[f"{name}_left_wheel"], f"{name}_base_link")
+        self.assertEqual(
+            {(t.header.frame_id, t.child_frame_id) for t in self.static.messages[-1].transforms}
+            & {("map", "odom"), ("map", "r1_odom"), ("map", "r2_odom")},
+            {("map", "odom"), ("map", "r1_odom"), ("map", "r2_odom")},
+        )
 
         for name in robots:
             for recorder in recorders[name][:2]:

@@ -1,7 +1,7 @@
 """Makes plugins out of their configuration."""
 
 import zlib
-from typing import Any, Callable, Type, TypeVar
+from typing import Any, Callable, Set, Type, TypeVar
 
 import numpy as np
 
@@ -28,6 +28,11 @@ class PluginFactory:
         self._root_node = Node(transport)
         self._loader = loader
         self._seed = seed
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames of odometry that the plugins have claimed."""
+        return self._root_node.odometry_frames
 
     def make(
         self,

@@ -2,7 +2,7 @@
 
 import logging
 import sys
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Type, TypeVar
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Set, Type, TypeVar
 
 from flatland_server import _core
 from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
@@ -69,6 +69,11 @@ class PluginManager:
     def plugins_of(self, model_name: str) -> List[Plugin]:
         """The plugins of a model, or of the world if the name is empty; also those that failed."""
         return list(self._plugins.get(model_name, []))
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames of odometry that running plugins have claimed."""
+        return self._factory.odometry_frames
 
     @property
     def failures(self) -> List[PluginFailure]:

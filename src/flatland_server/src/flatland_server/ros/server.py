@@ -13,6 +13,7 @@ from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
+from flatland_server.ros.map_to_odom import MapToOdom
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import ServiceManager
@@ -90,6 +91,8 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
+    if config.map_to_odom:
+        manager.on_tick.append(MapToOdom(manager.world).update)
     ServiceManager(manager, transport)
 
 

@@ -22,6 +22,7 @@ class ServerConfig(NamedTuple):
     simplify_map: int
     realtime_priority: bool
     rospy_patches: bool
+    map_to_odom: bool
 
     @classmethod
     def read(cls) -> "ServerConfig":
@@ -49,6 +50,7 @@ class ServerConfig(NamedTuple):
             simplify_map=simplify_map,
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
+            map_to_odom=_flag("~map_to_odom", False),
         )
 
 

@@ -4,7 +4,7 @@ Since a plugin knows only its node, it runs unchanged under roslaunch, in a unit
 program without a ROS master. Callbacks run between steps, on the thread of the simulation.
 """
 
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Optional, Set, Tuple
 
 from flatland_server._deprecated import renamed
 from flatland_server.exceptions import PLUGIN_ERRORS
@@ -122,6 +122,11 @@ class Node:
         Such a frame is of one model alone; warns if a node of another model has announced it.
         """
         self._frames.claim_odometry(frame_id, self.owner)
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames of odometry in use by all plugins."""
+        return self._frames.odometry_frames
 
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.
