@@ -74,7 +74,8 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     manager.on_tick.append(clock.flush)
     transport.before_sending = clock.flush
     if config.show_viz:
-        manager.on_tick.append(DebugVisualization(manager.world, config.viz_pub_rate).update)
+        markers = DebugVisualization(manager.world, config.viz_pub_rate, transport.rospy_calls)
+        manager.on_tick.append(markers.update)
         handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
         manager.on_tick.append(handles.update)
     manager.on_tick.append(Diagnostics(manager).update)

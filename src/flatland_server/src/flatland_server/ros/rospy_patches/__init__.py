@@ -22,6 +22,7 @@ PATCHES: Dict[str, str] = {
     "batch_registration": "worlds with many topics take longer to load",
     "tcpros_backlog": "of many subscribers that connect at once, some are delayed by seconds",
     "local_time": "this process receives its own /clock through a socket",
+    "latched_topics": "the markers of models are not latched",
     "marker_server": "a thread wakes at every step; in a pause only one client can drag a model",
 }
 """The modules of the patches, each with what it costs to do without it."""
