@@ -1,8 +1,12 @@
-"""The node flatland_server: loads a world, opens its topics and services, and runs it."""
+"""The node flatland_server: loads a world, opens its topics and services, and runs it.
+
+The node flatland_benchmark does the same, and ends after some simulated time.
+"""
 
 import gc
 import logging
 import sys
+from typing import Callable
 
 import rospy
 
@@ -12,6 +16,7 @@ from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
+from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.log_handler import RosLogHandler
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
@@ -23,13 +28,32 @@ from flatland_server.simulation.thread_priority import ThreadPriority
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
+Simulate = Callable[[SimulationManager, Callable[[], bool]], None]
+"""Runs a simulation while the second argument returns true."""
+
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
-    rospy.init_node("flatland_server", disable_signals=True)
+    return run_node("flatland_server", SimulationManager.run)
+
+
+def run_node(name: str, simulate: Simulate) -> int:
+    """Runs a node with the parameters, topics and services of flatland_server.
+
+    Args:
+        name: of the node.
+        simulate: runs the simulation. The node ends when it returns.
+
+    Returns:
+        The exit code.
+    """
+    rospy.init_node(name, disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
     try:
-        _run(ServerConfig.read())
+        config = ServerConfig.read()
+        if config.launch_file is not None:
+            check_launch_arguments([config.launch_file], parent_command_line())
+        _run(config, simulate)
     except rospy.ROSInterruptException:
         return 0
     except FlatlandError as error:
@@ -39,7 +63,7 @@ def main() -> int:
     return 0
 
 
-def _run(config: ServerConfig) -> None:
+def _run(config: ServerConfig, simulate: Simulate) -> None:
     try:
         timekeeper = Timekeeper(config.step_size)
     except ValueError as error:
@@ -60,7 +84,7 @@ def _run(config: ServerConfig) -> None:
         len(world.models),
     )
     try:
-        manager.run(lambda: not transport.is_ending)
+        simulate(manager, lambda: not transport.is_ending)
     finally:
         shutdown.steps_have_ended()
         world.close()
