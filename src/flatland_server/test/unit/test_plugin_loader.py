@@ -136,6 +136,32 @@ def test_a_name_in_two_packages_is_ambiguous_until_the_package_is_given(packages
     assert PluginLoader().load("b_plugins::Laser", ModelPlugin).__module__ == "loader_second"
 
 
+@pytest.mark.parametrize("copy", ["a_copy", "z_copy"])
+def test_a_copy_of_the_example_package_hides_the_original(packages, copy):
+    packages.add_plugin("flatland_example_plugins", "Simple", "loader_example")
+    packages.add_plugin(copy, "Simple", f"loader_{copy}")
+    loader = PluginLoader()
+
+    assert loader.load("Simple", ModelPlugin).__module__ == f"loader_{copy}"
+    original = loader.load("flatland_example_plugins::Simple", ModelPlugin)
+    assert original.__module__ == "loader_example"
+
+
+@pytest.mark.parametrize("name", ["flatland_example_plugins", "my_plugins"])
+def test_of_two_packages_of_one_name_the_first_on_the_path_counts(
+    packages, name, tmp_path, monkeypatch
+):
+    packages.add_plugin(name, "Simple", "loader_underlay")
+    overlay = Packages(tmp_path / "z_overlay")
+    overlay.folder.mkdir()
+    overlay.add_plugin(name, "Simple", "loader_overlay")
+    (tmp_path / "z_overlay" / "loader_overlay.py").rename(tmp_path / "loader_overlay.py")
+    path = f"{overlay.folder}:{packages.folder / name}"
+    monkeypatch.setenv("ROS_PACKAGE_PATH", path)
+
+    assert PluginLoader().load("Simple", ModelPlugin).__module__ == "loader_overlay"
+
+
 @pytest.mark.parametrize(
     ("module", "text", "reason"),
     [

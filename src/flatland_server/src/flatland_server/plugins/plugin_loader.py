@@ -13,7 +13,7 @@ A package declares its plugins in an XML file and exports it in its package.xml:
 
 `type` is the importable Python class, `name` its name in YAML files, alone or as
 `my_plugins::ConstVelocity`. The package makes its modules importable with catkin_python_setup().
-A plugin in a `<library example="true">` is hidden by another plugin of the same name.
+A plugin of `EXAMPLE_PACKAGE`, which is there to be copied, is hidden by others of the same name.
 """
 
 import importlib
@@ -47,6 +47,9 @@ logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
 
+EXAMPLE_PACKAGE = "flatland_example_plugins"
+"""The package that users copy under another name: a copy hides the plugins of the original."""
+
 _IGNORED = {"CATKIN_IGNORE", "AMENT_IGNORE", "rospack_nosubdirs"}
 
 
@@ -57,8 +60,6 @@ class PluginDeclaration:
     name: str
     package: str
     class_path: str
-    is_example: bool = False
-    """Whether it is hidden by plugins of the same name, which may have been made after it."""
 
     @classmethod
     def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
@@ -99,7 +100,7 @@ class PluginLoader:
             hint = suggestion(type.rpartition("::")[2], names)
             raise PluginError(f'unknown plugin type "{type}"{hint}; there are: {known}')
         if len(found) > 1:
-            found = [d for d in found if not d.is_example] or found
+            found = [d for d in found if d.package != EXAMPLE_PACKAGE] or found
         if len(found) > 1:
             choices = " or ".join(f"{d.package}::{d.name}" for d in found)
             raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
@@ -216,7 +217,6 @@ def _read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
         if "." not in class_path:
             raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
         name = element.get("name", class_path.rpartition(".")[2])
-        is_example = root.get("example") == "true"
         name = name.rpartition("/")[2]
-        declarations.append(PluginDeclaration(name, package, class_path, is_example))
+        declarations.append(PluginDeclaration(name, package, class_path))
     return declarations
