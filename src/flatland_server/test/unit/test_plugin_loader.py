@@ -206,11 +206,6 @@ def test_a_class_that_is_not_of_the_required_kind_is_refused(packages, module, t
     [
         pytest.param("<library><class", "line 1", id="not XML"),
         pytest.param("", "no element found", id="empty"),
-        pytest.param(
-            '<library path="lib/libother"><class type="their_plugins::Laser"/></library>',
-            "their_plugins::Laser is a C++ class",
-            id="a C++ class",
-        ),
         pytest.param('<library><class type="Laser"/></library>', "module.Class", id="no module"),
     ],
 )
@@ -226,6 +221,50 @@ def test_a_faulty_declaration_of_another_package_is_logged_and_left_out(
     [message] = warnings(caplog)
     assert "their_plugins" in message
     assert word in message
+
+
+CPP_LIBRARY = """
+<library path="lib/libtheir_plugins_lib">
+  <class type="{namespace}::Pusher" base_class_type="flatland_server::ModelPlugin"/>
+  <class name="their_plugins/Named" type="{namespace}::Named"
+         base_class_type="flatland_server::WorldPlugin"/>
+  <class type="{namespace}::Laser" base_class_type="flatland_server::ModelPlugin"/>
+</library>
+"""
+
+
+@pytest.mark.parametrize("namespace", ["their_plugins", "flatland_plugins"])
+@pytest.mark.parametrize("name", ["Pusher", "Named"])
+def test_the_error_for_a_cpp_plugin_says_so_and_where_to_read_on(packages, caplog, namespace, name):
+    packages.add("their_plugins", CPP_LIBRARY.format(namespace=namespace))
+
+    for type in (name, f"{namespace}::{name}", f"their_plugins::{name}"):
+        assert refusal(type) == (
+            f'"{type}" is a C++ plugin of the package their_plugins ({namespace}::{name}); '
+            "this Flatland runs plugins written in Python: "
+            "docs/coming_from_cpp.md says how to port it"
+        )
+    assert warnings(caplog) == []
+
+
+def test_a_package_of_cpp_plugins_does_not_disturb_others(packages, caplog):
+    packages.add("their_plugins", CPP_LIBRARY.format(namespace="flatland_plugins"))
+    packages.add_plugin("your_plugins", "Laser", "loader_your_laser")
+
+    assert PluginLoader().load("Laser", ModelPlugin).__module__ == "loader_your_laser"
+    assert "there are: Laser" in refusal("Lazer")
+    assert "Pusher" not in refusal("Puscher")
+    assert warnings(caplog) == []
+
+
+def test_a_plugin_that_was_ported_hides_the_cpp_class(packages):
+    both = CPP_LIBRARY.format(namespace="flatland_plugins").replace(
+        "</library>", '<class name="Pusher" type="loader_ported.Pusher"/></library>'
+    )
+    packages.add("their_plugins", both, loader_ported=MODULE.format(name="Pusher"))
+
+    for type in ("Pusher", "their_plugins::Pusher"):
+        assert PluginLoader().load(type, ModelPlugin).__module__ == "loader_ported"
 
 
 def test_a_missing_declaration_file_is_logged(packages, caplog):
