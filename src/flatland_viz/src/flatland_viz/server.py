@@ -7,6 +7,7 @@ nothing here uses a widget.
 import threading
 import time
 import xmlrpc.client
+from contextlib import suppress
 from typing import Any, List, Optional
 
 import rosgraph
@@ -24,6 +25,7 @@ from flatland_viz.status import Simulation
 
 _SERVER = "flatland_server"
 _POLL_PERIOD = 1.0  # s, of real time
+_SHUTDOWN_LIMIT = 2.0  # s, of real time: for the server's answer
 
 
 class Server(QObject):
@@ -72,6 +74,19 @@ class Server(QObject):
         self._poll_now.set()
         for subscriber in self._subscribers:
             subscriber.unregister()
+
+    def shut_down(self) -> None:
+        """Makes the server end, as `rosnode kill` does. Waits a limited time for its answer."""
+
+        def call() -> None:
+            master = rosgraph.Master(rospy.get_name())
+            with suppress(OSError, xmlrpc.client.Error, rosgraph.MasterException):
+                uri = master.lookupNode(rospy.resolve_name(_SERVER))
+                xmlrpc.client.ServerProxy(uri).shutdown(rospy.get_name(), "the window was closed")
+
+        thread = threading.Thread(target=call, name="shut_down", daemon=True)
+        thread.start()
+        thread.join(_SHUTDOWN_LIMIT)
 
     def pause(self) -> None:
         """Stops simulated time."""

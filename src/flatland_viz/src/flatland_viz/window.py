@@ -35,6 +35,8 @@ class Window(QMainWindow):
         super().__init__()
         self._server = server
         self._scene = scene
+        self.is_closed = False
+        """Whether the user has closed it."""
         self._world = ""
         self._simulation: Optional[Simulation] = None
         self._last_message = time.monotonic()
@@ -110,6 +112,7 @@ class Window(QMainWindow):
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Ends the program, whatever dialogs are open."""
         super().closeEvent(event)
+        self.is_closed = True
         QApplication.quit()
 
     def _spawn_other(self) -> None:
