@@ -11,6 +11,8 @@ import rospy
 from flatland_server.ros import shutdown
 from flatland_server.ros.shutdown import Shutdown
 
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+
 
 @pytest.fixture
 def codes(monkeypatch):
@@ -20,6 +22,7 @@ def codes(monkeypatch):
     def exit(code):
         codes.list.append(code)
         codes.event.set()
+        raise SystemExit  # ends the thread that has called
 
     monkeypatch.setattr(os, "_exit", exit)
     return codes
@@ -29,7 +32,7 @@ def codes(monkeypatch):
 def request_end(monkeypatch, codes):
     """Makes a Shutdown and calls its hook as rospy does: on a thread of its own, unless told."""
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    hooks = []
+    hooks, all_made = [], []
     monkeypatch.setattr(rospy, "on_shutdown", hooks.append)
     monkeypatch.setattr(shutdown, "STEP_LIMIT", 0.1)
 
@@ -37,6 +40,7 @@ def request_end(monkeypatch, codes):
         transport = SimpleNamespace(has_started=has_started, is_ending=False)
         transport.end = lambda: setattr(transport, "is_ending", True)
         made = Shutdown(transport)
+        all_made.append(made)
         if on_this_thread:
             hooks[-1]()
         else:
@@ -46,6 +50,8 @@ def request_end(monkeypatch, codes):
         return made, transport
 
     yield make
+    for made in all_made:
+        made.steps_have_ended()  # its thread must not exit this process
     for number, handler in handlers.items():
         signal.signal(number, handler)
 
