@@ -149,6 +149,9 @@ class _ModelDisplay:
     def delete_markers(self) -> None:
         """Makes rviz delete the markers."""
         self._publisher.publish(array_of([_DELETE_ALL]))
+        if self._forget_latched is not None:
+            # A new model of the same name has the same topic.
+            self._forget_latched(self._publisher)
 
     def close(self) -> None:
         """Closes the topic; a while after the last message, which rospy may send later."""
