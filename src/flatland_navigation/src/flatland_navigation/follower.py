@@ -74,7 +74,7 @@ class PathFollower:
         self._is_free = is_free
         self._points, self._lengths = sample(path, _SPACING)
         self._index = 0  # of the point that was passed last
-        self._turns_in_place = False
+        self._turns_in_place = True  # an arc might lead along an obstacle that the robot stands at
         self._has_arrived = False
 
     @property

@@ -20,6 +20,7 @@ from flatland_server import FloatArray, Pose
 _NO_POINTS: FloatArray = np.empty((0, 2))
 _CRAWL = 0.02  # m/s; slower is blocked
 _MOVED = 0.2  # m; less is no progress
+_NEAR = 0.1  # m; an obstacle that is nearer is what stops the robot
 
 
 class Status(enum.Enum):
@@ -77,6 +78,7 @@ class Navigator:
         self._checkpoint = Pose()
         self._checkpoint_time = -math.inf
         self._replans = 0
+        self._hindrance = ""
 
     def set_goal(self, goal: Pose) -> None:
         """Replaces the goal; the next pose is the start."""
@@ -125,7 +127,7 @@ class Navigator:
             self._end(Status.SUCCEEDED, "the goal is reached")
             return Command()
         command = self._before_obstacles(wanted, pose, period)
-        self._note_progress(pose, command)
+        self._note_progress(pose)
         if self._is_blocked(command, wanted):
             self._replan(pose, self._goal)
         return command if self.status is Status.ACTIVE else Command()
@@ -149,6 +151,7 @@ class Navigator:
 
     def _before_obstacles(self, command: Command, pose: Pose, period: float) -> Command:
         """The command, slower where the robot could not stop before an obstacle."""
+        self._hindrance = "it does not move"
         if command.forwards <= 0.0 or len(self._points) == 0:
             return command
         deceleration = self._config.follower.deceleration
@@ -162,6 +165,8 @@ class Navigator:
         )
         speed = min(command.forwards, safe_speed(distance, deceleration, delay))
         if speed < _CRAWL:
+            is_near = distance < _NEAR
+            self._hindrance = "an obstacle is in its way" if is_near else "time passes too fast"
             return Command()
         return Command(speed, command.turn * speed / command.forwards)
 
@@ -187,14 +192,13 @@ class Navigator:
         except PlanningError:
             return
 
-    def _note_progress(self, pose: Pose, command: Command) -> None:
+    def _note_progress(self, pose: Pose) -> None:
         moved = math.hypot(pose.x - self._checkpoint.x, pose.y - self._checkpoint.y) >= _MOVED
         if moved:
             self._checkpoint, self._checkpoint_time = pose, self._time
         elif self._time - self._checkpoint_time >= self._config.stuck_after:
-            why = "something is in its way" if command.forwards < _CRAWL else "it does not move"
             self._end(
                 Status.ABORTED,
                 f"stuck at ({pose.x:.2f}, {pose.y:.2f}): no progress for "
-                f"{self._config.stuck_after:g} s, {why}",
+                f"{self._config.stuck_after:g} s, {self._hindrance}",
             )

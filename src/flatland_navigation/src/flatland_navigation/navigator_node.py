@@ -4,6 +4,7 @@ All work is done on the thread that receives the robot's pose; the other callbac
 they receive. So the node keeps the pace of the simulation: it stands still while it is paused.
 """
 
+import math
 import sys
 from collections import deque
 from typing import Any, Deque, Optional, Tuple
@@ -29,6 +30,7 @@ from flatland_server import FlatlandError, FloatArray, Pose, fill_pose
 
 _MOST_POSES = 200
 _ACTION = "move_base"
+_PATIENCE = 5.0  # s of simulated time for which nothing is said of a scan that does not come
 
 
 class NavigatorNode:
@@ -47,6 +49,7 @@ class NavigatorNode:
         self._navigator = Navigator(parameters.read_grid(), parameters.navigator)
         self._poses: Deque[Tuple[float, Pose]] = deque(maxlen=_MOST_POSES)
         self._last_control = -1.0
+        self._waits_since = math.inf
         self._published_path: Optional[FloatArray] = None
         self._commands = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._plans = rospy.Publisher("~plan", Path, queue_size=1, latch=True)
@@ -121,7 +124,9 @@ class NavigatorNode:
 
     def _control(self, pose: Pose, time: float) -> None:
         if self._scans.is_awaited:
-            rospy.loginfo_throttle(10.0, "waiting for a scan and for the laser's transform")
+            self._waits_since = min(self._waits_since, time)
+            if time - self._waits_since > _PATIENCE:
+                rospy.logwarn_throttle(10.0, "waiting for a scan and for the laser's transform")
             return
         command = self._navigator.update(pose, time)
         self._send(command)
