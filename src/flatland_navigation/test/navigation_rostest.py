@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Over a real master: goals by topic and by action, refusals, a cancellation, a pause, two robots."""
+"""Over a real master: goals by topic and by action, refusals, cancellation, pause, two robots."""
 
 import math
 import sys
@@ -101,10 +101,10 @@ class Navigation(unittest.TestCase):
     def test_the_robot_in_the_namespace_reaches_its_waypoints(self):
         odometry = Recorder("/r1/odometry/ground_truth", Odometry)
         wait_until(
-            lambda: math.dist(
-                (lambda p: (p.x, p.y))(odometry.next().pose.pose.position), (-2.5, 0.0)
-            )
-            < 0.1,
+            lambda: (
+                math.dist((lambda p: (p.x, p.y))(odometry.next().pose.pose.position), (-2.5, 0.0))
+                < 0.1
+            ),
             "the last waypoint",
         )
         self.assertNotIn(GoalStatus.ABORTED, [m.status.status for m in self.results.messages])
@@ -122,7 +122,9 @@ class Navigation(unittest.TestCase):
         )
         self.assertEqual(edges, {("map", "r1_odom")})
         frames = Recorder("/r1/odometry/filtered", Odometry).next()
-        self.assertEqual((frames.header.frame_id, frames.child_frame_id), ("r1_odom", "r1_base_link"))
+        self.assertEqual(
+            (frames.header.frame_id, frames.child_frame_id), ("r1_odom", "r1_base_link")
+        )
 
 
 if __name__ == "__main__":

@@ -54,7 +54,7 @@ class Lookups:
     def __init__(self) -> None:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer, tcp_nodelay=True)
-        self._scans: "queue.Queue[LaserScan]" = queue.Queue()
+        self._scans: queue.Queue[LaserScan] = queue.Queue()
         self._subscriber: Optional[rospy.Subscriber] = None
 
     def run(self, factor: float, seconds: float) -> Found:

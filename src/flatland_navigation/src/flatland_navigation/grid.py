@@ -122,7 +122,8 @@ class Grid:
         first, last = max(0, int(column - cells)), min(columns, int(column + cells) + 1)
         if first_row >= last_row or first >= last:
             return None
-        found = np.argwhere(self.free[first_row:last_row, first:last]) + (first_row, first)
+        corner = np.array([first_row, first])
+        found = corner + np.argwhere(self.free[first_row:last_row, first:last])
         distances = np.hypot(found[:, 0] + 0.5 - row, found[:, 1] + 0.5 - column)
         if len(found) == 0 or distances.min() > cells:
             return None

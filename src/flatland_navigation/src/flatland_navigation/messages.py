@@ -36,4 +36,3 @@ def is_upside_down(message: Any) -> bool:
     """Whether a geometry_msgs/Transform turns the z axis downwards."""
     q = message.rotation
     return bool(q.x * q.x + q.y * q.y > 0.5)
-

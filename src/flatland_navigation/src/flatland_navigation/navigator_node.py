@@ -7,7 +7,7 @@ they receive. So the node keeps the pace of the simulation: it stands still whil
 import math
 import sys
 from collections import deque
-from typing import Any, Deque, Optional, Tuple
+from typing import Deque, Optional, Tuple
 
 import actionlib
 import rospy

@@ -1,4 +1,4 @@
-"""What a laser scan says of obstacles: where they are, and how fast a robot may drive towards them."""
+"""Obstacles in a laser scan: where they are, and how fast a robot may drive towards them."""
 
 import math
 from typing import Union

@@ -11,7 +11,11 @@ from flatland_navigation.messages import is_upside_down, to_pose, transform_to_p
 from flatland_navigation.obstacles import scan_points
 from flatland_server import FloatArray, Pose
 
-_TF_ERRORS = (tf2_ros.LookupException, tf2_ros.ConnectivityException, tf2_ros.ExtrapolationException)
+_TF_ERRORS = (
+    tf2_ros.LookupException,
+    tf2_ros.ConnectivityException,
+    tf2_ros.ExtrapolationException,
+)
 
 
 class Localization:

@@ -1,4 +1,4 @@
-"""Paths: as short as those of another algorithm, clear of walls, and reasons where there is none."""
+"""Paths: as short as another algorithm's, clear of walls, and reasons where there is none."""
 
 import math
 
