@@ -6,6 +6,7 @@ they receive. So the node keeps the pace of the simulation: it stands still whil
 
 import math
 import sys
+import threading
 from collections import deque
 from typing import Deque, Optional, Tuple
 
@@ -49,13 +50,14 @@ class NavigatorNode:
         self._navigator = Navigator(parameters.read_grid(), parameters.navigator)
         self._poses: Deque[Tuple[float, Pose]] = deque(maxlen=_MOST_POSES)
         self._last_control = -1.0
+        self._lock = threading.Lock()  # held while a pose is handled
+        self._has_ended = False
         self._waits_since = math.inf
         self._published_path: Optional[FloatArray] = None
         self._commands = rospy.Publisher("cmd_vel", Twist, queue_size=1)
         self._plans = rospy.Publisher("~plan", Path, queue_size=1, latch=True)
         self._goals = rospy.Publisher(f"{_ACTION}/goal", MoveBaseActionGoal, queue_size=1)
-        self._server = actionlib.SimpleActionServer(_ACTION, MoveBaseAction, auto_start=False)
-        self._server.start()
+        self._server = _start_server()
         self._simple_goals = rospy.Subscriber(
             "move_base_simple/goal", PoseStamped, self._on_simple_goal, queue_size=1
         )
@@ -77,14 +79,18 @@ class NavigatorNode:
         self._goals.publish(goal)
 
     def _on_odometry(self, message: Odometry) -> None:
+        with self._lock:
+            if not self._has_ended:
+                self._handle(message)
+
+    def _handle(self, message: Odometry) -> None:
         """Controls the robot, at the control rate of simulated time at most."""
         pose = self._localization.pose(message)
         if pose is None:
             return
         time = message.header.stamp.to_sec()
-        if self._poses and time < self._poses[-1][0]:  # the server was started anew
-            self._poses.clear()
-            self._last_control = -1.0
+        if self._poses and time < self._poses[-1][0]:
+            self._begin_anew()
         self._poses.append((time, pose))
         self._take_goal()
         if time - self._last_control < self._period - 1e-6:
@@ -93,6 +99,19 @@ class NavigatorNode:
         self._take_scan(message.child_frame_id)
         if self._navigator.status is Status.ACTIVE:
             self._control(pose, time)
+
+    def _begin_anew(self) -> None:
+        """Forgets what was before: the server was started anew, and its time begins at zero."""
+        self._poses.clear()
+        self._last_control = -1.0
+        if self._navigator.status is Status.ACTIVE:
+            self._navigator.cancel()
+            self._abort("simulated time has begun anew")
+        # The action's server would refuse goals with earlier stamps than those that it knows.
+        with self._server.action_server.lock, self._server.lock:
+            if not self._server.is_new_goal_available():
+                self._server.current_goal = actionlib.ServerGoalHandle()
+                self._server.next_goal = actionlib.ServerGoalHandle()
 
     def _take_goal(self) -> None:
         """Starts with a new goal, or ends with the present one, as the action's client asks."""
@@ -170,8 +189,24 @@ class NavigatorNode:
         self._plans.publish(message)
 
     def _stop(self) -> None:
-        if self._navigator.status is Status.ACTIVE:
-            self._send(Command())
+        """Stops the robot, with the last command of the node."""
+        with self._lock:
+            self._has_ended = True
+            if self._navigator.status is Status.ACTIVE:
+                self._send(Command())
+
+
+def _start_server() -> actionlib.SimpleActionServer:
+    """Starts the action's server, whose status is published also after time has begun anew."""
+    server = actionlib.SimpleActionServer(_ACTION, MoveBaseAction, auto_start=False)
+    server.start()
+    actions = server.action_server
+    if actions.status_frequency > 0.0:
+        actions.status_timer.shutdown()  # it would end with an exception
+        actions.status_timer = rospy.Timer(
+            rospy.Duration(1.0 / actions.status_frequency), actions.publish_status_async, reset=True
+        )
+    return server
 
 
 def main() -> int:
