@@ -1,4 +1,4 @@
-"""Launches as a user makes them, in two terminals: a navigator ends, and a server is started anew."""
+"""Launches in two terminals: a server is started anew, and a navigator ends."""
 
 import os
 import shutil
@@ -13,29 +13,38 @@ pytestmark = pytest.mark.slow
 ROSLAUNCH = (sys.executable, shutil.which("roslaunch"))
 SERVER = ("flatland_server", "server.launch", "show_viz:=false", "update_rate:=1000")
 
-# What a program of the user's does: the topics and the action are move_base's.
 CLIENT = """
-import sys
 import actionlib, rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
-rospy.init_node("client", disable_rostime=True)
+from nav_msgs.msg import Odometry
+rospy.init_node("client")
 client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
-client.wait_for_server()
-goal = MoveBaseGoal()
-goal.target_pose.header.frame_id = "map"
-goal.target_pose.pose.position.x = float(sys.argv[1])
-goal.target_pose.pose.orientation.w = 1.0
-client.send_goal_and_wait(goal)
+
+def drive(x):
+    client.wait_for_server()
+    goal = MoveBaseGoal()
+    goal.target_pose.header.frame_id = "map"
+    goal.target_pose.pose.position.x = x
+    goal.target_pose.pose.orientation.w = 1.0
+    client.send_goal(goal)
+
+def speed():
+    return rospy.wait_for_message("odometry/ground_truth", Odometry, 20).twist.twist.linear.x
+"""
+
+REACH_A_GOAL = f"""{CLIENT}
+drive(1.0)
+client.wait_for_result()
 print(client.get_goal_status_text())
 """
 
-VELOCITY = """
-import rospy
-from nav_msgs.msg import Odometry
-rospy.init_node("velocity", disable_rostime=True)
-topic = "odometry/ground_truth"
-print(rospy.wait_for_message(topic, Odometry, 20).twist.twist.linear.x)
+BEGIN_TO_DRIVE = f"""{CLIENT}
+drive(-8.0)
+while speed() < 0.1:
+    pass
 """
+
+MEASURE_SPEED = f"{CLIENT}\nprint(speed())"
 
 
 class Terminal:
@@ -44,12 +53,13 @@ class Terminal:
     def __init__(self, launch, folder):
         self._environment = {**os.environ, "ROS_MASTER_URI": launch.uri}
         self._folder = folder
+        self._launch = launch
         self.started = []
 
-    def output(self, program, *arguments):
-        command = [sys.executable, "-c", program, *arguments]
+    def output(self, program):
+        """What a Python program prints."""
         result = subprocess.run(
-            command,
+            [sys.executable, "-c", program],
             env=self._environment,
             stdout=subprocess.PIPE,
             text=True,
@@ -58,7 +68,8 @@ class Terminal:
         )
         return result.stdout.strip()
 
-    def launch(self, *arguments):
+    def roslaunch(self, *arguments, until):
+        """Starts a launch file, waits for a line of its output, and returns process and log."""
         log = self._folder / f"launch{len(self.started)}.log"
         with log.open("w") as file:
             process = subprocess.Popen(
@@ -70,18 +81,8 @@ class Terminal:
                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
             )
         self.started.append(process)
+        self._launch.wait_until(lambda: until in log.read_text(), f'"{until}"')
         return process, log
-
-
-@pytest.fixture
-def master(run, tmp_path):
-    """A ROS master, and a terminal."""
-    launch = run(command=(sys.executable, shutil.which("roscore")))
-    launch.wait_for("started core service [/rosout]")
-    terminal = Terminal(launch, tmp_path)
-    yield launch, terminal
-    for process in terminal.started:
-        end(process)
 
 
 def end(process):
@@ -90,25 +91,30 @@ def end(process):
         process.wait(20)
 
 
-def test_the_robot_stops_with_its_navigator_and_both_survive_a_new_server(master):
-    core, terminal = master
-    server, log = terminal.launch(*SERVER)
-    core.wait_until(lambda: "running" in log.read_text(), "the server")
-    navigator, navigator_log = terminal.launch("flatland_navigation", "waypoints.launch")
-    assert terminal.output(CLIENT, "1.0") == "the goal is reached"
+@pytest.fixture
+def terminal(run, tmp_path):
+    """A terminal, and a ROS master."""
+    launch = run(command=(sys.executable, shutil.which("roscore")))
+    launch.wait_for("started core service [/rosout]")
+    terminal = Terminal(launch, tmp_path)
+    yield terminal
+    for process in terminal.started:
+        end(process)
 
-    # Its time is behind that of the goals which the navigator knows.
-    end(server)
-    server, log = terminal.launch(*SERVER)
-    core.wait_until(lambda: "running" in log.read_text(), "the second server")
-    assert terminal.output(CLIENT, "1.0") == "the goal is reached"
 
-    client = subprocess.Popen(
-        [sys.executable, "-c", CLIENT, "-8.0"], env=terminal._environment, stdout=subprocess.DEVNULL
+def test_a_navigator_survives_a_new_server_and_stops_the_robot_at_its_end(terminal):
+    server, _ = terminal.roslaunch(*SERVER, until="running")
+    navigator, log = terminal.roslaunch(
+        "flatland_navigation", "waypoints.launch", until="process[move_base"
     )
-    core.wait_until(lambda: float(terminal.output(VELOCITY)) > 0.1, "the robot to drive")
+    assert terminal.output(REACH_A_GOAL) == "the goal is reached"
+
+    # Its time is behind that of the goal which the navigator knows.
+    end(server)
+    terminal.roslaunch(*SERVER, until="running")
+    assert terminal.output(REACH_A_GOAL) == "the goal is reached"
+
+    terminal.output(BEGIN_TO_DRIVE)
     end(navigator)
-    assert float(terminal.output(VELOCITY)) == 0.0
-    client.kill()
-    client.wait()
-    assert "Traceback" not in navigator_log.read_text()
+    assert terminal.output(MEASURE_SPEED) == "0.0"
+    assert "Traceback" not in log.read_text()

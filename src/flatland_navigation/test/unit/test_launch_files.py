@@ -130,6 +130,7 @@ def test_one_robot_in_a_namespace(stack):
     assert remaps_of(nodes["/r1/amcl"]) == {("static_map", "/static_map")}
     assert move_base["global_costmap/robot_base_frame"] == "r1_base_link"
     assert move_base["local_costmap/robot_base_frame"] == "r1_base_link"
+    assert move_base["global_costmap/robot_radius"] == 0.18
     assert move_base["global_costmap/global_frame"] == "map"
     assert move_base["local_costmap/global_frame"] == "r1_odom"
     assert move_base["global_costmap/static_layer/map_topic"] == "/map"
