@@ -55,23 +55,23 @@ class NodeParameters(NamedTuple):
         return cls(
             Path(world_path),
             tuple(layers),
-            _number("resolution", 0.1),
-            _number("clearance", 0.07),
+            _positive("resolution", 0.1),
+            _positive("clearance", 0.07),
             str(pose_source),
             str(rospy.get_param("~map_frame", "map")),
-            1.0 / _number("control_rate", 20.0),
+            1.0 / _positive("control_rate", 20.0),
             NavigatorConfig(
-                robot_radius=_number("robot_radius", default.robot_radius),
-                stop_margin=_number("stop_margin", default.stop_margin),
-                replan_after=_number("replan_after", default.replan_after),
-                stuck_after=_number("stuck_after", default.stuck_after),
+                robot_radius=_positive("robot_radius", default.robot_radius),
+                stop_margin=_positive("stop_margin", default.stop_margin),
+                replan_after=_positive("replan_after", default.replan_after),
+                stuck_after=_positive("stuck_after", default.stuck_after),
                 follower=FollowerConfig(
-                    max_speed=_number("max_speed", speeds.max_speed),
-                    max_turn_rate=_number("max_turn_rate", speeds.max_turn_rate),
-                    deceleration=_number("deceleration", speeds.deceleration),
-                    lookahead=_number("lookahead", speeds.lookahead),
-                    xy_goal_tolerance=_number("xy_goal_tolerance", speeds.xy_goal_tolerance),
-                    yaw_goal_tolerance=_number("yaw_goal_tolerance", speeds.yaw_goal_tolerance),
+                    max_speed=_positive("max_speed", speeds.max_speed),
+                    max_turn_rate=_positive("max_turn_rate", speeds.max_turn_rate),
+                    deceleration=_positive("deceleration", speeds.deceleration),
+                    lookahead=_positive("lookahead", speeds.lookahead),
+                    xy_goal_tolerance=_positive("xy_goal_tolerance", speeds.xy_goal_tolerance),
+                    yaw_goal_tolerance=_positive("yaw_goal_tolerance", speeds.yaw_goal_tolerance),
                 ),
             ),
         )
@@ -142,12 +142,24 @@ def _goal(index: int, value: Any) -> Pose:
     return pose
 
 
-def _number(name: str, default: float) -> float:
+def read_number(name: str, default: float) -> float:
+    """A private parameter that is a finite number.
+
+    Raises:
+        FlatlandError: it is something else.
+    """
     value: Any = rospy.get_param(f"~{name}", default)
     try:
         number = math.nan if isinstance(value, bool) else float(value)
     except (TypeError, ValueError):
         number = math.nan
-    if number > 0 and math.isfinite(number):
+    if math.isfinite(number):
         return number
-    raise FlatlandError(f"~{name}: expected a number above 0, found {value}")
+    raise FlatlandError(f"~{name}: expected a number, found {value}")
+
+
+def _positive(name: str, default: float) -> float:
+    number = read_number(name, default)
+    if number > 0.0:
+        return number
+    raise FlatlandError(f"~{name}: expected a number above 0, found {number:g}")

@@ -1,6 +1,5 @@
 """The node spawn_robot: spawns a robot, and deletes it at its end."""
 
-import math
 import signal
 import sys
 import threading
@@ -9,6 +8,9 @@ from typing import Any
 import rospy
 from flatland_msgs.srv import DeleteModel, SpawnModel
 from geometry_msgs.msg import Pose2D
+
+from flatland_navigation.parameters import read_number
+from flatland_server import FlatlandError
 
 _DELETE_LIMIT = 2.0
 """How long the deletion may take [s]; the server may be ending, too."""
@@ -27,24 +29,31 @@ def main() -> int:
         signal.signal(number, lambda *_: ended.set())
     rospy.on_shutdown(ended.set)
     name = str(rospy.get_param("~namespace"))
-    pose = Pose2D(*(float(rospy.get_param(f"~{key}", 0.0)) for key in ("x", "y", "yaw")))
-    if not all(math.isfinite(value) for value in (pose.x, pose.y, pose.theta)):
-        rospy.logfatal("expected a pose of finite numbers, found %s", pose)
+    try:
+        pose = Pose2D(*(read_number(key, 0.0) for key in ("x", "y", "yaw")))
+        if not _wait_for_server(ended):
+            return 0
+        _spawn(name, pose)
+    except FlatlandError as error:
+        rospy.logfatal("%s", error)
         return 1
-    if not _wait_for_server(ended):
-        return 0
-    path = str(rospy.get_param("~model"))
-    answer: Any = rospy.ServiceProxy("/spawn_model", SpawnModel)(path, name, name, pose)
-    if not answer.success:
-        rospy.logfatal("%s", answer.message)
-        return 1
-    rospy.loginfo("%s spawned at (%g, %g)", name, pose.x, pose.y)
     ended.wait()
     deletion = threading.Thread(target=_delete, args=(name,), daemon=True)
     deletion.start()
     deletion.join(_DELETE_LIMIT)
     rospy.signal_shutdown("the robot is deleted")
     return 0
+
+
+def _spawn(name: str, pose: Pose2D) -> None:
+    path = str(rospy.get_param("~model"))
+    try:
+        answer: Any = rospy.ServiceProxy("/spawn_model", SpawnModel)(path, name, name, pose)
+    except rospy.ServiceException as error:
+        raise FlatlandError(f"/spawn_model: {error}") from None
+    if not answer.success:
+        raise FlatlandError(answer.message)
+    rospy.loginfo("%s spawned at (%g, %g)", name, pose.x, pose.y)
 
 
 def _wait_for_server(ended: threading.Event) -> bool:
