@@ -11,7 +11,6 @@ because it was started anew, and registers everything again.
 
 import logging
 import threading
-import xmlrpc.client
 from contextlib import contextmanager, suppress
 from itertools import islice
 from typing import Any, Callable, Dict, Iterator, List
@@ -28,7 +27,7 @@ from rospy.impl.registration import (
 )
 from rospy.impl.statistics import SubscriberStatisticsLogger
 
-from flatland_server.ros.rospy_patches.master_calls import Change, Key, Master
+from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Change, Key, Master
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 _MODULE = "rospy.impl.registration"
@@ -47,6 +46,7 @@ REQUIREMENTS = (
     Requirement(f"{_MODULE}:Registration.SUB"),
     Requirement(f"{_MODULE}:Registration.SRV"),
     Requirement("rospy.core:is_shutdown_requested", ()),
+    Requirement("rospy:get_param_cached", ("param_name", "default")),
     Requirement("rospy.impl.paramserver:get_param_server_cache", ()),
     Requirement("rospy.impl.statistics:SubscriberStatisticsLogger.is_enabled", ()),
     Requirement("rospy.topics:_TopicManager.get_publications", ("self",)),
@@ -61,6 +61,8 @@ RETRY_PERIOD = 0.5
 _END_LIMIT = 1.0  # s
 _ROSOUT_TOPICS = "/rosout_disable_topics_generation"
 _BATCH = 500  # topics and services per call: a master takes some 0.1 s for them
+_REOPENED = ""
+"""Stands for the type of a topic that the master knows and that has to be registered again."""
 
 logger = logging.getLogger(__name__)
 
@@ -72,6 +74,7 @@ def install() -> Dict[str, Any]:
         UnknownRospyError: this rospy is not known, or the node is not initialised.
     """
     check_all(REQUIREMENTS)
+    _keep_parameters()
     listeners = get_registration_listeners()
     with listeners.lock:
         managers = [each for each in listeners.listeners if hasattr(each, "publisher_update")]
@@ -81,7 +84,6 @@ def install() -> Dict[str, Any]:
         registrar.take_over(_opened_so_far())
         listeners.listeners = [registrar]
     registrar.start()
-    _keep_parameters()
     rospy.on_shutdown(registrar.stop)
     return {
         "batch_registration": registrar.batch,
@@ -149,7 +151,8 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
     def stop(self) -> None:
         """Ends the thread, so that rospy can unregister what is still open.
 
-        Before, the master is told what was closed, if it answers.
+        Before, the master is told what was closed, if it answers. rospy calls this when its
+        shutdown has begun.
         """
         with self._condition:
             self._condition.wait_for(lambda: not self._changed or self._has_failed, _END_LIMIT)
@@ -160,6 +163,9 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
     def reg_added(self, name: str, detail: str, kind: str) -> None:
         with self._condition:
             self._open[kind, name] = detail
+            if kind == Registration.SUB and (kind, name) in self._known:
+                # Closed a short while ago. Only the answer tells the new subscriber its publishers.
+                self._known[kind, name] = _REOPENED
             self._note((kind, name))
 
     def reg_removed(self, name: str, detail: str, kind: str) -> None:
@@ -196,7 +202,7 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
             return not self._changed
 
     def _run(self) -> None:
-        while not self._has_ended and not self._is_ending():
+        while not self._has_ended:
             with self._condition:
                 self._condition.wait_for(self._is_due, CHECK_PERIOD)
                 changes = self._next_changes()
@@ -207,7 +213,7 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
                 else:
                     self._check()
                 self._note_answer()
-            except (OSError, xmlrpc.client.Error) as error:
+            except NO_ANSWER as error:
                 self._note_silence(error)
             finally:
                 with self._condition:
@@ -261,10 +267,11 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
 
         rospy's own services are registered before anything else, and never closed.
         """
-        services = (
-            (name, uri) for (kind, name), uri in self._known.items() if kind == Registration.SRV
-        )
-        name, uri = next(services, ("", ""))
+        with self._condition:
+            services = (
+                (name, uri) for (kind, name), uri in self._known.items() if kind == Registration.SRV
+            )
+            name, uri = next(services, ("", ""))
         if self._has_ended or not name or self._master.has_service(name, uri):
             return
         with self._condition:
