@@ -1,5 +1,6 @@
 """The server while its surroundings fail: the master, connections, file descriptors."""
 
+import contextlib
 import os
 import resource
 import signal
@@ -249,3 +250,27 @@ def test_the_server_outlives_a_lack_of_file_descriptors(start_server):
     resource.prlimit(pid, resource.RLIMIT_NOFILE, (used + 100, hard))
     assert server.spawn("robot_after").success
     assert "Traceback" not in server.log
+
+
+def request_shutdown(server):
+    """What rosnode kill does."""
+    with contextlib.suppress(OSError):  # the server may end before it answers
+        xmlrpc.client.ServerProxy(server.uri).shutdown("/test", "a test")
+
+
+@pytest.mark.parametrize(
+    "end",
+    [lambda server: server.process.send_signal(signal.SIGINT), request_shutdown],
+    ids=["signal", "rosnode kill"],
+)
+def test_the_master_knows_nothing_of_a_server_that_has_ended(master, start_server, end):
+    server = start_server()
+    for number in range(60):
+        assert server.spawn(f"r{number}").success
+
+    end(server)
+    assert server.process.wait(10) == 0
+
+    state = master.ask("getSystemState")
+    left = [name for part in state for name, nodes in part if NODE in nodes]
+    assert left == []
