@@ -128,7 +128,7 @@ class Navigator:
             return Command()
         command = self._before_obstacles(wanted, pose, period)
         self._note_progress(pose)
-        if self._is_blocked(command, wanted):
+        if self._goal is not None and self._is_blocked(command, wanted):
             self._replan(pose, self._goal)
         return command if self.status is Status.ACTIVE else Command()
 
