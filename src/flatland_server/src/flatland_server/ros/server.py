@@ -2,7 +2,6 @@
 
 import gc
 import logging
-import sys
 
 import rospy
 
@@ -94,7 +93,3 @@ def exclude_from_garbage_collection() -> None:
     """
     gc.collect()
     gc.freeze()
-
-
-if __name__ == "__main__":
-    sys.exit(main())
