@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
-TIME_LIMIT = 1.0  # s per expression
+TIME_LIMIT = 1.0  # s for all expressions of a file together
 _START_LIMIT = 30.0  # s until the worker answers for the first time, on a busy machine
 
 _WORKER = Path(__file__).with_name("lua_worker.py")
@@ -34,6 +34,11 @@ class LuaEvaluator:
         self._functions = functions
         self._worker: Optional[subprocess.Popen[bytes]] = None
         self._unread = b""
+        self._time_left = TIME_LIMIT
+
+    def restart_time(self) -> None:
+        """Begins another file, the expressions of which have a time limit of their own."""
+        self._time_left = TIME_LIMIT
 
     def evaluate(self, code: str) -> Any:
         """Evaluates an expression, or a chunk of code that returns a value.
@@ -43,11 +48,17 @@ class LuaEvaluator:
 
         Raises:
             LuaError: the code is not Lua, fails, does not end in time or takes too much memory; or
-                there is no Lua.
+                there is no Lua. The time is that of all calls since `restart_time`.
         """
         if self._worker is None:
             self._start()
-        deadline = time.monotonic() + TIME_LIMIT
+        begin = time.monotonic()
+        try:
+            return self._evaluate(code, begin + self._time_left)
+        finally:
+            self._time_left = max(0.0, self._time_left - (time.monotonic() - begin))
+
+    def _evaluate(self, code: str, deadline: float) -> Any:
         self._send({"code": code})
         while True:
             message = self._receive(deadline)
@@ -76,11 +87,17 @@ class LuaEvaluator:
             worker.kill()
             worker.communicate()
 
+    def _too_slow(self) -> str:
+        message = f"does not end within {TIME_LIMIT:g} s"
+        if TIME_LIMIT - self._time_left < 0.01:
+            return message
+        return f"{message} together with the expressions before it in the file"
+
     def _start(self) -> None:
         self._unread = b""
         # Started by its file, so that it does not import the package and its dependencies. Isolated
         # (-I), so that it imports nothing from the working directory or from PYTHONPATH.
-        command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER)]
+        command = [sys.executable or "/usr/bin/python3", "-I", str(_WORKER), str(os.getpid())]
         self._worker = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
@@ -113,7 +130,7 @@ class LuaEvaluator:
             remaining = deadline - time.monotonic()
             if remaining <= 0 or not select.select([pipe], [], [], remaining)[0]:
                 self.close()
-                raise LuaError(f"does not end within {TIME_LIMIT:g} s")
+                raise LuaError(self._too_slow())
             chunk = os.read(pipe, 65536)
             if not chunk:
                 self.close()

@@ -45,6 +45,10 @@ class Expressions:
         except LuaError as error:
             raise error_at(node, f"$eval: {error}, in: {_one_line(code)}") from None
 
+    def restart_time(self) -> None:
+        """Begins another file, the expressions of which have a time limit of their own."""
+        self._lua.restart_time()
+
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
         self._lua.close()

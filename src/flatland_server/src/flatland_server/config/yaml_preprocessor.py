@@ -46,6 +46,7 @@ class YamlPreprocessor:
                 include leads back to itself; an expression fails.
         """
         self._included.clear()
+        self._expressions.restart_time()
         documents = self._compose(path)
         if len(documents) > 1:
             raise error_at(documents[1], "expected one document, found another one")
