@@ -19,28 +19,30 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   b2Body& body = Find(handle);
   Require(!bodies_.Get(handle).is_layer, "a layer has no fixtures but its walls");
   RequireMaterial(settings);
-  if (body.GetType() == b2_dynamicBody) {
-    std::vector<b2MassData> parts{ComputeMass(shape, settings)};
-    for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
-      if (f->GetDensity() == 0.0f) continue;
-      f->GetMassData(&parts.emplace_back());
-    }
-    RequireInertia(parts);
-  }
+  const bool has_mass = body.GetType() == b2_dynamicBody;
+  MassSum mass = bodies_.Get(handle).mass;
+  if (has_mass) mass = mass.With(ComputeMass(shape, settings));
   const AccessGuard guard(*this);
-  auto& fixtures = bodies_.Get(handle).fixtures;
+  BodyRecord& record = bodies_.Get(handle);
   b2FixtureDef definition;
-  definition.userData.pointer = fixtures.size();
+  definition.userData.pointer = record.fixtures.size();
   definition.shape = &shape;
-  definition.density = static_cast<float>(settings.density);
+  definition.density = 0.0f;  // with a density, Box2D would sum over all fixtures: see MassSum
   definition.friction = static_cast<float>(settings.friction);
   definition.restitution = static_cast<float>(settings.restitution);
   definition.isSensor = settings.sensor;
   definition.filter.categoryBits = settings.layers;
   definition.filter.maskBits = settings.collides ? settings.layers : 0;
-  fixtures.push_back({body.CreateFixture(&definition), settings.visible, BoundingRadius(shape)});
+  b2Fixture* const fixture = body.CreateFixture(&definition);
+  fixture->SetDensity(static_cast<float>(settings.density));
+  if (has_mass && settings.density != 0.0) {
+    record.mass = mass;
+    const b2MassData data = mass.ToBox2D();
+    body.SetMassData(&data);
+  }
+  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
   ++revision_;
-  return {handle, static_cast<uint32_t>(fixtures.size() - 1)};
+  return {handle, static_cast<uint32_t>(record.fixtures.size() - 1)};
 }
 
 b2Fixture& World::Find(Fixture fixture) const {

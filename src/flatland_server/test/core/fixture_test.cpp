@@ -114,5 +114,28 @@ TEST_F(WorldTest, TakesTheConvexHullOfAPolygon) {
   EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-5);
 }
 
+// Box2D sums up in single precision, fixture by fixture, which 10,000 fixtures make inexact.
+TEST_F(WorldTest, TheMassOfManyFixturesIsTheirSum) {
+  const World::Body body = world_.AddBody({});
+  constexpr int kCount = 10'000;
+  for (int i = 0; i < kCount; ++i) world_.AddPolygon(body, Square(0.1), Solid());
+  world_.AddPolygon(body, Square(100), {});  // without a density
+
+  EXPECT_NEAR(world_.GetMass(body), kCount * 0.01, 1e-4);
+  EXPECT_NEAR(world_.GetInertia(body), kCount * 0.01 * 2 * 0.01 / 12.0, 1e-6);
+}
+
+TEST_F(WorldTest, TheCentreOfMassIsThatOfTheFixturesTogether) {
+  const World::Body body = world_.AddBody({});
+  FixtureSettings heavy = Solid();
+  heavy.density = 3.0;
+  world_.AddPolygon(body, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, Solid());
+  world_.AddPolygon(body, {{4, 0}, {5, 0}, {5, 1}, {4, 1}}, heavy);
+
+  EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-6);
+  EXPECT_NEAR(world_.GetCenter(body).x, (0.5 + 3 * 4.5) / 4, 1e-6);
+  EXPECT_NEAR(world_.GetCenter(body).y, 0.5, 1e-6);
+}
+
 }  // namespace
 }  // namespace flatland
