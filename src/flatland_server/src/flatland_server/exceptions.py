@@ -102,6 +102,12 @@ class PluginError(FlatlandError):
     """A plugin is unknown or cannot be imported."""
 
 
+def shortened(found: str, longest: int = 80) -> str:
+    """What was found in a file, on one line and at most `longest` characters, for a message."""
+    line = " ".join(found.split())
+    return line if len(line) <= longest else f"{line[: longest - 3]}..."
+
+
 def suggestion(word: str, known: Iterable[str]) -> str:
     """A hint for a misspelt word, such as ` (did you mean "range"?)`; else the empty string.
 

@@ -9,17 +9,17 @@ placeholder of the right type; `finish` raises what was noted. Do not use a valu
 """
 
 import math
-import os
 from contextlib import closing
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
 import yaml
 
+from flatland_server.config.input_files import is_file, why_not_a_file
 from flatland_server.config.problem_collector import MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
 from flatland_server.config.yaml_map import YamlMap, file_of
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_values import (
     float_from,
     floats_between,
@@ -178,8 +178,7 @@ class YamlReader(YamlMap):
                 return folder / name
         path = folders[0] / name
         if name:
-            kind = "is a folder" if os.path.isdir(path) else "is not there"
-            self.problem(f"expected a file, but {path} {kind}", key)
+            self.problem(f"expected a file, but {path} {why_not_a_file(path)}", key)
         else:
             self.problem("expected a file, found an empty string", key)
         return path

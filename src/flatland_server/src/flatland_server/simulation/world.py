@@ -11,8 +11,9 @@ from typing import Dict, List, Optional
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
+from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
