@@ -3,7 +3,7 @@
 from contextlib import contextmanager
 from typing import Dict, Iterator
 
-from flatland_server.exceptions import Problem, YamlError
+from flatland_server.exceptions import MAX_SHOWN, Problem, YamlError
 
 
 class ProblemCollector:
@@ -12,10 +12,19 @@ class ProblemCollector:
     The readers of a document and of the sections in it share one collector. An entry of a list has
     a collector of its own, because it is read or left out as a whole; the document takes over its
     problems when it has been read (see `part`).
+
+    Args:
+        before: how many problems were found in the document before.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, before: int = 0) -> None:
         self._problems: Dict[Problem, None] = {}  # a set that keeps its order
+        self._before = before
+
+    @property
+    def is_full(self) -> bool:
+        """Whether a further problem would only be counted, so that its text does not matter."""
+        return self._before + len(self._problems) >= MAX_SHOWN
 
     @property
     def is_empty(self) -> bool:
@@ -43,7 +52,7 @@ class ProblemCollector:
         A YamlError ends the block and is noted. At the end of the block, the problems of the entry
         are added to those of the document.
         """
-        part = ProblemCollector()
+        part = ProblemCollector(self._before + len(self._problems))
         try:
             yield part
         except YamlError as error:

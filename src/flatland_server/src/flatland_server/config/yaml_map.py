@@ -1,7 +1,7 @@
 """One map of a YAML document: which keys it has, and the problems that are found in it."""
 
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, Iterable, List, Optional, Set
 
 import yaml
 
@@ -81,9 +81,16 @@ class YamlMap:
         For a map of which some keys are read later, so that `finish` cannot be called yet.
         """
         for key in self._unread():
-            hint = suggestion(key, [missing])
+            hint = self.suggestion(key, [missing])
             if hint:
                 self._note_unknown_key(key, hint)
+
+    def suggestion(self, word: str, known: Iterable[str]) -> str:
+        """A hint for a misspelt word; see `flatland_server.exceptions.suggestion`.
+
+        It takes time, and is empty if the problem will not be shown because of those before it.
+        """
+        return "" if self._problems.is_full else suggestion(word, known)
 
     def raise_problems(self) -> None:
         """Raises what was noted so far, where going on would only lead to further problems.
@@ -105,9 +112,9 @@ class YamlMap:
         self.raise_problems()
 
     def _note_unknown_keys(self) -> None:
+        not_given = [key for key in self._read if key not in self._keys]
         for key in self._unread():
-            hint = suggestion(key, self._read - self._keys.keys())
-            self._note_unknown_key(key, hint)
+            self._note_unknown_key(key, self.suggestion(key, not_given))
         self._read.update(self._keys)
 
     def _note_unknown_key(self, key: str, hint: str) -> None:

@@ -8,7 +8,7 @@ from typing import Dict, List, Optional, Tuple
 from flatland_server import _core
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.exceptions import ModelError, suggestion
+from flatland_server.exceptions import ModelError, listed, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
@@ -56,10 +56,11 @@ class ModelConfig:
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":
         """Reads a model from a file that is open in a reader; see `from_file`."""
-        names: List[str] = []  # also of bodies that cannot be read: joints may name them
+        # In order, and also those of bodies that cannot be read: joints may name them.
+        names: Dict[str, None] = {}
 
         def read_body(section: YamlReader) -> BodyConfig:
-            names.append(section.get_string("name"))
+            names[section.get_string("name")] = None
             return BodyConfig.read(section, registry)
 
         bodies = reader.get_enabled_sections("bodies", read_body, required=True)
@@ -151,8 +152,7 @@ class Model(Entity):
         if name not in self.bodies:
             self._require_existing()
             hint = suggestion(name, self.bodies)
-            known = ", ".join(self.bodies)
-            raise ModelError(f'the model has no body "{name}"{hint}; it has: {known}')
+            raise ModelError(f'the model has no body "{name}"{hint}; it has: {listed(self.bodies)}')
         return self.bodies[name]
 
     def get_joint(self, name: str) -> Joint:
@@ -165,8 +165,7 @@ class Model(Entity):
         if name not in joints:
             self._require_existing()
             hint = suggestion(name, joints)
-            known = ", ".join(joints) or "none"
-            raise ModelError(f'the model has no joint "{name}"{hint}; it has: {known}')
+            raise ModelError(f'the model has no joint "{name}"{hint}; it has: {listed(joints)}')
         return joints[name]
 
     @property

@@ -196,7 +196,6 @@ class World:
                 "add_model is for between steps; spawn_model may be called in a hook"
             )
         self._check_name_is_free(entry.name)
-        models_before = set(self.models.values())
         model = Model(
             entry.name,
             entry.namespace,
@@ -212,9 +211,10 @@ class World:
             try:
                 self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
             except BaseException:
+                in_order = list(self.models.values())
                 del self.models[entry.name]
                 self._remove_bodies(model)
-                for other in [m for m in self.models.values() if m not in models_before]:
+                for other in in_order[in_order.index(model) + 1 :]:
                     self._remove(other)  # spawned by the plugins of the one that has failed
                 raise
         self._deferred.run_pending()

@@ -66,7 +66,7 @@ def check(path: Path, picture: Optional[Path]) -> List[str]:
     try:
         world = load(path, preprocessor)
     except YamlError as error:
-        return [problem.with_column for problem in error.problems]
+        return error.lines(lambda problem: problem.with_column)
     except FlatlandError as error:
         return [f"{path}: {error}"]
     finally:
