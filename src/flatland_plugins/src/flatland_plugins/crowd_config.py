@@ -116,8 +116,8 @@ class CrowdConfig:
             layers=layers,
             layer_bits=layer_bits,
             goal_radius=config.get_float("goal_radius", 0.3, above=0.0),
-            poses_pub=config.get_string("poses_pub", f"{name}/poses"),
-            world_frame_id=config.get_string("world_frame_id", "map"),
+            poses_pub=config.get_topic("poses_pub", f"{name}/poses"),
+            world_frame_id=config.get_frame("world_frame_id", "map"),
             force=_read_force(config.get_section("force")),
             pedestrians=tuple(config.get_sections("pedestrians", read_pedestrian, required=True)),
         )

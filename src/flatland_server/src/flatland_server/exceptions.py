@@ -4,7 +4,8 @@
     ├── YamlError      a file is missing, unreadable or wrong; has file, line and column
     ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
     ├── LayerError     a layer does not exist
-    └── PluginError    a plugin is unknown or cannot be imported
+    ├── PluginError    a plugin is unknown or cannot be imported
+    └── TopicError     a topic or frame cannot have this name, or a topic not this type
 
 The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
 Messages tell the user where the problem is, what was expected and what was found.
@@ -117,6 +118,18 @@ class LayerError(FlatlandError):
 
 class PluginError(FlatlandError):
     """A plugin is unknown or cannot be imported."""
+
+
+class TopicError(FlatlandError):
+    """A topic or frame has a name that ROS cannot have, or a topic another type already.
+
+    Attributes:
+        name: of the topic or frame, as the plugin has given it.
+    """
+
+    def __init__(self, message: str, name: str) -> None:
+        super().__init__(message)
+        self.name = name
 
 
 def shortened(found: str, longest: int = 80) -> str:

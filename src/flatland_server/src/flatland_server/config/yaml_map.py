@@ -56,6 +56,13 @@ class YamlMap:
         """Whether the key is given; a `null` counts as not given."""
         return key in self._values and not is_null(self._values[key])
 
+    def key_of(self, value: str) -> Optional[str]:
+        """The first key with this scalar as its value, or None."""
+        for key, node in self._values.items():
+            if isinstance(node, yaml.ScalarNode) and node.value == value:
+                return key
+        return None
+
     @property
     def is_sound(self) -> bool:
         """Whether no problem was noted so far."""

@@ -27,9 +27,11 @@ from flatland_server.config.yaml_values import (
     one_of,
     points,
     to_bool,
+    to_frame,
     to_items,
     to_string,
     to_strings,
+    to_topic,
 )
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
@@ -74,6 +76,14 @@ class YamlReader(YamlMap):
     def get_string(self, key: str, default: Any = REQUIRED) -> str:
         """A string; may be empty."""
         return cast(str, self._get(key, default, to_string, ""))
+
+    def get_topic(self, key: str, default: Any = REQUIRED) -> str:
+        """The name of a topic that ROS can have, relative or absolute."""
+        return cast(str, self._get(key, default, to_topic, ""))
+
+    def get_frame(self, key: str, default: Any = REQUIRED) -> str:
+        """The name of a frame that TF can have; may begin with "/"."""
+        return cast(str, self._get(key, default, to_frame, ""))
 
     def get_float(
         self,

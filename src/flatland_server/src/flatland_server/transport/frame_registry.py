@@ -3,6 +3,9 @@
 import logging
 from typing import Dict, Set, Tuple
 
+from flatland_server.config.ros_names import FRAME, is_frame
+from flatland_server.exceptions import TopicError, shortened
+
 logger = logging.getLogger(__name__)
 
 
@@ -21,7 +24,14 @@ class FrameRegistry:
             parent: the frame that the transform is from.
             child: the frame that it places.
             publisher: a plugin, as `model/plugin` or the name of a plugin of the world.
+
+        Raises:
+            TopicError: TF cannot have a frame of one of these names.
         """
+        if child not in self._publishers:
+            for frame in (parent, child):
+                if not is_frame(frame):
+                    raise TopicError(f'expected {FRAME}, found "{shortened(frame)}"', frame)
         first = self._publishers.setdefault(child, publisher)
         if first == publisher:
             self._parents[child] = parent
