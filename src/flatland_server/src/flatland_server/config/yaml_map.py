@@ -7,7 +7,7 @@ import yaml
 
 from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.yaml_values import ConversionError, describe, is_null
-from flatland_server.exceptions import YamlError, suggestion
+from flatland_server.exceptions import YamlError, shortened, suggestion
 
 REQUIRED: Any = object()
 """As a default: the key must be given."""
@@ -49,7 +49,7 @@ class YamlMap:
             if not isinstance(key, yaml.ScalarNode):
                 raise error_at(key, f"expected a key, found {describe(key)}", path)
             if key.value in self._values:
-                self.note(error_at(key, f'the key "{key.value}" is given twice', path))
+                self.note(error_at(key, f'the key "{shortened(key.value)}" is given twice', path))
             self._keys[key.value], self._values[key.value] = key, value
 
     def has(self, key: str) -> bool:
@@ -125,7 +125,7 @@ class YamlMap:
         self._read.update(self._keys)
 
     def _note_unknown_key(self, key: str, hint: str) -> None:
-        self.note(error_at(self._keys[key], f'unknown key "{key}"{hint}', self._label()))
+        self.note(error_at(self._keys[key], f'unknown key "{shortened(key)}"{hint}', self._label()))
 
     def _unread(self) -> List[str]:
         return [key for key in self._keys if key not in self._read]
@@ -168,7 +168,7 @@ class YamlMap:
         """The map's place in the document; for an entry of a list, with its name."""
         name = self._values.get("name")
         if self.path.endswith("]") and isinstance(name, yaml.ScalarNode):
-            return f'{self.path} "{name.value}"'
+            return f'{self.path} "{shortened(name.value)}"'
         return self.path
 
 

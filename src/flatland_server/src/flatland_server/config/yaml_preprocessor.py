@@ -13,7 +13,7 @@ import yaml
 from flatland_server.config.input_files import MAX_YAML, is_file, read_input
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
-from flatland_server.exceptions import YamlError
+from flatland_server.exceptions import YamlError, shortened
 
 _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
@@ -75,10 +75,10 @@ class YamlPreprocessor:
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark
             line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
-            problem = " ".join(part for part in (error.context, error.problem) if part)
+            problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
             raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
         except (yaml.YAMLError, RecursionError, ValueError) as error:
-            reason = str(error).splitlines()[0]
+            reason = shortened(str(error).splitlines()[0])
             raise YamlError(path, f"is not valid YAML: {reason}") from None
         if not documents or documents[0] is None:
             raise YamlError(path, "expected a map, found an empty file")

@@ -33,7 +33,7 @@ from flatland_server.config.yaml_values import (
     to_strings,
     to_topic,
 )
-from flatland_server.exceptions import YamlError
+from flatland_server.exceptions import YamlError, shortened
 from flatland_server.geometry import Pose
 
 T = TypeVar("T")
@@ -245,7 +245,7 @@ class YamlReader(YamlMap):
                 return
             name = entry.get_string("name")
             if name and name in names:
-                entry.problem(f'the name "{name}" is given twice', "name")
+                entry.problem(f'the name "{shortened(name)}" is given twice', "name")
             names.add(name)
             enabled.append(read(entry))
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Collection, Mapping, Optional, Tuple
 
 from flatland_server.config.yaml_reader import Color, YamlReader
+from flatland_server.exceptions import shortened
 from flatland_server.geometry import Point
 from flatland_server.models.model_body import ModelBody
 
@@ -82,9 +83,8 @@ def _read_end(reader: YamlReader, body_names: Collection[str]) -> Tuple[str, Poi
     """Reads an entry of a joint's `bodies`: the name of a body, and the anchor on it [m]."""
     name = reader.get_string("name")
     if name and name not in body_names:
-        reader.problem(
-            f'the model has no body "{name}"{reader.suggestion(name, body_names)}', "name"
-        )
+        hint = reader.suggestion(name, body_names)
+        reader.problem(f'the model has no body "{shortened(name)}"{hint}', "name")
     anchor = reader.get_point("anchor")
     reader.finish()
     return name, anchor

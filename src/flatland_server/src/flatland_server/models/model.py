@@ -8,7 +8,7 @@ from typing import Dict, List, Optional, Tuple
 from flatland_server import _core
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.exceptions import ModelError, listed, suggestion
+from flatland_server.exceptions import ModelError, listed, shortened, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
@@ -151,8 +151,8 @@ class Model(Entity):
         """
         if name not in self.bodies:
             self._require_existing()
-            hint = suggestion(name, self.bodies)
-            raise ModelError(f'the model has no body "{name}"{hint}; it has: {listed(self.bodies)}')
+            hint, known = suggestion(name, self.bodies), listed(self.bodies)
+            raise ModelError(f'the model has no body "{shortened(name)}"{hint}; it has: {known}')
         return self.bodies[name]
 
     def get_joint(self, name: str) -> Joint:
@@ -164,8 +164,8 @@ class Model(Entity):
         joints = {joint.name: joint for joint in self.joints}
         if name not in joints:
             self._require_existing()
-            hint = suggestion(name, joints)
-            raise ModelError(f'the model has no joint "{name}"{hint}; it has: {listed(joints)}')
+            hint, known = suggestion(name, joints), listed(joints)
+            raise ModelError(f'the model has no joint "{shortened(name)}"{hint}; it has: {known}')
         return joints[name]
 
     @property
@@ -196,6 +196,19 @@ class Model(Entity):
                     place = body.physics_body.world_point(point)
                     reach = max(reach, math.dist(origin, place) + radius)
         return reach
+
+    def overlapping(self) -> List[Entity]:
+        """The layers and other models that it is within, and that physics pushes it out of.
+
+        Sensors, and footprints that do not collide with each other, do not count.
+        """
+        found: Dict[Entity, None] = {}
+        for body in self.physics_bodies:
+            for other in body.overlapping:
+                owner = self.entities.find(other.id)
+                if owner is not None and owner is not self:
+                    found[owner] = None
+        return list(found)
 
     def move(self, pose: Pose) -> None:
         """Moves it as a rigid whole, and stops it.

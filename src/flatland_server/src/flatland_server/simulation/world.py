@@ -5,6 +5,7 @@ timekeeper = Timekeeper(step_size=0.005)
 world.step(timekeeper)
 """
 
+import logging
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import Dict, List, Optional
@@ -21,6 +22,8 @@ from flatland_server.exceptions import (
     PluginError,
     Problem,
     YamlError,
+    listed,
+    shortened,
     suggestion,
 )
 from flatland_server.geometry import Pose
@@ -36,6 +39,8 @@ from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.transport import Transport
+
+logger = logging.getLogger(__name__)
 
 
 class World:
@@ -131,7 +136,8 @@ class World:
     def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Optional[Model]:
         """Adds a model, read from its file, to the world: completely, or not at all.
 
-        In a plugin's hook, the model is added at the end of the step; a failure is then logged.
+        In a plugin's hook, the model is added at the end of the step; a failure is then logged. A
+        model within a wall or another model is a warning in the log; see `overlap_warning`.
 
         Args:
             path: of the model file.
@@ -148,8 +154,23 @@ class World:
         """
         entry = self.read_model_entry(path, name, namespace, pose)
         return self._deferred.run_or_defer(
-            lambda: self.add_model(entry), f'the model "{name}" is not spawned'
+            lambda: self._spawn(entry), f'the model "{name}" is not spawned'
         )
+
+    def overlap_warning(self, model: Model) -> str:
+        """What to tell the user about a model that was put within walls or other models.
+
+        Returns:
+            A sentence that names what it overlaps; empty if it overlaps nothing.
+        """
+        entities = model.overlapping()
+        if not entities:
+            return ""
+        names = [
+            f'the {"layer" if isinstance(entity, Layer) else "model"} "{entity.name}"'
+            for entity in entities
+        ]
+        return f'the model "{model.name}" overlaps {listed(names)}, and is pushed out'
 
     def read_model(self, path: Path) -> ModelConfig:
         """Reads a model file for this world; may be called in any thread.
@@ -276,9 +297,9 @@ class World:
         for layer in self.layers:
             if name in layer.config.names:
                 return layer
-        known = ", ".join(self.registry.names) or "none"
         hint = suggestion(name, self.registry.names)
-        raise LayerError(f'no layer is named "{name}"{hint}; there are: {known}')
+        known = listed(self.registry.names)
+        raise LayerError(f'no layer is named "{shortened(name)}"{hint}; there are: {known}')
 
     def get_model(self, name: str) -> Model:
         """The model of this name.
@@ -287,7 +308,8 @@ class World:
             ModelError: there is no such model.
         """
         if name not in self.models:
-            raise ModelError(f'there is no model "{name}"{suggestion(name, self.models)}')
+            hint = suggestion(name, self.models)
+            raise ModelError(f'there is no model "{shortened(name)}"{hint}')
         return self.models[name]
 
     def step(self, timekeeper: Timekeeper) -> None:
@@ -312,6 +334,13 @@ class World:
                 self._plugins.stop_all()
         finally:
             self._deferred.clear()
+
+    def _spawn(self, entry: ModelEntry) -> Model:
+        model = self.add_model(entry)
+        warning = self.overlap_warning(model)
+        if warning:
+            logger.warning("%s", warning)
+        return model
 
     def _check_name_is_free(self, name: str) -> None:
         if name in self.models:
