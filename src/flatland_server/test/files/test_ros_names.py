@@ -218,4 +218,4 @@ def test_check_world_reports_a_topic_of_two_types(files):
     path = files.write("two.model.yaml", TWO.format("x", "x"))
     from flatland_server.tools.check_world import check
 
-    assert check(path, None)[0].startswith(f"{path}:5:")
+    assert check(str(path), None)[0].startswith(f"{path}:5:")

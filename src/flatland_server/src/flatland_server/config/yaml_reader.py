@@ -15,6 +15,7 @@ from typing import Any, Callable, List, Optional, Sequence, Set, Tuple, TypeVar,
 
 import yaml
 
+from flatland_server.config.file_names import find_file, is_bare
 from flatland_server.config.input_files import is_file, why_not_a_file
 from flatland_server.config.problem_collector import MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
@@ -33,7 +34,7 @@ from flatland_server.config.yaml_values import (
     to_strings,
     to_topic,
 )
-from flatland_server.exceptions import YamlError, shortened
+from flatland_server.exceptions import FlatlandError, YamlError, listed, shortened
 from flatland_server.geometry import Pose
 
 T = TypeVar("T")
@@ -170,27 +171,35 @@ class YamlReader(YamlMap):
         """A list of strings; a single string is a list of one."""
         return cast(Tuple[str, ...], self._get(key, default, to_strings, ()))
 
-    def get_path(self, key: str) -> Path:
-        """An existing file: absolute, or relative to the document or to the file of the key.
+    def get_path(self, key: str, folders: Sequence[Path] = ()) -> Path:
+        """An existing file: absolute, `package://name/path`, or relative to the document.
 
-        For a document that is a symbolic link, "relative to the document" means relative to the
-        link or else to its target.
+        For a key in a file that was included, it may also be relative to that file. For a document
+        that is a symbolic link, "relative to the document" means relative to the link or else to
+        its target.
+
+        Args:
+            key: of the file's name.
+            folders: where a relative name without "./" is looked up after that.
         """
-        folders = [self._root.parent, self._root.resolve().parent]
+        beside = [self._root.parent, self._root.resolve().parent]
         try:
             name = cast(str, self._value(key, REQUIRED, to_string))
         except YamlError as error:
             self.note(error)
-            return folders[0]
-        folders.append(file_of(self._values[key]).parent)
-        for folder in folders:
-            if is_file(folder / name):
-                return folder / name
-        path = folders[0] / name
-        if name:
-            self.problem(f"expected a file, but {path} {why_not_a_file(path)}", key)
-        else:
+            return beside[0]
+        beside.append(file_of(self._values[key]).parent)
+        further = folders if is_bare(name) else ()
+        try:
+            path = find_file(name, [*beside, *further])
+        except FlatlandError as error:
+            self.problem(str(error), key)
+            return beside[0]
+        if not name:
             self.problem("expected a file, found an empty string", key)
+        elif not is_file(path):
+            nor = f", nor in {listed([str(each) for each in further])}" if further else ""
+            self.problem(f"expected a file, but {path} {why_not_a_file(path)}{nor}", key)
         return path
 
     # Sections

@@ -47,7 +47,11 @@ def _run(config: ServerConfig) -> None:
     shutdown = Shutdown(transport)
     with transport.rospy_calls.batch_registration():
         world = World.from_file(
-            config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
+            config.world_path,
+            transport,
+            seed=config.seed,
+            simplify_map=config.simplify_map,
+            model_folders=config.models,
         )
         manager = SimulationManager(world, timekeeper, config.update_rate)
         _open_topics(manager, transport, config)

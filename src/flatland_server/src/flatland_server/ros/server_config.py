@@ -1,11 +1,13 @@
 """The private parameters of the node flatland_server."""
 
 import math
+import re
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Tuple
 
 import rospy
 
+from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError
 from flatland_server.maps.simplify_outlines import TOLERANCES
 
@@ -22,6 +24,7 @@ class ServerConfig(NamedTuple):
     simplify_map: int
     realtime_priority: bool
     rospy_patches: bool
+    models: Tuple[Path, ...]
 
     @classmethod
     def read(cls) -> "ServerConfig":
@@ -40,7 +43,7 @@ class ServerConfig(NamedTuple):
         if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
         return cls(
-            world_path=Path(str(world_path)).absolute(),
+            world_path=to_path(str(world_path)).absolute(),
             update_rate=_positive("~update_rate", 200.0, allow_infinity=True),
             step_size=_positive("~step_size", 0.005),
             show_viz=_flag("~show_viz", True),
@@ -49,7 +52,24 @@ class ServerConfig(NamedTuple):
             simplify_map=simplify_map,
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
+            models=_folders("~models"),
         )
+
+
+def _folders(name: str) -> Tuple[Path, ...]:
+    """Folders: a list, or separated by colons; each may be a `package://` URI."""
+    value = rospy.get_param(name, "")
+    texts = re.split(":(?!//)", value) if isinstance(value, str) else value
+    if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+        raise FlatlandError(f"{name}: expected a list of folders, found {value}")
+    try:
+        folders = tuple(to_path(text).absolute() for text in texts if text)
+    except FlatlandError as error:
+        raise FlatlandError(f"{name}: {error}") from None
+    for folder in folders:
+        if not folder.is_dir():
+            raise FlatlandError(f"{name}: expected a folder, but {folder} is none")
+    return folders
 
 
 def _flag(name: str, default: bool) -> bool:

@@ -1,6 +1,5 @@
 """The server's ROS services. Errors are reported as `ModelError: a model named ...`."""
 
-from pathlib import Path
 from typing import Any, Callable, Type
 
 import rospy
@@ -91,7 +90,7 @@ class ServiceManager:
 
     def _spawn_model(self, request: SpawnModelRequest) -> SpawnModelResponse:
         entry = self._world.read_model_entry(
-            Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
+            request.yaml_path, request.name, request.ns, _to_pose(request.pose)
         )
         warning = self._transport.call(lambda: self._add_model(entry))
         if warning:
@@ -114,7 +113,7 @@ class ServiceManager:
         self._transport.call(lambda: self._manager.change_rate(request.rate))
 
     def _get_model_markers(self, request: GetModelMarkersRequest) -> GetModelMarkersResponse:
-        markers = preview(self._world.read_model(Path(request.yaml_path)))
+        markers = preview(self._world.read_model(request.yaml_path))
         return GetModelMarkersResponse(success=True, markers=MarkerArray(markers))
 
 

@@ -8,10 +8,11 @@ world.step(timekeeper)
 import logging
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Dict, List, Optional
+from typing import Dict, List, Optional, Sequence, Union
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
+from flatland_server.config.file_names import find_file, is_bare
 from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -66,6 +67,7 @@ class World:
     ) -> None:
         self.transport: Transport = transport if transport is not None else LocalTransport()
         self.registry = config.registry
+        self._model_folders = config.model_folders
         self.models: Dict[str, Model] = {}
         """By name."""
         self.physics = _core.World(config.velocity_iterations, config.position_iterations)
@@ -104,6 +106,7 @@ class World:
         seed: int = 0,
         simplify_map: int = 0,
         loader: Optional[PluginLoader] = None,
+        model_folders: Sequence[Path] = (),
     ) -> "World":
         """Loads a world file.
 
@@ -113,6 +116,8 @@ class World:
             seed: as for the class.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
             loader: as for the class.
+            model_folders: where model files are looked up that are not beside the world file, also
+                those that are spawned later.
 
         Raises:
             YamlError: something in the files is wrong; lists everything that was found.
@@ -120,7 +125,9 @@ class World:
         """
         transport = transport if transport is not None else LocalTransport()
         with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
-            config = WorldConfig.from_file(path, preprocessor, simplify_map=simplify_map)
+            config = WorldConfig.from_file(
+                path, preprocessor, simplify_map=simplify_map, model_folders=model_folders
+            )
         return cls(config, transport, seed=seed, loader=loader)
 
     @property
@@ -133,14 +140,17 @@ class World:
         """The plugins that have raised an exception and are switched off."""
         return self._plugins.failures
 
-    def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Optional[Model]:
+    def spawn_model(
+        self, path: Union[str, Path], name: str, namespace: str, pose: Pose
+    ) -> Optional[Model]:
         """Adds a model, read from its file, to the world: completely, or not at all.
 
         In a plugin's hook, the model is added at the end of the step; a failure is then logged. A
         model within a wall or another model is a warning in the log; see `overlap_warning`.
 
         Args:
-            path: of the model file.
+            path: of the model file; `package://name/path` as a string. A relative one may also be
+                beside the world file, or in one of the folders of models.
             name: unique in the world.
             namespace: of its topics and frames; may be empty.
             pose: of its origin in the world.
@@ -172,18 +182,26 @@ class World:
         ]
         return f'the model "{model.name}" overlaps {listed(names)}, and is pushed out'
 
-    def read_model(self, path: Path) -> ModelConfig:
+    def read_model(self, path: Union[str, Path]) -> ModelConfig:
         """Reads a model file for this world; may be called in any thread.
 
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
-        if not is_file(path):
-            raise ModelError(f"there is no file {path}")
+        folders = self._model_folders if is_bare(path) else ()
+        try:
+            found = find_file(path, [Path(), *folders])
+        except FlatlandError as error:
+            raise ModelError(str(error)) from None
+        if not is_file(found):
+            nor = f", nor in {listed([str(each) for each in folders])}" if folders else ""
+            raise ModelError(f"there is no file {found}{nor}")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
-            return ModelConfig.from_file(path, self.registry, preprocessor)
+            return ModelConfig.from_file(found, self.registry, preprocessor)
 
-    def read_model_entry(self, path: Path, name: str, namespace: str, pose: Pose) -> ModelEntry:
+    def read_model_entry(
+        self, path: Union[str, Path], name: str, namespace: str, pose: Pose
+    ) -> ModelEntry:
         """Does all of `spawn_model` that does not change the world; any thread may call it.
 
         The result is for `add_model`, which checks again that the name is free. Plugin classes are

@@ -4,8 +4,9 @@ import argparse
 import logging
 import sys
 from pathlib import Path
-from typing import List, Optional
+from typing import List, Optional, Sequence
 
+from flatland_server.config.file_names import to_path
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, YamlError
@@ -17,19 +18,20 @@ from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.tools.render import render
 
 
-def load(path: Path, preprocessor: YamlPreprocessor) -> World:
+def load(path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Path] = ()) -> World:
     """Loads a world file; or a model file, into an otherwise empty world.
 
     Args:
         path: of the file; one with a key `bodies` is a model file.
         preprocessor: for its expressions.
+        model_folders: where models are looked up that are not beside the world file.
 
     Raises:
         FlatlandError: something in the files is wrong.
     """
     reader = YamlReader.from_file(path, preprocessor)
     if not reader.has("bodies"):
-        return World(WorldConfig.read(reader, preprocessor))
+        return World(WorldConfig.read(reader, preprocessor, model_folders=model_folders))
     registry = AnyLayer()
     model = ModelConfig.read(reader, registry)
     entry = ModelEntry(path.name.split(".")[0], "", Pose(), model)
@@ -52,19 +54,22 @@ def summary(world: World) -> str:
     )
 
 
-def check(path: Path, picture: Optional[Path]) -> List[str]:
+def check(name: str, picture: Optional[Path], model_folders: Sequence[Path] = ()) -> List[str]:
     """Checks a file, and prints a summary if it is valid.
 
     Args:
-        path: of a world or model file.
+        name: of a world or model file: its path, or a `package://` URI.
         picture: the image file to draw the world into, if any.
+        model_folders: where models are looked up that are not beside the world file.
 
     Returns:
         The problems, a line for each; empty if there are none.
     """
     preprocessor = YamlPreprocessor()
+    path = Path(name)
     try:
-        world = load(path, preprocessor)
+        path = to_path(name)
+        world = load(path, preprocessor, model_folders)
     except YamlError as error:
         return error.lines(lambda problem: problem.with_column)
     except FlatlandError as error:
@@ -94,17 +99,25 @@ def main(arguments: Optional[List[str]] = None) -> int:
     parser = argparse.ArgumentParser(
         prog="check_world", description="Check Flatland world and model files."
     )
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="world or model file")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="world or model file")
     parser.add_argument(
         "--render", type=Path, metavar="PNG", help="draw the world as it would look at the start"
+    )
+    parser.add_argument(
+        "--models",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="as the server's ~models: look up models there that are not beside the world file",
     )
     options = parser.parse_args(arguments)
     if options.render is not None and len(options.files) > 1:
         parser.error("--render takes a single FILE")
     logging.basicConfig(format="%(message)s", level=logging.INFO)
     problems: List[str] = []
-    for path in options.files:
-        problems += check(path, options.render)
+    for name in options.files:
+        problems += check(name, options.render, options.models)
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0
