@@ -7,6 +7,7 @@ import time
 
 import pytest
 
+from flatland_server.config import problem_collector
 from flatland_server.exceptions import MAX_SHOWN, Problem, YamlError, listed, suggestion
 
 COUNT = 20_000
@@ -81,3 +82,23 @@ def test_a_list_of_names_ends_with_the_number_of_the_others():
 
 def test_the_text_of_a_word_that_no_key_is_as_long_as_is_not_compared():
     assert suggestion("range" * 10_000, ["range"]) == ""
+
+
+@pytest.mark.parametrize(
+    "lists",
+    [
+        "- &b {name: b, footprints: [&c {type: circle, radius: 1, density: 1}, USES]}\nBASES",
+        "- {name: b, footprints: [&c {type: circle, radius: 1, density: 1, layers: [ALL]}, USES]}",
+    ],
+    ids=["lists of entries", "lists of names"],
+)
+def test_an_alias_within_an_aliased_list_is_refused_soon(files, monkeypatch, lists):
+    monkeypatch.setattr(problem_collector, "MAX_ENTRIES", 2_000)
+    uses, names, bases = ("*c, " * 100)[:-2], ("all, " * 100)[:-2], "- *b\n" * 100
+    text = lists.replace("USES", uses).replace("ALL", names).replace("BASES", bases)
+
+    with pytest.raises(YamlError) as caught:
+        files.spawn(f"bodies:\n{text}\n")
+
+    assert "expected at most 1000000 entries in all lists of the file" in str(caught.value)
+    assert sum("entries in all" in problem.message for problem in caught.value.problems) < 200

@@ -113,11 +113,13 @@ class Model(Entity):
         self.entities = entities
         self.bodies: Dict[str, ModelBody] = {}
         self.joints: List[Joint] = []
+        self._joints_by_name: Dict[str, Joint] = {}
         try:
             for body in config.bodies:
                 self.bodies[body.name] = ModelBody(body, pose.wrapped(), physics)
             for joint in config.joints:
                 self.joints.append(Joint(joint, self.bodies))
+                self._joints_by_name[joint.name] = self.joints[-1]
         except ValueError as error:
             self.remove()
             raise ModelError(f'the model "{name}" does not fit into the world: {error}') from None
@@ -161,7 +163,7 @@ class Model(Entity):
         Raises:
             ModelError: there is none, or the model has been deleted.
         """
-        joints = {joint.name: joint for joint in self.joints}
+        joints = self._joints_by_name
         if name not in joints:
             self._require_existing()
             hint, known = suggestion(name, joints), listed(joints)
@@ -242,6 +244,7 @@ class Model(Entity):
         self.entities.remove(bodies)
         self.bodies.clear()
         self.joints.clear()
+        self._joints_by_name.clear()
 
     def name_space_tf(self, frame_id: str) -> str:
         """The name of a frame of this model, with its namespace: `<namespace>_<frame>`.

@@ -1,7 +1,7 @@
 """Which plugin publishes which frame."""
 
 import logging
-from typing import Dict, Set, Tuple
+from typing import Dict, List, Set, Tuple
 
 from flatland_server.config.ros_names import FRAME, is_frame
 from flatland_server.exceptions import TopicError, shortened
@@ -15,6 +15,7 @@ class FrameRegistry:
     def __init__(self) -> None:
         self._publishers: Dict[str, str] = {}  # by frame
         self._parents: Dict[str, str] = {}
+        self._frames: Dict[str, List[str]] = {}  # by publisher
         self._warned: Set[Tuple[str, str]] = set()  # a frame and its second publisher
 
     def claim(self, parent: str, child: str, publisher: str) -> None:
@@ -34,6 +35,8 @@ class FrameRegistry:
                     raise TopicError(f'expected {FRAME}, found "{shortened(frame)}"', frame)
         first = self._publishers.setdefault(child, publisher)
         if first == publisher:
+            if child not in self._parents:
+                self._frames.setdefault(publisher, []).append(child)
             self._parents[child] = parent
         elif (child, publisher) not in self._warned:
             self._warned.add((child, publisher))
@@ -51,6 +54,9 @@ class FrameRegistry:
 
     def release(self, publisher: str) -> None:
         """Removes the frames of a publisher."""
-        for child in [child for child, each in self._publishers.items() if each == publisher]:
+        children = self._frames.pop(publisher, [])
+        for child in children:
             del self._publishers[child]
-        self._warned = {pair for pair in self._warned if pair[0] in self._publishers}
+            del self._parents[child]
+        if children and self._warned:
+            self._warned = {pair for pair in self._warned if pair[0] in self._publishers}
