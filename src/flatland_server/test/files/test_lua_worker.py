@@ -96,6 +96,20 @@ def wait_until_ended(pid: int) -> None:
         time.sleep(0.01)
 
 
+def wait_until_computing(pid: int) -> None:
+    """Waits until a process has used a tenth of a second of processor time from now on."""
+
+    def ticks() -> int:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return int(fields[11]) + int(fields[12])
+
+    end = ticks() + 0.1 * os.sysconf("SC_CLK_TCK")
+    deadline = time.monotonic() + 10.0
+    while ticks() < end:
+        assert time.monotonic() < deadline, f"the process {pid} waits"
+        time.sleep(0.01)
+
+
 def test_a_worker_that_computes_ends_with_a_parent_that_is_killed():
     program = """
         import sys
@@ -109,7 +123,7 @@ def test_a_worker_that_computes_ends_with_a_parent_that_is_killed():
     )
     assert parent.stdout is not None
     worker = int(parent.stdout.readline())
-    assert not has_ended(worker)
+    wait_until_computing(worker)
 
     parent.kill()
 
