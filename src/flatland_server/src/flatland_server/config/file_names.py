@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Sequence, Union
 
 from flatland_server.config.input_files import is_file
-from flatland_server.exceptions import FlatlandError, shortened, suggestion
+from flatland_server.exceptions import FlatlandError, listed, shortened, suggestion
 
 _SCHEME = "package://"
 
@@ -48,6 +48,11 @@ def is_bare(name: Union[str, Path]) -> bool:
     """Whether a name is looked up in the folders of models: relative, without "./" or "../"."""
     text = os.fspath(name)
     return not text.startswith(("/", "./", "../", _SCHEME)) and text not in ("", ".", "..")
+
+
+def nor_in(folders: Sequence[Path]) -> str:
+    """For the error of a file that is missing: the other folders where it was looked up, if any."""
+    return f", nor in {listed([str(folder) for folder in folders])}" if folders else ""
 
 
 def _package_folder(package: str) -> Path:

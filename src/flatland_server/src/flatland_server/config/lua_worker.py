@@ -29,7 +29,7 @@ from typing import Any, Dict, List
 import lupa
 
 MEMORY_LIMIT = 256 * 1024 * 1024  # bytes of address space, in addition to the interpreter's own
-CPU_LIMIT = 3  # s of processor time per expression; the parent process limits its real time
+CPU_LIMIT = 2  # s of processor time, at most, per expression; the parent limits its real time
 _MAX_VALUES = 10_000  # in a table that is returned
 _MAX_DEPTH = 50  # of nested tables
 

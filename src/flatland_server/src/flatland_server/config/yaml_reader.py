@@ -15,7 +15,7 @@ from typing import Any, Callable, List, Optional, Sequence, Set, Tuple, TypeVar,
 
 import yaml
 
-from flatland_server.config.file_names import find_file, is_bare
+from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, why_not_a_file
 from flatland_server.config.problem_collector import MAX_ENTRIES, MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
@@ -34,7 +34,7 @@ from flatland_server.config.yaml_values import (
     to_strings,
     to_topic,
 )
-from flatland_server.exceptions import FlatlandError, YamlError, listed, shortened
+from flatland_server.exceptions import FlatlandError, YamlError, shortened
 from flatland_server.geometry import Pose
 
 T = TypeVar("T")
@@ -201,8 +201,8 @@ class YamlReader(YamlMap):
         if not name:
             self.problem("expected a file, found an empty string", key)
         elif not is_file(path):
-            nor = f", nor in {listed([str(each) for each in further])}" if further else ""
-            self.problem(f"expected a file, but {path} {why_not_a_file(path)}{nor}", key)
+            found = f"{path} {why_not_a_file(path)}{nor_in(further)}"
+            self.problem(f"expected a file, but {found}", key)
         return path
 
     # Sections

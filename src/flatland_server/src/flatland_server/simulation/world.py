@@ -12,7 +12,7 @@ from typing import Dict, List, Optional, Sequence, Union
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
-from flatland_server.config.file_names import find_file, is_bare
+from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -194,8 +194,7 @@ class World:
         except FlatlandError as error:
             raise ModelError(str(error)) from None
         if not is_file(found):
-            nor = f", nor in {listed([str(each) for each in folders])}" if folders else ""
-            raise ModelError(f"there is no file {found}{nor}")
+            raise ModelError(f"there is no file {found}{nor_in(folders)}")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
             return ModelConfig.from_file(found, self.registry, preprocessor)
 
