@@ -34,6 +34,7 @@ from flatland_server.exceptions import (
     ModelError,
     PluginError,
     Problem,
+    TopicError,
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
@@ -108,6 +109,7 @@ __all__ = [
     "SimulationManager",
     "Subscription",
     "Timekeeper",
+    "TopicError",
     "Transform",
     "Transport",
     "Tricycle",

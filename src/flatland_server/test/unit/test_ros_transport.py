@@ -5,8 +5,11 @@ import threading
 
 import pytest
 import rospy
+from sensor_msgs.msg import LaserScan
 
+from flatland_server.exceptions import TopicError
 from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.transport.node import Node
 
 
 def test_a_signal_may_end_it_at_any_point():
@@ -81,3 +84,12 @@ def test_a_call_is_refused_when_the_simulation_ends():
 
     with pytest.raises(rospy.ServiceException, match="shutting down"):
         transport.call(lambda: None)
+
+
+def test_topics_are_compared_as_rospy_resolves_them(monkeypatch):
+    remapped = {"scan": "/clock"}  # as by scan:=/clock on the command line
+    monkeypatch.setattr(rospy, "resolve_name", lambda name: remapped.get(name, f"/{name}"))
+    node = Node(RosTransport(), "", "robot/laser")
+
+    with pytest.raises(TopicError, match='the topic "/clock" is the server\'s own'):
+        node.advertise("scan", LaserScan)
