@@ -34,6 +34,7 @@ from flatland_server.exceptions import (
     ModelError,
     PluginError,
     Problem,
+    StateError,
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
@@ -106,6 +107,7 @@ __all__ = [
     "RelativePoses",
     "Segments",
     "SimulationManager",
+    "StateError",
     "Subscription",
     "Timekeeper",
     "Transform",

@@ -4,7 +4,8 @@
     ├── YamlError      a file is missing, unreadable or wrong; has file, line and column
     ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
     ├── LayerError     a layer does not exist
-    └── PluginError    a plugin is unknown or cannot be imported
+    ├── PluginError    a plugin is unknown or cannot be imported
+    └── StateError     a world's state cannot be saved, or does not fit the world it is loaded into
 
 The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
 Messages tell the user where the problem is, what was expected and what was found.
@@ -100,6 +101,10 @@ class LayerError(FlatlandError):
 
 class PluginError(FlatlandError):
     """A plugin is unknown or cannot be imported."""
+
+
+class StateError(FlatlandError):
+    """The state of a world cannot be saved, or is damaged, or does not fit the world."""
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:

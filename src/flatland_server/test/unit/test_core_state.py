@@ -137,7 +137,8 @@ def test_handles_stay_valid_and_contacts_that_are_kept_stay_equal():
 
     parts.world.save_state()
     for body in parts.bodies[1:]:
-        assert body.alive and math.isfinite(body.mass)
+        assert body.alive
+        assert math.isfinite(body.mass)
         body.remove()
 
     assert ended

@@ -40,7 +40,7 @@ effect at its end. Contact hooks may set velocities and apply forces and impulse
 add or remove bodies.
 """
 
-from typing import Callable, Optional
+from typing import Any, Callable, Optional
 
 import numpy as np
 
@@ -157,3 +157,26 @@ class Plugin:
 
     def on_shutdown(self) -> None:
         """Called once, at the end of the plugin; its topics are still open."""
+
+    def get_state(self) -> Any:
+        """What the plugin keeps from step to step, for a saved state; see `set_state`.
+
+        To be overridden by plugins with attributes that change after `on_initialize`. The framework
+        itself keeps `rng`, `update_timer`, and what the core moves: bodies, drives and tweens. A
+        plugin that has nothing else overrides it to return None: those that do not override it are
+        named when a state is saved.
+
+        Returns:
+            Plain data: None, numbers, strings, bytes, numpy arrays of numbers, and lists and dicts
+            of these. Tuples come back as lists. A contact is described by its fixtures; see
+            `Entities.describe` (`self.model.entities`, `self.world.entities`).
+        """
+        return None
+
+    def set_state(self, state: Any) -> None:
+        """Sets what `get_state` has returned: here, or of the same plugin in another process.
+
+        Called between steps on a plugin that has been initialized anew, when all models and bodies
+        are there, in their places. What it publishes from now on must not depend on whether it has
+        lived since the beginning or was restored.
+        """

@@ -18,6 +18,7 @@ from tf2_msgs.msg import TFMessage
 from flatland_server.geometry import Transform
 from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
 from flatland_server.ros.rospy_patches import RospyCalls
+from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
 
@@ -36,6 +37,7 @@ class RosTransport(Transport):
     """
 
     def __init__(self, rospy_calls: RospyCalls = RospyCalls()) -> None:  # noqa: B008 (immutable)
+        super().__init__()
         self.rospy_calls = rospy_calls
         """The operations of rospy in use."""
         self.has_started = False
@@ -67,7 +69,8 @@ class RosTransport(Transport):
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        return _RosSubscription(topic, message_type, callback, self.post)
+        arrival = self.arrivals.open(rospy.resolve_name(topic))
+        return _RosSubscription(topic, message_type, callback, self, arrival)
 
     @property
     def transforms_have_subscribers(self) -> bool:
@@ -98,6 +101,8 @@ class RosTransport(Transport):
             self._arrival.wait(remaining)
             self._arrival.clear()
             self._run_callbacks()
+            if self.returns_on_arrival:
+                return
             remaining = deadline - time.monotonic()
 
     def end(self) -> None:
@@ -131,12 +136,22 @@ class RosTransport(Transport):
                 future.set_exception(error)
 
         self.post(run)
+        return self.wait(future)
+
+    def wait(self, future: "Future[T]") -> T:
+        """Waits for a result of the simulation's thread. For ROS's threads.
+
+        Raises:
+            rospy.ServiceException: the simulation is shutting down.
+            Exception: the one that the future has.
+        """
         while not wait([future], _SHUTDOWN_CHECK_PERIOD).done:
             if self.is_ending:
                 raise rospy.ServiceException("the simulation is shutting down")
         return future.result()
 
     def flush(self) -> None:
+        self.arrivals.next_step()
         message = self._transforms.take()
         if message:
             self.before_sending()
@@ -194,18 +209,23 @@ class _RosSubscription(Subscription):
         topic: str,
         message_type: Any,
         callback: Callable[[Any], None],
-        enqueue: Callable[[Callable[[], None]], None],
+        transport: RosTransport,
+        arrival: Arrival,
     ) -> None:
         self._is_open = True
         self._callback = callback
+        self._transport = transport
+        self._arrival = arrival
         self._subscriber = rospy.Subscriber(
-            topic, message_type, lambda message: enqueue(lambda: self._deliver(message))
+            topic, message_type, lambda message: transport.post(lambda: self._deliver(message))
         )
 
     def _deliver(self, message: Any) -> None:
         if self._is_open:
+            self._arrival.note()
             self._callback(message)
 
     def close(self) -> None:
         self._is_open = False
+        self._transport.arrivals.close(self._arrival)
         self._subscriber.unregister()

@@ -25,10 +25,12 @@ from geometry_msgs.msg import Pose2D
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 from visualization_msgs.msg import MarkerArray
 
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
 from flatland_server.messages.model_markers import preview
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.ros.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import ModelEntry
 
@@ -54,6 +56,7 @@ class ServiceManager:
         self._offer(
             "get_model_markers", GetModelMarkers, GetModelMarkersResponse, self._get_model_markers
         )
+        StateServices(manager, transport, self._offer)
         self._offer_empty("pause", manager.pause)
         self._offer_empty("resume", manager.resume)
         self._offer_empty("toggle_pause", manager.toggle_pause)
@@ -87,12 +90,15 @@ class ServiceManager:
         rospy.Service(name, Empty, handle)
 
     def _spawn_model(self, request: SpawnModelRequest) -> None:
+        registry = self._world.registry
         entry = self._world.read_model_entry(
             Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
         )
-        self._transport.call(lambda: self._add_model(entry))
+        self._transport.call(lambda: self._add_model(entry, registry))
 
-    def _add_model(self, entry: ModelEntry) -> None:
+    def _add_model(self, entry: ModelEntry, registry: CollisionFilterRegistry) -> None:
+        if self._world.registry is not registry:
+            raise ModelError("the world was reloaded while the model's file was read; try again")
         with self._transport.rospy_calls.batch_registration():
             self._world.add_model(entry)
 

@@ -44,6 +44,10 @@ class WorldConfig:
     plugins: Tuple[PluginConfig, ...]
     walls: Mapping[Path, Segments] = field(default_factory=dict, repr=False, compare=False)
     """The walls of each map file, in the world [m]."""
+    path: Optional[Path] = field(default=None, compare=False)
+    """The world file, if it was read from one."""
+    simplify_map: int = 0
+    """How much the outlines of map images were simplified; see `read_map`."""
 
     @classmethod
     def from_file(
@@ -108,6 +112,8 @@ class WorldConfig:
             tuple(models),
             tuple(plugins),
             walls,
+            reader.file,
+            simplify_map,
         )
 
     def walls_of(self, layer: LayerConfig) -> Segments:
