@@ -6,7 +6,7 @@ import sys
 
 import rospy
 import rostest_case
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from readings import pose_of, turned
 from robots import Frame, Topic
@@ -49,10 +49,10 @@ class DiffDrive(Driving, rostest_case.PluginCase):
     published = (
         Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
         Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
-        Topic("twist", TwistStamped, 200.0, "{ns}base_link"),
+        Topic("twist", TwistWithCovarianceStamped, 200.0, "{ns}base_link"),
         Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}second"),
         Topic("second/truth", Odometry, 25.0, "world", "{ns}second"),
-        Topic("second/twist", TwistStamped, 25.0, "{ns}second"),
+        Topic("second/twist", TwistWithCovarianceStamped, 25.0, "{ns}second"),
     )
     frames = (Frame("odom", "{ns}base_link"),)
     command = (0.4, 0.0, 0.8)
@@ -64,7 +64,7 @@ class DiffDrive(Driving, rostest_case.PluginCase):
 
     def test_twists_are_in_the_frames_they_are_asked_for_in(self):
         for robot in self.robots:
-            twist = self.recorder_of(robot, "twist").next().twist
+            twist = self.recorder_of(robot, "twist").next().twist.twist
             self.assertAlmostEqual(twist.linear.x, 0.4, delta=1e-4)
             self.assertAlmostEqual(twist.linear.y, 0.0, delta=1e-4)
             odometry = self.recorder_of(robot, "second/truth").next()
@@ -79,7 +79,7 @@ class OmniDrive(Driving, rostest_case.PluginCase):
     published = (
         Topic("odometry/filtered", Odometry, 200.0, "odom", "{ns}base_link"),
         Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
-        Topic("twist", TwistStamped, 200.0, "{ns}base_link"),
+        Topic("twist", TwistWithCovarianceStamped, 200.0, "{ns}base_link"),
         Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}second"),
         Topic("second/truth", Odometry, 25.0, "world", "{ns}second"),
     )
@@ -100,7 +100,7 @@ class TricycleDrive(Driving, rostest_case.PluginCase):
         Topic("odometry/ground_truth", Odometry, 200.0, "map", "{ns}base_link"),
         Topic("second/odometry", Odometry, 25.0, "second_odom", "{ns}base_2"),
         Topic("second/truth", Odometry, 25.0, "world", "{ns}base_2"),
-        Topic("second/twist", TwistStamped, 25.0, "{ns}base_2"),
+        Topic("second/twist", TwistWithCovarianceStamped, 25.0, "{ns}base_2"),
     )
     frames = (Frame("odom", "{ns}base_link"),)
     command = (0.4, 0.0, 0.6)  # of the front wheel: its speed and its angle

@@ -8,7 +8,7 @@ import unittest
 
 import rospy
 import tf2_ros
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import Twist, TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from rostest_tools import Recorder, publish_rate, wait_until
@@ -36,7 +36,7 @@ class Server(unittest.TestCase):
         cls.scan = Recorder("/scan", LaserScan)
         cls.truth = Recorder("/odometry/ground_truth", Odometry)
         cls.odometry = Recorder("/odometry/filtered", Odometry)
-        cls.twist = Recorder("/twist", TwistStamped)
+        cls.twist = Recorder("/twist", TwistWithCovarianceStamped)
         cls.cmd_vel = rospy.Publisher("/cmd_vel", Twist, queue_size=1)
         wait_until(cls.cmd_vel.get_num_connections, "the server to subscribe to /cmd_vel")
         cls.clock.next()

@@ -85,7 +85,7 @@ class Services(unittest.TestCase):
             self.assertEqual(scan.next().header.frame_id, f"{name}_laser")
         frames = self.frames()
         for name in robots:
-            self.assertEqual(frames[f"{name}_base_link"], "odom")
+            self.assertEqual(frames[f"{name}_base_link"], f"{name}_odom")
             self.assertEqual(frames[f"{name}_laser"], f"{name}_base_link")
             self.assertEqual(frames[f"{name}_left_wheel"], f"{name}_base_link")
 

@@ -96,6 +96,7 @@ def test_an_endless_plugin_loses_its_priority_and_ctrl_c_ends_it(run, tmp_path, 
         command=(sys.executable, shutil.which("roslaunch")),
     )
     launch.wait_for("running")
+    launch.wait_for('held up for more than 1 s by the plugin "robot/looper"')
     pid = pid_of_server(launch)
     if may_have_real_time_priority():
         launch.wait_until(lambda: os.sched_getscheduler(pid), "the priority")

@@ -26,31 +26,36 @@ class Touch:
     """A contact from the model's side: the normal points from the model to the other entity."""
 
     sides: ContactSides
+    has_sensor: bool = False
+    """Whether one of the two is a sensor, which the other passes through."""
     points: List[Point] = field(default_factory=list)
     normal: Point = (0.0, 0.0)
     impulses: List[float] = field(default_factory=list)
     """At each point, of this step [N s]; none if the solver did not see the contact."""
 
     def is_collision(self) -> bool:
-        """Whether the contact is solid: not if a plugin has disabled it.
+        """Whether the contact is to be reported: not if it is solid and a plugin has disabled it.
 
-        The solver sees all contacts but those of sleeping bodies.
+        The solver sees all solid contacts but those of sleeping bodies.
         """
+        if self.has_sensor:
+            return True
         bodies = (self.sides.this_fixture.body, self.sides.other_fixture.body)
         rests = not any(body.type == "dynamic" and body.awake for body in bodies)
         return bool(self.impulses) or rests
 
 
 class Bumper(ModelPlugin):
-    """Publishes flatland_msgs/Collisions; sensors do not collide.
+    """Publishes flatland_msgs/Collisions.
 
     A force is the impulse of a step divided by its length: the mean force, which for an impact is a
-    rough figure.
+    rough figure. What touches a sensor, or what a sensor of the model touches, is reported without
+    points: Box2D computes none.
     """
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
-        self._frame = config.get_string("world_frame_id", "map")
+        self._frame = self.get_frame_id(config, "world_frame_id", "map")
         topic = config.get_string("topic", "collisions")
         update_rate = config.get_rate("update_rate", math.inf)
         self._publish_all = config.get_bool("publish_all_collisions", True)
@@ -60,6 +65,14 @@ class Bumper(ModelPlugin):
         self._publisher = self.node.advertise(topic, Collisions)
         self._touches: Dict[Contact, Touch] = {}
         self._over: List[Touch] = []
+
+    def begin_contact(self, contact: Contact) -> None:
+        """Records a contact with a sensor; the solver does not see those."""
+        if not (contact.fixture_a.sensor or contact.fixture_b.sensor):
+            return
+        sides = self.filter_contact(contact)
+        if sides is not None and not self._is_excluded(sides):
+            self._touches[contact] = Touch(sides, has_sensor=True)
 
     def post_solve(self, contact: Contact, impulse: ContactImpulse) -> None:
         """Records a contact's points and impulses; a step may solve it more than once."""

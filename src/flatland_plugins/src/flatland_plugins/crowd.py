@@ -37,6 +37,7 @@ class Crowd(WorldPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the keys and puts the people into the world: all of them, or none."""
+        self._frame_id = self.get_frame_id(config, "world_frame_id", "map")
         crowd = self._config = CrowdConfig.read(
             config, self.name, self.world.registry, self.world.models
         )
@@ -113,7 +114,7 @@ class Crowd(WorldPlugin):
         return limit(velocities, _MOST_SPEED * speeds[:, 0])
 
     def _poses(self, nanoseconds: int) -> PoseArray:
-        poses = PoseArray(header=header(nanoseconds, self._config.world_frame_id))
+        poses = PoseArray(header=header(nanoseconds, self._frame_id))
         for person in self._people:
             poses.poses.append(PoseMessage())
             fill_pose(poses.poses[-1], person.model.pose)

@@ -62,14 +62,13 @@ class PedestrianConfig:
 
 @dataclass(frozen=True)
 class CrowdConfig:
-    """All keys of a crowd."""
+    """All keys of a crowd but its frame."""
 
     update_rate: float
     layers: Tuple[str, ...]
     layer_bits: int
     goal_radius: float
     poses_pub: str
-    world_frame_id: str
     force: SocialForce
     pedestrians: Tuple[PedestrianConfig, ...]
 
@@ -117,7 +116,6 @@ class CrowdConfig:
             layer_bits=layer_bits,
             goal_radius=config.get_float("goal_radius", 0.3, above=0.0),
             poses_pub=config.get_string("poses_pub", f"{name}/poses"),
-            world_frame_id=config.get_string("world_frame_id", "map"),
             force=_read_force(config.get_section("force")),
             pedestrians=tuple(config.get_sections("pedestrians", read_pedestrian, required=True)),
         )

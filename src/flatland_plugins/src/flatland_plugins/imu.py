@@ -22,8 +22,9 @@ from flatland_server import (
 
 
 class Motion(NamedTuple):
-    """The motion of a body's origin in the world: m/s, rad/s, rad."""
+    """The motion of a body's origin in the world at a time: ns, m/s, rad/s, rad."""
 
+    nanoseconds: int
     vx: float
     vy: float
     omega: float
@@ -31,11 +32,14 @@ class Motion(NamedTuple):
 
 
 class Imu(ModelPlugin):
-    """Publishes sensor_msgs/Imu, with noise and without, for the end of each step.
+    """Publishes sensor_msgs/Imu, with noise and without, for the end of steps.
 
-    The acceleration is the mean over that step, so that moving a model between two steps causes no
-    spike. A velocity that another plugin sets before the step is measured if that plugin comes
-    after this one in the model's file. At rest, z is gravity (REP 145).
+    The acceleration is the mean since the message before, so that accelerations times the intervals
+    between their stamps add up to the change of velocity. It is the mean over the last step in the
+    first message, in the first one after a time without subscribers, and in the first one after the
+    model was moved, which stops it at once. A velocity that another plugin sets in such a step is
+    measured if that plugin comes after this one in the model's file. At rest, z is gravity (REP
+    145).
     """
 
     def on_initialize(self, config: YamlReader) -> None:
@@ -50,17 +54,20 @@ class Imu(ModelPlugin):
             self, self._body, imu.imu_frame_id, imu.broadcast_tf and not is_own
         )
         self.update_timer = UpdateTimer(imu.pub_rate)
+        self._period = self.update_timer.period * 1e9  # ns
         topics = (imu.imu_pub, imu.ground_truth_pub) if imu.enable_imu_pub else ()
         self._publishers = [self.node.advertise(topic, ImuMessage) for topic in topics]
         self._start: Optional[Motion] = None
+        self._end: Optional[Motion] = None  # of the time of the last message
+        self._move_revision = self.model.move_revision
 
     def has_work(self) -> bool:
         """Whether a topic or the frame has a subscriber."""
         return self._frame.has_subscribers or self._has_subscribers()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Records the motion at the start of the step, if a topic has a subscriber."""
-        self._start = self._motion() if self._has_subscribers() else None
+        """Finds the start of the time that the acceleration is measured over, if it is."""
+        self._start = self._find_start(timekeeper) if self._has_subscribers() else None
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the transform and what is measured."""
@@ -68,8 +75,8 @@ class Imu(ModelPlugin):
         self._frame.publish(now)
         if self._start is None:
             return
-        end = self._motion()
-        ax, ay = mean_acceleration(self._start, end, timekeeper.step_size)
+        end = self._end = self._motion(now)
+        ax, ay = mean_acceleration(self._start, end)
         truth = np.array([0, 0, end.yaw, 0, 0, end.omega, ax, ay, self._config.gravity])
         for publisher, deviations in zip(self._publishers, (self._deviations, np.zeros(9))):
             if publisher.has_subscribers:
@@ -81,8 +88,18 @@ class Imu(ModelPlugin):
     def _has_subscribers(self) -> bool:
         return any(publisher.has_subscribers for publisher in self._publishers)
 
-    def _motion(self) -> Motion:
-        return Motion(*self._body.physics_body.velocity, self._body.pose.yaw)
+    def _find_start(self, timekeeper: Timekeeper) -> Motion:
+        """The motion at the last message, unless the model was moved or messages left out since."""
+        now, last = timekeeper.nanoseconds, self._end
+        has_moved = self.model.move_revision != self._move_revision
+        self._move_revision = self.model.move_revision
+        if last is None or has_moved or now - last.nanoseconds > self._period:
+            return self._motion(now)
+        return last
+
+    def _motion(self, nanoseconds: int) -> Motion:
+        body = self._body
+        return Motion(nanoseconds, *body.physics_body.velocity, body.pose.yaw)
 
     def _message(self, nanoseconds: int, values: Sequence[float]) -> ImuMessage:
         message = ImuMessage(header=header(nanoseconds, self._frame.name))
@@ -95,12 +112,13 @@ class Imu(ModelPlugin):
         return message
 
 
-def mean_acceleration(start: Motion, end: Motion, dt: float) -> Tuple[float, float]:
-    """Forwards and to the left [m/s^2], over `dt` [s], in the body's frame halfway through.
+def mean_acceleration(start: Motion, end: Motion) -> Tuple[float, float]:
+    """Forwards and to the left [m/s^2], between two times, in the body's frame halfway through.
 
     On a circle the velocity turns by omega dt, and its change points inwards where the body was
     halfway; it is shorter than the arc by (omega dt)^2 / 24 of it. A body turns by less than pi.
     """
+    dt = (end.nanoseconds - start.nanoseconds) * 1e-9
     halfway = start.yaw + wrap_angle(end.yaw - start.yaw) / 2
     cos, sin = math.cos(halfway), math.sin(halfway)
     ax, ay = (end.vx - start.vx) / dt, (end.vy - start.vy) / dt

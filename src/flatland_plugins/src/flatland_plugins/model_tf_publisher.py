@@ -12,7 +12,7 @@ class ModelTfPublisher(ModelPlugin):
         """Reads the documented keys."""
         self._reference = self.get_body(config, "reference", self.model.base.name)
         publish_tf_world = config.get_bool("publish_tf_world", False)
-        world_frame_id = config.get_string("world_frame_id", "map")
+        world_frame_id = self.get_frame_id(config, "world_frame_id", "map")
         rate = config.get_rate("update_rate", math.inf)
         excluded = self.get_body_names(config, "exclude")
         config.finish()

@@ -4,23 +4,14 @@ import math
 from typing import List, Optional
 
 import numpy as np
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
-from flatland_plugins.odometry_config import OdometryConfig
+from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_plugins.odometry_drift import OdometryDrift
-from flatland_plugins.odometry_writer import OdometryWriter, Twist
+from flatland_plugins.odometry_writer import OdometryWriter, Twist, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise
-from flatland_server import (
-    Frames,
-    ModelBody,
-    ModelPlugin,
-    Pose,
-    Publisher,
-    fill_twist,
-    header,
-    wrap_angle,
-)
+from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, wrap_angle
 
 
 class OdometryPublisher:
@@ -32,16 +23,21 @@ class OdometryPublisher:
     Args:
         plugin: the drive.
         body: the body, whose origin is tracked.
-        config: topics, frames, noise and drift.
+        frames: of the poses.
+        config: topics, noise and drift.
     """
 
-    def __init__(self, plugin: ModelPlugin, body: ModelBody, config: OdometryConfig) -> None:
+    def __init__(
+        self, plugin: ModelPlugin, body: ModelBody, frames: OdometryFrames, config: OdometryConfig
+    ) -> None:
         self._config = config
+        self._model = plugin.model
         self._body = body
         self._node = plugin.node
         self._noise = TimedNoise(plugin.rng)
         self._drift: Optional[OdometryDrift] = None
-        if any(config.drift):
+        self._move_revision = self._model.move_revision
+        if config.drift:
             self._drift = OdometryDrift(config.drift, int(plugin.rng.integers(2**63)))
         self._base_frame = plugin.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
@@ -53,16 +49,19 @@ class OdometryPublisher:
             self._odom = self._node.advertise(config.odom_pub, Odometry)
             self._ground_truth = self._node.advertise(config.ground_truth_pub, Odometry)
         if config.enable_twist_pub:
-            self._twist = self._node.advertise(config.twist_pub, TwistStamped)
+            self._twist = self._node.advertise(config.twist_pub, TwistWithCovarianceStamped)
         self._odom_writer, self._ground_truth_writer = (
             OdometryWriter(
                 frame_id, self._base_frame, config.pose_covariance, config.twist_covariance
             )
-            for frame_id in (config.odom_frame_id, config.ground_truth_frame_id)
+            for frame_id in frames
         )
+        self._twist_writer = TwistWriter(self._base_frame, config.twist_covariance)
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
-            self._frame = self._node.open_frames((config.odom_frame_id, self._base_frame))
+            self._frame = self._node.open_frames((frames.odom, self._base_frame))
+            if frames.odom != frames.ground_truth:  # the world's frame is for all models
+                self._node.claim_odometry_frame(frames.odom)
 
     def has_work(self) -> bool:
         """Whether `publish` does anything: there is a subscriber, or a drift to accumulate."""
@@ -75,7 +74,9 @@ class OdometryPublisher:
         """
         pose = self._body.pose
         if self._drift is not None:
-            self._drift.advance(nanoseconds, pose)
+            has_jumped = self._model.move_revision != self._move_revision
+            self._move_revision = self._model.move_revision
+            self._drift.advance(nanoseconds, pose, has_jumped=has_jumped)
             if not self._has_subscribers():
                 return
         local: Twist = self._body.physics_body.local_velocity
@@ -89,9 +90,7 @@ class OdometryPublisher:
             measured = (vx, vy, omega)
 
         if self._twist is not None and self._twist.has_subscribers:
-            twist = TwistStamped(header=header(nanoseconds, self._base_frame))
-            fill_twist(twist.twist, *measured)
-            self._twist.publish(twist)
+            self._twist.write(self._twist_writer, nanoseconds, measured)
         if self._odom is not None and self._odom.has_subscribers:
             self._write(self._odom, self._odom_writer, nanoseconds, estimated, measured)
         if self._ground_truth is not None and self._ground_truth.has_subscribers:

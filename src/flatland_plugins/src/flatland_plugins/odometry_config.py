@@ -1,26 +1,41 @@
 """The keys of a drive that concern its odometry."""
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
-from flatland_server import YamlReader
+from flatland_plugins.odometry_drift import DriftVariances
+from flatland_server import ModelPlugin, YamlReader
 
 Vector3 = Tuple[float, ...]
+
+_NO_NOISE = (0.0, 0.0, 0.0)
+
+
+class OdometryFrames(NamedTuple):
+    """The frames of the estimated poses and of the true ones."""
+
+    odom: str
+    ground_truth: str
+
+    @classmethod
+    def read(cls, config: YamlReader, drive: ModelPlugin) -> "OdometryFrames":
+        """Reads the keys of a drive."""
+        return cls(
+            drive.get_frame_id(config, "odom_frame_id", "odom"),
+            drive.get_frame_id(config, "ground_truth_frame_id", "map"),
+        )
 
 
 @dataclass(frozen=True)
 class OdometryConfig:
-    """The keys of a drive that concern odometry.
+    """The keys of a drive that concern odometry, except its frames.
 
     Noises are variances of x, y and yaw, or of their velocities, drawn anew for each message. Drift
-    accumulates: variances per second [m^2/s, m^2/s, rad^2/s] in the body's frame; see
-    `OdometryDrift`.
+    accumulates; see `OdometryDrift`.
     """
 
-    odom_frame_id: str
-    ground_truth_frame_id: str
     odom_pub: str
     ground_truth_pub: str
     twist_pub: str
@@ -30,33 +45,34 @@ class OdometryConfig:
     twist_in_local_frame: bool
     pose_noise: Vector3
     twist_noise: Vector3
-    drift: Vector3
+    drift: DriftVariances
     pose_covariance: Vector3
     twist_covariance: Vector3
 
     @classmethod
-    def read(cls, config: YamlReader, enable_twist_pub: bool = True) -> "OdometryConfig":
+    def read(
+        cls, config: YamlReader, *, enable_twist_pub: bool = True, enable_odom_tf_pub: bool = True
+    ) -> "OdometryConfig":
         """Reads the keys, as documented, from a drive's configuration.
 
         Args:
             config: of the drive.
             enable_twist_pub: the default of that key.
+            enable_odom_tf_pub: the default of that key.
         """
-        pose_noise = config.get_floats("odom_pose_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
-        twist_noise = config.get_floats("odom_twist_noise", 3, (0.0, 0.0, 0.0), minimum=0.0)
+        pose_noise = config.get_floats("odom_pose_noise", 3, _NO_NOISE, minimum=0.0)
+        twist_noise = config.get_floats("odom_twist_noise", 3, _NO_NOISE, minimum=0.0)
         return cls(
-            odom_frame_id=config.get_string("odom_frame_id", "odom"),
-            ground_truth_frame_id=config.get_string("ground_truth_frame_id", "map"),
             odom_pub=config.get_string("odom_pub", "odometry/filtered"),
             ground_truth_pub=config.get_string("ground_truth_pub", "odometry/ground_truth"),
             twist_pub=config.get_string("twist_pub", "twist"),
             enable_odom_pub=config.get_bool("enable_odom_pub", True),
             enable_twist_pub=config.get_bool("enable_twist_pub", enable_twist_pub),
-            enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", True),
+            enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", enable_odom_tf_pub),
             twist_in_local_frame=config.get_bool("twist_in_local_frame", True),
             pose_noise=pose_noise,
             twist_noise=twist_noise,
-            drift=config.get_floats("odom_drift", 3, (0.0, 0.0, 0.0), minimum=0.0),
+            drift=_read_drift(config),
             pose_covariance=config.get_floats(
                 "odom_pose_covariance", 36, planar_covariance(pose_noise)
             ),
@@ -64,6 +80,23 @@ class OdometryConfig:
                 "odom_twist_covariance", 36, planar_covariance(twist_noise)
             ),
         )
+
+
+def _read_drift(config: YamlReader) -> DriftVariances:
+    """The drift: a map, or a list of variances per second."""
+    key = "odom_drift"
+    if config.is_list(key):
+        return DriftVariances(per_second=config.get_floats(key, 3, minimum=0.0))
+    section = config.get_section(key)
+    drift = DriftVariances(
+        translation_per_metre=section.get_float("translation_per_metre", 0.0, minimum=0.0),
+        translation_per_radian=section.get_float("translation_per_radian", 0.0, minimum=0.0),
+        rotation_per_metre=section.get_float("rotation_per_metre", 0.0, minimum=0.0),
+        rotation_per_radian=section.get_float("rotation_per_radian", 0.0, minimum=0.0),
+        per_second=section.get_floats("per_second", 3, _NO_NOISE, minimum=0.0),
+    )
+    section.finish()
+    return drift
 
 
 def planar_covariance(variances: Vector3) -> Vector3:

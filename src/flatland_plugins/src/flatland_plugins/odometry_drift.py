@@ -1,53 +1,126 @@
 """Drift: errors of odometry that accumulate, as those of slipping wheels do."""
 
 import math
-from typing import Optional, Sequence, Tuple
+from dataclasses import dataclass
+from typing import Optional, Tuple
 
 import numpy as np
 
 from flatland_server import Pose
 
+Vector3 = Tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class DriftVariances:
+    """How fast the variances of the estimated pose grow.
+
+    The first four are alpha 1 to 4 of the velocity motion model (Thrun, Burgard and Fox,
+    "Probabilistic Robotics", 5.3). There, an error is drawn for each interval of time, and its
+    variance grows with the square of the velocity, so that the total depends on the length of the
+    intervals. Here variances are proportional to the distance driven and the angle turned, so that
+    they add up along a path, however it is divided. The model's final rotation (alpha 5 and 6)
+    would only add to alpha 3 and 4.
+    """
+
+    translation_per_metre: float = 0.0
+    """Along the direction of travel [m^2/m]."""
+    translation_per_radian: float = 0.0
+    """Along the body's x axis [m^2/rad]."""
+    rotation_per_metre: float = 0.0
+    """[rad^2/m]"""
+    rotation_per_radian: float = 0.0
+    """[rad^2/rad]"""
+    per_second: Vector3 = (0.0, 0.0, 0.0)
+    """Of x, y and yaw in the body's frame, also at rest [m^2/s, m^2/s, rad^2/s]."""
+
+    def __bool__(self) -> bool:
+        return self != DriftVariances()
+
 
 class OdometryDrift:
-    """The pose that a robot estimates from velocities with white noise.
+    """The pose that a robot estimates by adding up motions that it measures with errors.
 
-    The noise is in the body's frame, so that an error of the heading bends the path that follows.
-    Over T seconds the integrated noise has the variances q T, however often `advance` is called; on
-    a robot at rest that is the error of the estimate. (Thrun, Burgard and Fox, "Probabilistic
-    Robotics", 5.4, compose relative motions in the same way, with noise per distance instead of
-    time.)
+    Errors are in the body's frame, so that one of the heading bends the path that follows. Their
+    variances add up along the path and over time, however often `advance` is called, as long as the
+    robot neither reverses nor turns by more than half a revolution between two calls.
 
-    If the model is moved, the estimate moves with it, as without drift: the jump is a relative
-    motion like any other.
+    If the model is moved by `move_model`, the estimate moves with it: that jump has no error.
 
     Attributes:
         pose: the estimate.
 
     Args:
-        variances: q, of x, y and yaw per second [m^2/s, m^2/s, rad^2/s].
+        variances: how fast the error grows.
         seed: of the noise.
     """
 
-    def __init__(self, variances: Sequence[float], seed: int) -> None:
+    def __init__(self, variances: DriftVariances, seed: int) -> None:
         self.pose = Pose()
-        self._deviation = np.sqrt(variances)
+        self._variances = variances
+        self._drifts_at_rest = any(variances.per_second)
+        self._deviations_at_rest = np.sqrt(variances.per_second)
         self._rng = np.random.default_rng(seed)
         self._last: Optional[Tuple[int, Pose]] = None
 
-    def advance(self, nanoseconds: int, truth: Pose) -> None:
-        """Updates `pose` for a later time [ns], at which the robot is at `truth`.
+    def advance(self, nanoseconds: int, truth: Pose, *, has_jumped: bool = False) -> None:
+        """Updates `pose` for a later time.
 
         The first call sets it to `truth`. Equal times and motions give equal poses.
+
+        Args:
+            nanoseconds: the time [ns].
+            truth: where the robot is then.
+            has_jumped: whether it was put there, rather than driven, since the last call.
         """
         if self._last is None:
             self.pose = truth
         else:
             then, before = self._last
-            root = math.sqrt((nanoseconds - then) * 1e-9)
-            error = self._rng.standard_normal(3) * self._deviation * root
-            # Half of it before the motion and half after: to second order, this is noise that is
-            # spread over the interval, and bends the path as many small steps would.
-            half = Pose(*(0.5 * error).tolist())
-            motion = before.inverse().compose(truth)
-            self.pose = self.pose.compose(half).compose(motion).compose(half).wrapped()
+            if truth != before or self._drifts_at_rest:
+                motion = before.inverse().compose(truth).wrapped()
+                driven = Pose() if has_jumped else motion
+                error = self._error(driven, (nanoseconds - then) * 1e-9)
+                # Half of it before the motion and half after: to second order, this is noise that
+                # is spread over the motion, and bends the path as many small steps would.
+                half = Pose(*(0.5 * each for each in error))
+                self.pose = self.pose.compose(half).compose(motion).compose(half).wrapped()
         self._last = (nanoseconds, truth)
+
+    def _error(self, motion: Pose, seconds: float) -> Pose:
+        """An error [m, m, rad] of a motion, in the body's frame."""
+        ahead = left = yaw = 0.0
+        if motion != Pose():
+            variances, normal = self._variances, self._rng.standard_normal(3).tolist()
+            x, y = arc(motion)
+            metres, radians = math.hypot(x, y), abs(motion.yaw)
+            slip = 0.0  # per metre driven
+            if metres > 0.0:
+                slip = normal[0] * math.sqrt(variances.translation_per_metre / metres)
+            ahead = slip * x + normal[1] * math.sqrt(variances.translation_per_radian * radians)
+            left = slip * y
+            yaw = normal[2] * math.sqrt(
+                variances.rotation_per_metre * metres + variances.rotation_per_radian * radians
+            )
+        if self._drifts_at_rest:
+            deviations = self._deviations_at_rest * math.sqrt(seconds)
+            more = (self._rng.standard_normal(3) * deviations).tolist()
+            ahead, left, yaw = ahead + more[0], left + more[1], yaw + more[2]
+        return Pose(ahead, left, yaw)
+
+
+def arc(motion: Pose) -> Tuple[float, float]:
+    """The distances [m] along a body's x and y axes that it drives, if its motion is an arc.
+
+    On an arc, the body's velocity in its own frame is constant; this is that velocity times the
+    time. (The logarithm of a planar motion; Lynch and Park, "Modern Robotics", 3.3.3.)
+
+    Args:
+        motion: the end in the frame of the start, turned by less than half a revolution.
+    """
+    half = motion.yaw / 2
+    cotangent = half / math.tan(half) if abs(half) > 1e-6 else 1.0
+    return (
+        cotangent * motion.x + half * motion.y,
+        cotangent * motion.y - half * motion.x,
+    )

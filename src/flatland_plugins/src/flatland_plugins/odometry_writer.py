@@ -1,9 +1,10 @@
-"""Odometry messages, many a second."""
+"""Messages of odometry, many a second."""
 
 import struct
 from io import BytesIO
 from typing import Any, Sequence, Tuple
 
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 
 from flatland_server import MessageWriter, Pose, fill_pose, fill_twist, header, quaternion
@@ -63,6 +64,40 @@ class OdometryWriter(MessageWriter):
         data = self._data
         _HEADER.pack_into(data, 0, self._sequence, *divmod(nanoseconds, 1_000_000_000))
         _POSE.pack_into(data, self._pose_at, pose.x, pose.y, 0.0, *quaternion(pose.yaw))
+        vx, vy, omega = twist
+        _TWIST.pack_into(data, self._twist_at, vx, vy, 0.0, 0.0, 0.0, omega)
+        return bytes(data)
+
+
+class TwistWriter(MessageWriter):
+    """Makes TwistWithCovarianceStamped messages that differ in their times and twists alone.
+
+    Args:
+        frame_id: of the twist.
+        covariance: 6 x 6, row by row.
+    """
+
+    def __init__(self, frame_id: str, covariance: Sequence[float]) -> None:
+        self._frame_id = frame_id
+        self._covariance = covariance
+        self._sequence = 0
+        buffer = BytesIO()
+        self.message(0, (0.0, 0.0, 0.0)).serialize(buffer)
+        self._data = bytearray(buffer.getvalue())
+        self._twist_at = _HEADER.size + 4 + len(frame_id.encode())
+
+    def message(self, nanoseconds: int, twist: Twist) -> Any:
+        """The message as an object."""
+        message = TwistWithCovarianceStamped(header=header(nanoseconds, self._frame_id))
+        fill_twist(message.twist.twist, *twist)
+        message.twist.covariance = self._covariance
+        return message
+
+    def data(self, nanoseconds: int, twist: Twist) -> bytes:
+        """The message as bytes."""
+        self._sequence += 1
+        data = self._data
+        _HEADER.pack_into(data, 0, self._sequence, *divmod(nanoseconds, 1_000_000_000))
         vx, vy, omega = twist
         _TWIST.pack_into(data, self._twist_at, vx, vy, 0.0, 0.0, 0.0, omega)
         return bytes(data)

@@ -34,6 +34,7 @@ class TricycleDrive(TwistDrive):
     """
 
     publishes_twist = False
+    publishes_transform = False
 
     def add_drive(self, config: YamlReader, body: ModelBody) -> None:
         front = self._get_wheel(config, "front_wheel_joint", body, "revolute")

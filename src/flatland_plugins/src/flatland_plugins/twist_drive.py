@@ -10,7 +10,7 @@ from geometry_msgs.msg import Twist
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.odometry import OdometryPublisher
-from flatland_plugins.odometry_config import OdometryConfig
+from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_server import GoneError, ModelBody, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
 
 logger = logging.getLogger(__name__)
@@ -23,20 +23,27 @@ class TwistDrive(ModelPlugin, ABC):
 
     Attributes:
         publishes_twist: the default of `enable_twist_pub`.
+        publishes_transform: the default of `enable_odom_tf_pub`.
     """
 
     publishes_twist: ClassVar[bool] = True
+    publishes_transform: ClassVar[bool] = True
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topics."""
         body = self.get_body(config)
         twist_sub = config.get_string("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
-        odometry = OdometryConfig.read(config, self.publishes_twist)
+        frames = OdometryFrames.read(config, self)
+        odometry = OdometryConfig.read(
+            config,
+            enable_twist_pub=self.publishes_twist,
+            enable_odom_tf_pub=self.publishes_transform,
+        )
         self.add_drive(config, body)
 
         self._topic = self.node.resolve(twist_sub)
-        self._odometry = OdometryPublisher(self, body, odometry)
+        self._odometry = OdometryPublisher(self, body, frames, odometry)
         self.update_timer = UpdateTimer(pub_rate)
         self.node.subscribe(twist_sub, Twist, self._receive)
 

@@ -18,8 +18,8 @@ def pose_of(odometry: Any) -> Tuple[float, float, float]:
 
 
 def twist_of(stamped: Any) -> Tuple[float, float, float]:
-    """The velocity in an Odometry or a TwistStamped."""
-    twist = getattr(stamped.twist, "twist", stamped.twist)
+    """The velocity in an Odometry or a TwistWithCovarianceStamped."""
+    twist = stamped.twist.twist
     return twist.linear.x, twist.linear.y, twist.angular.z
 
 
@@ -34,6 +34,19 @@ def assert_white(noise: np.ndarray, variances: Sequence[float]) -> None:
     correlation = scaled.T @ scaled / count - np.diag((scaled**2).mean(axis=0))
     assert np.abs(correlation).max() < 4 / math.sqrt(count)
     assert np.abs((scaled[1:] * scaled[:-1]).mean(axis=0)).max() < 4 / math.sqrt(count)
+
+
+def assert_covariance(samples: np.ndarray, covariance: Any) -> None:
+    """Asserts that these rows are drawn from the normal distribution of mean 0 and a covariance."""
+    count = len(samples)
+    white = np.linalg.solve(np.linalg.cholesky(covariance), samples.T).T
+    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared), and
+    # one of n products of two of them the mean 0 and the variance n.
+    products = white.T @ white
+    squares = np.diag(products)
+    assert np.abs(squares - count).max() < 4 * math.sqrt(2 * count)
+    assert np.abs(products - np.diag(squares)).max() < 4 * math.sqrt(count)
+    assert np.abs(white.sum(axis=0)).max() < 4 * math.sqrt(count)
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:

@@ -149,15 +149,59 @@ def test_in_a_corner_each_wall_is_a_collision_of_its_own(files):
     assert north.magnitude_forces == [pytest.approx(2.0, rel=1e-2)]
 
 
-@pytest.mark.parametrize("is_sensor", ["mine", "the other's"])
-def test_what_a_sensor_notices_is_no_collision(files, is_sensor):
-    sensor = f"{{type: circle, radius: {RADIUS}, density: 10, sensor: true}}"
-    mine, others = (sensor, DISC) if is_sensor == "mine" else (DISC, sensor)
-    post = files.model("post", footprint=others, body="type: static,")
-    robot = files.robot(BUMPER, footprint=mine, others={"post": f"model: {post}, pose: [1, 0, 0]"})
+SENSOR = f"{{type: circle, radius: {RADIUS}, density: 10, sensor: true}}"
 
-    assert record(throw(robot, 1.0), 2.0) == []
+
+def past_a_post(files, mine: str, others: str, bumper: str = BUMPER):
+    """A robot that is about to drive through a post at 1 m; one of them or both are sensors."""
+    post = files.model("post", footprint=others, body="type: static,")
+    robot = files.robot(bumper, footprint=mine, others={"post": f"model: {post}, pose: [1, 0, 0]"})
+    return throw(robot, 1.0)
+
+
+@pytest.mark.parametrize(("mine", "others"), [(SENSOR, DISC), (DISC, SENSOR), (SENSOR, SENSOR)])
+def test_what_touches_a_sensor_is_reported_without_points(files, mine, others):
+    robot = past_a_post(files, mine, others)
+
+    messages = robot.record("/collisions", 2.0)
+
     assert robot.model().pose.x == pytest.approx(2.0, abs=1e-3)  # it went through
+    touching = [message for message in messages if message.collisions]
+    begin, end = (touching[i].header.stamp.to_sec() for i in (0, -1))
+    assert (begin, end) == pytest.approx((1.0 - 2 * RADIUS, 1.0 + 2 * RADIUS), abs=0.011)
+    assert len(touching) == round((end - begin) / 0.005) + 1
+    for message in touching:
+        [collision] = message.collisions
+        assert names(collision) == ("robot", "base", "post", "base")
+        assert collision.magnitude_forces == []
+        assert collision.contact_positions == []
+        assert collision.contact_normals == []
+
+
+def test_what_rests_on_a_sensor_is_reported_as_long_as_it_is_there(files):
+    robot = past_a_post(files, DISC, SENSOR).run(1.0)
+    throw(robot, 0.0).run(2.0)
+    assert not robot.model().base.physics_body.awake
+    assert [names(each)[2] for each in now(robot)] == ["post"]
+
+    robot.world.delete_model("post")
+    robot.run()
+
+    assert now(robot) == []
+
+
+def test_a_sensor_of_an_ignored_body_is_not_reported(files):
+    assert record(past_a_post(files, SENSOR, DISC, f"{BUMPER}, exclude: [base]"), 2.0) == []
+
+
+def test_a_sensor_beside_a_solid_footprint_does_not_hide_its_points(files):
+    ring = f"{{type: circle, radius: {2 * RADIUS}, density: 0, sensor: true}}"
+    robot = past_a_post(files, f"{DISC}, {ring}", DISC)
+
+    press(robot, (1.0, 0.0), 1.5)
+
+    counts = sorted(len(each.contact_positions) for each in now(robot))
+    assert counts == [0, 1]
 
 
 def test_footprints_of_other_layers_do_not_collide(files):

@@ -22,6 +22,18 @@ NOISE: Dict[str, Any] = {
     "odom_twist_noise": [0.1, 0.1, 0.1],
     "odom_drift": [0.1, 0.1, 0.1],
 }
+SLIP: Dict[str, Any] = {
+    "odom_drift": {
+        "translation_per_metre": 0.1,
+        "translation_per_radian": 0.1,
+        "rotation_per_metre": 0.1,
+        "rotation_per_radian": 0.1,
+        "per_second": [0, 0, 0],
+    },
+    "odom_frame_id": "~odom",
+    "enable_odom_tf_pub": True,
+    "enable_twist_pub": True,
+}
 POST = """
 bodies: [{name: post, type: static, footprints: [{type: circle, radius: 0.5, density: 1}]}]
 plugins: [{type: ModelTfPublisher, name: tf}]
@@ -38,6 +50,7 @@ VARIANTS = [
     ("Laser", {"noise_std_dev": 0.1, "upside_down": True}),
     ("ModelTfPublisher", {"publish_tf_world": True, "exclude": ["left_wheel"]}),
     ("RandomWall", {"num_of_walls": 2}),
+    ("TricycleDrive", SLIP),
     ("Tween", {"mode": "trigger"}),
 ]
 """Keys that make a plugin do what it does not do by default."""

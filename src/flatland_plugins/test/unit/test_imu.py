@@ -155,6 +155,78 @@ def test_moving_the_model_makes_no_spike(files):
     assert angles_of(moved) == pytest.approx((0.0, 0.0, 2.0), abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("steps", "rate", "jolt"),
+    [
+        (0, "inf", 220.0),
+        (3, "inf", 220.0),
+        (0, "50", 220.0),  # the first message is about the first step alone
+        (1, "50", 55.0),
+        (2, "50", 55.0),
+        (4, "50", 55.0),
+        (5, "50", 55.0),
+        (1, "30", 1.1 / 0.035),
+    ],
+)
+def test_a_jolt_is_spread_over_the_time_between_two_messages(files, steps, rate, jolt):
+    robot = files.robot(f"{IMU}, pub_rate: {rate}", DRIVE)
+    robot.run(0.005 * steps)
+
+    messages = robot.drive(1.1).record(GROUND_TRUTH, 0.12)
+
+    readings = [acceleration_of(message)[0] for message in messages[:3]]
+    assert readings == pytest.approx([jolt, 0.0, 0.0], abs=1e-3)
+
+
+@pytest.mark.parametrize("rate", ["inf", "50", "30", "7"])
+def test_accelerations_add_up_to_the_velocity(files, rate):
+    limits = "linear_dynamics: {acceleration_limit: 3, deceleration_limit: 40}"
+    robot = files.robot(f"{IMU}, pub_rate: {rate}", f"{DRIVE}, {limits}")
+
+    messages, truth = [], {}
+    for speed in (1.1, -0.7, 0.3, 0.0, 2.0):
+        robot.drive(speed)
+        for _ in range(100):
+            messages += robot.record(GROUND_TRUTH, 0.005)
+            truth[robot.timekeeper.nanoseconds] = robot.model().base.physics_body.velocity[0]
+
+    velocity = 0.0
+    for stamp, before, message in zip(stamps_of(messages), [0, *stamps_of(messages)], messages):
+        velocity += acceleration_of(message)[0] * (stamp - before) * 1e-9
+        assert velocity == pytest.approx(truth[stamp], abs=1e-4)
+    assert len(messages) > 15
+
+
+@pytest.mark.parametrize("rate", ["inf", "50", "7"])
+def test_what_happened_before_a_topic_had_a_subscriber_is_not_measured(files, no_subscribers, rate):
+    robot = files.robot(f"{IMU}, pub_rate: {rate}", DRIVE, transport=no_subscribers)
+    no_subscribers.set_subscribed_topics([GROUND_TRUTH])
+    robot.run(0.3)
+    no_subscribers.set_subscribed_topics([])
+    robot.drive(2.0).run(60.0)
+
+    no_subscribers.set_subscribed_topics([GROUND_TRUTH])
+    messages = robot.record(GROUND_TRUTH, 0.5)
+
+    assert len(messages) >= 3
+    for message in messages:
+        assert acceleration_of(message) == pytest.approx((0.0, 0.0, GRAVITY), abs=1e-3)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 4])
+def test_a_move_between_two_messages_is_no_jolt(files, steps):
+    limits = "linear_dynamics: {acceleration_limit: 0.5}"
+    robot = files.robot(f"{IMU}, pub_rate: 50", f"{DRIVE}, {limits}").drive(2.0)
+    robot.run(4.0 + 0.005 * steps)
+
+    robot.world.move_model("robot", Pose(5.0, 5.0, 2.0))
+    messages = robot.record(GROUND_TRUTH, 0.2)
+
+    assert len(messages) == 10
+    for message in messages:
+        assert acceleration_of(message) == pytest.approx((0.0, 0.0, GRAVITY), abs=1e-6)
+
+
 def test_orientation_and_turn_are_those_of_the_stamp(files):
     robot = files.robot(IMU, DRIVE).drive(0.0, 1.0)
 

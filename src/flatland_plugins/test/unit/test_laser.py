@@ -249,6 +249,17 @@ def test_what_is_on_the_layer_reflectance_shines(files):
     assert list(scan.intensities) == [0.0, 0.0, 255.0, 255.0]
 
 
+@pytest.mark.parametrize(("name", "count"), [("foil", 0), ("reflectance", 121)])
+def test_there_are_no_intensities_without_a_layer_reflectance(files, name, count):
+    walls = f"name: walls, map: {files.walls('room', *ROOM)}"
+    robot = files.robot(LASER, layers=(walls, f"name: {name}")).run()
+
+    scan = robot.last("/scan")
+
+    assert len(scan.ranges) == 121
+    assert list(scan.intensities) == [0.0] * count
+
+
 def test_a_scan_shows_where_bodies_are_now(files):
     target = files.model("target", "type: DiffDrive, name: drive, body: base")
     robot = files.robot(AHEAD, others={"target": f"model: {target}, pose: [2, 0, 0]"}).drive(1.0)

@@ -3,10 +3,11 @@
 from io import BytesIO
 
 import numpy as np
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-from flatland_plugins.odometry_writer import OdometryWriter
+from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_server import header
 from flatland_server.geometry import Pose
@@ -60,5 +61,25 @@ def test_odometry_is_odometry():
         assert received.pose.covariance == tuple(covariances[0])
         assert received.twist.covariance == tuple(covariances[1])
         message = writer.message(nanoseconds, pose, twist)
+        message.header.seq = sequence
+        assert serialized(message) == data
+
+
+def test_a_twist_is_a_twist_with_covariance():
+    covariance = [0.5 * i for i in range(36)]
+    writer = TwistWriter("röbot_base", covariance)
+
+    for sequence, nanoseconds in ((1, 12_345_678_901), (2, 5)):
+        twist = (0.25 * sequence, -0.125, 3.0)
+        data = writer.data(nanoseconds, twist)
+
+        received = TwistWithCovarianceStamped().deserialize(data)
+        assert received.header.seq == sequence
+        assert received.header.stamp.to_nsec() == nanoseconds
+        assert received.header.frame_id == "röbot_base"
+        linear, angular = received.twist.twist.linear, received.twist.twist.angular
+        assert (linear.x, linear.y, angular.z) == twist
+        assert received.twist.covariance == tuple(covariance)
+        message = writer.message(nanoseconds, twist)
         message.header.seq = sequence
         assert serialized(message) == data

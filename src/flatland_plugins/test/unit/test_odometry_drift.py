@@ -1,11 +1,11 @@
-"""Odometry that drifts: how far, how it propagates, and what it leaves alone."""
+"""Odometry that drifts over time: how far, how it propagates, and what it leaves alone."""
 
 import math
 from typing import Any, List, Tuple
 
 import numpy as np
 import pytest
-from readings import FILTERED, GROUND_TRUTH, TWIST
+from readings import FILTERED, GROUND_TRUTH, TWIST, assert_covariance
 
 from flatland_server.geometry import Pose
 from flatland_server.timekeeper import Timekeeper
@@ -42,19 +42,6 @@ def errors(robots) -> np.ndarray:
         truth = pose_of(robots.last(f"/{name}{GROUND_TRUTH}"))
         rows.append((x - truth.x, y - truth.y, math.remainder(yaw - truth.yaw, math.tau)))
     return np.array(rows)
-
-
-def assert_covariance(samples: np.ndarray, covariance: Any) -> None:
-    """Asserts that these rows are drawn from the normal distribution of mean 0 and a covariance."""
-    count = len(samples)
-    white = np.linalg.solve(np.linalg.cholesky(covariance), samples.T).T
-    # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared), and
-    # one of n products of two of them the mean 0 and the variance n.
-    products = white.T @ white
-    squares = np.diag(products)
-    assert np.abs(squares - count).max() < 4 * math.sqrt(2 * count)
-    assert np.abs(products - np.diag(squares)).max() < 4 * math.sqrt(count)
-    assert np.abs(white.sum(axis=0)).max() < 4 * math.sqrt(count)
 
 
 @pytest.mark.slow

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 from forklift import forklift
-from geometry_msgs.msg import Twist
-from readings import FILTERED, GROUND_TRUTH, TWIST, warnings
+from geometry_msgs.msg import Twist, TwistWithCovarianceStamped
+from readings import FILTERED, GROUND_TRUTH, TWIST, twist_of, warnings
 
 
 @pytest.fixture(params=["DiffDrive", "OmniDrive", "TricycleDrive"])
@@ -49,6 +49,20 @@ def test_what_a_drive_cannot_do_is_not_looked_at(make, caplog):
 
     assert warnings(caplog) == []
     assert robot.model().pose == pytest.approx((0.5, 0.0, 0.0), abs=1e-3)
+
+
+def test_the_twist_has_the_covariance_of_the_odometry(make):
+    noise = "odom_twist_noise: [0.01, 0.02, 0.03]"
+    robot = make(noise, "enable_twist_pub: true", namespace="robot1").drive(0.5).run(0.1)
+
+    twist, odometry = robot.last(f"/robot1{TWIST}"), robot.last(f"/robot1{FILTERED}")
+
+    assert isinstance(twist, TwistWithCovarianceStamped)
+    assert twist.header.frame_id == "robot1_base"
+    assert twist.header.stamp == odometry.header.stamp
+    assert twist_of(twist) == pytest.approx(twist_of(odometry), abs=1e-9)
+    assert list(twist.twist.covariance) == list(odometry.twist.covariance)
+    assert twist.twist.covariance[0] == 0.01
 
 
 @pytest.mark.parametrize("make", ["DiffDrive"], indirect=True)

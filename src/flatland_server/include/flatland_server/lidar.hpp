@@ -30,7 +30,7 @@ struct Lidar {
   LidarSettings settings;
   // The latest scan, by beam; see World::Scan.
   std::vector<float> ranges;       // [m]
-  std::vector<float> intensities;  // 0 or 255
+  std::vector<float> intensities;  // 0 or 255; empty without reflectance layers
   uint64_t scanned_revision = 0;   // revision of the world that it shows
   bool is_expected = false;        // World::ExpectScan has been called since
 };

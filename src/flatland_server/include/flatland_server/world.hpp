@@ -300,7 +300,8 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   /// Collects the fixtures that lidars may see, once per revision.
   void RefreshVisibleFixtures() const;
-  /// Called by several threads at a time; the visible fixtures must be up to date.
+  /// Called by several threads at a time; the visible fixtures must be up to date. `intensities`
+  /// may be null.
   void ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
                 float* intensities) const;
   /// Draws the walls and fixtures on layers that the lidar sees and that `choose(layers)` accepts.

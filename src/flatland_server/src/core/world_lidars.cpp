@@ -31,7 +31,7 @@ World::LidarHandle World::AddLidar(Body body, const LidarSettings& settings) {
   Lidar lidar;
   lidar.settings = settings;
   lidar.ranges.resize(settings.fan->size());
-  lidar.intensities.resize(settings.fan->size());
+  if (settings.scan.reflectance_layers != 0) lidar.intensities.resize(settings.fan->size());
   return lidars_.Add({body, std::move(lidar)});
 }
 
@@ -64,7 +64,7 @@ const Lidar& World::Scan(LidarHandle handle, const AccessGuard&) {
   ForEachInParallel(static_cast<int>(scanning_.size()), [&](int i) noexcept {
     Lidar& lidar = *scanning_[i].first;
     ScanInto(*lidar.settings.fan, scanning_[i].second, lidar.settings.scan, lidar.ranges.data(),
-             lidar.intensities.data());
+             lidar.intensities.empty() ? nullptr : lidar.intensities.data());
   });
   return requested;
 }
@@ -108,7 +108,7 @@ void World::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& s
     DrawOn(buffer, pose, settings, reflects);
   }
   buffer.GetRanges(ranges);
-  buffer.GetIntensities(intensities);
+  if (intensities != nullptr) buffer.GetIntensities(intensities);
 }
 
 template <class Choose>

@@ -518,8 +518,8 @@ class Lidar(_WithoutConstructor):
         """Scans the present world. Releases the GIL.
 
         Returns:
-            Ranges [m] and intensities of n beams, shape (n,) each, as `World.scan` does. Each call
-            returns new arrays.
+            Ranges [m] and intensities of n beams, shape (n,) each, as `World.scan` does; but no
+            intensities, shape (0,), if it has no reflectance layers. Each call returns new arrays.
         """
 
 BEGIN_CONTACT: int

@@ -21,6 +21,10 @@ class FlatlandError(Exception):
     """The base of all errors that Flatland raises on purpose, with a message for the user."""
 
 
+PLUGIN_ERRORS = (Exception, SystemExit)
+"""What ends a plugin that raises it; `sys.exit()` in a plugin does not end the simulation."""
+
+
 @dataclass(frozen=True)
 class Problem:
     """One problem in a file.

@@ -62,6 +62,15 @@ TEST_F(LidarOnABody, SeesWhatIsSeenFromItsPlace) {
   EXPECT_EQ(world_.Scan(AddLidar(robot)).ranges, Expected(robot));
 }
 
+TEST_F(LidarOnABody, HasIntensitiesIfThereAreReflectanceLayers) {
+  const World::Body robot = AddRobot({3, 2, 1.2});
+  const World::LidarHandle reflecting =
+      world_.AddLidar(robot, {fan_, mount_, {20.0, 0xFFFF, 0b10}});
+
+  EXPECT_EQ(world_.Scan(AddLidar(robot)).intensities.size(), 0u);
+  EXPECT_EQ(world_.Scan(reflecting).intensities, std::vector<float>(fan_->size(), 255.0f));
+}
+
 TEST_F(LidarOnABody, SeesTheSameTogetherAsAlone) {
   std::vector<World::Body> robots;
   std::vector<World::LidarHandle> lidars;

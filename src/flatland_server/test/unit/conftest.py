@@ -1,9 +1,10 @@
 """What the unit tests of the server share: worlds out of YAML text, and simulated time."""
 
+import socket
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Callable
+from typing import Any, Callable, Iterator
 
 import hypothesis
 import pytest
@@ -28,18 +29,37 @@ class Files(WorldFiles):
 
 
 @pytest.fixture
-def unpatched_rospy(monkeypatch: pytest.MonkeyPatch) -> Any:
+def unpatched_rospy(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     """Undoes patches of rospy after the test; rospy's own class of connections."""
     from rospy import topics
-    from rospy.impl import tcpros_base
+    from rospy.impl import registration, tcpros_base
+    from rospy.impl.statistics import SubscriberStatisticsLogger
 
-    monkeypatch.setattr(topics, "QueuedConnection", topics.QueuedConnection)
-    rospys = SimpleNamespace(
-        start_server=lambda: None,
-        tcp_ros_server=SimpleNamespace(server_sock=SimpleNamespace(listen=lambda _: None)),
-    )
-    monkeypatch.setattr(tcpros_base, "_tcpros_server", rospys)
-    return topics.QueuedConnection
+    for owner, name in (
+        (topics, "QueuedConnection"),
+        (topics, "Poller"),
+        (SubscriberStatisticsLogger, "is_enabled"),
+    ):
+        monkeypatch.setattr(owner, name, getattr(owner, name))
+    with socket.socket() as listening:
+        listening.bind(("127.0.0.1", 0))
+        listening.listen(5)
+        server = SimpleNamespace(server_sock=listening, inbound_handler=lambda *_: None)
+        rospys = SimpleNamespace(start_server=lambda: None, tcp_ros_server=server)
+        monkeypatch.setattr(tcpros_base, "_tcpros_server", rospys)
+        manager = SimpleNamespace(
+            master_uri="http://127.0.0.1:9", uri="http://here:2", publisher_update=lambda *_: None
+        )
+        listeners = registration.RegistrationListeners()
+        listeners.listeners = [manager]
+        monkeypatch.setattr(registration, "_registration_listeners", listeners)
+        # No threads, which would outlive the test, and no master.
+        patches = "flatland_server.ros.rospy_patches"
+        monkeypatch.setattr(f"{patches}.registration.Registrar.start", lambda self: None)
+        monkeypatch.setattr(f"{patches}.registration._keep_parameters", lambda: None)
+        handshakes = lambda handle: SimpleNamespace(add=handle)  # noqa: E731
+        monkeypatch.setattr(f"{patches}.tcpros_server.Handshakes", handshakes)
+        yield topics.QueuedConnection
 
 
 @pytest.fixture(scope="session")

@@ -76,6 +76,7 @@ def test_a_moved_model_keeps_its_shape_and_stands_still(files):
     assert_pose(robot.pose, (-3, 4, 3))
     assert_pose(bodies[0].pose.inverse().compose(bodies[1].pose), relative)
     assert [body.physics_body.velocity for body in bodies] == [(0.0, 0.0, 0.0)] * 2
+    assert robot.move_revision == 1
 
 
 def test_a_model_that_cannot_be_moved_stays_where_it_was(files):
@@ -87,6 +88,7 @@ def test_a_model_that_cannot_be_moved_stays_where_it_was(files):
         world.move_model("robot", Pose(99_998.0, 0.0, 0.0))  # its front would be beyond 100 km
 
     assert {name: body.pose for name, body in robot.bodies.items()} == poses
+    assert robot.move_revision == 0
 
 
 @pytest.mark.parametrize(

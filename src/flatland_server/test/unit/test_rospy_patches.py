@@ -29,7 +29,7 @@ REQUIREMENTS = [
 ]
 REPLACED = {
     "raw_publishing": ["send_bytes", "send_framed"],
-    "batch_registration": ["batch_registration"],
+    "registration": ["batch_registration", "wait_until_registered"],
     "local_time": ["take_over_time"],
     "marker_server": ["marker_server"],
 }
@@ -69,6 +69,7 @@ def test_all_patches_fit_this_rospy(unpatched_rospy, caplog):
     assert patches_in_use(calls) == list(REPLACED)
     assert caplog.text == ""
     assert rospy.topics.QueuedConnection.__name__ == "NonblockingConnection"
+    assert not hasattr(rospy.topics.Poller(), "poller")  # rospy's own, with a file descriptor
 
 
 @pytest.mark.parametrize(("name", "requirement"), REQUIREMENTS, ids=ids())

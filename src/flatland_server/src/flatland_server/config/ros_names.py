@@ -1,4 +1,4 @@
-"""Checks of names that become part of ROS topics: of models, layers and namespaces."""
+"""Names of ROS topics and frames: checks of their parts, and frames within a namespace."""
 
 import re
 from typing import Optional
@@ -26,6 +26,11 @@ def namespace_problem(namespace: str) -> Optional[str]:
         'expected a namespace of letters, digits and "_", beginning with a letter, '
         f'found "{namespace}"'
     )
+
+
+def namespaced_frame(namespace: str, frame_id: str) -> str:
+    """A frame within a model's namespace: `<namespace>_<frame>`, or `<frame>` without one."""
+    return f"{namespace}_{frame_id}" if namespace else frame_id
 
 
 def check_topic_name(reader: YamlReader, key: str, name: str) -> None:

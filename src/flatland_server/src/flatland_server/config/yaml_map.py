@@ -56,6 +56,10 @@ class YamlMap:
         """Whether the key is given; a `null` counts as not given."""
         return key in self._values and not is_null(self._values[key])
 
+    def is_list(self, key: str) -> bool:
+        """Whether the value of a key is a list, for keys that take a list or something else."""
+        return isinstance(self._values.get(key), yaml.SequenceNode)
+
     @property
     def is_sound(self) -> bool:
         """Whether no problem was noted so far."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from flatland_server import _core
+from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import ModelError, suggestion
@@ -91,6 +92,7 @@ class Model(Entity):
         namespace: without a "/" at its ends.
         bodies: by name, the base first; none after the model was deleted.
         joints: none after the model was deleted.
+        move_revision: incremented by every `move`.
 
     Raises:
         ModelError: Box2D cannot represent it.
@@ -114,6 +116,7 @@ class Model(Entity):
         self.entities = entities
         self.bodies: Dict[str, ModelBody] = {}
         self.joints: List[Joint] = []
+        self.move_revision = 0
         try:
             for body in config.bodies:
                 self.bodies[body.name] = ModelBody(body, pose.wrapped(), physics)
@@ -223,6 +226,7 @@ class Model(Entity):
             raise ModelError(f'the model "{self.name}" cannot be there: {error}') from None
         for body, _ in before:
             body.halt()
+        self.move_revision += 1
 
     def remove(self) -> None:
         """Removes its bodies and joints from the world."""
@@ -242,4 +246,4 @@ class Model(Entity):
         """
         if frame_id.startswith("/"):
             return frame_id[1:]
-        return f"{self.namespace}_{frame_id}" if self.namespace else frame_id
+        return namespaced_frame(self.namespace, frame_id)

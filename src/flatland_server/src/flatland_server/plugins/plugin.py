@@ -45,7 +45,8 @@ from typing import Any, Callable, Optional
 import numpy as np
 
 from flatland_server import _core
-from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.config.ros_names import namespaced_frame
+from flatland_server.config.yaml_reader import REQUIRED, YamlReader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
 from flatland_server.update_timer import UpdateTimer
@@ -108,6 +109,26 @@ class Plugin:
                 `config.error(...)`, which adds the file and the line.
         """
         raise TypeError(f"{type(self).__name__} does not override on_initialize")
+
+    def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:
+        """The frame that is the value of a key of the configuration, such as `odom_frame_id`.
+
+        For frames outside of the model, which are used as they are written, unless they begin with
+        "~": `~odom` is `<namespace>_odom`, or `odom` without a namespace, so that several models
+        can be spawned from one file. Frames of the model itself are named by `name_space_tf`.
+
+        Args:
+            config: the plugin's configuration.
+            key: has the frame.
+            default: the frame if the key is missing; without it, the key is required.
+        """
+        frame_id = config.get_string(key, default)
+        if not frame_id.startswith("~"):
+            return frame_id
+        bare = frame_id[1:].lstrip("/")
+        if not bare:
+            config.problem(f'expected a frame, such as "~odom", found "{frame_id}"', key)
+        return namespaced_frame(self.node.namespace, bare)
 
     def has_work(self) -> bool:
         """Whether the step hooks need to be called now.

@@ -5,7 +5,7 @@ from typing import Any, Callable, Type, TypeVar
 
 import numpy as np
 
-from flatland_server.exceptions import FlatlandError, PluginError, YamlError
+from flatland_server.exceptions import PLUGIN_ERRORS, FlatlandError, PluginError, YamlError
 from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
@@ -58,7 +58,7 @@ class PluginFactory:
         except PluginError as error:
             raise reader.error(str(error), "type") from error.__cause__
         label = f"{model_name}/{config.name}" if model_name else config.name
-        rng = np.random.default_rng([self._seed, zlib.crc32(label.encode())])
+        rng = np.random.default_rng([self._seed, _stream(model_name, config.name)])
         node = self._root_node.scoped(namespace, label)
         try:
             plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
@@ -67,10 +67,20 @@ class PluginFactory:
             reader.finish()
         except BaseException as error:
             node.close()
-            if isinstance(error, YamlError) or not isinstance(error, Exception):
+            if isinstance(error, YamlError) or not isinstance(error, PLUGIN_ERRORS):
                 raise
             reason = str(error)
             if not isinstance(error, FlatlandError):
                 reason = f"does not start: {type(error).__name__}: {error}"
             raise reader.error(reason) from error
         return plugin
+
+
+def _stream(model_name: str, plugin_name: str) -> int:
+    """The number of a plugin's random stream: one for each pair of names.
+
+    Slashes within the names are doubled, so that plugin "b/c" of model "a" does not share the
+    stream of plugin "c" of model "a/b".
+    """
+    names = [name.replace("/", "//") for name in (model_name, plugin_name) if name]
+    return zlib.crc32("/".join(names).encode())

@@ -5,7 +5,7 @@ import sys
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
 
 from flatland_server import _core
-from flatland_server.exceptions import Problem, YamlError
+from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
 from flatland_server.models.entity import Entities, Entity
 from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.contact_dispatcher import ContactDispatcher
@@ -179,19 +179,19 @@ class PluginManager:
             if not scheduled.is_removed:
                 try:
                     hook(timekeeper)
-                except Exception:
+                except PLUGIN_ERRORS:
                     self._fail(scheduled.plugin, name)
 
     def _call_contact_hook(self, plugin: Plugin, name: str, hook: Hook, *arguments: Any) -> None:
         try:
             hook(*arguments)
-        except Exception:
+        except PLUGIN_ERRORS:
             self._fail(plugin, name)
 
     def _has_work(self, plugin: Plugin) -> bool:
         try:
             return plugin.has_work()
-        except Exception:
+        except PLUGIN_ERRORS:
             self._fail(plugin, "has_work")
             return False
 
@@ -216,7 +216,7 @@ class PluginManager:
     def _shut_down(self, plugin: Plugin) -> None:
         try:
             plugin.on_shutdown()
-        except Exception:
+        except PLUGIN_ERRORS:
             logger.exception('the plugin "%s" failed in on_shutdown', plugin.node.owner)
         plugin.node.close()
 

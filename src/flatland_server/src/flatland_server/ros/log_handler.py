@@ -1,6 +1,9 @@
-"""Forwards Python's logging to rosout."""
+"""Python's logging and ROS's: records go to rosout, and logs that cannot be written are left out."""
 
+import contextlib
 import logging
+import sys
+from typing import Iterator
 
 import rospy
 
@@ -16,3 +19,57 @@ class RosLogHandler(logging.Handler):
             return
         log = {"WARNING": rospy.logwarn, "ERROR": rospy.logerr, "CRITICAL": rospy.logfatal}
         log.get(record.levelname, rospy.loginfo)("%s", self.format(record))
+
+
+def tolerate_write_errors() -> None:
+    """Has the present log handlers report once that they cannot write, and do without.
+
+    A disk may be full, and a pipe closed. Python's handlers then print a traceback for each record,
+    and ROS's raise the error in the code that logs.
+    """
+    for handler in _handlers():
+        _Tolerance(handler)
+
+
+def _handlers() -> Iterator[logging.Handler]:
+    manager = logging.Logger.manager
+    loggers = [manager.root, *manager.loggerDict.values()]
+    unique = {
+        id(handler): handler
+        for logger in loggers
+        if isinstance(logger, logging.Logger)
+        for handler in logger.handlers
+    }
+    return iter(unique.values())
+
+
+class _Tolerance:
+    """Replaces a handler's `emit` and `handleError`."""
+
+    def __init__(self, handler: logging.Handler) -> None:
+        self._name = getattr(handler, "baseFilename", "the terminal")
+        self._emit = handler.emit
+        self._handle_error = handler.handleError
+        self._has_failed = False
+        handler.emit = self.emit  # type: ignore[method-assign]
+        handler.handleError = self.handle_error  # type: ignore[method-assign]
+
+    def emit(self, record: logging.LogRecord) -> None:
+        try:
+            self._emit(record)
+        except OSError as error:
+            self._report(error)
+
+    def handle_error(self, record: logging.LogRecord) -> None:
+        error = sys.exc_info()[1]
+        if isinstance(error, OSError):
+            self._report(error)
+        else:
+            self._handle_error(record)
+
+    def _report(self, error: OSError) -> None:
+        if self._has_failed:
+            return
+        self._has_failed = True
+        with contextlib.suppress(OSError):
+            sys.stderr.write(f"log messages are lost, {self._name} cannot be written: {error}\n")

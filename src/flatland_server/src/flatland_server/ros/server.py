@@ -7,27 +7,33 @@ import sys
 import rospy
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.ros import rospy_patches
+from flatland_server.ros import open_files, rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
-from flatland_server.ros.log_handler import RosLogHandler
+from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import ServiceManager
 from flatland_server.ros.shutdown import Shutdown
 from flatland_server.ros.state_publisher import StatePublisher
 from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
+
+_REGISTRATION_LIMIT = 10.0
+"""Real time that the ROS master has to register the topics of the world [s]."""
 
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
     rospy.init_node("flatland_server", disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
+    tolerate_write_errors()
+    open_files.raise_limit()
     try:
         _run(ServerConfig.read())
     except rospy.ROSInterruptException:
@@ -53,6 +59,8 @@ def _run(config: ServerConfig) -> None:
         manager = SimulationManager(world, timekeeper, config.update_rate)
         _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
+    if not transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+        rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
     rospy.loginfo(
         "%s: %d layers, %d models; running",
         config.world_path,
@@ -82,6 +90,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     manager.on_tick.append(StatePublisher(manager).update)
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
+    manager.on_tick.append(SlowPluginWatch().update)
     ServiceManager(manager, transport)
 
 

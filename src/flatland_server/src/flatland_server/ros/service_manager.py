@@ -1,7 +1,7 @@
 """The server's ROS services. Errors are reported as `ModelError: a model named ...`."""
 
 from pathlib import Path
-from typing import Any, Callable, Type
+from typing import Any, Callable, Optional, Type
 
 import rospy
 from flatland_msgs.srv import (
@@ -33,6 +33,10 @@ from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import ModelEntry
+
+_REGISTRATION_LIMIT = 5.0
+"""Real time that the ROS master has to register the topics of a spawned model [s]."""
+_NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
 
 class ServiceManager:
@@ -89,12 +93,15 @@ class ServiceManager:
 
         rospy.Service(name, Empty, handle)
 
-    def _spawn_model(self, request: SpawnModelRequest) -> None:
+    def _spawn_model(self, request: SpawnModelRequest) -> Optional[SpawnModelResponse]:
         registry = self._world.registry
         entry = self._world.read_model_entry(
             Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
         )
         self._transport.call(lambda: self._add_model(entry, registry))
+        if not self._transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+            return SpawnModelResponse(success=True, message=_NOT_REGISTERED)
+        return None
 
     def _add_model(self, entry: ModelEntry, registry: CollisionFilterRegistry) -> None:
         if self._world.registry is not registry:

@@ -1,10 +1,12 @@
-"""Ctrl-C and SIGTERM: end the simulation after the current step, if that ends."""
+"""Ctrl-C, SIGTERM and SIGHUP: end the simulation after the current step, if that ends."""
 
+import logging
 import os
 import queue
 import signal
 import sys
 import threading
+import time
 from typing import Any
 
 import rospy
@@ -14,6 +16,11 @@ from flatland_server.ros.ros_transport import RosTransport
 
 STEP_LIMIT = 1.0
 """Real time that the current step has to end after a signal [s]. scripts/run kills after 1.5 s."""
+EXIT_LIMIT = 1.9
+"""Real time from a signal to the end of the process at the latest [s]."""
+_LOG_LIMIT = 0.3  # s
+
+logger = logging.getLogger(__name__)
 
 
 class Shutdown:
@@ -21,7 +28,8 @@ class Shutdown:
 
     rospy's own handler shuts down at once, on the main thread: if it interrupts a spawn that holds
     one of rospy's locks, it waits for itself for ever. Here the current step is finished first. A
-    step that does not end, for instance in a plugin with an endless loop, ends the process.
+    step that does not end, for instance in a plugin with an endless loop, ends the process. So does
+    the end itself if it takes too long: rospy waits for the ROS master, which may be stopped.
 
     While the world is loading there is no step to wait for: the process ends at once.
     """
@@ -33,8 +41,8 @@ class Shutdown:
         self._signals: queue.SimpleQueue[int] = queue.SimpleQueue()
         self._steps_have_ended = threading.Event()
         self._simulation = threading.get_ident()
-        threading.Thread(target=self._limit_step, daemon=True).start()
-        for number in (signal.SIGINT, signal.SIGTERM):
+        threading.Thread(target=self._limit_time, daemon=True).start()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._end)
         rospy.on_shutdown(transport.end)
 
@@ -48,12 +56,19 @@ class Shutdown:
         self._transport.end()
         self._signals.put(number)
 
-    def _limit_step(self) -> None:
+    def _limit_time(self) -> None:
         self._signals.get()
-        if self._steps_have_ended.wait(STEP_LIMIT):
-            return
-        frame = sys._current_frames().get(self._simulation)
-        rospy.logfatal(
-            "the current step does not end: the process exits within %s", describe_running(frame)
-        )
-        os._exit(1)
+        exit_time = time.monotonic() + EXIT_LIMIT
+        if not self._steps_have_ended.wait(STEP_LIMIT):
+            self._exit(1, logging.CRITICAL, "the current step does not end")
+        time.sleep(max(0.0, exit_time - time.monotonic()))
+        self._exit(0, logging.WARNING, "the end takes too long")
+
+    def _exit(self, code: int, level: int, reason: str) -> None:
+        place = describe_running(sys._current_frames().get(self._simulation))
+        # On a thread of its own: the simulation's may hold the lock of the log.
+        message = f"{reason}: the process exits within {place}"
+        log = threading.Thread(target=logger.log, args=(level, "%s", message), daemon=True)
+        log.start()
+        log.join(_LOG_LIMIT)
+        os._exit(code)

@@ -46,6 +46,11 @@ class DeferredActions:
         """Whether all actions are deferred at the moment."""
         return self.lock.depth > 0
 
+    @property
+    def is_free(self) -> bool:
+        """Whether actions are run at once at the moment, all of them."""
+        return not self.lock.depth and not self._changing
+
     @contextmanager
     def changing(self, model: str) -> Iterator[None]:
         """A context in which this model is started or stopped. May be nested for several models."""

@@ -315,7 +315,12 @@ class World:
 
         Runs no callbacks of subscriptions: `transport.process()` does, and `SimulationManager.step`
         does both.
+
+        Raises:
+            FlatlandError: this is called by a hook of a plugin.
         """
+        if not self._deferred.is_free:
+            raise FlatlandError("a hook of a plugin cannot make a step")
         with self._deferred.lock:
             self._plugins.before_physics_step(timekeeper)
             self.physics.step(timekeeper.step_size)

@@ -35,7 +35,8 @@ def check_plugin(
       later does not depend on when the subscriber came.
     - The model's namespace is put before its topics and frames exactly once; topics that begin with
       "/" stay outside of it, and so do the frames of `odom_frame_id`, `ground_truth_frame_id` and
-      `world_frame_id`. Topics and frames are called what the entry says.
+      `world_frame_id`, unless they begin with "~". Topics and frames are called what the entry
+      says.
     - With an `update_rate` or `pub_rate` it publishes at that rate of simulated time.
     - Equal seeds give equal messages, poses and walls; a `MessageWriter` makes the bytes of its
       message.

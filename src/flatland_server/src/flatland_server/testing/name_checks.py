@@ -23,7 +23,7 @@ _NAMESPACE = "robot1"
 _PREFIX = "renamed_"
 _WORLD_FRAME_KEYS = ("odom_frame_id", "ground_truth_frame_id", "world_frame_id")
 _WORLD_FRAMES = ("odom", "map")
-"""Frames that belong to no model: the values of these keys, and their defaults."""
+"""Frames that belong to no model: the defaults of these keys, and values without a "~"."""
 
 
 def check_names(case: CheckedPlugin) -> Problems:
@@ -57,7 +57,9 @@ def _check_namespace(case: CheckedPlugin, names: Names) -> Problems:
     """The namespace is before relative topics and the model's frames; and nowhere else."""
     values = [value_at(case.entry, path) for path in keys_of(case.entry)]
     outside = {v for v in values if isinstance(v, str) and v.startswith("/")}
-    world_frames = {str(case.entry.get(key)) for key in _WORLD_FRAME_KEYS} | set(_WORLD_FRAMES)
+    given = {str(case.entry.get(key)) for key in _WORLD_FRAME_KEYS}
+    own = {each[1:] for each in given if each.startswith("~")}
+    world_frames = (given | set(_WORLD_FRAMES)) - own
 
     def topic(name: str) -> str:
         return name if name in outside else f"/{_NAMESPACE}{name}"

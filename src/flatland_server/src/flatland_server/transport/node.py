@@ -7,6 +7,7 @@ program without a ROS master. Callbacks run between steps, on the thread of the 
 from typing import Any, Callable, List, Optional, Tuple
 
 from flatland_server._deprecated import renamed
+from flatland_server.exceptions import PLUGIN_ERRORS
 from flatland_server.geometry import Transform
 from flatland_server.transport.frame_registry import FrameRegistry
 from flatland_server.transport.transport import Frames, Publisher, Subscription, Transport
@@ -89,7 +90,7 @@ class Node:
             on_failure = self.on_failure  # the callback may close this node
             try:
                 callback(message)
-            except Exception:
+            except PLUGIN_ERRORS:
                 if on_failure is None:
                     raise
                 on_failure(f"its callback of {name}")
@@ -114,6 +115,13 @@ class Node:
     def claim_frame(self, parent: str, child: str) -> None:
         """Announces that this node publishes a frame; warns if another one does already."""
         self._frames.claim(parent, child, self.owner)
+
+    def claim_odometry_frame(self, frame_id: str) -> None:
+        """Announces that this node publishes a model's transform from a frame of odometry.
+
+        Such a frame is of one model alone; warns if a node of another model has announced it.
+        """
+        self._frames.claim_odometry(frame_id, self.owner)
 
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.

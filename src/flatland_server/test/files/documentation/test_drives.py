@@ -2,7 +2,7 @@
 
 import logging
 import math
-from typing import Any, List, NamedTuple, Tuple
+from typing import Any, List, NamedTuple, Set, Tuple
 
 import numpy as np
 import pytest
@@ -29,24 +29,27 @@ class Drive(NamedTuple):
         example: the example of its page.
         model: the model that it is part of.
         topics: that the example publishes to.
+        frames: that it publishes, after their parents.
     """
 
     least: str
     example: str
     model: str
     topics: Tuple[str, ...]
+    frames: Set[Tuple[str, str]]
 
 
 @pytest.fixture
 def diff_drive(documented) -> Drive:
     topics = ("/odometry/filtered", "/odometry/ground_truth", "/twist")
-    return Drive(DIFF_DRIVE, documented.page("diff_drive"), "", topics)
+    return Drive(DIFF_DRIVE, documented.page("diff_drive"), "", topics, {("odom", "base")})
 
 
 @pytest.fixture
 def tricycle_drive(documented) -> Drive:
     topics = ("/odometry/filtered", "/odometry/ground_truth")
-    return Drive(TRICYCLE_DRIVE, documented.page("tricycle_drive"), documented.tricycle, topics)
+    example = documented.page("tricycle_drive")
+    return Drive(TRICYCLE_DRIVE, example, documented.tricycle, topics, set())
 
 
 @pytest.fixture(params=["diff_drive", "tricycle_drive"])
@@ -84,7 +87,7 @@ def test_the_topics_and_frames_by_default_and_in_the_example(documented, drive, 
 
     assert robot.transport.subscribed == {"/cmd_vel"}
     assert robot.transport.topics == set(drive.topics)
-    assert robot.frames == {("odom", "base")}
+    assert robot.frames == drive.frames
     assert len(odometry) == 0.5 * STEPS_PER_SECOND  # at every step
     truth = robot.transport.last("/odometry/ground_truth")
     assert (odometry[-1].header.frame_id, odometry[-1].child_frame_id) == ("odom", "base")
@@ -103,7 +106,8 @@ def test_a_diff_drive_has_no_limits_by_default(documented, diff_drive, which):
 
     twist = robot.drive(20.0, -5.0).record("/twist", 0.01)[-1]
 
-    assert (twist.twist.linear.x, twist.twist.angular.z) == pytest.approx((20.0, -5.0))
+    velocity = twist.twist.twist
+    assert (velocity.linear.x, velocity.angular.z) == pytest.approx((20.0, -5.0))
     assert twist.header.frame_id == "base"
 
 

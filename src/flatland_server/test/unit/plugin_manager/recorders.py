@@ -24,6 +24,7 @@ class Recorder(ModelPlugin):
 
     def on_initialize(self, config):
         self._fails_in = config.get_string("fails_in", "")
+        self._exits = config.get_bool("exits", False)
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
         self.node.advertise(f"{self.model.name}/{self.name}", str)
         self.node.subscribe("command", str, lambda _: self._record("callback"))
@@ -42,7 +43,7 @@ class Recorder(ModelPlugin):
     def _record(self, hook: str, *more: Any) -> None:
         calls.append((f"{self.model.name}/{self.name}", hook, *more))
         if hook == self._fails_in:
-            raise RuntimeError("no luck")
+            raise SystemExit("no luck") if self._exits else RuntimeError("no luck")
 
 
 class Toucher(Recorder):

@@ -3,6 +3,7 @@
 from plugin_manager.recorders import calls, step, world_of
 
 from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.plugin_factory import _stream
 
 
 def test_plugins_are_called_in_the_order_of_the_files_and_those_of_the_world_last(files):
@@ -62,3 +63,9 @@ def test_random_numbers_depend_only_on_seed_model_and_plugin(files):
 
     assert {name: other_order[name] for name in numbers} == numbers
     assert len({*numbers.values(), *other_seed.values()}) == 8
+
+
+def test_a_slash_in_a_name_does_not_make_two_plugins_share_their_random_numbers():
+    names = [("a", "b/c"), ("a/b", "c"), ("", "a/b/c"), ("a", "b"), ("", "b")]
+
+    assert len({_stream(*pair) for pair in names}) == len(names)

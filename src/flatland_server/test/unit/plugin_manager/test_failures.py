@@ -1,6 +1,7 @@
 """A plugin that fails is switched off, its topics are closed, and the others go on."""
 
 import logging
+from typing import Any
 
 import pytest
 from plugin_manager.recorders import (
@@ -15,9 +16,12 @@ from plugin_manager.recorders import (
     write_model,
 )
 
+from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
+from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
 
 BOUNCE = {"begin_contact", "pre_solve", "post_solve", "end_contact"}
@@ -165,3 +169,59 @@ def test_a_plugin_that_was_switched_off_stays_off_when_models_are_spawned_and_de
     step(world)
 
     assert [call for call in calls if call[0] == "robot/bad"] == []
+
+
+@pytest.mark.parametrize("hook", sorted(FAILURES))
+def test_sys_exit_in_a_hook_ends_the_plugin_alone(files, hook):
+    plugins = f"type: Toucher, name: bad, fails_in: {hook}, exits: true"
+    world = world_of(files, f"robot: {plugins}; other: type: Toucher, name: good")
+
+    run_a_collision(world)
+
+    [failure] = world.plugin_failures
+    assert failure.reason == f"{FAILURES[hook]}: SystemExit: no luck"
+    assert hooks_of("other/good").count("after") == 10
+
+
+def test_sys_exit_in_on_initialize_refuses_the_model(files):
+    world = world_of(files, "other: type: Toucher, name: good")
+    path = write_model(
+        files, "bad", "type: Recorder, name: bad, fails_in: on_initialize, exits: true"
+    )
+
+    with pytest.raises(YamlError, match="does not start: SystemExit: no luck"):
+        world.spawn_model(path, "robot", "", Pose())
+
+    assert list(world.models) == ["other"]
+
+
+class Stepper(ModelPlugin):
+    """Tries to step the world in a hook."""
+
+    world: Any = None
+
+    def on_initialize(self, config):
+        if self.name == "at_start":
+            self.world.step(Timekeeper(0.005))
+
+    def before_physics_step(self, timekeeper):
+        self.world.step(timekeeper)
+
+
+def test_a_hook_cannot_make_a_step(files, monkeypatch):
+    files.loader = PluginLoader([PluginDeclaration.of(Stepper)])
+    world = world_of(files, "robot: type: Stepper, name: in_a_step")
+    monkeypatch.setattr(Stepper, "world", world)
+    timekeeper = Timekeeper(0.005)
+
+    world.step(timekeeper)
+
+    [failure] = world.plugin_failures
+    assert failure.reason == (
+        "before_physics_step: FlatlandError: a hook of a plugin cannot make a step"
+    )
+    assert timekeeper.nanoseconds == 5_000_000
+    path = write_model(files, "late", "type: Stepper, name: at_start")
+    with pytest.raises(YamlError, match="cannot make a step"):
+        world.spawn_model(path, "late", "", Pose())
+    world.step(timekeeper)

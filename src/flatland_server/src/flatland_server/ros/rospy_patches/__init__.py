@@ -19,8 +19,10 @@ __all__ = ["PATCHES", "RospyCalls", "install"]
 PATCHES: Dict[str, str] = {
     "raw_publishing": "serialized messages take longer to publish",
     "nonblocking_connection": "each message costs two thread switches per subscriber",
-    "batch_registration": "worlds with many topics take longer to load",
-    "tcpros_backlog": "of many subscribers that connect at once, some are delayed by seconds",
+    "registration": "worlds with many topics take longer to load; a master that hangs stops time",
+    "tcpros_server": "a connection that sends nothing stops all services; subscribers may be "
+    "delayed by seconds",
+    "topic_polls": "each topic takes a file descriptor",
     "local_time": "this process receives its own /clock through a socket",
     "marker_server": "a thread wakes at every step; in a pause only one client can drag a model",
 }

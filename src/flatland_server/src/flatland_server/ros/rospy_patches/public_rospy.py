@@ -73,6 +73,8 @@ class RospyCalls:
         send_framed: publishes one or more serialized messages, each preceded by its length.
         batch_registration: within this context, topics and services may be registered with the
             master later, together, at its end.
+        wait_until_registered: waits until the master knows of all topics and services, at most
+            this long [s]; returns whether it does.
         take_over_time: returns the object that sets this process's time, from then on instead of
             rospy's own subscription to /clock; None if time is not simulated, or is left to rospy.
         marker_server: the class that serves interactive markers.
@@ -81,5 +83,6 @@ class RospyCalls:
     send_bytes: Callable[[rospy.Publisher, bytes], None] = send_bytes
     send_framed: Callable[[rospy.Publisher, bytes], None] = send_framed
     batch_registration: Callable[[], ContextManager[None]] = nullcontext
+    wait_until_registered: Callable[[float], bool] = lambda limit: True
     take_over_time: Callable[[], Optional[LocalTime]] = lambda: None
     marker_server: Type[MarkerServer] = MarkerServer

@@ -1,0 +1,184 @@
+"""Odometry that drifts along the path, as that of slipping wheels does."""
+
+import math
+from typing import Any, Callable, List
+
+import numpy as np
+import pytest
+from readings import FILTERED, GROUND_TRUTH, assert_covariance, pose_of
+
+from flatland_plugins.odometry_drift import DriftVariances, OdometryDrift, arc
+from flatland_server.geometry import Pose
+
+DRIVE = "type: DiffDrive, name: drive, body: base"
+COUNT = 300
+
+ALL = DriftVariances(0.01, 0.02, 0.03, 0.04)
+KEYS = (
+    "odom_drift: {translation_per_metre: 0.01, translation_per_radian: 0.02, "
+    "rotation_per_metre: 0.03, rotation_per_radian: 0.04}"
+)
+
+
+def straight(metres: float) -> Pose:
+    return Pose(metres, 0.0, 0.0)
+
+
+def sideways(metres: float) -> Pose:
+    return Pose(0.0, metres, 0.0)
+
+
+def on_the_spot(radians: float) -> Pose:
+    return Pose(0.0, 0.0, radians).wrapped()
+
+
+def circle(radians: float) -> Pose:
+    """On a circle of 1 m radius, counter-clockwise, beginning along the x axis."""
+    return Pose(math.sin(radians), 1.0 - math.cos(radians), radians).wrapped()
+
+
+def errors(
+    variances: DriftVariances, path: Callable[[float], Pose], length: float, parts: int
+) -> np.ndarray:
+    """What many robots estimate less where they are, at the end of a path that is so divided."""
+    rows = []
+    for seed in range(COUNT):
+        drift = OdometryDrift(variances, seed)
+        for i in range(parts + 1):
+            drift.advance(i, path(length * i / parts))
+        x, y, yaw = drift.pose
+        truth = path(length)
+        rows.append((x - truth.x, y - truth.y, math.remainder(yaw - truth.yaw, math.tau)))
+    return np.array(rows)
+
+
+# The variances are those of the path, however it is divided.
+DIVISIONS = pytest.mark.parametrize("parts", [5, 60])
+
+
+@DIVISIONS
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_robot_that_drives_straight_on_errs_by_the_metre(parts, direction):
+    a1, a3, s = 0.01, 1e-4, 4.0
+    variances = DriftVariances(translation_per_metre=a1, rotation_per_metre=a3)
+
+    error = errors(variances, straight, direction * s, parts)
+
+    # To first order, the heading is a random walk along the path, and the lateral error its
+    # integral: variances a3 s and a3 s^3 / 3, covariance a3 s^2 / 2.
+    bend = direction * a3 * s**2 / 2
+    assert_covariance(error, [[a1 * s, 0, 0], [0, a3 * s**3 / 3, bend], [0, bend, a3 * s]])
+
+
+@DIVISIONS
+def test_a_robot_that_moves_sideways_errs_in_the_direction_of_travel(parts):
+    error = errors(DriftVariances(translation_per_metre=0.01), sideways, 4.0, parts)
+
+    assert np.abs(error[:, [0, 2]]).max() < 1e-9
+    assert_covariance(error[:, 1:2], [[0.04]])
+
+
+@pytest.mark.parametrize(("parts", "direction"), [(50, 1.0), (50, -1.0), (120, 1.0)])
+def test_a_robot_that_turns_on_the_spot_errs_by_the_radian(parts, direction):
+    a2, a4, turn = 1e-4, 1e-3, 3 * math.tau
+    variances = DriftVariances(translation_per_radian=a2, rotation_per_radian=a4)
+
+    error = errors(variances, on_the_spot, direction * turn, parts)
+
+    # Along the body's x axis, which points everywhere alike in the course of whole turns.
+    x_and_y = a2 * turn / 2
+    assert_covariance(error, np.diag([x_and_y, x_and_y, a4 * turn]))
+
+
+@pytest.mark.parametrize("parts", [6, 60])
+def test_a_robot_on_a_circle_errs_by_the_metre_and_the_radian(parts):
+    turn = math.pi / 2
+    variances = DriftVariances(rotation_per_metre=2e-4, rotation_per_radian=1e-4)
+
+    error = errors(variances, circle, turn, parts)
+
+    # To first order, an error of the heading at an angle t turns what follows of the circle, p(T) -
+    # p(t), by a quarter turn: the integrals of (cos T - cos t, sin T - sin t, 1) and its products.
+    t = (np.arange(10_000) + 0.5) / 10_000 * turn
+    rows = np.array([np.cos(turn) - np.cos(t), np.sin(turn) - np.sin(t), np.ones_like(t)])
+    assert_covariance(error, 3e-4 * turn * (rows @ rows.T) / len(t))
+
+
+@DIVISIONS
+def test_a_robot_at_rest_does_not_drift_at_all(parts):
+    drift = OdometryDrift(ALL, 1)
+    for i in range(parts):
+        drift.advance(i * 1_000_000_000, circle(0.1 * i))
+    before = drift.pose
+
+    for i in range(1000):
+        drift.advance((parts + i) * 1_000_000_000, circle(0.1 * (parts - 1)))
+
+    assert drift.pose == before
+    assert before != circle(0.1 * (parts - 1))
+
+
+@pytest.mark.parametrize("keys", ["", ", pub_rate: 20"])
+def test_a_parked_robot_in_a_world_does_not_drift_at_all(files, keys):
+    robot = files.robot(f"{DRIVE}, {KEYS}{keys}", pose="[3, -2, 1]").run(2.0)
+    assert robot.last(FILTERED).pose == robot.last(GROUND_TRUTH).pose
+
+    robot.drive(0.5, 0.5).run(1.0)
+    robot.drive(0.0).run(0.1)
+    parked = robot.last(FILTERED).pose
+    robot.run(5.0)
+
+    assert robot.last(FILTERED).pose == parked
+    assert robot.last(GROUND_TRUTH).pose != parked
+
+
+def test_a_robot_that_is_moved_takes_its_estimate_along_without_an_error(files):
+    robot = files.robot(f"{DRIVE}, {KEYS}").drive(0.5).run(2.0)
+    robot.drive(0.0).run(0.1)
+    before = Pose(*pose_of(robot.last(FILTERED)))
+    there = robot.model().pose.inverse().compose(Pose(50.0, -20.0, 2.0))
+
+    robot.world.move_model("robot", Pose(50.0, -20.0, 2.0))
+    robot.run()
+
+    expected = before.compose(there).wrapped()
+    assert pose_of(robot.last(FILTERED)) == pytest.approx(tuple(expected), abs=1e-4)
+
+
+def run(files, keys: str, seed: int) -> List[Any]:
+    robot = files.robot(f"{DRIVE}, {keys}", seed=seed).drive(0.5, 0.3)
+    return [message.pose for message in robot.record(FILTERED, 1.0)]
+
+
+def test_equal_seeds_slip_equally_and_others_do_not(files):
+    first, second, other = (run(files, KEYS, seed) for seed in (5, 5, 6))
+
+    assert first == second
+    assert not any(a == b for a, b in zip(first[1:], other[1:]))
+
+
+def test_a_list_is_the_drift_per_second(files):
+    assert run(files, "odom_drift: [0.1, 0.2, 0.3]", 5) == run(
+        files, "odom_drift: {per_second: [0.1, 0.2, 0.3]}", 5
+    )
+
+
+def test_drifts_of_both_kinds_add_up(files):
+    both = KEYS.replace("}", ", per_second: [0.1, 0.1, 0.1]}")
+    robot = files.robot(f"{DRIVE}, {both}").run()
+
+    first, second = (robot.run(0.5).last(FILTERED).pose for _ in range(2))
+
+    assert first != second  # at rest
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-9, 1e-3, -0.7, 2.0, 3.1])
+@pytest.mark.parametrize(("vx", "vy"), [(1.0, 0.0), (-0.5, 0.0), (0.3, -0.4), (0.0, 0.0)])
+def test_the_arc_of_a_motion_is_its_velocity_times_the_time(vx, vy, turn):
+    motion, steps = Pose(), 2000
+    for _ in range(steps):
+        # Half a step's turn, a straight step, and the other half.
+        half = Pose(0.0, 0.0, turn / steps / 2)
+        motion = motion.compose(half).compose(Pose(vx / steps, vy / steps, 0.0)).compose(half)
+
+    assert arc(motion) == pytest.approx((vx, vy), abs=1e-5)

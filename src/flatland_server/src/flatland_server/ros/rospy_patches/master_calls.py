@@ -1,0 +1,91 @@
+"""The calls to the ROS master that concern topics and services, each with a limited time."""
+
+import xmlrpc.client
+from typing import Any, List, NamedTuple, Tuple
+
+import rospy
+from rospy.impl.registration import Registration
+
+_REGISTER = {
+    Registration.PUB: "registerPublisher",
+    Registration.SUB: "registerSubscriber",
+    Registration.SRV: "registerService",
+}
+_UNREGISTER = {
+    Registration.PUB: "unregisterPublisher",
+    Registration.SUB: "unregisterSubscriber",
+    Registration.SRV: "unregisterService",
+}
+
+ANSWER_LIMIT = 3.0
+"""Real time that the master has to answer [s]."""
+
+Key = Tuple[str, str]
+"""The kind of a registration, and the name of the topic or service."""
+
+
+class Change(NamedTuple):
+    """A registration to be made or to be ended.
+
+    Attributes:
+        is_open: whether it is to be made.
+        kind: of the registration.
+        name: of the topic or service.
+        detail: a topic's type, or a service's URI.
+    """
+
+    is_open: bool
+    kind: str
+    name: str
+    detail: str
+
+
+class _LimitedTransport(xmlrpc.client.Transport):
+    """HTTP with a limit for each answer."""
+
+    def make_connection(self, host: Any) -> Any:
+        connection = super().make_connection(host)
+        connection.timeout = ANSWER_LIMIT
+        return connection
+
+
+class Master:
+    """The calls to the master.
+
+    Args:
+        uri: its URI.
+    """
+
+    def __init__(self, uri: str) -> None:
+        self.uri = uri
+
+    def _proxy(self) -> xmlrpc.client.ServerProxy:
+        return xmlrpc.client.ServerProxy(self.uri, transport=_LimitedTransport())
+
+    def apply(self, changes: List[Change], node_uri: str) -> List[Any]:
+        """Makes all changes in one call. Returns the answer to each: code, status, value.
+
+        Raises:
+            OSError, xmlrpc.client.Error: there is no answer.
+        """
+        calls = xmlrpc.client.MultiCall(self._proxy())
+        for change in changes:
+            method = (_REGISTER if change.is_open else _UNREGISTER)[change.kind]
+            call = getattr(calls, method)
+            node = rospy.get_caller_id()
+            if change.is_open:
+                call(node, change.name, change.detail, node_uri)
+            elif change.kind == Registration.SRV:
+                call(node, change.name, change.detail)
+            else:
+                call(node, change.name, node_uri)
+        return list(calls())
+
+    def has_service(self, name: str, uri: str) -> bool:
+        """Whether the master knows this service.
+
+        Raises:
+            OSError, xmlrpc.client.Error: there is no answer.
+        """
+        answer: Any = self._proxy().lookupService(rospy.get_caller_id(), name)
+        return bool(answer[0] == 1 and answer[2] == uri)
