@@ -29,6 +29,10 @@ class PluginFactory:
         self._loader = loader
         self._seed = seed
 
+    def take_over_warnings(self, former: "PluginFactory") -> None:
+        """See `PluginManager.take_over_warnings`."""
+        self._root_node.take_over_warnings(former._root_node)
+
     def make(
         self,
         config: PluginConfig,

@@ -67,6 +67,10 @@ class PluginManager:
         self._step_calls = StepCalls([])
         self._starting = 0  # calls of `start` that are being made, each within the one before
 
+    def take_over_warnings(self, former: "PluginManager") -> None:
+        """Does not repeat warnings that were given before the world was reset."""
+        self._factory.take_over_warnings(former._factory)
+
     @property
     def is_starting(self) -> bool:
         """Whether plugins are being initialized at the moment."""

@@ -2,11 +2,12 @@
 
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Dict, List, Optional, Union
+from typing import TYPE_CHECKING, Dict, List, Mapping, Optional, Union
 
 from flatland_server.arrays import Segments
 from flatland_server.exceptions import StateError
 from flatland_server.geometry import Pose
+from flatland_server.models.model import Model
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.simulation.world_state import ModelState, WallsState, WorldState
 
@@ -49,8 +50,11 @@ class Additions:
         self._count += 1
         self.walls.append(WallsState(self._count, layer, segments.copy()))
 
-    def models(self) -> List[ModelState]:
-        """The models that exist, in their order.
+    def states_of(self, models: Mapping[str, Model]) -> List[ModelState]:
+        """The states of the models that exist, in the order in which they were added.
+
+        Args:
+            models: those of the world, by name.
 
         Raises:
             StateError: one of them has no file that it could be read from again.
@@ -61,7 +65,10 @@ class Additions:
             if order is not None and not entry.model.is_read:
                 raise StateError(f'the model "{name}" was made by a program, without a file')
             path = str(entry.model.path.absolute())
-            states.append(ModelState(name, order, entry.namespace, path, list(entry.pose)))
+            revision = models[name].move_revision
+            states.append(
+                ModelState(name, order, entry.namespace, path, list(entry.pose), revision)
+            )
         return states
 
 
@@ -107,3 +114,5 @@ def replay(state: WorldState, world: "World") -> None:
             f"the state is of another world: expected the models {', '.join(world.models)}; "
             f"found {', '.join(model.name for model in state.models)}"
         )
+    for model in state.models:
+        world.models[model.name].move_revision = model.move_revision

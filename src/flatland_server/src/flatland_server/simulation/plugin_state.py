@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from flatland_server import plain_data
-from flatland_server.exceptions import StateError
+from flatland_server.exceptions import PLUGIN_ERRORS, StateError
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginManager
 from flatland_server.update_timer import UpdateTimer
@@ -130,6 +130,6 @@ def without_hooks(manager: PluginManager) -> List[str]:
 def _call(plugin: Plugin, name: str, function: Callable[[], Any]) -> Any:
     try:
         return function()
-    except Exception as error:
+    except PLUGIN_ERRORS as error:
         reason = f"{type(error).__name__}: {error}"
         raise StateError(f'the plugin "{plugin.node.owner}": {name}: {reason}') from error

@@ -68,6 +68,7 @@ class World:
 
     def _start(self, config: WorldConfig, seed: int) -> None:
         """Makes all that the world consists of, in place of what there was."""
+        former: Optional[PluginManager] = getattr(self, "_plugins", None)
         self._config = config
         self._seed = seed
         self.registry = config.registry
@@ -81,6 +82,8 @@ class World:
         self._plugins = PluginManager(
             self.transport, self._loader, seed, self.physics, self.entities
         )
+        if former is not None:
+            self._plugins.take_over_warnings(former)
         self._deferred = DeferredActions()
         self._additions = Additions()
         self._is_starting = True
@@ -342,8 +345,11 @@ class World:
             seed: of all random numbers from now on; None is the same as before.
 
         Raises:
-            FlatlandError: a plugin does not start again. The world is unchanged.
+            FlatlandError: a plugin does not start again, or this is called in `on_initialize` or
+                `on_shutdown`. The world is unchanged.
         """
+        if self._is_starting or not (self._deferred.is_free or self._deferred.is_locked):
+            raise FlatlandError("the world cannot be reset while plugins are started or stopped")
         config, chosen = self._config, self._seed if seed is None else seed
         self._deferred.run_or_defer(
             lambda: self._replace(lambda: self._start(config, chosen)), "the world is not reset"
@@ -388,7 +394,7 @@ class World:
             self._seed,
             timekeeper.nanoseconds,
             wall_counts(self._config),
-            self._additions.models(),
+            self._additions.states_of(self.models),
             self._additions.walls,
             plugin_state.collect(self._plugins),
             self.physics.save_state(),
@@ -450,7 +456,7 @@ class World:
             self._remove_bodies(model)
 
     def _require_between_steps(self, name: str) -> None:
-        if self._deferred.is_locked:
+        if self._is_starting or not self._deferred.is_free:
             raise FlatlandError(f"{name} is for between steps, not for hooks")
 
     def close(self) -> None:

@@ -28,6 +28,8 @@ class ModelState:
     """Of its file, if it was added later."""
     pose: List[float]
     """With which it was added."""
+    move_revision: int
+    """See `Model.move_revision`."""
 
 
 @dataclass(frozen=True)

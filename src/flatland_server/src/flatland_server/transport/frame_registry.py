@@ -69,6 +69,11 @@ class FrameRegistry:
             publisher,
         )
 
+    def take_over_warnings(self, former: "FrameRegistry") -> None:
+        """Does not repeat what another registry, of the same world before a reset, has warned of."""
+        self._warned |= former._warned
+        self._warned_odometry |= former._warned_odometry
+
     def release(self, publisher: str) -> None:
         """Removes the frames of a publisher."""
         for child in [child for child, each in self._publishers.items() if each == publisher]:

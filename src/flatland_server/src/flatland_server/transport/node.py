@@ -123,6 +123,10 @@ class Node:
         """
         self._frames.claim_odometry(frame_id, self.owner)
 
+    def take_over_warnings(self, former: "Node") -> None:
+        """Does not repeat warnings about frames that were given before the world was reset."""
+        self._frames.take_over_warnings(former._frames)
+
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.
 
