@@ -1,26 +1,11 @@
 """What runs under a ROS master, and a port for one."""
 
-import random
-import socket
 from pathlib import Path
 from typing import List
 
+from flatland_server.testing.ports import free_port
 
-def free_port() -> int:
-    """A TCP port of this machine for a ROS master that is about to start.
-
-    It lies below the range in which the kernel chooses ports itself (32768 and up), so that no
-    other program gets it meanwhile.
-    """
-    draw = random.SystemRandom()  # hypothesis seeds the module's own generator
-    while True:
-        port = draw.randrange(15000, 32000)
-        with socket.socket() as probe:
-            try:
-                probe.bind(("127.0.0.1", port))
-            except OSError:
-                continue
-            return port
+__all__ = ["free_port", "processes_under"]
 
 
 def processes_under(uri: str) -> List[bytes]:

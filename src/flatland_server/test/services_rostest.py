@@ -40,11 +40,17 @@ def model_markers(path):
     return call("/get_model_markers", GetModelMarkers, path)
 
 
+def x_of(markers):
+    """The x coordinate of the first of a model's markers."""
+    return markers.markers[0].pose.position.x
+
+
 class Services(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.clock = Recorder("/clock", Clock)
         cls.tf = Recorder("/tf", TFMessage)
+        cls.static = Recorder("/tf_static", TFMessage)
         cls.clock.next()
 
     def frames(self):
@@ -88,6 +94,11 @@ class Services(unittest.TestCase):
             self.assertEqual(frames[f"{name}_base_link"], f"{name}_odom")
             self.assertEqual(frames[f"{name}_laser"], f"{name}_base_link")
             self.assertEqual(frames[f"{name}_left_wheel"], f"{name}_base_link")
+        self.assertEqual(
+            {(t.header.frame_id, t.child_frame_id) for t in self.static.messages[-1].transforms}
+            & {("map", "odom"), ("map", "r1_odom"), ("map", "r2_odom")},
+            {("map", "odom"), ("map", "r1_odom"), ("map", "r2_odom")},
+        )
 
         for name in robots:
             for recorder in recorders[name][:2]:
@@ -200,13 +211,10 @@ class Services(unittest.TestCase):
     def test_markers_follow_the_models(self):
         topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
         wait_until(lambda: topics.messages, "the list of debug topics")
-        self.assertIn("layer/room", topics.messages[-1].topics)
-        self.assertIn("model/turtlebot", topics.messages[-1].topics)
-        walls = Recorder("/flatland_server/debug/layer/room", MarkerArray)
-        marker = wait_until(lambda: walls.messages, "the walls")[0].markers[0]
-        corners = {(round(p.x, 6), round(p.y, 6)) for p in marker.points}
-        self.assertEqual(corners, {(-5, -3), (5, -3), (5, 3), (-5, 3)})
-        self.assertEqual(marker.header.frame_id, "map")
+        self.assertEqual(
+            topics.messages[-1].topics,
+            ["layer/room", "layer/room_3d", "layer/hall", "layer/hall_3d", "model/turtlebot"],
+        )
 
         self.assertTrue(spawn(BOX, "crate", "", 3.0, -2.0, 0.5).success)
         wait_until(lambda: "model/crate" in topics.messages[-1].topics, "the crate to be listed")
@@ -220,6 +228,44 @@ class Services(unittest.TestCase):
             lambda: crate.messages[-1].markers[0].action == Marker.DELETEALL, "the crate to vanish"
         )
         wait_until(lambda: "model/crate" not in topics.messages[-1].topics, "the list to shrink")
+
+    def test_each_name_of_a_layer_has_its_walls_flat_and_upright(self):
+        corners = {(-5, -3), (5, -3), (5, 3), (-5, 3)}
+        for name, heights in (
+            *(("layer/room", {0}), ("layer/hall", {0}), ("layers", {0})),
+            *(("layer/room_3d", {0, 1}), ("layer/hall_3d", {0, 1})),
+        ):
+            walls = Recorder(f"/flatland_server/debug/{name}", MarkerArray)
+            marker = wait_until(lambda w=walls: w.messages, f"~debug/{name}")[0].markers[-1]
+            walls.close()
+            found = {(round(p.x, 6), round(p.y, 6)) for p in marker.points}
+            self.assertEqual((name, found), (name, corners))
+            self.assertEqual((name, {p.z for p in marker.points}), (name, heights))
+            self.assertEqual((marker.header.frame_id, marker.ns), ("map", "room"))
+
+    def test_the_markers_of_a_model_are_latched_while_it_has_subscribers(self):
+        topic = "/flatland_server/debug/model/latecomer"
+        topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
+        self.assertTrue(spawn(BOX, "latecomer", "", -3.0, -2.0).success)
+        self.addCleanup(delete, "latecomer")
+        first = Recorder(topic, MarkerArray)
+        wait_until(lambda: first.messages, "the markers")
+        is_latched = rospy.get_param("/flatland_server/rospy_patches", True)
+        header = first.messages[0]._connection_header
+        self.assertEqual(header["latching"], "1" if is_latched else "0")
+        self.assertAlmostEqual(x_of(first.messages[-1]), -3.0, delta=1e-5)
+        first.close()
+
+        self.assertTrue(move("latecomer", -1.0, -2.0).success)
+        self.assertTrue(spawn(BOX, "other", "", 3.0, -2.0).success)
+        wait_until(lambda: "model/other" in topics.messages[-1].topics, "an update of the markers")
+        self.assertTrue(delete("other").success)
+        wait_until(lambda: "model/other" not in topics.messages[-1].topics, "another update")
+        second = Recorder(topic, MarkerArray)
+        wait_until(lambda: second.messages, "the markers")
+        self.assertAlmostEqual(x_of(second.messages[0]), -1.0, delta=1e-5)
+        second.close()
+        topics.close()
 
 
 if __name__ == "__main__":

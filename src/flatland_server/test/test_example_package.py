@@ -1,7 +1,8 @@
-"""flatland_example_plugins as a user's package: in a workspace of its own, Flatland installed.
+"""Copies of flatland_example_plugins as a user's packages: in a workspace on an installed Flatland.
 
-Flatland is installed out of the clone's build folder, below a DESTDIR, as packagers do it:
-setup.bash finds an install space where it lies. The user's workspace is a new one each time.
+Flatland, the example package included, is installed out of the clone's build folder, below a
+DESTDIR, as packagers do it: setup.bash finds an install space where it lies. The user's workspace
+is a new one each time, with one copy under the same name and one renamed as the README says.
 """
 
 import os
@@ -22,16 +23,23 @@ PACKAGE = ROOT / "src" / "flatland_example_plugins"
 LIMIT = 300.0  # s of real time, for each command; other builds may be running
 CONFIGURE = "-DPYTHON_EXECUTABLE=/usr/bin/python3 -DCMAKE_BUILD_TYPE=Release"
 
-# Of a workspace's devel space and of its install space: where the package is, how it is launched.
-FOLDERS = {
-    "devel": "src/flatland_example_plugins",
-    "install": "install/share/flatland_example_plugins",
-}
+COPIES = ("flatland_example_plugins", "my_plugins")
+
+# Of a workspace's devel space and of its install space: where packages are, how one is launched.
+FOLDERS = {"devel": "src", "install": "install/share"}
 LAUNCH_FILES = {
     "devel": "flatland_server server.launch "
-    "world_path:=$(rospack find flatland_example_plugins)/worlds/conveyor/world.yaml",
-    "install": "flatland_example_plugins conveyor.launch",
+    "world_path:=$(rospack find my_plugins)/worlds/conveyor/world.yaml",
+    "install": "my_plugins conveyor.launch",
 }
+
+WHERE_FOUND = """
+import inspect
+from flatland_server import ModelPlugin, PluginLoader
+for name in ("Simple", "flatland_example_plugins::Simple"):
+    found = PluginLoader().load(name, ModelPlugin)
+    print(found.__module__, inspect.getfile(found))
+"""
 
 LISTEN = """
 import rospy
@@ -91,11 +99,11 @@ def shell(tmp_path):
 
 @pytest.fixture(scope="module")
 def flatland(tmp_path_factory):
-    """The install space of a Flatland without the example package."""
+    """The install space of a Flatland with the example package."""
     folder = tmp_path_factory.mktemp("flatland")
     cache = (BUILD / "CMakeCache.txt").read_text()
     [prefix] = re.findall(r"^CMAKE_INSTALL_PREFIX:PATH=/(.*)$", cache, flags=re.MULTILINE)
-    packages = ("flatland_msgs", "flatland_plugins", "flatland_server")
+    packages = ("flatland_msgs", "flatland_plugins", "flatland_server", PACKAGE.name)
     Shell(folder).run(
         f"export DESTDIR={folder}",
         f"cmake -DCMAKE_INSTALL_LOCAL_ONLY=1 -P {BUILD}/cmake_install.cmake",  # setup.bash etc.
@@ -104,13 +112,23 @@ def flatland(tmp_path_factory):
     return folder / prefix
 
 
+def rename(copy):
+    """Give a copy of the package the name of its folder, as the package's README says."""
+    (copy / "src" / PACKAGE.name).rename(copy / "src" / copy.name)
+    for file in copy.rglob("*"):
+        if file.is_file():
+            file.write_text(file.read_text().replace(PACKAGE.name, copy.name))
+
+
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory, flatland):
-    """A catkin workspace with the package alone, built and installed."""
+    """A catkin workspace with the copies alone, built and installed."""
     folder = tmp_path_factory.mktemp("workspace")
     shell = Shell(folder)
     ignored = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(PACKAGE, folder / "src" / PACKAGE.name, ignore=ignored)
+    for name in COPIES:
+        shutil.copytree(PACKAGE, folder / "src" / name, ignore=ignored)
+    rename(folder / "src" / "my_plugins")
     shell.run(
         f"source {flatland}/setup.bash",
         f"cd {folder}",
@@ -138,17 +156,28 @@ def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
 
     installed = flatland / "share"
     assert sorted(plugins) == [
-        f"flatland_example_plugins {workspace / FOLDERS[space]}/flatland_plugins.xml",
+        f"flatland_example_plugins {workspace / FOLDERS[space]}/flatland_example_plugins/"
+        "flatland_plugins.xml",
         f"flatland_plugins {installed}/flatland_plugins/flatland_plugins.xml",
+        f"my_plugins {workspace / FOLDERS[space]}/my_plugins/flatland_plugins.xml",
     ]
     assert all(Path(line.split()[1]).is_file() for line in plugins)
     assert server == f"{installed}/flatland_server"
 
 
+@pytest.mark.parametrize("space", ["devel", "install"])
+def test_a_copy_hides_the_original_by_another_name_and_by_the_same(workspace, shell, space):
+    found = shell.run(f"source {workspace}/{space}/setup.bash", f"python3 -c '{WHERE_FOUND}'")
+
+    (renamed, renamed_file), (same, same_file) = (line.split() for line in found.splitlines())
+    assert (renamed, same) == ("my_plugins.simple", "flatland_example_plugins.simple")
+    assert all(file.startswith(f"{workspace}/") for file in (renamed_file, same_file))
+
+
 def test_its_own_tests_pass(workspace, shell):
     output = shell.run(
         f"source {workspace}/devel/setup.bash",
-        f"catkin_make -C {workspace} run_tests",
+        f"catkin_make -C {workspace} run_tests_my_plugins",
         f"catkin_test_results {workspace}/build/test_results",
     )
 
@@ -172,4 +201,7 @@ def test_the_installed_server_runs_its_world(workspace, shell, tmp_path, space):
         print(log.read_text())
 
     assert "Hello world" in log.read_text()
-    assert f"{workspace / FOLDERS[space]}/worlds/conveyor/world.yaml: 1 layers" in log.read_text()
+    assert (
+        f"{workspace / FOLDERS[space]}/my_plugins/worlds/conveyor/world.yaml: 1 layers"
+        in log.read_text()
+    )

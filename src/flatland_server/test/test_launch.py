@@ -145,6 +145,16 @@ def test_a_wrong_argument_is_named(run):
     assert ERROR.findall(launch.output) == ["~step_size: expected a number above 0, found inf"]
 
 
+def test_an_unknown_argument_is_named(run):
+    launch = run(str(ROOM / "world.yaml"), "udpate_rate:=100", "show_viz:=false")
+
+    assert launch.process.wait(60) == 1
+    [error] = ERROR.findall(launch.output)
+    assert error.startswith(
+        'server.launch has no argument "udpate_rate" (did you mean "update_rate"?); it has: world_p'
+    )
+
+
 @pytest.mark.parametrize(("update_rate", "factor"), [("400", 2.0), ("100", 0.5)])
 def test_time_goes_at_update_rate_times_step_size(run, update_rate, factor):
     launch = run(

@@ -15,6 +15,7 @@ from flatland_benchmark.plots import draw, require_matplotlib
 from flatland_benchmark.report import CaseReport, Report
 from flatland_benchmark.tables import HEADER, case_rows
 from flatland_server.exceptions import FlatlandError, suggestion
+from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -48,6 +49,9 @@ def parser() -> argparse.ArgumentParser:
         help="plot FILE; run nothing",
     )
     add("--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare two files")
+    # What benchmark.launch adds.
+    add("--world", action="store_true", help=argparse.SUPPRESS)
+    add("--launch-files", nargs="+", type=Path, default=[], help=argparse.SUPPRESS)
     add("--one", nargs=2, metavar=("CASE", "WORLDS"), help=argparse.SUPPRESS)
     return result
 
@@ -59,6 +63,10 @@ def _positive(text: str) -> int:
 
 
 def _do(options: argparse.Namespace) -> int:
+    if options.launch_files:
+        check_launch_arguments(options.launch_files, parent_command_line())
+    if options.world:
+        return _run_world(options)
     if options.list:
         for case in CASES.values():
             print(f"{case.name:26} {case.description}")
@@ -79,6 +87,16 @@ def _do(options: argparse.Namespace) -> int:
         for path in draw(report, options.plots):
             print(path)
     return 1 if failed else 0
+
+
+def _run_world(options: argparse.Namespace) -> int:
+    """Runs the world of the launch file's parameters. Returns the exit code."""
+    if options.cases or options.plots:
+        given = "cases" if options.cases else "plots"
+        raise FlatlandError(f"expected world_path or {given}, found both")
+    from flatland_benchmark.world_run import run_world
+
+    return run_world(options.json)
 
 
 def select(patterns: List[str]) -> List[Case]:

@@ -2,9 +2,7 @@
 
 import json
 import os
-import random
 import shutil
-import socket
 import sys
 import tempfile
 import time
@@ -16,6 +14,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Set, Type
 import yaml
 
 from flatland_benchmark.process import Process, wait_until
+from flatland_server.testing.ports import free_port
 
 _NAME = "/flatland_benchmark"  # our name in calls to the master
 
@@ -115,7 +114,7 @@ class ServerProcess:
         self._rosout = rosout
         self._folder = tempfile.TemporaryDirectory(prefix="flatland_benchmark_")
         self._processes: List[Process] = []
-        port = _free_port()
+        port = free_port()
         self.uri = f"http://127.0.0.1:{port}"
         """The address of the ROS master."""
         self._master = xmlrpc.client.ServerProxy(self.uri)
@@ -239,16 +238,3 @@ class ServerProcess:
         while self._processes:
             self._processes.pop().end()
         self._folder.cleanup()
-
-
-def _free_port() -> int:
-    """A TCP port for the master, below those that the kernel chooses itself (32768 and up)."""
-    draw = random.SystemRandom()
-    while True:
-        port = draw.randrange(15000, 32000)
-        with socket.socket() as probe:
-            try:
-                probe.bind(("127.0.0.1", port))
-            except OSError:
-                continue
-            return port

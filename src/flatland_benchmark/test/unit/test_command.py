@@ -251,19 +251,34 @@ def test_the_pictures_of_the_page_are_there():
         assert (PAGE.parent / image).is_file()
 
 
-@pytest.mark.parametrize("launch", LAUNCH_FILES, ids=lambda path: path.parts[-3])
-def test_the_launch_file_hands_its_arguments_on(launch):
-    arguments = ["cases:=scan_* spawn", "runs:=2", "json:=/tmp/now.json"]
+def options_of(launch, *arguments):
+    """The command's options when a launch file has these arguments."""
     command_line = subprocess.run(
         ["roslaunch", str(launch), *arguments, "--args", "/flatland_benchmark"],
         stdout=subprocess.PIPE,
         text=True,
         check=True,
     ).stdout.splitlines()[-1]
-
     words = [word for word in shlex.split(command_line)[1:] if not word.startswith("__")]
-    options = command.parser().parse_args(words)
+    return command.parser().parse_args(words)
+
+
+@pytest.mark.parametrize("launch", LAUNCH_FILES, ids=lambda path: path.parts[-3])
+def test_the_launch_file_hands_its_arguments_on(launch):
+    options = options_of(launch, "cases:=scan_* spawn", "runs:=2", "json:=/tmp/now.json")
+
     assert options.cases == ["scan_*", "spawn"]
     assert options.runs == 2
     assert options.json == Path("/tmp/now.json")
     assert options.plots is None
+    assert not options.world
+    assert options.launch_files == LAUNCH_FILES
+    assert options_of(launch, "world_path:=/a.yaml").world
+
+
+@pytest.mark.parametrize("arguments", [["spawn"], ["--plots", "/tmp"]])
+def test_a_world_is_run_instead_of_cases(capsys, arguments):
+    assert command.main([*arguments, "--world"]) == 2
+
+    given = "plots" if "--plots" in arguments else "cases"
+    assert f"expected world_path or {given}, found both" in capsys.readouterr().err

@@ -128,6 +128,66 @@ def test_a_wrong_model_alone_is_refused(good_files, check):
     )
 
 
+def test_a_map_alone_is_checked_as_a_map(good_files, check):
+    good_files.write("scaled.dat", "0 0 4 0\n4 0 4 3")
+    good_files.write(
+        "scaled.yaml", "{type: line_segments, data: scaled.dat, scale: 2, origin: [5, 5, 0]}"
+    )
+    world = good_files.load()
+    [image] = [each for each in world.layers if each.config.map == good_files.folder / "map.yaml"]
+    width, height = np.ptp(image.segments.reshape(-1, 2), axis=0)
+    count = len(image.segments)
+    world.close()
+
+    assert_answer(
+        check("map.yaml", "scaled.yaml"),
+        0,
+        f"map.yaml: a map of {count} segments, {width:.4g} x {height:.4g} m\n"
+        "scaled.yaml: a map of 2 segments, 8 x 6 m\n",
+    )
+
+
+def test_a_map_without_walls_is_a_map(good_files, check):
+    good_files.write("lines.dat", "")
+    good_files.write(
+        "m.yaml", "{type: line_segments, data: lines.dat, scale: 2, origin: [0, 0, 0]}"
+    )
+
+    assert_answer(check("m.yaml"), 0, "m.yaml: a map of 0 segments, 0 x 0 m\n")
+
+
+def test_problems_of_a_map_alone_are_those_of_a_map(good_files, check):
+    good_files.edit("map.yaml", "map.png", "office.png")
+
+    assert_answer(
+        check("map.yaml"),
+        1,
+        "",
+        "map.yaml:1:8: image: expected a file, but office.png is not there\n",
+    )
+
+
+def test_a_map_alone_has_a_picture(good_files, check):
+    assert check("map.yaml", "--render", "map_picture.png").returncode == 0
+
+    with Image.open(good_files.folder / "map_picture.png") as image:
+        assert max(image.size) == 1600
+        assert (102, 102, 102) in [color for _, color in image.convert("RGB").getcolors(1 << 24)]
+
+
+def test_a_file_that_is_neither_is_told_what_it_lacks(files, check):
+    files.write("other.yaml", "rate: 5\nname: other\n")
+
+    assert_answer(
+        check("other.yaml"),
+        1,
+        "",
+        'other.yaml:1:1: expected a world, which has the keys "properties" and "layers", a model '
+        '("bodies"), or a map ("image" or "data", "resolution" or "scale", "origin"); found none '
+        "of these keys\n",
+    )
+
+
 def test_one_wrong_file_of_several_fails_the_check(good_files, check):
     good_files.write("broken.yaml", "properties: {}\n")
 
@@ -141,7 +201,7 @@ def test_one_wrong_file_of_several_fails_the_check(good_files, check):
     ]
 
 
-@pytest.mark.parametrize("file", ["map.yaml", "lines.dat", "map.png", "."])
+@pytest.mark.parametrize("file", ["lines.dat", "map.png", "."])
 def test_a_file_of_another_kind_is_refused_without_a_traceback(good_files, check, file):
     answer = check(file)
 

@@ -136,6 +136,32 @@ def test_a_name_in_two_packages_is_ambiguous_until_the_package_is_given(packages
     assert PluginLoader().load("b_plugins::Laser", ModelPlugin).__module__ == "loader_second"
 
 
+@pytest.mark.parametrize("copy", ["a_copy", "z_copy"])
+def test_a_copy_of_the_example_package_hides_the_original(packages, copy):
+    packages.add_plugin("flatland_example_plugins", "Simple", "loader_example")
+    packages.add_plugin(copy, "Simple", f"loader_{copy}")
+    loader = PluginLoader()
+
+    assert loader.load("Simple", ModelPlugin).__module__ == f"loader_{copy}"
+    original = loader.load("flatland_example_plugins::Simple", ModelPlugin)
+    assert original.__module__ == "loader_example"
+
+
+@pytest.mark.parametrize("name", ["flatland_example_plugins", "my_plugins"])
+def test_of_two_packages_of_one_name_the_first_on_the_path_counts(
+    packages, name, tmp_path, monkeypatch
+):
+    packages.add_plugin(name, "Simple", "loader_underlay")
+    overlay = Packages(tmp_path / "z_overlay")
+    overlay.folder.mkdir()
+    overlay.add_plugin(name, "Simple", "loader_overlay")
+    (tmp_path / "z_overlay" / "loader_overlay.py").rename(tmp_path / "loader_overlay.py")
+    path = f"{overlay.folder}:{packages.folder / name}"
+    monkeypatch.setenv("ROS_PACKAGE_PATH", path)
+
+    assert PluginLoader().load("Simple", ModelPlugin).__module__ == "loader_overlay"
+
+
 @pytest.mark.parametrize(
     ("module", "text", "reason"),
     [
@@ -180,11 +206,6 @@ def test_a_class_that_is_not_of_the_required_kind_is_refused(packages, module, t
     [
         pytest.param("<library><class", "line 1", id="not XML"),
         pytest.param("", "no element found", id="empty"),
-        pytest.param(
-            '<library path="lib/libother"><class type="their_plugins::Laser"/></library>',
-            "their_plugins::Laser is a C++ class",
-            id="a C++ class",
-        ),
         pytest.param('<library><class type="Laser"/></library>', "module.Class", id="no module"),
     ],
 )
@@ -200,6 +221,50 @@ def test_a_faulty_declaration_of_another_package_is_logged_and_left_out(
     [message] = warnings(caplog)
     assert "their_plugins" in message
     assert word in message
+
+
+CPP_LIBRARY = """
+<library path="lib/libtheir_plugins_lib">
+  <class type="{namespace}::Pusher" base_class_type="flatland_server::ModelPlugin"/>
+  <class name="their_plugins/Named" type="{namespace}::Named"
+         base_class_type="flatland_server::WorldPlugin"/>
+  <class type="{namespace}::Laser" base_class_type="flatland_server::ModelPlugin"/>
+</library>
+"""
+
+
+@pytest.mark.parametrize("namespace", ["their_plugins", "flatland_plugins"])
+@pytest.mark.parametrize("name", ["Pusher", "Named"])
+def test_the_error_for_a_cpp_plugin_says_so_and_where_to_read_on(packages, caplog, namespace, name):
+    packages.add("their_plugins", CPP_LIBRARY.format(namespace=namespace))
+
+    for type in (name, f"{namespace}::{name}", f"their_plugins::{name}"):
+        assert refusal(type) == (
+            f'"{type}" is a C++ plugin of the package their_plugins ({namespace}::{name}); '
+            "this Flatland runs plugins written in Python: "
+            "docs/coming_from_cpp.md says how to port it"
+        )
+    assert warnings(caplog) == []
+
+
+def test_a_package_of_cpp_plugins_does_not_disturb_others(packages, caplog):
+    packages.add("their_plugins", CPP_LIBRARY.format(namespace="flatland_plugins"))
+    packages.add_plugin("your_plugins", "Laser", "loader_your_laser")
+
+    assert PluginLoader().load("Laser", ModelPlugin).__module__ == "loader_your_laser"
+    assert "there are: Laser" in refusal("Lazer")
+    assert "Pusher" not in refusal("Puscher")
+    assert warnings(caplog) == []
+
+
+def test_a_plugin_that_was_ported_hides_the_cpp_class(packages):
+    both = CPP_LIBRARY.format(namespace="flatland_plugins").replace(
+        "</library>", '<class name="Pusher" type="loader_ported.Pusher"/></library>'
+    )
+    packages.add("their_plugins", both, loader_ported=MODULE.format(name="Pusher"))
+
+    for type in ("Pusher", "their_plugins::Pusher"):
+        assert PluginLoader().load(type, ModelPlugin).__module__ == "loader_ported"
 
 
 def test_a_missing_declaration_file_is_logged(packages, caplog):

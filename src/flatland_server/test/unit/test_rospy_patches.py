@@ -31,6 +31,7 @@ REPLACED = {
     "raw_publishing": ["send_bytes", "send_framed"],
     "registration": ["batch_registration", "wait_until_registered"],
     "local_time": ["take_over_time"],
+    "latched_topics": ["forget_latched"],
     "marker_server": ["marker_server"],
 }
 """The calls that each patch replaces."""

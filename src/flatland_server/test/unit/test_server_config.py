@@ -32,6 +32,7 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         simplify_map=0,
         realtime_priority=True,
         rospy_patches=True,
+        map_to_odom=False,
     )
 
 

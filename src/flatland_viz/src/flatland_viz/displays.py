@@ -1,6 +1,6 @@
-"""The displays of a world in the window, by its layers and laser scans.
+"""The displays of a world in the window.
 
-Pure functions of the topics that the server and the ROS master list.
+Pure functions of the topics that the ROS master lists.
 """
 
 from typing import Iterable, List, NamedTuple, Tuple
@@ -26,27 +26,28 @@ def laser_scans(published: Iterable[Tuple[str, str]]) -> List[str]:
     return sorted(topic for topic, kind in published if kind == "sensor_msgs/LaserScan")
 
 
-def layer_topics(debug: str, listed: Iterable[str]) -> List[str]:
-    """The topics of the layers' markers.
+def walls_topic(debug: str) -> str:
+    """The topic with the walls of all layers.
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
-        listed: the topics on `~debug/topics`: `layer/<name>` and `model/<name>`.
     """
-    return [f"{debug}/{topic}" for topic in listed if topic.startswith("layer/")]
+    return f"{debug}/layers"
 
 
-def wanted(debug: str, handles: str, listed: Iterable[str], scans: Iterable[str]) -> List[Shown]:
-    """All displays of a world. All models share one, which need not change when they do.
+def wanted(debug: str, handles: str, scans: Iterable[str]) -> List[Shown]:
+    """All displays of a world.
+
+    All layers share one: of the topics on `~debug/topics`, several show the same walls. All models
+    share one too, which need not change when they do.
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
         handles: the topic of the interactive markers.
-        listed: the topics on `~debug/topics`.
         scans: topics of laser scans.
     """
     return [
-        *(Shown(topic[len(debug) + 1 :], MARKERS, topic) for topic in layer_topics(debug, listed)),
+        Shown("layers", MARKERS, walls_topic(debug)),
         Shown("models", MARKERS, f"{debug}/models"),
         Shown("drag and turn", HANDLES, handles),
         *(Shown(topic.lstrip("/"), SCAN, topic) for topic in scans),

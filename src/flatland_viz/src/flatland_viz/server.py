@@ -7,7 +7,8 @@ nothing here uses a widget.
 import threading
 import time
 import xmlrpc.client
-from typing import Any, Callable, Dict, List, Optional
+from contextlib import suppress
+from typing import Any, List, Optional
 
 import rosgraph
 import rospy
@@ -18,12 +19,13 @@ from std_srvs.srv import Empty
 from visualization_msgs.msg import MarkerArray
 
 from flatland_viz.bounds import bounds_of_markers
-from flatland_viz.displays import laser_scans, layer_topics
+from flatland_viz.displays import laser_scans, walls_topic
 from flatland_viz.error_text import error_text
 from flatland_viz.status import Simulation
 
 _SERVER = "flatland_server"
 _POLL_PERIOD = 1.0  # s, of real time
+_SHUTDOWN_LIMIT = 2.0  # s, of real time: for the server's answer
 
 
 class Server(QObject):
@@ -31,10 +33,10 @@ class Server(QObject):
 
     simulation_changed = Signal(object)
     """A status.Simulation, five times a second."""
-    topics_changed = Signal(object, object)
-    """The topics that the server lists on ~debug/topics, and those of all laser scans."""
-    walls_changed = Signal(str, object)
-    """A layer's topic, and the Bounds of its walls; None if there are none."""
+    scans_changed = Signal(object)
+    """The topics of all laser scans; at first also if there are none."""
+    walls_changed = Signal(object)
+    """The Bounds of all walls; None if there are none."""
     world_changed = Signal(str)
     """The path of the world's file."""
     failed = Signal(str)
@@ -44,10 +46,7 @@ class Server(QObject):
         super().__init__()
         self.debug = rospy.resolve_name(f"{_SERVER}/debug")
         self.handles = rospy.resolve_name("interactive_model_markers/update")
-        self._lock = threading.Lock()
-        self._layers: Dict[str, rospy.Subscriber] = {}
-        self._listed: List[str] = []
-        self._scans: List[str] = []
+        self._scans: Optional[List[str]] = None
         self._world = ""
         self._poll_now = threading.Event()
         self._is_closed = False
@@ -59,6 +58,13 @@ class Server(QObject):
         self._subscribers = [
             rospy.Subscriber(f"{self.debug}/topics", DebugTopicList, self._on_topics),
             rospy.Subscriber(state, SimulationState, self._on_state, queue_size=1),
+            rospy.Subscriber(
+                walls_topic(self.debug),
+                _RawMarkerArray,
+                self._on_walls,
+                queue_size=1,
+                buff_size=2**24,
+            ),
         ]
         threading.Thread(target=self._poll, name="topics", daemon=True).start()
 
@@ -66,8 +72,21 @@ class Server(QObject):
         """Unsubscribes. No signal is emitted after this."""
         self._is_closed = True
         self._poll_now.set()
-        for subscriber in [*self._subscribers, *self._layers.values()]:
+        for subscriber in self._subscribers:
             subscriber.unregister()
+
+    def shut_down(self) -> None:
+        """Makes the server end, as `rosnode kill` does. Waits a limited time for its answer."""
+
+        def call() -> None:
+            master = rosgraph.Master(rospy.get_name())
+            with suppress(OSError, xmlrpc.client.Error, rosgraph.MasterException):
+                uri = master.lookupNode(rospy.resolve_name(_SERVER))
+                xmlrpc.client.ServerProxy(uri).shutdown(rospy.get_name(), "the window was closed")
+
+        thread = threading.Thread(target=call, name="shut_down", daemon=True)
+        thread.start()
+        thread.join(_SHUTDOWN_LIMIT)
 
     def pause(self) -> None:
         """Stops simulated time."""
@@ -107,27 +126,11 @@ class Server(QObject):
             ),
         )
 
-    def _on_topics(self, message: DebugTopicList) -> None:
-        with self._lock:
-            self._listed = list(message.topics)
-            self._follow_layers(layer_topics(self.debug, message.topics))
-            self._emit(self.topics_changed, self._listed, self._scans)
-        self._poll_now.set()
+    def _on_topics(self, _: DebugTopicList) -> None:
+        self._poll_now.set()  # models have come or gone, perhaps with their scans
 
-    def _follow_layers(self, topics: List[str]) -> None:
-        for topic in [topic for topic in self._layers if topic not in topics]:
-            self._layers.pop(topic).unregister()
-            self._emit(self.walls_changed, topic, None)
-        for topic in topics:
-            if topic not in self._layers:
-                self._layers[topic] = rospy.Subscriber(
-                    topic, _RawMarkerArray, self._on_walls(topic), queue_size=1, buff_size=2**24
-                )
-
-    def _on_walls(self, topic: str) -> Callable[["_RawMarkerArray"], None]:
-        return lambda message: self._emit(
-            self.walls_changed, topic, bounds_of_markers(message.data)
-        )
+    def _on_walls(self, message: "_RawMarkerArray") -> None:
+        self._emit(self.walls_changed, bounds_of_markers(message.data))
 
     def _poll(self) -> None:
         """Polls the master, which does not notify of new topics."""
@@ -145,13 +148,12 @@ class Server(QObject):
             time.sleep(0.1)  # several models that are spawned together cause one poll
 
     def _on_polled(self, scans: List[str], world: Optional[str]) -> None:
-        with self._lock:
-            if scans != self._scans:
-                self._scans = scans
-                self._emit(self.topics_changed, self._listed, scans)
-            if world and world != self._world:
-                self._world = world
-                self._emit(self.world_changed, world)
+        if scans != self._scans:
+            self._scans = scans
+            self._emit(self.scans_changed, scans)
+        if world and world != self._world:
+            self._world = world
+            self._emit(self.world_changed, world)
 
 
 class _RawMarkerArray(MarkerArray):

@@ -17,19 +17,20 @@ _WAKE_PERIOD = 50  # ms
 _FRAME_RATE = 30  # Hz
 
 
-def main() -> int:
-    """Shows the window until it is closed; without a display, waits until it is shut down.
+_END_SERVER = "--end-server-on-close"
+"""The argument with which closing the window ends the server too, and so a launch of both.
 
-    It must not exit in that case: the node is required, and the whole launch would end with it, as
-    it does when the window is closed.
-    """
-    if not _has_display():
-        rospy.init_node("flatland_viz")
-        rospy.logwarn("no display: going on without a window (show_viz:=false avoids this line)")
-        rospy.spin()
-        return 0
+A window that crashes does not: the server goes on, and a window can be opened again."""
+
+
+def main() -> int:
+    """Shows the window until it is closed. Without a display, says so and ends."""
+    has_display = _has_display()
     rospy.init_node("flatland_viz", disable_signals=True)
-    return _show_window()
+    if not has_display:
+        rospy.logwarn("no display: going on without a window (show_viz:=false avoids this line)")
+        return 0
+    return _show_window(ends_server=_END_SERVER in sys.argv)
 
 
 def _has_display() -> bool:
@@ -50,7 +51,7 @@ def _has_display() -> bool:
     return False
 
 
-def _show_window() -> int:
+def _show_window(ends_server: bool) -> int:
     # Imported here: without a display there need not be Qt or rviz.
     from python_qt_binding.QtCore import Qt, QTimer
     from python_qt_binding.QtWidgets import QApplication
@@ -82,6 +83,8 @@ def _show_window() -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the shutdown
     window.hide()  # at once; rospy takes a second to shut down
+    if ends_server and window.is_closed:
+        server.shut_down()
     server.close()
     rospy.signal_shutdown("the window is closed")
     return 0

@@ -2,7 +2,7 @@
 
 import time
 from pathlib import Path
-from typing import Dict, List, Optional
+from typing import List, Optional
 
 from python_qt_binding.QtCore import QEvent, QObject, QSize, QTimer
 from python_qt_binding.QtWidgets import QApplication, QFileDialog, QMainWindow, QMessageBox
@@ -35,8 +35,9 @@ class Window(QMainWindow):
         super().__init__()
         self._server = server
         self._scene = scene
+        self.is_closed = False
+        """Whether the user has closed it."""
         self._world = ""
-        self._walls: Dict[str, Bounds] = {}
         self._simulation: Optional[Simulation] = None
         self._last_message = time.monotonic()
         self.setObjectName("flatland")
@@ -54,7 +55,7 @@ class Window(QMainWindow):
     def _connect(self) -> None:
         server, scene, menus = self._server, self._scene, self._menus
         server.simulation_changed.connect(self._on_simulation)
-        server.topics_changed.connect(self._on_topics)
+        server.scans_changed.connect(self._on_scans)
         server.walls_changed.connect(self._on_walls)
         server.world_changed.connect(self._on_world)
         server.failed.connect(self._line.show_hint)
@@ -88,16 +89,11 @@ class Window(QMainWindow):
         self._line.show_status(status(self._simulation, silence))
         self._menus.show_simulation(None if is_gone(silence) else self._simulation)
 
-    def _on_topics(self, listed: List[str], scans: List[str]) -> None:
-        server = self._server
-        self._scene.show_displays(wanted(server.debug, server.handles, listed, scans))
+    def _on_scans(self, scans: List[str]) -> None:
+        self._scene.show_displays(wanted(self._server.debug, self._server.handles, scans))
 
-    def _on_walls(self, topic: str, bounds: Optional[Bounds]) -> None:
-        if bounds is None:
-            self._walls.pop(topic, None)
-        else:
-            self._walls[topic] = bounds
-        self._scene.set_bounds(around(self._walls.values()))
+    def _on_walls(self, bounds: Optional[Bounds]) -> None:
+        self._scene.set_bounds(around([bounds]))
 
     def _on_world(self, path: str) -> None:
         is_other = bool(self._world)
@@ -116,6 +112,7 @@ class Window(QMainWindow):
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Ends the program, whatever dialogs are open."""
         super().closeEvent(event)
+        self.is_closed = True
         QApplication.quit()
 
     def _spawn_other(self) -> None:

@@ -4,15 +4,13 @@ from flatland_viz.displays import Shown, changes, laser_scans, wanted
 
 DEBUG = "/flatland_server/debug"
 HANDLES = "/interactive_model_markers/update"
-LISTED = ["layer/map", "layer/upper/walls", "model/robot", "model/fleet/box"]
 
 
-def test_each_layer_and_each_scan_has_a_display():
-    shown = wanted(DEBUG, HANDLES, LISTED, ["/front/scan", "/scan"])
+def test_all_layers_share_a_display_and_each_scan_has_one():
+    shown = wanted(DEBUG, HANDLES, ["/front/scan", "/scan"])
 
     assert [(one.name, one.kind, one.topic) for one in shown] == [
-        ("layer/map", "rviz/MarkerArray", "/flatland_server/debug/layer/map"),
-        ("layer/upper/walls", "rviz/MarkerArray", "/flatland_server/debug/layer/upper/walls"),
+        ("layers", "rviz/MarkerArray", "/flatland_server/debug/layers"),
         ("models", "rviz/MarkerArray", "/flatland_server/debug/models"),
         ("drag and turn", "rviz/InteractiveMarkers", "/interactive_model_markers/update"),
         ("front/scan", "rviz/LaserScan", "/front/scan"),
@@ -20,17 +18,17 @@ def test_each_layer_and_each_scan_has_a_display():
     ]
 
 
-def test_an_empty_world_has_the_displays_of_models():
-    shown = wanted(DEBUG, HANDLES, [], [])
+def test_an_empty_world_has_the_displays_of_layers_and_models():
+    shown = wanted(DEBUG, HANDLES, [])
 
-    assert [one.name for one in shown] == ["models", "drag and turn"]
+    assert [one.name for one in shown] == ["layers", "models", "drag and turn"]
 
 
 def test_a_server_in_a_namespace_has_its_own_topics():
-    shown = wanted("/a/flatland_server/debug", "/a/handles", ["layer/map"], [])
+    shown = wanted("/a/flatland_server/debug", "/a/handles", [])
 
     assert [one.topic for one in shown] == [
-        "/a/flatland_server/debug/layer/map",
+        "/a/flatland_server/debug/layers",
         "/a/flatland_server/debug/models",
         "/a/handles",
     ]
@@ -48,8 +46,8 @@ def test_laser_scans_are_found_among_all_topics():
 
 
 def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
-    before = wanted(DEBUG, HANDLES, LISTED, ["/scan"])
-    after = wanted(DEBUG, HANDLES, [*LISTED, "model/robot2"], ["/robot2/scan", "/scan"])
+    before = wanted(DEBUG, HANDLES, ["/scan"])
+    after = wanted(DEBUG, HANDLES, ["/robot2/scan", "/scan"])
 
     gone, new = changes(before, after)
 
@@ -58,23 +56,13 @@ def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
 
 
 def test_the_scan_of_a_deleted_robot_is_removed():
-    before = wanted(DEBUG, HANDLES, LISTED, ["/robot2/scan", "/scan"])
-    after = wanted(DEBUG, HANDLES, LISTED, ["/scan"])
+    before = wanted(DEBUG, HANDLES, ["/robot2/scan", "/scan"])
+    after = wanted(DEBUG, HANDLES, ["/scan"])
 
     assert changes(before, after) == ([Shown("robot2/scan", "rviz/LaserScan", "/robot2/scan")], [])
 
 
-def test_another_world_replaces_only_the_layers():
-    before = wanted(DEBUG, HANDLES, ["layer/map"], ["/scan"])
-    after = wanted(DEBUG, HANDLES, ["layer/hall"], ["/scan"])
-
-    gone, new = changes(before, after)
-
-    assert [one.name for one in gone] == ["layer/map"]
-    assert [one.name for one in new] == ["layer/hall"]
-
-
 def test_equal_displays_stay():
-    shown = wanted(DEBUG, HANDLES, LISTED, ["/scan"])
+    shown = wanted(DEBUG, HANDLES, ["/scan"])
 
     assert changes(shown, list(shown)) == ([], [])

@@ -108,6 +108,10 @@ class YamlMap:
         self._note_unknown_keys()
         self.raise_problems()
 
+    def accept_other_keys(self) -> None:
+        """Makes `finish` accept keys that no getter has asked for."""
+        self._read.update(self._keys)
+
     def _note_unknown_keys(self) -> None:
         for key in self._unread():
             hint = suggestion(key, self._read - self._keys.keys())

@@ -2,8 +2,9 @@
 
 import struct
 from io import BytesIO
-from typing import Iterable, List, NamedTuple
+from typing import Any, Callable, Iterable, List, NamedTuple
 
+from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.geometry import Pose, quaternion
@@ -14,6 +15,25 @@ _POSE = struct.Struct("<7d")
 
 class SerializedMarkerArray(PreparedMessage, MarkerArray):  # type: ignore[misc]
     """A MarkerArray that is serialized already."""
+
+
+class LazyMarkerArray(MarkerArray):  # type: ignore[misc]
+    """A MarkerArray that is made when it is sent: never if its topic has no subscribers.
+
+    Args:
+        make: returns the array. rospy calls it on a thread of its own when a subscriber connects to
+            a latched topic, so it must not read what the simulation changes.
+    """
+
+    __slots__ = ["_make"]
+
+    def __init__(self, make: Callable[[], SerializedMarkerArray]) -> None:
+        super().__init__()
+        self._make = make
+
+    def serialize(self, buff: Any) -> None:
+        """Writes the array into a buffer; called by rospy."""
+        self._make().serialize(buff)
 
 
 class MarkerBytes(NamedTuple):
@@ -36,6 +56,16 @@ def serialized(markers: List[Marker]) -> MarkerBytes:
     for marker in markers:
         marker.serialize(buffer)
     return MarkerBytes(len(markers), buffer.getvalue())
+
+
+def delete_all(frame_id: str) -> MarkerBytes:
+    """A marker at which rviz deletes all markers of the topic.
+
+    Args:
+        frame_id: any known frame: without one, rviz would process the marker before those that it
+            is to delete.
+    """
+    return serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=frame_id))])
 
 
 class MovingMarkers:

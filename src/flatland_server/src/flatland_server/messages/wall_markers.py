@@ -7,26 +7,68 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from flatland_server.arrays import FloatArray
-from flatland_server.messages.serialized_markers import (
-    MarkerBytes,
-    SerializedMarkerArray,
-    array_of,
-    serialized,
-)
-from flatland_server.models.layer import Layer
+from flatland_server.arrays import FloatArray, Segments
+from flatland_server.messages.serialized_markers import MarkerBytes, serialized
+from flatland_server.models.layer import LayerConfig
 
 _WALL_WIDTH = 0.05  # m
+_NONE = MarkerBytes(0, b"")
 
 
-def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
-    """All walls of a layer as one line list."""
-    marker = Marker(ns=layer.name, type=Marker.LINE_LIST, action=Marker.ADD)
-    marker.header.frame_id = frame_id
+def flat_walls(config: LayerConfig, segments: Segments, frame_id: str) -> MarkerBytes:
+    """The walls as lines on the ground; no marker if there are none.
+
+    Args:
+        config: of their layer.
+        segments: shape (n, 4), x1, y1, x2, y2 [m].
+        frame_id: of the world.
+    """
+    return _lines(config, segments, 0.0, frame_id)
+
+
+def upright_walls(config: LayerConfig, segments: Segments, frame_id: str) -> MarkerBytes:
+    """The walls as rectangles between `min_z` and `max_z`; no marker if there are none.
+
+    If `max_z` is not above `min_z`, they are lines at `min_z`. The arguments are those of
+    `flat_walls`.
+    """
+    low, high = config.min_z, config.max_z
+    if high <= low:
+        return _lines(config, segments, low, frame_id)
+    begin, end = segments[:, :2], segments[:, 2:]
+    triangles = (
+        *((begin, low), (end, low), (end, high)),
+        *((begin, low), (end, high), (begin, high)),
+    )
+    points = np.stack([_at_height(corner, z) for corner, z in triangles], axis=1)
+    marker = _marker(config, Marker.TRIANGLE_LIST, frame_id)
+    marker.scale.x = marker.scale.y = marker.scale.z = 1.0
+    return _with_points(marker, points.reshape(-1, 3))
+
+
+def _lines(config: LayerConfig, segments: Segments, z: float, frame_id: str) -> MarkerBytes:
+    marker = _marker(config, Marker.LINE_LIST, frame_id)
     marker.scale.x = _WALL_WIDTH
-    marker.color = ColorRGBA(*layer.config.color)
+    return _with_points(marker, _at_height(segments.reshape(-1, 2), z))
+
+
+def _marker(config: LayerConfig, type: int, frame_id: str) -> Marker:
+    marker = Marker(ns=config.names[0], type=type, action=Marker.ADD)
+    marker.header.frame_id = frame_id
+    marker.color = ColorRGBA(*config.color)
     marker.pose.orientation.w = 1.0
-    points = _lines(layer).astype("<f8")
+    return marker
+
+
+def _at_height(points: FloatArray, z: float) -> FloatArray:
+    """Points of shape (n, 2) at a height: shape (n, 3)."""
+    return np.column_stack([points, np.full(len(points), z)])
+
+
+def _with_points(marker: Marker, points: FloatArray) -> MarkerBytes:
+    """A serialized marker with these points, shape (n, 3); none if there are no points."""
+    if len(points) == 0:
+        return _NONE
     # The offset of the point list's length: the first byte in which a marker without points differs
     # from one with a point.
     empty = serialized([marker]).data
@@ -34,20 +76,5 @@ def wall_markers(layer: Layer, frame_id: str) -> SerializedMarkerArray:
     one_point = serialized([marker]).data
     begin = next(i for i, (a, b) in enumerate(zip(empty, one_point)) if a != b)
     length = struct.pack("<I", len(points))
-    full = empty[:begin] + length + points.tobytes() + empty[begin + 4 :]
-    return array_of([MarkerBytes(1, full)])
-
-
-def _lines(layer: Layer) -> FloatArray:
-    """Pairs of points, shape (n, 3): walls at min_z; if max_z is above that, also at max_z, and
-    the vertical edges between both.
-    """
-    corners = layer.segments.reshape(-1, 2)
-    low, high = (
-        np.column_stack([corners, np.full(len(corners), z)])
-        for z in (layer.config.min_z, layer.config.max_z)
-    )
-    if layer.config.max_z <= layer.config.min_z:
-        return low
-    upright = np.stack([low, high], axis=1).reshape(-1, 3)
-    return np.concatenate([low, high, upright])
+    data = points.astype("<f8").tobytes()
+    return MarkerBytes(1, empty[:begin] + length + data + empty[begin + 4 :])

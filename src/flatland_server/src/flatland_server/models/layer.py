@@ -26,8 +26,8 @@ class LayerConfig:
         names: of the layer and its collision layers.
         bits: those of its names, together.
         color: of its walls.
-        min_z: lower edge of its walls in rviz [m].
-        max_z: upper edge of its walls in rviz [m].
+        min_z: lower edge of its upright walls in rviz [m].
+        max_z: upper edge of its upright walls in rviz [m].
         map: its map file, if it has one.
     """
 
@@ -63,7 +63,7 @@ class LayerConfig:
         properties = reader.get_section("properties")
         debug = properties.get_section("debug")
         min_z = debug.get_float("min_z", 0.0)
-        max_z = debug.get_float("max_z", 0.0)
+        max_z = debug.get_float("max_z", 1.0)
         debug.finish()
         properties.finish()
         map_file = cls.read_map_path(reader)

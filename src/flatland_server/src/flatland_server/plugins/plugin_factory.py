@@ -1,7 +1,7 @@
 """Makes plugins out of their configuration."""
 
 import zlib
-from typing import Any, Callable, Type, TypeVar
+from typing import Any, Callable, Set, Type, TypeVar
 
 import numpy as np
 
@@ -32,6 +32,11 @@ class PluginFactory:
     def take_over_warnings(self, former: "PluginFactory") -> None:
         """See `PluginManager.take_over_warnings`."""
         self._root_node.take_over_warnings(former._root_node)
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames of odometry that the plugins have claimed."""
+        return self._root_node.odometry_frames
 
     def make(
         self,

@@ -13,13 +13,15 @@ A package declares its plugins in an XML file and exports it in its package.xml:
 
 `type` is the importable Python class, `name` its name in YAML files, alone or as
 `my_plugins::ConstVelocity`. The package makes its modules importable with catkin_python_setup().
-A plugin in a `<library example="true">` is hidden by another plugin of the same name.
+A C++ class, whose `type` has `::`, cannot be loaded: only a file that names it gets an error.
+A plugin of `EXAMPLE_PACKAGE`, which is there to be copied, is hidden by others of the same name.
 """
 
 import importlib
 import inspect
 import logging
 import os
+import re
 import warnings
 import xml.etree.ElementTree as ElementTree
 from contextlib import contextmanager
@@ -47,6 +49,10 @@ logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
 
+EXAMPLE_PACKAGE = "flatland_example_plugins"
+"""The package that users copy under another name: a copy hides the plugins of the original."""
+
+_SEPARATOR = re.compile(r"::|[./]")
 _IGNORED = {"CATKIN_IGNORE", "AMENT_IGNORE", "rospack_nosubdirs"}
 
 
@@ -57,8 +63,8 @@ class PluginDeclaration:
     name: str
     package: str
     class_path: str
-    is_example: bool = False
-    """Whether it is hidden by plugins of the same name, which may have been made after it."""
+    is_cpp: bool = False
+    """Whether it is a C++ class, as plugins of the original Flatland are."""
 
     @classmethod
     def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
@@ -69,7 +75,9 @@ class PluginDeclaration:
     def answers_to(self, type: str) -> bool:
         """Whether the `type` in a YAML file means this class."""
         package, _, name = type.rpartition("::")
-        return name == self.name and package in ("", self.package)
+        # Packages of C++ plugins mostly use the namespace flatland_plugins.
+        namespace = self.class_path.rpartition("::")[0]
+        return name == self.name and package in ("", self.package, namespace)
 
 
 class PluginLoader:
@@ -92,14 +100,17 @@ class PluginLoader:
         """
         if self._declarations is None:
             self._declarations = discover()
-        found = [d for d in self._declarations if d.answers_to(type)]
+        answering = [d for d in self._declarations if d.answers_to(type)]
+        found = [d for d in answering if not d.is_cpp]
+        if answering and not found:
+            raise PluginError(_cpp_error(type, answering[0]))
         if not found:
-            names = sorted(d.name for d in self._declarations)
+            names = sorted(d.name for d in self._declarations if not d.is_cpp)
             known = ", ".join(names) or "none; is the workspace's setup.bash sourced?"
             hint = suggestion(type.rpartition("::")[2], names)
             raise PluginError(f'unknown plugin type "{type}"{hint}; there are: {known}')
         if len(found) > 1:
-            found = [d for d in found if not d.is_example] or found
+            found = [d for d in found if d.package != EXAMPLE_PACKAGE] or found
         if len(found) > 1:
             choices = " or ".join(f"{d.package}::{d.name}" for d in found)
             raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
@@ -107,6 +118,14 @@ class PluginLoader:
         if not (inspect.isclass(cls) and issubclass(cls, base)):
             raise PluginError(f'"{type}" is not a {base.__name__}: {found[0].class_path}')
         return cls
+
+
+def _cpp_error(type: str, declaration: PluginDeclaration) -> str:
+    return (
+        f'"{type}" is a C++ plugin of the package {declaration.package} '
+        f"({declaration.class_path}); this Flatland runs plugins written in Python: "
+        "docs/coming_from_cpp.md says how to port it"
+    )
 
 
 def _import(declaration: PluginDeclaration) -> object:
@@ -208,15 +227,9 @@ def _read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
     declarations = []
     for element in root.iter("class"):
         class_path = element.get("type", "")
-        if "::" in class_path:
-            raise ValueError(
-                f"{xml}: {class_path} is a C++ class; here plugins are Python classes, such as "
-                f"{class_path.replace('::', '.')}"
-            )
-        if "." not in class_path:
+        is_cpp = "::" in class_path
+        if "." not in class_path and not is_cpp:
             raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
-        name = element.get("name", class_path.rpartition(".")[2])
-        is_example = root.get("example") == "true"
-        name = name.rpartition("/")[2]
-        declarations.append(PluginDeclaration(name, package, class_path, is_example))
+        name = _SEPARATOR.split(element.get("name", class_path))[-1]
+        declarations.append(PluginDeclaration(name, package, class_path, is_cpp))
     return declarations

@@ -2,7 +2,19 @@
 
 import logging
 import sys
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Type,
+    TypeVar,
+)
 
 from flatland_server import _core
 from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
@@ -93,6 +105,11 @@ class PluginManager:
     def plugins_of(self, model_name: str) -> List[Plugin]:
         """The plugins of a model, or of the world if the name is empty; also those that failed."""
         return list(self._plugins.get(model_name, []))
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames of odometry that running plugins have claimed."""
+        return self._factory.odometry_frames
 
     @property
     def failures(self) -> List[PluginFailure]:

@@ -1,9 +1,12 @@
 """The layers and models as marker arrays for rviz.
 
-`~debug/layer/<name>` is latched, and published again when walls are added. `~debug/model/<name>` is
-published at a rate of real time while it has subscribers and the model moves, and once a second.
-`~debug/topics` is latched and lists these topics without `~debug/`. `~debug/models` has the markers
-of all moving models, for a viewer that does not read that list.
+`~debug/layer/<name>` and `~debug/layer/<name>_3d` have the walls of a layer. `~debug/model/<name>`
+is published at a rate of real time while it has subscribers and the model moves, for each new
+subscriber, and once a second; it is latched while it has subscribers. `~debug/topics` is latched
+and lists these topics without `~debug/`.
+
+For a viewer that does not read that list, `~debug/layers` has the walls of all layers, and
+`~debug/models` the markers of all moving models.
 """
 
 import time
@@ -11,15 +14,15 @@ from typing import Dict, List
 
 import rospy
 from flatland_msgs.msg import DebugTopicList
-from std_msgs.msg import Header
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import MarkerArray
 
 from flatland_server.messages.model_markers import ModelMarkers
-from flatland_server.messages.serialized_markers import MarkerBytes, array_of, serialized
-from flatland_server.messages.wall_markers import wall_markers
-from flatland_server.models.layer import Layer
+from flatland_server.messages.serialized_markers import MarkerBytes, array_of, delete_all
 from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
+from flatland_server.ros.ros_transport import SubscriberCounter
+from flatland_server.ros.rospy_patches import RospyCalls
+from flatland_server.ros.wall_visualization import WallVisualization
 from flatland_server.simulation.world import World
 
 FRAME_ID = "map"
@@ -27,8 +30,7 @@ FRAME_ID = "map"
 _FULL_PERIOD = 1.0
 """Seconds of real time after which models at rest are published again."""
 
-# With a frame: rviz would otherwise process it before the markers that it is to delete.
-_DELETE_ALL = serialized([Marker(action=Marker.DELETEALL, header=Header(frame_id=FRAME_ID))])
+_DELETE_ALL = delete_all(FRAME_ID)
 
 
 class DebugVisualization:
@@ -37,14 +39,16 @@ class DebugVisualization:
     Args:
         world: the world to show.
         rate: how often models are published [Hz of real time].
+        rospy_calls: the operations of rospy to use.
     """
 
-    def __init__(self, world: World, rate: float) -> None:
+    def __init__(self, world: World, rate: float, rospy_calls: RospyCalls) -> None:
         self._world = world
+        self._rospy_calls = rospy_calls
         self._timer = RealTimeTimer(1.0 / rate)
         self._next_full = 0.0
         self._subscribers = 0
-        self._layers = [_LayerDisplay(layer) for layer in world.layers]
+        self._walls = WallVisualization(world.layers, FRAME_ID)
         self._models: Dict[str, _ModelDisplay] = {}
         self._closing: List[_ModelDisplay] = []  # of deleted models
         self._topics = rospy.Publisher("~debug/topics", DebugTopicList, queue_size=1, latch=True)
@@ -57,8 +61,7 @@ class DebugVisualization:
         if not self._timer.check_update():
             return
         now = time.monotonic()
-        for layer in self._layers:
-            layer.update()
+        self._walls.update()
         while self._closing:
             self._closing.pop().close()
         has_changed = self._follow_models()
@@ -72,6 +75,7 @@ class DebugVisualization:
             self._next_full = now + _FULL_PERIOD
         markers = [_DELETE_ALL] if has_changed else []
         for display in self._models.values():
+            display.count_subscribers()
             if (subscribers or display.has_subscribers) and display.place(with_all):
                 markers.append(display.publish())
         if subscribers and markers:
@@ -88,42 +92,42 @@ class DebugVisualization:
             self._closing.append(self._models.pop(name))
             self._closing[-1].delete_markers()
         for name in new:
-            self._models[name] = _ModelDisplay(present[name])
+            self._models[name] = _ModelDisplay(present[name], self._rospy_calls)
         return bool(gone or new)
 
     def _publish_topics(self) -> None:
-        self._topics.publish([display.topic for display in [*self._layers, *self._models.values()]])
-
-
-class _LayerDisplay:
-    def __init__(self, layer: Layer) -> None:
-        self.topic = f"layer/{layer.name}"
-        self._layer = layer
-        self._publisher = rospy.Publisher(
-            f"~debug/{self.topic}", MarkerArray, queue_size=1, latch=True
-        )
-        self._shown = -1
-        self.update()
-
-    def update(self) -> None:
-        """Publishes the walls if there are new ones."""
-        if len(self._layer.segments) != self._shown:
-            self._shown = len(self._layer.segments)
-            self._publisher.publish(wall_markers(self._layer, FRAME_ID))
+        models = [display.topic for display in self._models.values()]
+        self._topics.publish([*self._walls.topics, *models])
 
 
 class _ModelDisplay:
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, rospy_calls: RospyCalls) -> None:
         self.model = model
         self.topic = f"model/{model.name}"
-        self._publisher = rospy.Publisher(f"~debug/{self.topic}", MarkerArray, queue_size=1)
+        self._forget_latched = rospy_calls.forget_latched
+        self._counter = SubscriberCounter()
+        self._publisher = rospy.Publisher(
+            f"~debug/{self.topic}",
+            MarkerArray,
+            self._counter,
+            queue_size=1,
+            latch=self._forget_latched is not None,
+        )
         self._subscribers = 0
+        self._revision = 0
         self._markers = ModelMarkers(model, FRAME_ID)
+
+    def count_subscribers(self) -> None:
+        """Updates `has_subscribers`. Without any, nothing is published that could be latched."""
+        had_subscribers = self.has_subscribers
+        self._subscribers = self._publisher.get_num_connections()
+        if had_subscribers and not self.has_subscribers and self._forget_latched is not None:
+            self._forget_latched(self._publisher)
 
     @property
     def has_subscribers(self) -> bool:
         """Whether this model's own topic has subscribers."""
-        return self._publisher.get_num_connections() > 0
+        return self._subscribers > 0
 
     def place(self, is_full: bool) -> bool:
         """Updates the markers' poses. Returns whether to publish them.
@@ -131,21 +135,23 @@ class _ModelDisplay:
         Args:
             is_full: whether to publish them even if the model is at rest.
         """
-        subscribers = self._publisher.get_num_connections()
-        has_new_subscriber = subscribers > self._subscribers
-        self._subscribers = subscribers
-        return self._markers.place() or is_full or has_new_subscriber
+        has_other_subscribers = self._counter.revision != self._revision
+        self._revision = self._counter.revision
+        return self._markers.place() or is_full or has_other_subscribers
 
     def publish(self) -> MarkerBytes:
         """Returns the markers, and publishes them if the model's own topic has subscribers."""
         markers = self._markers.bytes()
-        if self._subscribers:
+        if self.has_subscribers:
             self._publisher.publish(array_of([markers]))
         return markers
 
     def delete_markers(self) -> None:
         """Makes rviz delete the markers."""
         self._publisher.publish(array_of([_DELETE_ALL]))
+        if self._forget_latched is not None:
+            # A new model of the same name has the same topic.
+            self._forget_latched(self._publisher)
 
     def close(self) -> None:
         """Closes the topic; a while after the last message, which rospy may send later."""

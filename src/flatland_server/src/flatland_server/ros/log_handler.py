@@ -1,4 +1,4 @@
-"""Python's logging and ROS's: records go to rosout, and logs that cannot be written are left out."""
+"""Logging of Python and of ROS: records go to rosout, and what cannot be written is left out."""
 
 import contextlib
 import logging

@@ -48,7 +48,7 @@ class RosTransport(Transport):
         self._waiting: Deque[Callable[[], None]] = deque()
         self._arrival = threading.Event()
         self._transforms = TransformQueue()
-        self._subscriber_counter = _SubscriberCounter()
+        self._subscriber_counter = SubscriberCounter()
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
@@ -166,7 +166,7 @@ class RosTransport(Transport):
                 logger.exception("a callback failed")
 
 
-class _SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
+class SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
     """Counts how often subscribers have connected or disconnected. ROS's threads call it."""
 
     def __init__(self) -> None:

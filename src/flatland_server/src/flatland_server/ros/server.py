@@ -1,8 +1,12 @@
-"""The node flatland_server: loads a world, opens its topics and services, and runs it."""
+"""The node flatland_server: loads a world, opens its topics and services, and runs it.
+
+The node flatland_benchmark does the same, and ends after some simulated time.
+"""
 
 import gc
 import logging
 import sys
+from typing import Callable
 
 import rospy
 
@@ -12,7 +16,9 @@ from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
+from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
+from flatland_server.ros.map_to_odom import MapToOdom
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import ServiceManager
@@ -27,15 +33,34 @@ from flatland_server.timekeeper import Timekeeper
 _REGISTRATION_LIMIT = 10.0
 """Real time that the ROS master has to register the topics of the world [s]."""
 
+Simulate = Callable[[SimulationManager, Callable[[], bool]], None]
+"""Runs a simulation while the second argument returns true."""
+
 
 def main() -> int:
     """Runs the node until it is shut down. Returns its exit code."""
-    rospy.init_node("flatland_server", disable_signals=True)
+    return run_node("flatland_server", SimulationManager.run)
+
+
+def run_node(name: str, simulate: Simulate) -> int:
+    """Runs a node with the parameters, topics and services of flatland_server.
+
+    Args:
+        name: of the node.
+        simulate: runs the simulation. The node ends when it returns.
+
+    Returns:
+        The exit code.
+    """
+    rospy.init_node(name, disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
     tolerate_write_errors()
     open_files.raise_limit()
     try:
-        _run(ServerConfig.read())
+        config = ServerConfig.read()
+        if config.launch_file is not None:
+            check_launch_arguments([config.launch_file], parent_command_line())
+        _run(config, simulate)
     except rospy.ROSInterruptException:
         return 0
     except FlatlandError as error:
@@ -45,7 +70,7 @@ def main() -> int:
     return 0
 
 
-def _run(config: ServerConfig) -> None:
+def _run(config: ServerConfig, simulate: Simulate) -> None:
     try:
         timekeeper = Timekeeper(config.step_size)
     except ValueError as error:
@@ -68,7 +93,7 @@ def _run(config: ServerConfig) -> None:
         len(world.models),
     )
     try:
-        manager.run(lambda: not transport.is_ending)
+        simulate(manager, lambda: not transport.is_ending)
     finally:
         shutdown.steps_have_ended()
         world.close()
@@ -83,7 +108,8 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     manager.after_jump += [clock.tick, clock.flush]
     transport.before_sending = clock.flush
     if config.show_viz:
-        manager.on_tick.append(DebugVisualization(manager.world, config.viz_pub_rate).update)
+        markers = DebugVisualization(manager.world, config.viz_pub_rate, transport.rospy_calls)
+        manager.on_tick.append(markers.update)
         handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
         manager.on_tick.append(handles.update)
     manager.on_tick.append(Diagnostics(manager).update)
@@ -91,6 +117,8 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     if config.realtime_priority:
         manager.on_tick.append(ThreadPriority().update)
     manager.on_tick.append(SlowPluginWatch().update)
+    if config.map_to_odom:
+        manager.on_tick.append(MapToOdom(manager.world).update)
     ServiceManager(manager, transport)
 
 

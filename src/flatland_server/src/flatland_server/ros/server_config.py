@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Optional
 
 import rospy
 
@@ -22,6 +22,9 @@ class ServerConfig(NamedTuple):
     simplify_map: int
     realtime_priority: bool
     rospy_patches: bool
+    map_to_odom: bool
+    launch_file: Optional[Path] = None
+    """The launch file that sets the parameters, to check its arguments."""
 
     @classmethod
     def read(cls) -> "ServerConfig":
@@ -39,16 +42,19 @@ class ServerConfig(NamedTuple):
         simplify_map = rospy.get_param("~simplify_map", 0)
         if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
+        launch_file = rospy.get_param("~launch_file", "")
         return cls(
             world_path=Path(str(world_path)).absolute(),
-            update_rate=_positive("~update_rate", 200.0, allow_infinity=True),
-            step_size=_positive("~step_size", 0.005),
+            update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
+            step_size=positive_param("~step_size", 0.005),
             show_viz=_flag("~show_viz", True),
-            viz_pub_rate=_positive("~viz_pub_rate", 30.0),
+            viz_pub_rate=positive_param("~viz_pub_rate", 30.0),
             seed=seed,
             simplify_map=simplify_map,
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
+            map_to_odom=_flag("~map_to_odom", False),
+            launch_file=Path(launch_file) if launch_file else None,
         )
 
 
@@ -59,7 +65,12 @@ def _flag(name: str, default: bool) -> bool:
     return value
 
 
-def _positive(name: str, default: float, *, allow_infinity: bool = False) -> float:
+def positive_param(name: str, default: float, *, allow_infinity: bool = False) -> float:
+    """A private parameter that is a number above zero.
+
+    Raises:
+        FlatlandError: it is something else.
+    """
     value: Any = rospy.get_param(name, default)
     try:
         number = float(value)

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and SIGHUP: end the simulation after the current step, if that ends."""
+"""Signals and `rosnode kill`: end the simulation after the current step, if that ends."""
 
 import logging
 import os
@@ -44,7 +44,7 @@ class Shutdown:
         threading.Thread(target=self._limit_time, daemon=True).start()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._end)
-        rospy.on_shutdown(transport.end)
+        rospy.on_shutdown(self._on_shutdown)
 
     def steps_have_ended(self) -> None:
         """To be called after the last step."""
@@ -55,6 +55,13 @@ class Shutdown:
             os._exit(0)
         self._transport.end()
         self._signals.put(number)
+
+    def _on_shutdown(self) -> None:
+        """Ends the simulation by request of another process, of which a thread of rospy's tells."""
+        if threading.get_ident() == self._simulation:
+            self._transport.end()  # the simulation has ended
+        else:
+            self._end(signal.SIGTERM, None)
 
     def _limit_time(self) -> None:
         self._signals.get()

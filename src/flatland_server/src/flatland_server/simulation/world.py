@@ -7,7 +7,7 @@ world.step(timekeeper)
 
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional, Set
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
@@ -137,6 +137,11 @@ class World:
     def plugin_count(self) -> int:
         """The number of plugins of the world and its models, including those that have failed."""
         return sum(len(self._plugins.plugins_of(owner)) for owner in ["", *self.models])
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames from which drives publish transforms to their bodies, such as "odom"."""
+        return self._plugins.odometry_frames
 
     @property
     def plugin_failures(self) -> List[PluginFailure]:

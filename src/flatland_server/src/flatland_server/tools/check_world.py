@@ -1,62 +1,110 @@
-"""Checks world and model files without a ROS master: rosrun flatland_server check_world FILE..."""
+"""Checks files without a ROS master: rosrun flatland_server check_world FILE...
+
+A file is a world, a model or a map: its keys tell which.
+"""
 
 import argparse
 import logging
 import sys
 from pathlib import Path
-from typing import List, Optional
+from typing import List, NamedTuple, Optional
+
+import numpy as np
 
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
-from flatland_server.models.collision_filter_registry import AnyLayer
+from flatland_server.maps.map_reader import read_map
+from flatland_server.models.collision_filter_registry import AnyLayer, CollisionFilterRegistry
+from flatland_server.models.layer import LayerConfig
 from flatland_server.models.model import ModelConfig
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.tools.render import render
 
+_MAP_NAME = "map"
+"""The name of the layer in which a map alone is shown."""
 
-def load(path: Path, preprocessor: YamlPreprocessor) -> World:
-    """Loads a world file; or a model file, into an otherwise empty world.
+_MAP_COLOR = (0.4, 0.4, 0.4, 1.0)
+
+_MODEL_KEYS = ("bodies",)
+_WORLD_KEYS = ("properties", "layers", "models")
+_MAP_KEYS = ("image", "data", "resolution", "scale", "origin", "occupied_thresh")
+
+
+class Loaded(NamedTuple):
+    """A file that is valid: the world that it makes, and a line about it."""
+
+    world: World
+    summary: str
+
+
+def load(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
+    """Loads a world file; or a model or map file, into an otherwise empty world.
 
     Args:
-        path: of the file; one with a key `bodies` is a model file.
+        path: of the file.
         preprocessor: for its expressions.
 
     Raises:
-        FlatlandError: something in the files is wrong.
+        FlatlandError: something in the files is wrong, or the file is none of these.
     """
     reader = YamlReader.from_file(path, preprocessor)
-    if not reader.has("bodies"):
-        return World(WorldConfig.read(reader, preprocessor))
+    if any(map(reader.has, _MODEL_KEYS)):
+        return _load_model(path, reader)
+    if any(map(reader.has, _WORLD_KEYS)):
+        world = World(WorldConfig.read(reader, preprocessor))
+        return Loaded(world, _contents(world))
+    if any(map(reader.has, _MAP_KEYS)):
+        return _load_map(path, preprocessor)
+    raise reader.error(
+        'expected a world, which has the keys "properties" and "layers", a model ("bodies"), or a '
+        'map ("image" or "data", "resolution" or "scale", "origin"); found none of these keys'
+    )
+
+
+def _load_model(path: Path, reader: YamlReader) -> Loaded:
     registry = AnyLayer()
     model = ModelConfig.read(reader, registry)
     entry = ModelEntry(path.name.split(".")[0], "", Pose(), model)
-    return World(WorldConfig(10, 10, registry, (), (entry,), ()))
+    world = World(WorldConfig(10, 10, registry, (), (entry,), ()))
+    return Loaded(world, _contents(world))
 
 
-def summary(world: World) -> str:
-    """The numbers of layers, models and other parts of a world, in a line."""
+def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
+    segments = read_map(path, preprocessor)
+    registry = CollisionFilterRegistry()
+    layer = LayerConfig((_MAP_NAME,), registry.register(_MAP_NAME), _MAP_COLOR, 0.0, 1.0, path)
+    world = World(WorldConfig(10, 10, registry, (layer,), (), (), {path: segments}))
+    corners = segments.reshape(-1, 2)
+    width, height = np.ptp(corners, axis=0) if len(corners) else (0.0, 0.0)
+    size = f"{width:.4g} x {height:.4g} m"
+    return Loaded(world, f"a map of {_count(len(segments), 'segment')}, {size}")
+
+
+def _contents(world: World) -> str:
+    """The numbers of layers, models and other parts of a world."""
     models = world.models.values()
     counts = (
-        (len(world.layers), "layer"),
-        (sum(len(layer.segments) for layer in world.layers), "segment"),
-        (len(models), "model"),
-        (sum(len(model.bodies) for model in models), "body"),
-        (world.plugin_count, "plugin"),
+        _count(len(world.layers), "layer"),
+        _count(sum(len(layer.segments) for layer in world.layers), "segment"),
+        _count(len(models), "model"),
+        _count(sum(len(model.bodies) for model in models), "body", "bodies"),
+        _count(world.plugin_count, "plugin"),
     )
-    plurals = {"body": "bodies"}
-    return ", ".join(
-        f"{count} {noun if count == 1 else plurals.get(noun, noun + 's')}" for count, noun in counts
-    )
+    return ", ".join(counts)
+
+
+def _count(number: int, noun: str, plural: str = "") -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
 def check(path: Path, picture: Optional[Path]) -> List[str]:
     """Checks a file, and prints a summary if it is valid.
 
     Args:
-        path: of a world or model file.
+        path: of a world, model or map file.
         picture: the image file to draw the world into, if any.
 
     Returns:
@@ -64,14 +112,14 @@ def check(path: Path, picture: Optional[Path]) -> List[str]:
     """
     preprocessor = YamlPreprocessor()
     try:
-        world = load(path, preprocessor)
+        world, summary = load(path, preprocessor)
     except YamlError as error:
         return [problem.with_column for problem in error.problems]
     except FlatlandError as error:
         return [f"{path}: {error}"]
     finally:
         preprocessor.close()
-    print(f"{path}: {summary(world)}")
+    print(f"{path}: {summary}")
     problems = []
     if picture is not None:
         try:
@@ -92,9 +140,11 @@ def main(arguments: Optional[List[str]] = None) -> int:
         The exit code: 0 if all files are valid, else 1.
     """
     parser = argparse.ArgumentParser(
-        prog="check_world", description="Check Flatland world and model files."
+        prog="check_world", description="Check Flatland world, model and map files."
     )
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="world or model file")
+    parser.add_argument(
+        "files", nargs="+", type=Path, metavar="FILE", help="world, model or map file"
+    )
     parser.add_argument(
         "--render", type=Path, metavar="PNG", help="draw the world as it would look at the start"
     )

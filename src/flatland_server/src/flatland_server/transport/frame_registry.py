@@ -74,6 +74,11 @@ class FrameRegistry:
         self._warned |= former._warned
         self._warned_odometry |= former._warned_odometry
 
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames of odometry in use."""
+        return set(self._odometry)
+
     def release(self, publisher: str) -> None:
         """Removes the frames of a publisher."""
         for child in [child for child, each in self._publishers.items() if each == publisher]:

@@ -4,7 +4,7 @@ Since a plugin knows only its node, it runs unchanged under roslaunch, in a unit
 program without a ROS master. Callbacks run between steps, on the thread of the simulation.
 """
 
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Optional, Set, Tuple
 
 from flatland_server._deprecated import renamed
 from flatland_server.exceptions import PLUGIN_ERRORS
@@ -126,6 +126,11 @@ class Node:
     def take_over_warnings(self, former: "Node") -> None:
         """Does not repeat warnings about frames that were given before the world was reset."""
         self._frames.take_over_warnings(former._frames)
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames of odometry in use by all plugins."""
+        return self._frames.odometry_frames
 
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.

@@ -6,8 +6,8 @@ WORLD, MAP, LINES, DATA = "world.yaml", "map.yaml", "lines.yaml", "lines.dat"
 MODEL = "robot.model.yaml"
 
 PLUGINS = (
-    "BoolSensor, Bumper, Crowd, DiffDrive, Gps, Imu, Laser, ModelTfPublisher, OmniDrive, "
-    "RandomWall, TricycleDrive, Tween"
+    "BoolSensor, Bumper, Crowd, DiffDrive, DummyModelPlugin, DummyWorldPlugin, Gps, Imu, Laser, "
+    "ModelTfPublisher, OmniDrive, RandomWall, TricycleDrive, Tween"
 )
 
 # What is wrong: the file, the text in it that is replaced (None is all of it) by another one, and

@@ -78,6 +78,8 @@ class RospyCalls:
         take_over_time: returns the object that sets this process's time, from then on instead of
             rospy's own subscription to /clock; None if time is not simulated, or is left to rospy.
         marker_server: the class that serves interactive markers.
+        forget_latched: makes a latched topic forget its last message, so that later subscribers do
+            not get it. None: rospy cannot; a topic that needs it is not latched.
     """
 
     send_bytes: Callable[[rospy.Publisher, bytes], None] = send_bytes
@@ -86,3 +88,4 @@ class RospyCalls:
     wait_until_registered: Callable[[float], bool] = lambda limit: True
     take_over_time: Callable[[], Optional[LocalTime]] = lambda: None
     marker_server: Type[MarkerServer] = MarkerServer
+    forget_latched: Optional[Callable[[rospy.Publisher], None]] = None

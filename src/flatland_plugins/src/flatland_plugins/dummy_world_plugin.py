@@ -1,0 +1,10 @@
+"""DummyWorldPlugin: a plugin of the world that does nothing."""
+
+from flatland_server import WorldPlugin, YamlReader
+
+
+class DummyWorldPlugin(WorldPlugin):
+    """Accepts any keys: a placeholder, as for a plugin that is not there yet."""
+
+    def on_initialize(self, config: YamlReader) -> None:
+        config.accept_other_keys()
