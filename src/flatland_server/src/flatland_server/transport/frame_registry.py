@@ -70,7 +70,7 @@ class FrameRegistry:
         )
 
     def take_over_warnings(self, former: "FrameRegistry") -> None:
-        """Does not repeat what another registry, of the same world before a reset, has warned of."""
+        """Does not repeat what the registry of the same world before a reset has warned of."""
         self._warned |= former._warned
         self._warned_odometry |= former._warned_odometry
 
