@@ -2,7 +2,7 @@
 
 JSON, with three additions, each an object with a single key: `{"$bytes": base64}`, `{"$array":
 [dtype, shape, base64]}` for a numpy array of numbers, and `{"$dict": [[key, value] ...]}` for a
-dict with keys other than strings. Numbers come back bit for bit; tuples come back as lists.
+dict with integers as keys. Numbers come back bit for bit; tuples come back as lists.
 There is nothing else in it, so that reading a file from elsewhere runs no code of that file.
 """
 
@@ -64,7 +64,10 @@ def _encode_dict(value: Dict[Any, Any], where: str) -> Dict[str, Any]:
     items = {key: _encode(item, f"{where}[{key!r}]") for key, item in value.items()}
     if all(isinstance(key, str) and not key.startswith("$") for key in items):
         return items
-    return {"$dict": [[_encode(key, f"a key of {where}"), item] for key, item in items.items()]}
+    for key in items:
+        if not isinstance(key, (str, int)):
+            raise TypeError(f"{where}: expected keys that are strings or integers, found {key!r}")
+    return {"$dict": list(map(list, items.items()))}
 
 
 def _array(value: Any) -> Dict[str, Any]:

@@ -3,7 +3,7 @@
 import logging
 import weakref
 from io import BytesIO
-from typing import Any, Dict, List, Type
+from typing import Any, ClassVar, Dict, List, Type
 
 import numpy as np
 from geometry_msgs.msg import PointStamped, Vector3
@@ -223,7 +223,7 @@ class ForgetsItsCount(Beacon):
 
 
 class KnowsOfTheLifeBefore(Beacon):
-    transports: Any = weakref.WeakSet()
+    transports: ClassVar[Any] = weakref.WeakSet()
 
     def read_more(self, config: YamlReader) -> None:
         self.is_reset = self.node._transport in self.transports
