@@ -27,9 +27,20 @@ def pytest_configure(config):
             os.environ[variable] = str(Path(os.environ[variable], worker))
 
 
+LONGEST = ("test_rostests.py", "test_gui_viewers.py", "test_launch.py")
+"""The files that take longest."""
+
+
 def pytest_collection_modifyitems(items):
-    """Puts the slow tests first, so that at the end no process waits for another's."""
-    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    """Puts what takes longest first, so that at the end no process waits for another's."""
+
+    def order(item):
+        is_quick = item.get_closest_marker("slow") is None
+        return is_quick, LONGEST.index(item.path.name) if item.path.name in LONGEST else len(
+            LONGEST
+        )
+
+    items.sort(key=order)
 
 
 class Launch:

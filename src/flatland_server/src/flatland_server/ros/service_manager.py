@@ -35,7 +35,7 @@ from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import ModelEntry
 
 _REGISTRATION_LIMIT = 5.0
-"""Real time that the ROS master has to register the topics of a spawned model [s]."""
+"""Real time that the ROS master has to hear of the topics of a spawned or deleted model [s]."""
 _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
 
@@ -111,6 +111,7 @@ class ServiceManager:
 
     def _delete_model(self, request: DeleteModelRequest) -> None:
         self._transport.call(lambda: self._world.delete_model(request.name))
+        self._transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT)
 
     def _move_model(self, request: MoveModelRequest) -> None:
         pose = _to_pose(request.pose)

@@ -1,0 +1,61 @@
+"""The node send_goals: sends a robot to one goal after another, with move_base or the navigator."""
+
+import sys
+from typing import List
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalStatus
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+
+from flatland_navigation.parameters import read_goals
+from flatland_server import FlatlandError, Pose, fill_pose
+
+
+def main() -> int:
+    """Sends the goals of `~goals`, again and again if `~loop` is set.
+
+    Returns:
+        The exit code: 1 if a goal was not reached.
+    """
+    rospy.init_node("send_goals")
+    try:
+        goals = read_goals()
+    except FlatlandError as error:
+        rospy.logfatal("%s", error)
+        return 1
+    client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
+    if not client.wait_for_server():
+        return 0  # shut down before
+    rospy.on_shutdown(client.cancel_all_goals)
+    reached = _send_all(client, goals)
+    while rospy.get_param("~loop", False) and not rospy.is_shutdown():
+        _send_all(client, goals)
+    if rospy.is_shutdown():
+        return 0
+    rospy.loginfo("%d of %d goals reached", reached, len(goals))
+    return 0 if reached == len(goals) else 1
+
+
+def _send_all(client: actionlib.SimpleActionClient, goals: List[Pose]) -> int:
+    """Sends goals in order. Returns how many were reached."""
+    reached = 0
+    for index, pose in enumerate(goals):
+        name = f"goal {index + 1} of {len(goals)}, ({pose.x:g}, {pose.y:g})"
+        goal = MoveBaseGoal()
+        goal.target_pose.header.frame_id = rospy.get_param("~map_frame", "map")
+        fill_pose(goal.target_pose.pose, pose)
+        client.send_goal(goal)
+        client.wait_for_result()
+        if rospy.is_shutdown():
+            break
+        if client.get_state() == GoalStatus.SUCCEEDED:
+            reached += 1
+            rospy.loginfo("%s: reached", name)
+        else:
+            rospy.logwarn("%s: not reached: %s", name, client.get_goal_status_text())
+    return reached
+
+
+if __name__ == "__main__":
+    sys.exit(main())
