@@ -5,6 +5,7 @@ import threading
 
 import pytest
 import rospy
+from std_msgs.msg import String
 
 from flatland_server.ros.ros_transport import RosTransport
 
@@ -81,3 +82,20 @@ def test_a_call_is_refused_when_the_simulation_ends():
 
     with pytest.raises(rospy.ServiceException, match="shutting down"):
         transport.call(lambda: None)
+
+
+def test_the_publishers_of_a_topic_count_its_subscribers_once():
+    """A reset opens a topic again before the former publisher is closed."""
+    transport = RosTransport()
+    options = {"latch": False, "queue_size": 1}
+    first = transport.advertise("counted", String, **options)
+    for _ in range(3):
+        second = transport.advertise("counted", String, **options)
+        first.close()
+        first = second
+
+    assert len(first._publisher.impl.subscriber_listeners) == 1
+    first.close()
+    again = transport.advertise("counted", String, **options)
+    assert len(again._publisher.impl.subscriber_listeners) == 1
+    again.close()

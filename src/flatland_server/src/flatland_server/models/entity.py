@@ -40,6 +40,10 @@ class Entities:
         for body in bodies:
             self._owners.pop(body.id, None)
 
+    def clear(self) -> None:
+        """Forgets all entities, so that nothing keeps them and their physical world alive."""
+        self._owners.clear()
+
     def owner(self, body_id: int) -> Entity:
         """The entity that owns the body with this `id`.
 

@@ -8,9 +8,10 @@ import itertools
 import logging
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from concurrent.futures import Future, wait
 from typing import Any, Callable, Deque, Sequence, Tuple, TypeVar
+from typing import Counter as CounterType
 
 import rospy
 from tf2_msgs.msg import TFMessage
@@ -49,6 +50,8 @@ class RosTransport(Transport):
         self._arrival = threading.Event()
         self._transforms = TransformQueue()
         self._subscriber_counter = SubscriberCounter()
+        self.publisher_counts: CounterType[str] = Counter()
+        """How many publishers each topic has, by its absolute name."""
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
@@ -56,15 +59,20 @@ class RosTransport(Transport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
+        name = rospy.resolve_name(topic)
+        # Publishers of a topic share what rospy has of it, and each would add the counter once
+        # more: after a thousand resets, a subscriber would be counted a thousand times.
+        counter = self._subscriber_counter if name not in self.publisher_counts else None
         publisher = rospy.Publisher(
             topic,
             message_type,
-            self._subscriber_counter,
+            counter,
             latch=latch,
             queue_size=queue_size,
             tcp_nodelay=True,
         )
-        return _RosPublisher(self, publisher)
+        self.publisher_counts[name] += 1
+        return _RosPublisher(self, publisher, name)
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
@@ -181,9 +189,10 @@ class SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
 
 
 class _RosPublisher(Publisher):
-    def __init__(self, transport: RosTransport, publisher: rospy.Publisher) -> None:
+    def __init__(self, transport: RosTransport, publisher: rospy.Publisher, name: str) -> None:
         self._transport = transport
         self._publisher = publisher
+        self._name = name
         self._send_bytes = transport.rospy_calls.send_bytes
 
     @property
@@ -201,6 +210,10 @@ class _RosPublisher(Publisher):
 
     def close(self) -> None:
         self._publisher.unregister()
+        counts = self._transport.publisher_counts
+        counts[self._name] -= 1
+        if counts[self._name] <= 0:
+            del counts[self._name]
 
 
 class _RosSubscription(Subscription):

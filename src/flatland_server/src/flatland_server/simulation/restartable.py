@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Callable, Dict, List, Optional, cast
 from flatland_server import _core
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import FlatlandError, StateError
+from flatland_server.models.entity import Entities
 from flatland_server.models.model import Model
 from flatland_server.plugins.plugin_manager import PluginManager
 from flatland_server.simulation import plugin_state
@@ -30,6 +31,7 @@ class Restartable(ABC):
 
     transport: Transport
     physics: _core.World
+    entities: Entities
     models: Dict[str, Model]
     _config: WorldConfig
     _seed: int
@@ -171,6 +173,7 @@ class Restartable(ABC):
         self.close()
         for model in self.models.values():
             self._remove_bodies(model)
+        self.entities.clear()
 
     def _require_between_steps(self, name: str) -> None:
         if self._is_starting or not self._deferred.is_free:

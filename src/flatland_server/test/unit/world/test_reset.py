@@ -1,5 +1,8 @@
 """Resets, and other contents in place of the former: all or nothing, with topics kept open."""
 
+import gc
+import weakref
+
 import pytest
 from world.parts import EMPTY, Herald, Talker, spawn, state
 
@@ -215,3 +218,16 @@ def test_states_and_reloads_are_for_between_steps(load, monkeypatch):
         f"{name} is for between steps, not for hooks"
         for name in ("save_state", "load_state", "reload")
     ]
+
+
+def test_the_former_contents_are_freed_at_once(load):
+    simulation = load().run(0.1)
+    world = simulation.world
+    former = [weakref.ref(each) for each in (*world.models.values(), *world.layers)]
+    gc.collect()
+    gc.disable()
+    try:
+        simulation.reset()
+        assert [each() for each in former] == [None] * 3
+    finally:
+        gc.enable()
