@@ -180,6 +180,7 @@ class PluginManager:
         """Stops all plugins."""
         for model_name in list(self._plugins):
             self.stop(model_name)
+        self._step_calls = StepCalls([])
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `prepare_step` and `before_physics_step` of all plugins that are due."""
