@@ -32,8 +32,9 @@ class Feeder(WorldPlugin):
         models = self.world.models
         there = [name for name in self._names if name in models]  # others may delete them too
         self._names = [name for name in there if self._contains(models[name].pose)]
-        for name in set(there) - set(self._names):
-            self.world.delete_model(name)
+        for name in there:
+            if name not in self._names:
+                self.world.delete_model(name)
 
         if self._timer.check_update(timekeeper):
             name = f"{self.name}_{self._spawned}"
