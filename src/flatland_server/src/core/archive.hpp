@@ -66,7 +66,8 @@ class Writer : public Archive<Writer> {
   std::string bytes_;
 };
 
-/// Throws std::invalid_argument at the first value that is missing or wrong.
+/// Throws std::invalid_argument at the first value that is missing or that Box2D cannot compute
+/// with.
 class Reader : public Archive<Reader> {
  public:
   static constexpr bool kIsReader = true;
@@ -81,7 +82,7 @@ class Reader : public Archive<Reader> {
     }
     std::memcpy(&value, rest_.data(), sizeof value);
     if constexpr (std::is_floating_point_v<Value>) {
-      if (!std::isfinite(value)) Fail();
+      if (!IsUsable(value)) Fail();
     }
     rest_.remove_prefix(sizeof value);
   }

@@ -201,6 +201,9 @@ template <class Archive>
 void World::Serialize(Archive& archive, WorldState& state) const {
   archive.Same(kFormat, "its format");
   archive(state.inverse_step);
+  if constexpr (Archive::kIsReader) {
+    if (state.inverse_step < 0.0f) Archive::Fail();
+  }
   std::vector<const BodyRecord*> records;
   std::vector<uint32_t> order(bodies_.slot_count());  // by the index of a handle
   bodies_.ForEach([&](Body handle, const BodyRecord& record) {

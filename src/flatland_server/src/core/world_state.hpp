@@ -45,6 +45,9 @@ struct BodyState {
   void Serialize(Archive& archive) {
     archive(position, sweep.c0, sweep.c, sweep.a0, sweep.a, velocity, omega);
     archive(force, torque, sleep_time, is_awake);
+    if constexpr (Archive::kIsReader) {
+      if (sleep_time < 0.0f) Archive::Fail();
+    }
   }
 };
 
@@ -82,6 +85,9 @@ struct ContactState {
     for (int32 i = 0; i < manifold.pointCount; ++i) {
       b2ManifoldPoint& point = manifold.points[i];
       archive(point.localPoint, point.normalImpulse, point.tangentImpulse, point.id.key);
+      if constexpr (Archive::kIsReader) {
+        if (point.normalImpulse < 0.0f) Archive::Fail();  // the solver asserts that it is not
+      }
     }
   }
 };
