@@ -1,7 +1,7 @@
 """Tools of the rostests: waiting with a limit, and recording messages."""
 
 import time
-from typing import Any, Callable, Dict, List, Optional, Type
+from typing import Any, Callable, List, Optional, Sequence, Type
 
 import rospy
 
@@ -42,11 +42,19 @@ class Recorder:
         self._subscriber.unregister()
 
 
-def publish_rate(recorder: Recorder, seconds: float) -> float:
-    """Messages per second of simulated time, over a time [s], of a topic with a header."""
-    first = recorder.next().header.stamp
-    begin = len(recorder.messages)
-    last = recorder.next(holds=lambda m: (m.header.stamp - first).to_sec() >= seconds)
-    stamps: Dict[int, None] = {m.header.stamp.to_nsec(): None for m in recorder.messages[begin:]}
-    count = len([stamp for stamp in stamps if stamp <= last.header.stamp.to_nsec()])
-    return count / (last.header.stamp - first).to_sec()
+def publish_rates(recorders: Sequence[Recorder], seconds: float) -> List[float]:
+    """Messages per second of simulated time, over the same time [s], of topics with headers."""
+    firsts = [recorder.next().header.stamp for recorder in recorders]
+    begins = [len(recorder.messages) for recorder in recorders]
+    rates = []
+    for recorder, first, begin in zip(recorders, firsts, begins):
+
+        def is_over(m: Any, first: Any = first) -> bool:
+            return bool((m.header.stamp - first).to_sec() >= seconds)
+
+        arrived = [m for m in recorder.messages[begin:] if is_over(m)]
+        last = arrived[0] if arrived else recorder.next(holds=is_over)
+        stamps = {m.header.stamp.to_nsec() for m in recorder.messages[begin:]}
+        count = len([stamp for stamp in stamps if stamp <= last.header.stamp.to_nsec()])
+        rates.append(count / (last.header.stamp - first).to_sec())
+    return rates

@@ -11,7 +11,7 @@ import tf2_ros
 from geometry_msgs.msg import Twist, TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder, publish_rate, wait_until
+from rostest_tools import Recorder, publish_rates, wait_until
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
@@ -128,9 +128,10 @@ class Server(unittest.TestCase):
         self.assertEqual(stamps - ticks, set())
 
     def test_topics_come_at_their_rates(self):
-        self.assertAlmostEqual(publish_rate(self.scan, 3.0), 10.0, delta=0.4)
-        self.assertAlmostEqual(publish_rate(self.odometry, 3.0), 50.0, delta=0.5)
-        self.assertAlmostEqual(publish_rate(self.twist, 3.0), 50.0, delta=0.5)
+        scan, odometry, twist = publish_rates([self.scan, self.odometry, self.twist], 3.0)
+        self.assertAlmostEqual(scan, 10.0, delta=0.4)
+        self.assertAlmostEqual(odometry, 50.0, delta=0.5)
+        self.assertAlmostEqual(twist, 50.0, delta=0.5)
 
     def test_each_frame_has_one_parent(self):
         self.scan.next(5)

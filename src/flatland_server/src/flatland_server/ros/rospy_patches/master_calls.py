@@ -50,7 +50,7 @@ class _LimitedTransport(xmlrpc.client.Transport):
 
 
 class Master:
-    """The calls to the master.
+    """The calls to the master, all over one connection. Not for several threads.
 
     Args:
         uri: its URI.
@@ -58,9 +58,7 @@ class Master:
 
     def __init__(self, uri: str) -> None:
         self.uri = uri
-
-    def _proxy(self) -> xmlrpc.client.ServerProxy:
-        return xmlrpc.client.ServerProxy(self.uri, transport=_LimitedTransport())
+        self._proxy = xmlrpc.client.ServerProxy(uri, transport=_LimitedTransport())
 
     def apply(self, changes: List[Change], node_uri: str) -> List[Any]:
         """Makes all changes in one call. Returns the answer to each: code, status, value.
@@ -68,7 +66,7 @@ class Master:
         Raises:
             OSError, xmlrpc.client.Error: there is no answer.
         """
-        calls = xmlrpc.client.MultiCall(self._proxy())
+        calls = xmlrpc.client.MultiCall(self._proxy)
         for change in changes:
             method = (_REGISTER if change.is_open else _UNREGISTER)[change.kind]
             call = getattr(calls, method)
@@ -87,5 +85,5 @@ class Master:
         Raises:
             OSError, xmlrpc.client.Error: there is no answer.
         """
-        answer: Any = self._proxy().lookupService(rospy.get_caller_id(), name)
+        answer: Any = self._proxy.lookupService(rospy.get_caller_id(), name)
         return bool(answer[0] == 1 and answer[2] == uri)
