@@ -29,6 +29,9 @@ T = TypeVar("T")
 
 _SHUTDOWN_CHECK_PERIOD = 0.1  # s
 
+REGISTRATION_LIMIT = 5.0
+"""Real time that the ROS master has to hear of topics before a service answers [s]."""
+
 
 class RosTransport(Transport):
     """A transport over rospy. The ROS node must be initialised.

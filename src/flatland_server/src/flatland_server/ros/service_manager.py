@@ -29,13 +29,11 @@ from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.ros.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import ModelEntry
 
-_REGISTRATION_LIMIT = 5.0
-"""Real time that the ROS master has to hear of the topics of a spawned or deleted model [s]."""
 _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
 
@@ -99,7 +97,7 @@ class ServiceManager:
             Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
         )
         self._transport.call(lambda: self._add_model(entry, registry))
-        if not self._transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+        if not self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT):
             return SpawnModelResponse(success=True, message=_NOT_REGISTERED)
         return None
 
@@ -111,7 +109,7 @@ class ServiceManager:
 
     def _delete_model(self, request: DeleteModelRequest) -> None:
         self._transport.call(lambda: self._world.delete_model(request.name))
-        self._transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT)
+        self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
 
     def _move_model(self, request: MoveModelRequest) -> None:
         pose = _to_pose(request.pose)

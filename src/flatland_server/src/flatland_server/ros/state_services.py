@@ -21,7 +21,7 @@ from flatland_msgs.srv import (
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from flatland_server.messages import ros_time
-from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import read_state, write_state
@@ -94,6 +94,7 @@ class StateServices:
                 action()
 
         self._transport.call(change)
+        self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
 
 
 def _absolute(path: str) -> Path:
