@@ -101,4 +101,11 @@ class Reader : public Archive<Reader> {
   std::string_view rest_;
 };
 
+/// A checksum of bytes (FNV-1a, by G. Fowler, L. C. Noll and P. Vo).
+inline uint64_t Checksum(std::string_view bytes) {
+  uint64_t sum = 0xcbf29ce484222325;
+  for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+  return sum;
+}
+
 }  // namespace flatland

@@ -8,6 +8,7 @@
 
 #include "world_state.hpp"
 
+#include <cstring>
 #include <unordered_map>
 
 #include "archive.hpp"
@@ -261,13 +262,21 @@ std::string World::SaveState() {
   Writer writer;
   Serialize(writer, state);
   Rebuild(state);
-  return std::move(writer).bytes();
+  std::string bytes = std::move(writer).bytes();
+  const uint64_t sum = Checksum(bytes);
+  return bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
 }
 
 void World::RestoreState(std::string_view bytes) {
   const AccessGuard guard(*this);
+  // Numbers at random may be such that Box2D's assertions fail some steps later.
+  uint64_t sum = 0;
+  if (bytes.size() < sizeof sum) Reader::Fail();
+  const std::string_view content = bytes.substr(0, bytes.size() - sizeof sum);
+  std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
+  if (sum != Checksum(content)) Reader::Fail();
   WorldState state = CollectState();
-  Reader reader(bytes);
+  Reader reader(content);
   Serialize(reader, state);
   if (reader.remaining() > 0) Reader::Fail();
   Rebuild(state);

@@ -79,33 +79,21 @@ TEST(WorldState, BodiesJointsAndDrivesCanBeRemovedAfterwards) {
   StepTimes(scene.world, 10);
 }
 
-TEST(WorldState, BytesAtRandomAreRefusedOrMakeAnotherStateButNeverCrash) {
+TEST(WorldState, DamagedBytesAreRefusedAndChangeNothing) {
   Scene scene;
   scene.Run(80);
   const std::string state = scene.world.SaveState();
   std::mt19937 draw(1);
-  int refused = 0;
 
-  for (int i = 0; i < 2000; ++i) {
-    std::string damaged = state.substr(0, draw() % 4 == 0 ? draw() % state.size() : state.size());
-    for (uint32_t changes = 1 + draw() % 3; changes > 0 && !damaged.empty(); --changes) {
-      damaged[draw() % damaged.size()] = static_cast<char>(draw());
-    }
-    try {
-      scene.world.RestoreState(damaged);
-      scene.world.Step(0.01);
-    } catch (const std::invalid_argument&) {
-      ++refused;
-    }
+  for (int i = 0; i < 500; ++i) {
+    std::string damaged = state.substr(0, i % 4 == 0 ? draw() % state.size() : state.size());
+    if (!damaged.empty()) damaged[draw() % damaged.size()] ^= static_cast<char>(1 + draw() % 255);
+    EXPECT_THROW(scene.world.RestoreState(damaged), std::invalid_argument);
   }
 
-  EXPECT_GT(refused, 500);
-  scene.world.RestoreState(state);
-  ExpectSame(scene.Run(100), [&] {
-    Scene other;
-    other.world.RestoreState(state);
-    return other.Run(100);
-  }());
+  Scene other;
+  other.world.RestoreState(state);
+  ExpectSame(scene.Run(100), other.Run(100));
 }
 
 TEST(WorldState, ItCannotBeSavedDuringAStep) {

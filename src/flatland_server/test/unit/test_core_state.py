@@ -156,15 +156,11 @@ def test_a_damaged_state_is_refused_and_changes_nothing():
         with pytest.raises(ValueError, match="the state is "):
             parts.world.restore_state(damaged)
         assert parts.motion[:3] == before
-    for _ in range(300):  # bytes at random: refused, or another state, but no crash
+    for _ in range(300):
         damaged = bytearray(saved)
-        for _ in range(draw.randrange(1, 4)):
-            damaged[draw.randrange(len(damaged))] = draw.randrange(256)
-        try:
+        damaged[draw.randrange(len(damaged))] ^= draw.randrange(1, 256)
+        with pytest.raises(ValueError, match="the state is damaged"):
             parts.world.restore_state(bytes(damaged))
-            parts.world.step(0.005)
-        except ValueError:
-            pass
     parts.world.restore_state(saved)
     assert parts.motion[:3] == before
 

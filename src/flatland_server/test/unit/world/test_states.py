@@ -171,7 +171,7 @@ def damaged(state, change):
         (lambda c: c["plugins"].pop(), "expected the plugins a/counter, a/forgets, nursery; found"),
         (lambda c: c["plugins"][0].update(type="X"), '"a/counter" is a X in the state, here a Co'),
         (lambda c: c["plugins"][0].update(state=1), 'plugin "a/counter": set_state: TypeError'),
-        (lambda c: c.update(physics=c["physics"][:-1]), "the state is incomplete"),
+        (lambda c: c.update(physics=c["physics"][:-1]), "the state is damaged"),
         (lambda c: c["wall_counts"].update(map=3), 'the layer "map" has 3 walls there, no here'),
     ],
 )
