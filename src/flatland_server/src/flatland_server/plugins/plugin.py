@@ -21,8 +21,11 @@ others are never called.
     post_solve            after the forces of a contact were solved              t
     after_physics_step    after the physics                                      t + dt
 
-4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed. After it, the
-   topics, subscriptions and frames of the plugin are closed.
+4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed or made anew.
+   After it, the topics, subscriptions and frames of the plugin are closed.
+
+`get_state` is called between two steps, when the state of the world is saved. When the world is
+reset, or a state is loaded, plugins are new objects; a loaded state is passed to `set_state`.
 
 In each hook, plugins are called in the order in which they were started. All hooks and the
 callbacks of subscriptions are called on the same thread; callbacks are called between steps.

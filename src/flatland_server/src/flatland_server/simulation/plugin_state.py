@@ -1,7 +1,7 @@
 """The states of plugins, as parts of the state of a world."""
 
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from flatland_server import plain_data
 from flatland_server.exceptions import PLUGIN_ERRORS, StateError
@@ -97,25 +97,41 @@ def collect(manager: PluginManager) -> List[PluginState]:
     return states
 
 
+def restore_failures(manager: PluginManager, states: Sequence[PluginState]) -> None:
+    """Switches off the plugins that had failed: before bodies get their places, as this may move
+    them.
+
+    Raises:
+        StateError: the states are not those of these plugins.
+    """
+    for plugin, state in _pairs(manager, states):
+        if state.failure is not None:
+            failure = PluginFailure(state.owner, state.name, state.type, state.failure)
+            manager.switch_off(plugin, failure)
+
+
 def restore(manager: PluginManager, states: Sequence[PluginState]) -> None:
     """Puts all plugins, which have been initialized anew, into their states.
 
     Raises:
         StateError: the states do not fit.
     """
-    plugins = {(owner, plugin.name): plugin for owner, plugin in manager.all_plugins()}
-    by_key = {(state.owner, state.name): state for state in states}
-    if list(plugins) != list(by_key):
-        expected = ", ".join(plugin.node.owner for plugin in plugins.values())
-        found = ", ".join(state.label for state in states)
+    for plugin, state in _pairs(manager, states):
+        state.restore(plugin)
+
+
+def _pairs(
+    manager: PluginManager, states: Sequence[PluginState]
+) -> List[Tuple[Plugin, PluginState]]:
+    plugins = manager.all_plugins()
+    expected = [(owner, plugin.name) for owner, plugin in plugins]
+    if expected != [(state.owner, state.name) for state in states]:
         raise StateError(
-            f"the state is of another world: expected the plugins {expected}; found {found}"
+            "the state is of another world: expected the plugins "
+            f"{', '.join(plugin.node.owner for _, plugin in plugins)}; "
+            f"found {', '.join(state.label for state in states)}"
         )
-    for key, state in by_key.items():
-        state.restore(plugins[key])
-        if state.failure is not None:
-            failure = PluginFailure(state.owner, state.name, state.type, state.failure)
-            manager.switch_off(plugins[key], failure)
+    return [(plugin, state) for (_, plugin), state in zip(plugins, states)]
 
 
 def without_hooks(manager: PluginManager) -> List[str]:

@@ -144,6 +144,7 @@ class Restartable(ABC):
         self._start(self._config, state.seed)
         check_walls(state, self._config)
         replay(state, cast("World", self))
+        plugin_state.restore_failures(self._plugins, state.plugins)
         try:
             self.physics.restore_state(state.physics)
         except ValueError as error:

@@ -18,7 +18,7 @@ from flatland_server.update_timer import UpdateTimer
 
 
 class Counter(ModelPlugin):
-    """Counts steps, draws numbers, and fails at a count of 100."""
+    """Counts steps, draws numbers, and fails at a count of 100, which sets its model in motion."""
 
     def on_initialize(self, config):
         self.count, self.number = 0, 0.0
@@ -29,6 +29,9 @@ class Counter(ModelPlugin):
         self.number = self.rng.random()
         if self.count == 100:
             raise ValueError("too many")
+
+    def on_shutdown(self):
+        self.model.base.physics_body.velocity = (0.1, 0.0, 0.0)
 
     def get_state(self):
         return {"count": self.count, "number": self.number}
@@ -114,9 +117,12 @@ def test_a_plugin_that_has_failed_stays_switched_off(load):
     first = load().run(3.0)
     [failure] = first.world.plugin_failures
 
-    second = load().load_state(first.save_state())
+    state = first.save_state()
+
+    second = load().load_state(state)
 
     assert second.world.plugin_failures == [failure]
+    assert second.save_state() == state
     second.run(0.5)
     assert plugins(second)[0].count == 0
 
