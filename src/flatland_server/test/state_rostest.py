@@ -12,6 +12,7 @@ from pathlib import Path
 
 import rospkg
 import rospy
+from flatland_msgs.msg import DebugTopicList
 from flatland_msgs.srv import LoadState, Reset, SaveState, Step
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
@@ -20,6 +21,7 @@ from rostest_tools import Recorder, wait_until
 from sensor_msgs.msg import LaserScan
 from service_calls import call, delete, spawn
 from std_srvs.srv import Empty, Trigger
+from visualization_msgs.msg import MarkerArray
 
 BOX = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office" / "box.model.yaml"
 STEPS = 120
@@ -207,11 +209,22 @@ class State(unittest.TestCase):
         truth = Recorder("/odometry/ground_truth", Odometry)
         self.addCleanup(truth.close)
         wait_until(truth._subscriber.get_num_connections, "the ground truth")
-        rospy.set_param("/robot_x", 1.5)
-        self.addCleanup(rospy.delete_param, "/robot_x")
+        topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
+        self.addCleanup(topics.close)
+        wait_until(lambda: topics.messages, "the list of debug topics")
+        self.assertIn("layer/hall", topics.messages[-1].topics)
+        for name, value in (("/robot_x", 1.5), ("/second_name", "lobby")):
+            rospy.set_param(name, value)
+            self.addCleanup(rospy.delete_param, name)
 
         answer = call("/reload_world", Trigger)
         self.assertTrue(answer.success, answer.message)
+        wait_until(lambda: "layer/lobby" in topics.messages[-1].topics, "the layer's other name")
+        self.assertNotIn("layer/hall", topics.messages[-1].topics)
+        lobby = Recorder("/flatland_server/debug/layer/lobby", MarkerArray)
+        self.addCleanup(lobby.close)
+        walls = wait_until(lambda: lobby.messages, "its walls")[-1].markers[-1]
+        self.assertGreater(len(walls.points), 3)
         step()
         moved = wait_until(lambda: truth.messages, "the ground truth")[-1]
         self.assertAlmostEqual(moved.pose.pose.position.x, 1.5)
@@ -219,7 +232,7 @@ class State(unittest.TestCase):
         rospy.set_param("/robot_x", "far")
         answer = call("/reload_world", Trigger)
         self.assertFalse(answer.success)
-        self.assertRegex(answer.message, r'^YamlError: .*noisy_room\.yaml:11: .*found \["far"')
+        self.assertRegex(answer.message, r'^YamlError: .*noisy_room\.yaml:\d+: .*found \["far"')
         self.assertTrue(step().success)
 
 
