@@ -1,4 +1,4 @@
-"""Launches in two terminals: a server is started anew, and a navigator ends."""
+"""Launches in two terminals: a server is restarted, and a navigator ends."""
 
 import os
 import shutil
@@ -102,7 +102,7 @@ def terminal(run, tmp_path):
         end(process)
 
 
-def test_a_navigator_survives_a_new_server_and_stops_the_robot_at_its_end(terminal):
+def test_a_navigator_survives_a_restarted_server_and_stops_the_robot_at_its_end(terminal):
     server, _ = terminal.roslaunch(*SERVER, until="running")
     navigator, log = terminal.roslaunch(
         "flatland_navigation", "waypoints.launch", until="process[move_base"

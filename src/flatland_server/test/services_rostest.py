@@ -63,6 +63,11 @@ class Services(unittest.TestCase):
             for t in message.transforms
         }
 
+    def static_edges(self):
+        """Parent and child of all static transforms; a later subscriber gets the last message."""
+        transforms = self.static.messages[-1].transforms if self.static.messages else []
+        return {(t.header.frame_id, t.child_frame_id) for t in transforms}
+
     def test_two_robots_drive_and_scan_in_their_namespaces(self):
         before = ServerTopics.ask()
         robots = {"r1": 1.5, "r2": -1.5}
@@ -94,10 +99,11 @@ class Services(unittest.TestCase):
             self.assertEqual(frames[f"{name}_base_link"], f"{name}_odom")
             self.assertEqual(frames[f"{name}_laser"], f"{name}_base_link")
             self.assertEqual(frames[f"{name}_left_wheel"], f"{name}_base_link")
-        self.assertEqual(
-            {(t.header.frame_id, t.child_frame_id) for t in self.static.messages[-1].transforms}
-            & {("map", "odom"), ("map", "r1_odom"), ("map", "r2_odom")},
-            {("map", "odom"), ("map", "r1_odom"), ("map", "r2_odom")},
+        wait_until(
+            lambda: (
+                {("map", "odom"), ("map", "r1_odom"), ("map", "r2_odom")} <= self.static_edges()
+            ),
+            "the frames of odometry on the map",
         )
 
         for name in robots:

@@ -37,6 +37,7 @@ class Start:
     """
 
     def __init__(self, number: int, environment: Dict[str, str], seconds: float, folder: Path):
+        self.number = number
         self._environment = environment
         self._seconds = seconds
         self._begin = time.monotonic()
@@ -117,7 +118,9 @@ def run(starts: int, at_once: int, seconds: float, folder: Path) -> Dict[str, in
                     running.remove(start)
                     ends[end] += 1
                     if end != "ended as asked":
-                        print(f"start {number}, process {start.process.pid}: {end}", flush=True)
+                        print(
+                            f"start {start.number}, process {start.process.pid}: {end}", flush=True
+                        )
     finally:
         for start in running:
             os.killpg(start.process.pid, signal.SIGKILL)

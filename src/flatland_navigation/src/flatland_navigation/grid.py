@@ -1,4 +1,4 @@
-"""Where a robot's centre may be: a grid of cells that are far enough from walls."""
+"""A grid of the cells in which a robot's centre keeps its clearance from walls."""
 
 from dataclasses import dataclass, replace
 from typing import Optional, Tuple

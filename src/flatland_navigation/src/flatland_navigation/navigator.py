@@ -1,7 +1,7 @@
 """Drives a robot to goals: plans, follows, stops before obstacles, plans around them, gives up.
 
-A `Navigator` is told poses, scans and goals, and answers each pose with a command. It knows no ROS
-and no clock but the stamps of the poses.
+A `Navigator` takes poses, scans and goals, and returns a command for each pose. It uses neither ROS
+nor a clock: its time is that of the poses.
 """
 
 import enum
@@ -24,7 +24,7 @@ _NEAR = 0.1  # m; an obstacle that is nearer is what stops the robot
 
 
 class Status(enum.Enum):
-    """What became of the last goal."""
+    """The state of the last goal."""
 
     IDLE = enum.auto()
     ACTIVE = enum.auto()
@@ -58,7 +58,7 @@ class Navigator:
 
     Args:
         grid: where the robot's centre may be.
-        config: radius, speeds, patience.
+        config: radius, speeds, time limits.
     """
 
     def __init__(self, grid: Grid, config: NavigatorConfig) -> None:
@@ -93,10 +93,10 @@ class Navigator:
         self._end(Status.IDLE, "canceled")
 
     def observe(self, points: FloatArray, time: float) -> None:
-        """Takes what a laser sees.
+        """Takes a laser scan.
 
         Args:
-            points: that the scan has hit [m]: shape (n, 2).
+            points: that the beams hit [m]: shape (n, 2).
             time: of the scan [s].
         """
         self._points, self._scan_time = points, time
@@ -107,7 +107,7 @@ class Navigator:
         Args:
             pose: of the robot.
             time: of the pose [s]; if it lies before that of the last pose, simulated time has
-                begun anew, and scans are forgotten.
+                gone back, and scans are dropped.
         """
         period = time - self._time
         self._time = time
@@ -128,7 +128,7 @@ class Navigator:
             return Command()
         command = self._before_obstacles(wanted, pose, period)
         self._note_progress(pose)
-        if self._is_blocked(command, wanted):
+        if self._goal is not None and self._is_blocked(command, wanted):
             self._replan(pose, self._goal)
         return command if self.status is Status.ACTIVE else Command()
 

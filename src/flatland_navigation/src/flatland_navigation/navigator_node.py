@@ -1,7 +1,7 @@
 """The node navigator: drives a robot to goals, with the topics and the action of move_base.
 
-All work is done on the thread that receives the robot's pose; the other callbacks only keep what
-they receive. So the node keeps the pace of the simulation: it stands still while it is paused.
+All work is done on the thread that receives the robot's pose; the other callbacks only store what
+they receive. The node is thus driven by simulated time: it does nothing while that is paused.
 """
 
 import math
@@ -31,7 +31,7 @@ from flatland_server import FlatlandError, FloatArray, Pose, fill_pose
 
 _MOST_POSES = 200
 _ACTION = "move_base"
-_PATIENCE = 5.0  # s of simulated time for which nothing is said of a scan that does not come
+_SCAN_LIMIT = 5.0  # s of simulated time after which a missing scan is warned about
 
 
 class NavigatorNode:
@@ -90,7 +90,7 @@ class NavigatorNode:
             return
         time = message.header.stamp.to_sec()
         if self._poses and time < self._poses[-1][0]:
-            self._begin_anew()
+            self._restart()
         self._poses.append((time, pose))
         self._take_goal()
         if time - self._last_control < self._period - 1e-6:
@@ -100,14 +100,14 @@ class NavigatorNode:
         if self._navigator.status is Status.ACTIVE:
             self._control(pose, time)
 
-    def _begin_anew(self) -> None:
-        """Forgets what was before: the server was started anew, and its time begins at zero."""
+    def _restart(self) -> None:
+        """Drops poses and goals: simulated time has gone back, as that of a restarted server."""
         self._poses.clear()
         self._last_control = -1.0
         if self._navigator.status is Status.ACTIVE:
             self._navigator.cancel()
-            self._abort("simulated time has begun anew")
-        # The action's server would refuse goals with earlier stamps than those that it knows.
+            self._abort("simulated time has gone back")
+        # The action server refuses goals with earlier stamps than those that it has seen.
         with self._server.action_server.lock, self._server.lock:
             if not self._server.is_new_goal_available():
                 self._server.current_goal = actionlib.ServerGoalHandle()
@@ -144,7 +144,7 @@ class NavigatorNode:
     def _control(self, pose: Pose, time: float) -> None:
         if self._scans.is_awaited:
             self._waits_since = min(self._waits_since, time)
-            if time - self._waits_since > _PATIENCE:
+            if time - self._waits_since > _SCAN_LIMIT:
                 rospy.logwarn_throttle(10.0, "waiting for a scan and for the laser's transform")
             return
         command = self._navigator.update(pose, time)
@@ -197,7 +197,7 @@ class NavigatorNode:
 
 
 def _start_server() -> actionlib.SimpleActionServer:
-    """Starts the action's server, whose status is published also after time has begun anew."""
+    """Starts the action server; its status is published also after simulated time has gone back."""
     server = actionlib.SimpleActionServer(_ACTION, MoveBaseAction, auto_start=False)
     server.start()
     actions = server.action_server

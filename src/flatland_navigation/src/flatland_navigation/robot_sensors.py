@@ -1,4 +1,4 @@
-"""What a robot's topics say: where it is, and what its laser sees."""
+"""A robot's pose and laser scan, from its topics."""
 
 from dataclasses import dataclass
 from typing import Any, Optional, Tuple

@@ -13,7 +13,10 @@ from flatland_server import FlatlandError, Pose, fill_pose
 
 
 def main() -> int:
-    """Sends the goals of `~goals`, again and again if `~loop` is set.
+    """Sends the goals of `~goals`.
+
+    If `~loop` is set, they are sent again and again, until none of them is reached: goals that are
+    refused would otherwise be sent again at once, for ever.
 
     Returns:
         The exit code: 1 if a goal was not reached.
@@ -29,8 +32,8 @@ def main() -> int:
         return 0  # shut down before
     rospy.on_shutdown(client.cancel_all_goals)
     reached = _send_all(client, goals)
-    while rospy.get_param("~loop", False) and not rospy.is_shutdown():
-        _send_all(client, goals)
+    while reached and rospy.get_param("~loop", False) and not rospy.is_shutdown():
+        reached = _send_all(client, goals)
     if rospy.is_shutdown():
         return 0
     rospy.loginfo("%d of %d goals reached", reached, len(goals))

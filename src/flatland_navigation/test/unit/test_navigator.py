@@ -139,6 +139,20 @@ def test_a_robot_that_does_not_move_is_stuck():
     assert 4.9 <= active[-1] <= 5.0
 
 
+def test_a_goal_is_given_up_in_the_update_in_which_a_way_around_is_due():
+    config = NavigatorConfig(stuck_after=1.0, replan_after=1.0)
+    navigator = Navigator(grid_of(corridor()), config)
+    navigator.set_goal(Pose(3.0, 0.0, 0.0))
+
+    for time in np.arange(0.0, 1.3, 0.1):
+        navigator.observe(np.array([[-2.77, 0.0]]), time)
+        command = navigator.update(Pose(-3.0, 0.0), time)
+        assert command == (0.0, 0.0)
+
+    assert navigator.status is Status.ABORTED
+    assert "an obstacle is in its way" in navigator.text
+
+
 @pytest.mark.parametrize(
     ("goal", "reason"),
     [(Pose(20.0, 0.0), "outside of the map"), (Pose(4.9, 0.0), "0.10 m from a wall")],

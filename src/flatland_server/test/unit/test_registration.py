@@ -1,8 +1,10 @@
-"""Telling the master of topics and services, with a fake master that may fail."""
+"""Registration of topics and services, with a fake master that may fail."""
 
+import http.client
 import threading
 from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
+from xml.parsers.expat import ExpatError
 
 import pytest
 from rospy.impl.registration import Registration
@@ -18,7 +20,7 @@ LIMIT = 10.0  # s
 
 
 class Master:
-    """A master that can be silent, and forget everything."""
+    """A master that may not answer, and may be restarted."""
 
     uri = "http://master:1"
 
@@ -61,7 +63,7 @@ def master() -> Master:
 
 @pytest.fixture
 def updates() -> List[Tuple[str, List[str]]]:
-    """What rospy is told of publishers."""
+    """The lists of publishers that rospy receives."""
     return []
 
 
@@ -120,7 +122,32 @@ def test_what_is_closed_in_the_same_batch_is_never_registered(master, registrar)
     assert master.calls == []
 
 
-def test_many_are_told_in_several_calls(master, registrar, monkeypatch):
+def test_a_subscription_opened_again_in_the_same_batch_gets_its_publishers(
+    master, registrar, updates
+):
+    registrar.reg_added(*CMD_VEL)
+    assert registrar.wait_until_done(LIMIT)
+    wait_for(lambda: len(updates) == 1)
+    with registrar.batch():
+        registrar.reg_removed(*CMD_VEL)
+        registrar.reg_added(*CMD_VEL)
+
+    wait_for(lambda: updates == [("/cmd_vel", ["http://joystick:3"])] * 2)
+
+
+def test_a_subscription_opened_again_and_closed_is_unregistered(master, registrar):
+    registrar.reg_added(*CMD_VEL)
+    assert registrar.wait_until_done(LIMIT)
+    with registrar.batch():
+        registrar.reg_removed(*CMD_VEL)
+        registrar.reg_added(*CMD_VEL)
+        registrar.reg_removed(*CMD_VEL)
+
+    assert registrar.wait_until_done(LIMIT)
+    assert names(master) == [LOGGERS[0]]
+
+
+def test_many_are_registered_in_several_calls(master, registrar, monkeypatch):
     monkeypatch.setattr(module, "_BATCH", 4)
     with registrar.batch():
         for number in range(10):
@@ -130,7 +157,7 @@ def test_many_are_told_in_several_calls(master, registrar, monkeypatch):
     assert [len(call) for call in master.calls] == [4, 4, 2]
 
 
-def test_a_silent_master_holds_up_nothing_and_is_told_later(master, registrar, caplog):
+def test_a_silent_master_holds_up_nothing_and_is_called_later(master, registrar, caplog):
     master.is_silent = True
     registrar.reg_added(*ODOM)
 
@@ -144,16 +171,30 @@ def test_a_silent_master_holds_up_nothing_and_is_told_later(master, registrar, c
     assert "/odom" not in names(master)
 
 
-def test_a_master_that_forgot_everything_is_told_everything(master, registrar, caplog):
+def test_an_answer_that_breaks_off_is_asked_for_again(master, registrar, monkeypatch):
+    apply, breaks = master.apply, [http.client.IncompleteRead(b"<"), ExpatError("no element found")]
+
+    def break_off(*arguments):
+        if breaks:
+            raise breaks.pop()
+        return apply(*arguments)
+
+    monkeypatch.setattr(master, "apply", break_off)
+    registrar.reg_added(*ODOM)
+
+    wait_for(lambda: "/odom" in names(master))
+
+
+def test_everything_is_registered_again_with_a_restarted_master(master, registrar, caplog):
     registrar.reg_added(*ODOM)
     assert registrar.wait_until_done(LIMIT)
     master.known.clear()
 
     wait_for(lambda: sorted(names(master)) == sorted([LOGGERS[0], "/odom"]))
-    assert "the master was started anew" in caplog.text
+    assert "the master was restarted" in caplog.text
 
 
-def test_a_master_that_forgot_everything_while_something_was_to_be_told(master, registrar):
+def test_a_master_may_be_restarted_while_something_is_to_be_registered(master, registrar):
     registrar.reg_added(*ODOM)
     assert registrar.wait_until_done(LIMIT)
     master.is_silent = True
@@ -172,6 +213,20 @@ def test_a_refusal_is_reported_once(master, registrar, caplog):
     assert registrar.wait_until_done(LIMIT)
     wait_for(lambda: "the master refuses /odom: no" in caplog.text)
     assert len(master.calls) == 1
+
+
+def test_what_is_closed_before_its_end_is_unregistered_while_rospy_shuts_down(master, monkeypatch):
+    monkeypatch.setattr(module, "_BATCH", 4)
+    registrar = Registrar(SimpleNamespace(uri="http://here:2"), master, is_ending=lambda: True)
+    topics = [(f"/topic{number}", "std_msgs/Bool", Registration.PUB) for number in range(10)]
+    master.known.update({(kind, name): detail for name, detail, kind in topics})
+    registrar.take_over(dict(master.known))
+    registrar.start()
+    for topic in topics:
+        registrar.reg_removed(*topic)
+    registrar.stop()
+
+    assert names(master) == [LOGGERS[0]]
 
 
 def test_after_its_end_the_master_is_not_called(master, registrar):

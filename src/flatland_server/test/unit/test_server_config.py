@@ -46,6 +46,7 @@ def test_the_world_may_run_as_fast_as_the_machine_can(read):
         ("world_path", "", "the parameter ~world_path must be the path of a world file"),
         ("update_rate", 0, "~update_rate: expected a number above 0, found 0"),
         ("update_rate", "fast", "~update_rate: expected a number above 0, found fast"),
+        ("update_rate", True, "~update_rate: expected a number above 0, found True"),
         ("step_size", -0.005, "~step_size: expected a number above 0, found -0.005"),
         ("step_size", "inf", "~step_size: expected a number above 0, found inf"),
         ("viz_pub_rate", "nan", "~viz_pub_rate: expected a number above 0, found nan"),

@@ -31,18 +31,22 @@ def codes(monkeypatch):
 @pytest.fixture
 def request_end(monkeypatch, codes):
     """Makes a Shutdown and calls its hook as rospy does: on a thread of its own, unless told."""
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    handlers = {number: signal.getsignal(number) for number in numbers}
     hooks, all_made = [], []
     monkeypatch.setattr(rospy, "on_shutdown", hooks.append)
     monkeypatch.setattr(shutdown, "STEP_LIMIT", 0.1)
 
-    def make(has_started, on_this_thread=False):
+    def make(has_started, on_this_thread=False, later_hook=None):
         transport = SimpleNamespace(has_started=has_started, is_ending=False)
         transport.end = lambda: setattr(transport, "is_ending", True)
-        made = Shutdown(transport)
+        made = Shutdown()
+        made.transport = transport
         all_made.append(made)
         if on_this_thread:
             hooks[-1]()
+        elif later_hook is not None:
+            threading.Thread(target=lambda: (hooks[-1](), later_hook())).start()
         else:
             thread = threading.Thread(target=hooks[-1])
             thread.start()
@@ -68,6 +72,24 @@ def test_a_step_that_does_not_end_is_not_waited_for(request_end, codes):
     assert transport.is_ending
     assert codes.event.wait(10)
     assert codes.list == [1]
+
+
+def test_later_hooks_run_when_the_world_is_closed_and_are_waited_for(
+    request_end, codes, monkeypatch
+):
+    monkeypatch.setattr(shutdown, "STEP_LIMIT", 10.0)
+    monkeypatch.setattr(shutdown, "EXIT_LIMIT", 0.0)
+    monkeypatch.setattr(rospy, "signal_shutdown", lambda reason: None)  # it runs the hooks already
+    order = []
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: "hook" in order)
+
+    made, _ = request_end(has_started=True, later_hook=lambda: order.append("hook"))
+    made.steps_have_ended()
+    assert codes.event.wait(10)  # the hook has begun; nothing else may exit this process
+    order.append("world closed")
+    made.finish()
+
+    assert order == ["world closed", "hook"]
 
 
 def test_a_simulation_that_has_ended_is_not_disturbed(request_end, codes):

@@ -1,4 +1,4 @@
-"""Stands in for a localiser: each frame of odometry is where the map is."""
+"""Stands in for a localiser: publishes identity from the map to each odometry frame."""
 
 from typing import Set
 
@@ -15,7 +15,7 @@ _ALWAYS = "odom"
 
 
 class MapToOdom:
-    """Publishes identity from `map` to `odom`, and to the frames of odometry of all robots.
+    """Publishes identity from `map` to `odom`, and to the odometry frames of all robots.
 
     Args:
         world: the world, in which robots come and go.
@@ -34,7 +34,7 @@ class MapToOdom:
             self._publish()
 
     def _publish(self) -> None:
-        # All of them each time: only the last message is kept for those who subscribe later.
+        # All of them each time: a later subscriber gets the last message only.
         frames = (self._published | self._world.odometry_frames | {_ALWAYS}) - {FRAME_ID}
         if frames != self._published:
             self._published = frames

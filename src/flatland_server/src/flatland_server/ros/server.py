@@ -75,8 +75,9 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         timekeeper = Timekeeper(config.step_size)
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
+    shutdown = Shutdown()
     transport = RosTransport(rospy_patches.install(config.rospy_patches))
-    shutdown = Shutdown(transport)
+    shutdown.transport = transport
     with transport.rospy_calls.batch_registration():
         world = World.from_file(
             config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
@@ -97,7 +98,7 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
     finally:
         shutdown.steps_have_ended()
         world.close()
-        rospy.signal_shutdown("the simulation has ended")
+        shutdown.finish()
 
 
 def _open_topics(manager: SimulationManager, transport: RosTransport, config: ServerConfig) -> None:

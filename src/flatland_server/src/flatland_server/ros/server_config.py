@@ -73,7 +73,7 @@ def positive_param(name: str, default: float, *, allow_infinity: bool = False) -
     """
     value: Any = rospy.get_param(name, default)
     try:
-        number = float(value)
+        number = math.nan if isinstance(value, bool) else float(value)
     except (TypeError, ValueError):
         number = math.nan
     if number > 0 and (allow_infinity or math.isfinite(number)):

@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from typing import Any
+from typing import Any, Optional
 
 import rospy
 
@@ -19,6 +19,8 @@ STEP_LIMIT = 1.0
 EXIT_LIMIT = 1.9
 """Real time from a signal to the end of the process at the latest [s]."""
 _LOG_LIMIT = 0.3  # s
+_ANSWER_LIMIT = 0.3  # s
+_POLL_PERIOD = 0.01  # s; rospy has no event for the end of its shutdown
 
 logger = logging.getLogger(__name__)
 
@@ -32,14 +34,21 @@ class Shutdown:
     the end itself if it takes too long: rospy waits for the ROS master, which may be stopped.
 
     While the world is loading there is no step to wait for: the process ends at once.
+
+    rospy calls shutdown hooks in the order in which they were added. To be made before topics are
+    opened and the patches installed, so that their hooks are called after the world is closed.
     """
 
-    def __init__(self, transport: RosTransport) -> None:
-        self._transport = transport
+    transport: Optional[RosTransport] = None
+    """Ends the simulation; None while there is no simulation."""
+
+    def __init__(self) -> None:
         # A signal handler must not take a lock that the code it interrupts may hold, and starting
         # a thread takes several; SimpleQueue.put is reentrant.
         self._signals: queue.SimpleQueue[int] = queue.SimpleQueue()
         self._steps_have_ended = threading.Event()
+        self._world_is_closed = threading.Event()
+        self._requester: Optional[threading.Thread] = None  # runs rospy's shutdown
         self._simulation = threading.get_ident()
         threading.Thread(target=self._limit_time, daemon=True).start()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -50,18 +59,34 @@ class Shutdown:
         """To be called after the last step."""
         self._steps_have_ended.set()
 
+    def finish(self) -> None:
+        """Shuts rospy down, or waits until it is; to be called after the world is closed."""
+        self._world_is_closed.set()
+        rospy.signal_shutdown("the simulation has ended")
+        while not rospy.is_shutdown():  # another thread shuts it down
+            time.sleep(_POLL_PERIOD)
+        if self._requester is not None:
+            # It answers the request; then it may wait for another one on the same connection.
+            self._requester.join(_ANSWER_LIMIT)
+
     def _end(self, number: int, _frame: Any) -> None:
-        if not self._transport.has_started:
+        if self.transport is None or not self.transport.has_started:
             os._exit(0)
-        self._transport.end()
+        self.transport.end()
         self._signals.put(number)
 
     def _on_shutdown(self) -> None:
-        """Ends the simulation by request of another process, of which a thread of rospy's tells."""
+        """Ends the simulation at the request of another process, on a thread of rospy's.
+
+        Returns when the world is closed: rospy then unregisters what is still open.
+        """
         if threading.get_ident() == self._simulation:
-            self._transport.end()  # the simulation has ended
-        else:
-            self._end(signal.SIGTERM, None)
+            if self.transport is not None:
+                self.transport.end()  # service calls do not wait for it any longer
+            return
+        self._requester = threading.current_thread()
+        self._end(signal.SIGTERM, None)
+        self._world_is_closed.wait(STEP_LIMIT)
 
     def _limit_time(self) -> None:
         self._signals.get()

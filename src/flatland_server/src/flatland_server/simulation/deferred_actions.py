@@ -48,7 +48,7 @@ class DeferredActions:
 
     @property
     def is_free(self) -> bool:
-        """Whether actions are run at once at the moment, all of them."""
+        """Whether no action is deferred at the moment."""
         return not self.lock.depth and not self._changing
 
     @contextmanager

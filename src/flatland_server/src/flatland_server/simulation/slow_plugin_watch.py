@@ -5,6 +5,8 @@ import sys
 import threading
 import time
 import weakref
+from types import FrameType
+from typing import Optional
 
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_on_stack import describe_running, running_plugin
@@ -19,7 +21,8 @@ class SlowPluginWatch:
     """Warns, once for each plugin, when a hook or callback of it takes longer than `LIMIT`.
 
     A thread looks at what the simulation's thread is running when that has not called `update` for
-    so long. Hooks themselves are not timed, which would take longer than many of them do.
+    some time. Hooks themselves are not timed, which would take longer than many of them do. A
+    plugin is named when it is seen twice in a row: many quick plugins may make a slow step too.
 
     To be made on the simulation's thread.
     """
@@ -27,26 +30,30 @@ class SlowPluginWatch:
     def __init__(self) -> None:
         self._simulation = threading.get_ident()
         self._latest = time.monotonic()
+        self._suspect: Optional[weakref.ref[Plugin]] = None
         self._warned: weakref.WeakSet[Plugin] = weakref.WeakSet()
         threading.Thread(target=self._watch, name="slow plugins", daemon=True).start()
 
     def update(self) -> None:
-        """To be called at least once in `LIMIT` while no plugin runs."""
+        """To be called at least once in `LIMIT / 2` while no plugin runs."""
         self._latest = time.monotonic()
 
     def _watch(self) -> None:
         while True:
             time.sleep(LIMIT / 2)
-            if time.monotonic() - self._latest >= LIMIT:
-                self._warn()
+            self._look(sys._current_frames().get(self._simulation), time.monotonic())
 
-    def _warn(self) -> None:
-        frame = sys._current_frames().get(self._simulation)
-        plugin = running_plugin(frame)
-        if plugin is not None and plugin not in self._warned:
-            self._warned.add(plugin)
-            logger.warning(
-                "the simulation has been held up for more than %g s by %s",
-                LIMIT,
-                describe_running(frame),
-            )
+    def _look(self, frame: Optional[FrameType], now: float) -> None:
+        """Warns of the plugin that runs on a stack, if it already did half a `LIMIT` ago."""
+        seconds = now - self._latest
+        plugin = running_plugin(frame) if seconds >= LIMIT / 2 else None
+        is_suspect = self._suspect is not None and self._suspect() is plugin
+        self._suspect = weakref.ref(plugin) if plugin is not None else None
+        if plugin is None or not is_suspect or seconds < LIMIT or plugin in self._warned:
+            return
+        self._warned.add(plugin)
+        logger.warning(
+            "the simulation has been held up for more than %g s by %s",
+            LIMIT,
+            describe_running(frame),
+        )

@@ -1,7 +1,7 @@
-"""Latched topics that forget a message which has become out of date.
+"""Latched topics that drop a message which is out of date.
 
-A latched topic keeps its last message for later subscribers; rospy cannot take it back. A topic
-whose messages are made only while there are subscribers would greet the next one with an old state.
+A latched topic keeps its last message for later subscribers, and rospy has no way to withdraw it. A
+topic that publishes only while it has subscribers would send an old state to the next one.
 """
 
 from typing import Any, Dict

@@ -1,7 +1,9 @@
 """The calls to the ROS master that concern topics and services, each with a limited time."""
 
+import http.client
 import xmlrpc.client
 from typing import Any, List, NamedTuple, Tuple
+from xml.parsers.expat import ExpatError
 
 import rospy
 from rospy.impl.registration import Registration
@@ -19,6 +21,9 @@ _UNREGISTER = {
 
 ANSWER_LIMIT = 3.0
 """Real time that the master has to answer [s]."""
+
+NO_ANSWER = (OSError, http.client.HTTPException, xmlrpc.client.Error, ExpatError)
+"""What a call raises if there is no answer, or only a part of one."""
 
 Key = Tuple[str, str]
 """The kind of a registration, and the name of the topic or service."""
@@ -64,7 +69,7 @@ class Master:
         """Makes all changes in one call. Returns the answer to each: code, status, value.
 
         Raises:
-            OSError, xmlrpc.client.Error: there is no answer.
+            NO_ANSWER: one of these.
         """
         calls = xmlrpc.client.MultiCall(self._proxy)
         for change in changes:
@@ -83,7 +88,7 @@ class Master:
         """Whether the master knows this service.
 
         Raises:
-            OSError, xmlrpc.client.Error: there is no answer.
+            NO_ANSWER: one of these.
         """
         answer: Any = self._proxy.lookupService(rospy.get_caller_id(), name)
         return bool(answer[0] == 1 and answer[2] == uri)

@@ -1,17 +1,16 @@
-"""Tells the ROS master of this node's topics and services, on a thread of its own.
+"""Registers this node's topics and services with the ROS master, on a thread of its own.
 
 rospy calls the master for each topic, on the thread that opens or closes it, and waits for the
 answer: with a thousand robots, that takes longer than the rest of loading the world. If the master
 is stopped or gone, that thread waits for ever; here it would be the simulation's.
 
-A `Registrar` collects what is opened and closed, and tells the master of many at once. While the
-master does not answer, it tries again. It also notices when the master has forgotten this node,
-because it was started anew, and registers everything again.
+A `Registrar` collects what is opened and closed, and registers or unregisters many in one call. If
+the master does not answer, it tries again. If the master has been restarted, so that it does not
+know this node any more, it registers everything again.
 """
 
 import logging
 import threading
-import xmlrpc.client
 from contextlib import contextmanager, suppress
 from itertools import islice
 from typing import Any, Callable, Dict, Iterator, List
@@ -28,7 +27,7 @@ from rospy.impl.registration import (
 )
 from rospy.impl.statistics import SubscriberStatisticsLogger
 
-from flatland_server.ros.rospy_patches.master_calls import Change, Key, Master
+from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Change, Key, Master
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
 _MODULE = "rospy.impl.registration"
@@ -47,6 +46,7 @@ REQUIREMENTS = (
     Requirement(f"{_MODULE}:Registration.SUB"),
     Requirement(f"{_MODULE}:Registration.SRV"),
     Requirement("rospy.core:is_shutdown_requested", ()),
+    Requirement("rospy:get_param_cached", ("param_name", "default")),
     Requirement("rospy.impl.paramserver:get_param_server_cache", ()),
     Requirement("rospy.impl.statistics:SubscriberStatisticsLogger.is_enabled", ()),
     Requirement("rospy.topics:_TopicManager.get_publications", ("self",)),
@@ -55,12 +55,14 @@ REQUIREMENTS = (
 )
 
 CHECK_PERIOD = 3.0
-"""Real time between two questions whether the master still knows this node [s]."""
+"""Real time between checks that the master still knows this node [s]."""
 RETRY_PERIOD = 0.5
-"""Real time after which a master that did not answer is asked again [s]."""
+"""Real time after which a call that was not answered is repeated [s]."""
 _END_LIMIT = 1.0  # s
 _ROSOUT_TOPICS = "/rosout_disable_topics_generation"
 _BATCH = 500  # topics and services per call: a master takes some 0.1 s for them
+_REOPENED = ""
+"""Stands for the type of a topic that the master knows and that has to be registered again."""
 
 logger = logging.getLogger(__name__)
 
@@ -72,6 +74,7 @@ def install() -> Dict[str, Any]:
         UnknownRospyError: this rospy is not known, or the node is not initialised.
     """
     check_all(REQUIREMENTS)
+    _keep_parameters()
     listeners = get_registration_listeners()
     with listeners.lock:
         managers = [each for each in listeners.listeners if hasattr(each, "publisher_update")]
@@ -81,7 +84,6 @@ def install() -> Dict[str, Any]:
         registrar.take_over(_opened_so_far())
         listeners.listeners = [registrar]
     registrar.start()
-    _keep_parameters()
     rospy.on_shutdown(registrar.stop)
     return {
         "batch_registration": registrar.batch,
@@ -90,10 +92,10 @@ def install() -> Dict[str, Any]:
 
 
 def _keep_parameters() -> None:
-    """Asks once for parameters that rospy asks the master for at each subscription and each log."""
+    """Caches parameters that rospy reads from the master at each subscription and each log."""
     is_enabled = SubscriberStatisticsLogger.is_enabled()
     SubscriberStatisticsLogger.is_enabled = classmethod(lambda cls: is_enabled)
-    # rospy does not keep that a parameter is not set. If it is set later, the master tells.
+    # rospy does not cache that a parameter is not set. The master notifies this node if it is set.
     with suppress(OSError):
         value = rospy.get_param_cached(_ROSOUT_TOPICS, False)
         get_param_server_cache().set(_ROSOUT_TOPICS, value)
@@ -111,7 +113,7 @@ def _opened_so_far() -> Dict[Key, str]:
 
 
 class Registrar(RegistrationListener):  # type: ignore[misc]
-    """Brings what the master knows in line with what is open.
+    """Keeps the master's registrations in line with the open topics and services.
 
     Args:
         manager: rospy's RegManager, which connects subscriptions to publishers.
@@ -138,7 +140,7 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
         self._condition = threading.Condition()
 
     def take_over(self, opened: Dict[Key, str]) -> None:
-        """Takes note of what is open, and registered, already."""
+        """Records what is open, and registered, already."""
         self._open.update(opened)
         self._known.update(opened)
 
@@ -149,7 +151,8 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
     def stop(self) -> None:
         """Ends the thread, so that rospy can unregister what is still open.
 
-        Before, the master is told what was closed, if it answers.
+        Before, what was closed is unregistered, if the master answers. rospy calls this when its
+        shutdown has begun.
         """
         with self._condition:
             self._condition.wait_for(lambda: not self._changed or self._has_failed, _END_LIMIT)
@@ -160,6 +163,10 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
     def reg_added(self, name: str, detail: str, kind: str) -> None:
         with self._condition:
             self._open[kind, name] = detail
+            if kind == Registration.SUB and (kind, name) in self._known:
+                # Closed, and not unregistered yet. The new subscriber needs the list of publishers,
+                # which is the answer to a registration.
+                self._known[kind, name] = _REOPENED
             self._note((kind, name))
 
     def reg_removed(self, name: str, detail: str, kind: str) -> None:
@@ -174,7 +181,7 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
 
     @contextmanager
     def batch(self) -> Iterator[None]:
-        """A context at the end of which the master is told of all changes together."""
+        """A context at the end of which all changes are registered together."""
         with self._condition:
             self._batches += 1
         try:
@@ -185,18 +192,19 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
                 self._condition.notify_all()
 
     def wait_until_done(self, limit: float) -> bool:
-        """Waits until the master knows of all that is open, at most `limit` [s].
+        """Waits until the master knows everything that is open, at most `limit` [s].
 
-        A master that does not answer at all is not waited for.
+        Returns at once if the master does not answer.
 
-        Returns whether it knows.
+        Returns:
+            Whether it knows everything.
         """
         with self._condition:
             self._condition.wait_for(lambda: not self._changed or self._has_failed, limit)
             return not self._changed
 
     def _run(self) -> None:
-        while not self._has_ended and not self._is_ending():
+        while not self._has_ended:
             with self._condition:
                 self._condition.wait_for(self._is_due, CHECK_PERIOD)
                 changes = self._next_changes()
@@ -207,7 +215,7 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
                 else:
                     self._check()
                 self._note_answer()
-            except (OSError, xmlrpc.client.Error) as error:
+            except NO_ANSWER as error:
                 self._note_silence(error)
             finally:
                 with self._condition:
@@ -221,12 +229,12 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
         return self._has_ended or bool(self._changed and not self._batches)
 
     def _next_changes(self) -> List[Change]:
-        """What to tell the master next; `_changed` keeps it until that is done."""
+        """The next changes to register; `_changed` keeps them until that is done."""
         if self._batches or self._has_ended:
             return []
         changes = []
         for key in list(islice(self._changed, _BATCH)):
-            if self._open.get(key) == self._known.get(key):  # closed again, or never told
+            if self._open.get(key) == self._known.get(key):  # the master knows it already
                 del self._changed[key]
             elif key in self._open:
                 changes.append(Change(True, *key, self._open[key]))
@@ -257,21 +265,22 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
                 self._manager.publisher_update(change.name, value)
 
     def _check(self) -> None:
-        """Registers everything again if the master has forgotten a service of this node's.
+        """Registers everything again if the master does not know a service of this node any more.
 
         rospy's own services are registered before anything else, and never closed.
         """
-        services = (
-            (name, uri) for (kind, name), uri in self._known.items() if kind == Registration.SRV
-        )
-        name, uri = next(services, ("", ""))
+        with self._condition:
+            services = (
+                (name, uri) for (kind, name), uri in self._known.items() if kind == Registration.SRV
+            )
+            name, uri = next(services, ("", ""))
         if self._has_ended or not name or self._master.has_service(name, uri):
             return
         with self._condition:
             self._known.clear()
             self._changed.update(dict.fromkeys(self._open))
             count = len(self._open)
-        logger.warning("the master was started anew: registering %d topics and services", count)
+        logger.warning("the master was restarted: registering %d topics and services again", count)
 
     def _note_answer(self) -> None:
         if self._has_failed:

@@ -7,6 +7,8 @@ does the same without a descriptor; rospy uses it itself where there is no epoll
 """
 
 import select
+import threading
+from contextlib import suppress
 from typing import Any, Dict, Iterator
 
 import rospy.topics
@@ -31,10 +33,11 @@ def install() -> Dict[str, Any]:
 
 
 class Poller:
-    """Finds ended connections, with the interface that rospy's topics use."""
+    """Finds ended connections, with the interface that rospy's topics use; for several threads."""
 
     def __init__(self) -> None:
         self._poll = select.poll()
+        self._lock = threading.Lock()  # poll raises an error if two threads call it at a time
 
     def add_fd(self, fd: int) -> None:
         """Watches a connection."""
@@ -46,8 +49,11 @@ class Poller:
 
     def error_iter(self) -> Iterator[int]:
         """The descriptors of the connections that have ended."""
-        for fd, event in self._poll.poll(0):
+        with self._lock:
+            events = self._poll.poll(0)
+        for fd, event in events:
             if event & select.POLLNVAL:  # closed meanwhile; epoll forgets such descriptors
-                self._poll.unregister(fd)
+                with suppress(KeyError):  # another thread may have done it
+                    self._poll.unregister(fd)
             elif event & _ENDED:
                 yield fd
