@@ -17,3 +17,6 @@ class ConstVelocity(ModelPlugin):
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         self._body.velocity = self._velocity
+
+    def get_state(self) -> None:
+        """Nothing: what moves is kept by the simulator."""

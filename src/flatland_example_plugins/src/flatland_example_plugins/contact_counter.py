@@ -2,6 +2,7 @@
 
 import logging
 from collections import Counter
+from typing import Dict
 
 from std_msgs.msg import Int32
 
@@ -33,6 +34,14 @@ class ContactCounter(ModelPlugin):
         """Called when the `update_timer` is due."""
         if self._publisher.has_subscribers:
             self._publisher.publish(Int32(sum(self._counts.values())))
+
+    def get_state(self) -> Dict[str, int]:
+        """What a saved state has to keep: plain data."""
+        return self._counts
+
+    def set_state(self, state: Dict[str, int]) -> None:
+        """Called on a new plugin, after `on_initialize`, when a state is loaded."""
+        self._counts = Counter(state)
 
     def on_shutdown(self) -> None:
         logger.info("%s: contacts by what was touched: %s", self.name, dict(self._counts))

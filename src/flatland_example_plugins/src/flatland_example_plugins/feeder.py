@@ -1,6 +1,6 @@
 """Feeder: spawns models, and deletes them when they leave an area."""
 
-from typing import List
+from typing import Any, Dict, List
 
 from std_msgs.msg import Int32
 
@@ -32,8 +32,9 @@ class Feeder(WorldPlugin):
         models = self.world.models
         there = [name for name in self._names if name in models]  # others may delete them too
         self._names = [name for name in there if self._contains(models[name].pose)]
-        for name in set(there) - set(self._names):
-            self.world.delete_model(name)
+        for name in there:
+            if name not in self._names:
+                self.world.delete_model(name)
 
         if self._timer.check_update(timekeeper):
             name = f"{self.name}_{self._spawned}"
@@ -44,6 +45,22 @@ class Feeder(WorldPlugin):
         if len(self._names) != self._published:
             self._published = len(self._names)
             self._publisher.publish(Int32(self._published))
+
+    def get_state(self) -> Dict[str, Any]:
+        """What a saved state has to keep; the models themselves are in it already."""
+        return {
+            "names": self._names,
+            "spawned": self._spawned,
+            "published": self._published,
+            "timer": self._timer.get_state(),
+        }
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Called on a new plugin, after `on_initialize`, when a state is loaded."""
+        self._names = state["names"]
+        self._spawned = state["spawned"]
+        self._published = state["published"]
+        self._timer.set_state(state["timer"])
 
     def _contains(self, pose: Pose) -> bool:
         x_min, y_min, x_max, y_max = self._area

@@ -1,11 +1,11 @@
 """BoolSensor: whether something touches a body."""
 
 import math
-from typing import Set
+from typing import Any, Dict, Set, Tuple
 
 from std_msgs.msg import Bool
 
-from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
+from flatland_server import Contact, Fixture, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
 
 
 class BoolSensor(ModelPlugin):
@@ -22,7 +22,7 @@ class BoolSensor(ModelPlugin):
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
         config.finish()
         self._publisher = self.node.advertise(topic, Bool)
-        self._touching: Set[Contact] = set()
+        self._touching: Set[Tuple[Fixture, Fixture]] = set()
         self._is_unreported = False
 
     def begin_contact(self, contact: Contact) -> None:
@@ -31,15 +31,27 @@ class BoolSensor(ModelPlugin):
         if sides is None or sides.entity is self.model or sides.other_fixture.sensor:
             return
         if sides.this_fixture.body == self._body.physics_body:
-            self._touching.add(contact)
+            self._touching.add((contact.fixture_a, contact.fixture_b))
             self._is_unreported = True
 
     def end_contact(self, contact: Contact) -> None:
         """Records its end."""
-        self._touching.discard(contact)
+        self._touching.discard((contact.fixture_a, contact.fixture_b))
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes, and forgets touches that have ended."""
         if self._publisher.has_subscribers:
             self._publisher.publish(Bool(self._is_unreported or bool(self._touching)))
         self._is_unreported = False
+
+    def get_state(self) -> Dict[str, Any]:
+        """What touches the body, and whether that is still to be reported."""
+        describe = self.model.entities.describe
+        touching = [[describe(a), describe(b)] for a, b in self._touching]
+        return {"touching": touching, "is_unreported": self._is_unreported}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Sets what `get_state` has returned."""
+        find = self.model.entities.fixture
+        self._touching = {(find(a), find(b)) for a, b in state["touching"]}
+        self._is_unreported = state["is_unreported"]

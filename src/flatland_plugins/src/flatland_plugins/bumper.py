@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from itertools import zip_longest
-from typing import Dict, List, Tuple
+from typing import Any, Dict, List, Tuple
 
 from flatland_msgs.msg import Collision, Collisions, Vector2
 
@@ -11,6 +11,7 @@ from flatland_server import (
     Contact,
     ContactImpulse,
     ContactSides,
+    Fixture,
     ModelPlugin,
     Timekeeper,
     UpdateTimer,
@@ -63,7 +64,7 @@ class Bumper(ModelPlugin):
         config.finish()
         self._timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, Collisions)
-        self._touches: Dict[Contact, Touch] = {}
+        self._touches: Dict[Tuple[Fixture, Fixture], Touch] = {}
         self._over: List[Touch] = []
 
     def begin_contact(self, contact: Contact) -> None:
@@ -72,16 +73,17 @@ class Bumper(ModelPlugin):
             return
         sides = self.filter_contact(contact)
         if sides is not None and not self._is_excluded(sides):
-            self._touches[contact] = Touch(sides, has_sensor=True)
+            self._touches[_fixtures(contact)] = Touch(sides, has_sensor=True)
 
     def post_solve(self, contact: Contact, impulse: ContactImpulse) -> None:
         """Records a contact's points and impulses; a step may solve it more than once."""
-        touch = self._touches.get(contact)
+        key = _fixtures(contact)
+        touch = self._touches.get(key)
         if touch is None:
             sides = self.filter_contact(contact)
             if sides is None or self._is_excluded(sides):
                 return
-            touch = self._touches[contact] = Touch(sides)
+            touch = self._touches[key] = Touch(sides)
         flip = 1.0 if touch.sides.this_fixture == contact.fixture_a else -1.0
         x, y = contact.normal
         touch.points, touch.normal = contact.points, (flip * x, flip * y)
@@ -90,7 +92,7 @@ class Bumper(ModelPlugin):
 
     def end_contact(self, contact: Contact) -> None:
         """Forgets a contact; one that was solved in this step is still to be reported."""
-        touch = self._touches.pop(contact, None)
+        touch = self._touches.pop(_fixtures(contact), None)
         if touch is not None and touch.impulses:
             self._over.append(touch)
 
@@ -108,6 +110,34 @@ class Bumper(ModelPlugin):
         self._over.clear()
         for touch in self._touches.values():
             touch.impulses = []
+
+    def get_state(self) -> Dict[str, Any]:
+        """The present touches, between steps: without impulses."""
+        describe = self.model.entities.describe
+        touches = [
+            {
+                "fixtures": [describe(a), describe(b)],
+                "is_a": touch.sides.this_fixture == a,
+                "has_sensor": touch.has_sensor,
+                "points": touch.points,
+                "normal": touch.normal,
+            }
+            for (a, b), touch in self._touches.items()
+        ]
+        return {"touches": touches, "timer": self._timer.get_state()}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Sets what `get_state` has returned."""
+        entities = self.model.entities
+        self._timer.set_state(state["timer"])
+        self._touches.clear()
+        for each in state["touches"]:
+            a, b = (entities.fixture(description) for description in each["fixtures"])
+            this, other = (a, b) if each["is_a"] else (b, a)
+            sides = ContactSides(entities.owner(other.body.id), this, other)
+            points = [(x, y) for x, y in each["points"]]
+            touch = Touch(sides, each["has_sensor"], points, tuple(each["normal"]))
+            self._touches[a, b] = touch
 
     def _is_excluded(self, sides: ContactSides) -> bool:
         """Whether an excluded body takes part; between bodies of the model, on either side."""
@@ -129,3 +159,8 @@ class Bumper(ModelPlugin):
             contact_positions=[Vector2(x, y) for x, y in touch.points],
             contact_normals=[Vector2(*touch.normal) for _ in touch.points],
         )
+
+
+def _fixtures(contact: Contact) -> Tuple[Fixture, Fixture]:
+    """What identifies a contact, also after a state was loaded."""
+    return contact.fixture_a, contact.fixture_b

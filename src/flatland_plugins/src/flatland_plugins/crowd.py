@@ -1,6 +1,6 @@
 """Crowd: people that walk between goals and give way to walls, robots and each other."""
 
-from typing import Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Tuple
 
 import numpy as np
 from geometry_msgs.msg import Pose as PoseMessage
@@ -119,6 +119,18 @@ class Crowd(WorldPlugin):
             poses.poses.append(PoseMessage())
             fill_pose(poses.poses[-1], person.model.pose)
         return poses
+
+    def get_state(self) -> Dict[str, Any]:
+        """The goal and the stride of each person that is there."""
+        models = self.world.models
+        people = [p for p in self._people if models.get(p.config.name) is p.model]
+        return {person.config.name: person.get_state() for person in people}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Sets what `get_state` has returned."""
+        self._people = [person for person in self._people if person.config.name in state]
+        for person in self._people:
+            person.set_state(state[person.config.name])
 
     def on_shutdown(self) -> None:
         """Deletes the people."""

@@ -8,3 +8,6 @@ class DummyWorldPlugin(WorldPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         config.accept_other_keys()
+
+    def get_state(self) -> None:
+        """Nothing."""

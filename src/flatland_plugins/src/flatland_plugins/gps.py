@@ -56,6 +56,9 @@ class Gps(ModelPlugin):
             position_covariance_type=NavSatFix.COVARIANCE_TYPE_KNOWN,
         )
 
+    def get_state(self) -> None:
+        """Nothing: a fix depends on the present alone."""
+
 
 def _read_degrees(config: YamlReader, key: str, limit: float) -> float:
     """An angle of the reference [deg], 0 by default, at most `limit` either way."""

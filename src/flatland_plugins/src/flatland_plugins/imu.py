@@ -1,7 +1,7 @@
 """Imu: what gyroscopes and accelerometers in a body measure, and its orientation."""
 
 import math
-from typing import NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from geometry_msgs.msg import Quaternion, Vector3
@@ -84,6 +84,15 @@ class Imu(ModelPlugin):
                 if deviations.any():
                     values = truth + self._noise.at(now).standard_normal(9) * deviations
                 publisher.publish(self._message(now, values.tolist()))
+
+    def get_state(self) -> Dict[str, Any]:
+        """The motion at the last message."""
+        return {"end": self._end, "move_revision": self._move_revision}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Sets what `get_state` has returned."""
+        self._end = Motion(*state["end"]) if state["end"] is not None else None
+        self._move_revision = state["move_revision"]
 
     def _has_subscribers(self) -> bool:
         return any(publisher.has_subscribers for publisher in self._publishers)

@@ -86,6 +86,9 @@ class Laser(ModelPlugin):
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)
         return ranges, intensities
 
+    def get_state(self) -> None:
+        """Nothing: a scan depends on the present alone, and its noise on the time."""
+
 
 @lru_cache(maxsize=16)
 def _fan(angle_min: float, increment: float, count: int) -> BeamFan:

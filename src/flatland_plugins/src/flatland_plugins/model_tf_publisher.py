@@ -45,3 +45,6 @@ class ModelTfPublisher(ModelPlugin):
             self._world_frame.send(now, [self._reference.pose])
         if self._bodies:
             self._frames.send(now, self._poses.read())
+
+    def get_state(self) -> None:
+        """Nothing: transforms depend on the present alone."""

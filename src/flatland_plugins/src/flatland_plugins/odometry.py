@@ -1,7 +1,7 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from typing import List, Optional
+from typing import Any, Dict, List, Optional
 
 import numpy as np
 from geometry_msgs.msg import TwistWithCovarianceStamped
@@ -97,6 +97,17 @@ class OdometryPublisher:
             self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, pose, local)
         if self._frame is not None and self._node.transforms_have_subscribers:
             self._frame.send(nanoseconds, [estimated])
+
+    def get_state(self) -> Dict[str, Any]:
+        """What it keeps from message to message, for a saved state."""
+        drift = self._drift.get_state() if self._drift is not None else None
+        return {"drift": drift, "move_revision": self._move_revision}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Sets what `get_state` has returned."""
+        self._move_revision = state["move_revision"]
+        if self._drift is not None:
+            self._drift.set_state(state["drift"])
 
     def _has_subscribers(self) -> bool:
         if self._frame is not None and self._node.transforms_have_subscribers:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 
@@ -86,6 +86,20 @@ class OdometryDrift:
                 half = Pose(*(0.5 * each for each in error))
                 self.pose = self.pose.compose(half).compose(motion).compose(half).wrapped()
         self._last = (nanoseconds, truth)
+
+    def get_state(self) -> Dict[str, Any]:
+        """The estimate and the noise to come, for a saved state."""
+        rng = self._rng.bit_generator.state
+        return {"pose": self.pose, "last": self._last, "rng": rng}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Sets what `get_state` has returned."""
+        self.pose = Pose(*state["pose"])
+        self._rng.bit_generator.state = state["rng"]
+        self._last = None
+        if state["last"] is not None:
+            nanoseconds, truth = state["last"]
+            self._last = (nanoseconds, Pose(*truth))
 
     def _error(self, motion: Pose, seconds: float) -> Pose:
         """An error [m, m, rad] of a motion, in the body's frame."""

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Tuple
+from typing import Any, Sequence, Tuple
 
 from flatland_plugins.crowd_config import PedestrianConfig
 from flatland_server import (
@@ -116,6 +116,14 @@ class Pedestrian:
             after = Pose(x + vx * dt, y + vy * dt, yaw + turn)
             forwards = vx * math.cos(after.yaw) + vy * math.sin(after.yaw)
             self._step(after, forwards, dt)
+
+    def get_state(self) -> Tuple[int, float]:
+        """Which goal it walks to, and the part of a double step that is done."""
+        return self._goal, self._stride
+
+    def set_state(self, state: Sequence[Any]) -> None:
+        """Sets what `get_state` has returned."""
+        self._goal, self._stride = state
 
     def _step(self, body: Pose, speed: float, dt: float) -> None:
         """Moves the legs to where they belong in `dt` seconds, when the body is there.

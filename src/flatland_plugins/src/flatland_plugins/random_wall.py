@@ -45,6 +45,9 @@ class RandomWall(WorldPlugin):
         chosen = self.rng.choice(candidates, count, replace=False)
         self.world.add_walls(layer_name, copies[chosen].reshape(-1, 4))
 
+    def get_state(self) -> None:
+        """Nothing: the walls are added when the world is made, and are then a part of it."""
+
 
 def copies_beside(walls: Segments, place: FloatArray, distance: float, is_double: bool) -> Segments:
     """Parallels of walls (n, 4) on the side of a place (2,): (n, 1, 4), or (n, 2, 4) on both."""

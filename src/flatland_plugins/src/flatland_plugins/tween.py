@@ -27,3 +27,6 @@ class Tween(ModelPlugin):
 
     def _on_trigger(self, message: Bool) -> None:
         self._tween.trigger(message.data)
+
+    def get_state(self) -> None:
+        """Nothing: the core keeps the phase."""

@@ -4,7 +4,7 @@ import contextlib
 import logging
 import math
 from abc import ABC, abstractmethod
-from typing import ClassVar, Tuple
+from typing import Any, ClassVar, Tuple
 
 from geometry_msgs.msg import Twist
 
@@ -76,6 +76,14 @@ class TwistDrive(ModelPlugin, ABC):
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry; the core drives."""
         self._odometry.publish(timekeeper.nanoseconds)
+
+    def get_state(self) -> Any:
+        """What the odometry keeps; the core keeps the commands and velocities."""
+        return self._odometry.get_state()
+
+    def set_state(self, state: Any) -> None:
+        """Sets what `get_state` has returned."""
+        self._odometry.set_state(state)
 
     def on_shutdown(self) -> None:
         """Stops the body within the limits, if it outlives the drive."""

@@ -26,6 +26,12 @@ class ArcMotion {
   /// stays.
   void End(b2Body& body, const Twist& at_end);
 
+  /// Writes or reads what it keeps from step to step; see archive.hpp.
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(rounding_error_);
+  }
+
  private:
   b2Vec2 commanded_velocity_ = b2Vec2_zero;  // of the centre of mass, in the world's frame [m/s]
   float commanded_omega_ = 0.0f;             // [rad/s]

@@ -33,6 +33,12 @@ class BodyDrive {
   /// Sets the body's velocity after the step.
   void EndStep(b2Body& body);
 
+  /// Writes or reads what it keeps from step to step; see archive.hpp.
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(target_, velocity_, motion_);
+  }
+
  private:
   DynamicsLimits linear_;
   DynamicsLimits angular_;

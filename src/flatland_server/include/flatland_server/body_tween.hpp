@@ -56,6 +56,12 @@ class BodyTween {
   /// Shifts the whole movement such that the body's present pose is `pose`.
   void Rebase(const Pose& pose);
 
+  /// Writes or reads what it keeps from step to step; see archive.hpp.
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(start_, time_, time_rounding_error_, forward_);
+  }
+
  private:
   void AddTime(double dt);
   /// Present pose minus the start.

@@ -44,6 +44,10 @@ class SlotMap {
     Slot& slot = slots_[index];
     slot.value = std::move(value);
     slot.in_use = true;
+    slot.previous = last_;
+    slot.next = kNone;
+    (last_ == kNone ? first_ : slots_[last_].next) = index;
+    last_ = index;
     return {index, slot.generation};
   }
 
@@ -52,12 +56,17 @@ class SlotMap {
     Slot& slot = slots_[handle.index];
     slot.value = T();
     slot.in_use = false;
+    (slot.previous == kNone ? first_ : slots_[slot.previous].next) = slot.next;
+    (slot.next == kNone ? last_ : slots_[slot.next].previous) = slot.previous;
     ++slot.generation;
     free_.push_back(handle.index);
   }
 
   /// The handle of the present object of a slot, which must be in use.
   Handle<T> HandleAt(uint32_t index) const { return {index, slots_[index].generation}; }
+
+  /// The indices of handles are below it.
+  size_t slot_count() const { return slots_.size(); }
 
   bool Contains(Handle<T> handle) const {
     return handle.index < slots_.size() && slots_[handle.index].in_use &&
@@ -71,11 +80,13 @@ class SlotMap {
   }
   const T& Get(Handle<T> handle) const { return const_cast<SlotMap*>(this)->Get(handle); }
 
-  /// Calls `visit(handle, value)` for each object, in the order of the slots.
+  /// Calls `visit(handle, value)` for each object, in the order in which they were added, whatever
+  /// slots they got. `visit` may remove the object that it is called with.
   template <class Visit>
   void ForEach(Visit visit) {
-    for (uint32_t i = 0; i < slots_.size(); ++i) {
-      if (slots_[i].in_use) visit(Handle<T>{i, slots_[i].generation}, slots_[i].value);
+    for (uint32_t i = first_, next; i != kNone; i = next) {
+      next = slots_[i].next;
+      visit(Handle<T>{i, slots_[i].generation}, slots_[i].value);
     }
   }
   template <class Visit>
@@ -85,15 +96,21 @@ class SlotMap {
   }
 
  private:
+  static constexpr uint32_t kNone = UINT32_MAX;
+
   struct Slot {
     T value = T();
     uint32_t generation = 1;
     bool in_use = false;
+    uint32_t previous = kNone;  // of those in use, in the order in which they were added
+    uint32_t next = kNone;
   };
 
   std::string noun_;
   std::vector<Slot> slots_;
   std::vector<uint32_t> free_;
+  uint32_t first_ = kNone;
+  uint32_t last_ = kNone;
 };
 
 }  // namespace flatland

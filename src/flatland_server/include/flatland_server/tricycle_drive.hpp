@@ -41,14 +41,22 @@ class TricycleDrive {
 
   /// Called for each joint that is destroyed: if it is the front wheel's, the wheel is not rotated
   /// any more.
-  void Forget(const b2Joint* joint) {
-    if (joint == front_wheel_) front_wheel_ = nullptr;
+  void Forget(const b2Joint* joint) { Replace(joint, nullptr); }
+  /// Called for each joint that another one has taken the place of.
+  void Replace(const b2Joint* joint, b2Joint* other) {
+    if (joint == front_wheel_) front_wheel_ = static_cast<b2RevoluteJoint*>(other);
   }
 
   /// Sets the body's velocity for the next step of `dt` [s].
   void BeginStep(b2Body& body, double dt);
   /// Sets the body's velocity after the step, and places the front wheel.
   void EndStep(b2Body& body);
+
+  /// Writes or reads what it keeps from step to step; see archive.hpp.
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(target_speed_, target_angle_, speed_, steering_.angle, steering_.rate, motion_);
+  }
 
  private:
   /// Twist of the body's origin, in its frame, for a speed [m/s] and angle [rad] of the front

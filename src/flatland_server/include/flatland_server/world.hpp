@@ -22,6 +22,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -49,6 +51,8 @@ struct Mounted {
   Handle<BodyRecord> body;
   Mechanism mechanism;
 };
+
+struct WorldState;
 
 class World : private b2DestructionListener, private b2ContactListener {
  public:
@@ -89,7 +93,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Whether the body still exists.
   bool Contains(Body body) const { return bodies_.Contains(body); }
   /// Number of bodies, layers included.
-  int body_count() const { return world_.GetBodyCount(); }
+  int body_count() const { return world_->GetBodyCount(); }
   /// Static, kinematic or dynamic.
   b2BodyType GetType(Body body) const { return Find(body).GetType(); }
   /// Whether Box2D simulates it; a body at rest falls asleep.
@@ -170,7 +174,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   Joint AddWeld(Body a, Body b, const WeldSettings& settings);
   /// Whether the joint still exists: until one of its bodies is removed.
   bool Contains(Joint joint) const { return joints_.Contains(joint); }
-  int joint_count() const { return world_.GetJointCount(); }
+  int joint_count() const { return world_->GetJointCount(); }
   /// Angle of b minus that of a, minus a weld's reference angle, within [-pi, pi] [rad].
   double GetJointAngle(Joint joint) const;
 
@@ -220,6 +224,22 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Advances the simulation by `dt` [s], 1e-9 or more.
   void Step(double dt) { Step(dt, AccessGuard(*this)); }
   void Step(double dt, const AccessGuard& guard);
+
+  // ---- State ----
+
+  /// The state of all that moves, as bytes: poses, velocities, pending forces, contacts with the
+  /// solver's impulses, joints, drives and tweens. What the construction of the world determines,
+  /// such as shapes, is not included.
+  ///
+  /// It also puts this world into the form that RestoreState gives to another one, with a new tree
+  /// of bounding boxes: Box2D finds new contacts in the order of that tree, and solves them in this
+  /// order. So from here on the two make the same steps, bit for bit.
+  std::string SaveState();
+  /// Puts a world that was constructed in the same way, in the same order, into a saved state.
+  /// Handles stay valid, and no contact event is reported. Throws std::invalid_argument, and
+  /// changes nothing, if the state is damaged or is of a world of other bodies, fixtures, joints,
+  /// drives or tweens.
+  void RestoreState(std::string_view bytes);
 
  private:
   struct Layer {
@@ -303,8 +323,18 @@ class World : private b2DestructionListener, private b2ContactListener {
   bool IsListenedTo(b2Contact& contact, ContactEvent event) const;
   Contact MakeContact(b2Contact& contact, ContactEvent event) const;
   void CallListener(Contact& contact);
+  /// Makes Box2D report contacts if a body has chosen an event.
+  void ChooseContactReports();
 
-  b2World world_;
+  // State.
+
+  WorldState CollectState() const;
+  template <class Archive>
+  void Serialize(Archive& archive, WorldState& state) const;
+  /// Replaces Box2D's world by a new one in this state; handles name the same bodies as before.
+  void Rebuild(const WorldState& state);
+
+  std::unique_ptr<b2World> world_;
   int velocity_iterations_;
   int position_iterations_;
   mutable std::atomic<bool> is_in_use_{false};

@@ -9,10 +9,14 @@ namespace {
 /// GoneError.
 struct PyContact {
   std::shared_ptr<World> world;
-  const void* id;
   Contact* contact;
   PyFixture a;
   PyFixture b;
+
+  /// Identifies the contact from its begin to its end, also when Box2D's world is made anew.
+  std::tuple<uint64_t, uint32_t, uint64_t, uint32_t> Key() const {
+    return {IdOf(a.handle.body), a.handle.index, IdOf(b.handle.body), b.handle.index};
+  }
 
   Contact& Get() const {
     if (contact == nullptr) {
@@ -52,7 +56,7 @@ void PyListener::OnContact(Contact& contact) {
   if (error_ || !world) return;
   const py::gil_scoped_acquire acquire;
   const auto wrapped = std::make_shared<PyContact>(
-      PyContact{world, contact.id(), &contact, {world, contact.a}, {world, contact.b}});
+      PyContact{world, &contact, {world, contact.a}, {world, contact.b}});
   try {
     Call(contact, py::cast(wrapped));
   } catch (...) {
@@ -82,10 +86,10 @@ void BindContacts(py::module_& m) {
       .def(
           "__eq__",
           [](const PyContact& self, const PyContact& other) {
-            return self.world == other.world && self.id == other.id;
+            return self.world == other.world && self.Key() == other.Key();
           },
           py::is_operator())
-      .def("__hash__", [](const PyContact& self) { return reinterpret_cast<uintptr_t>(self.id); })
+      .def("__hash__", [](const PyContact& self) { return py::hash(py::cast(self.Key())); })
       .def_readonly("fixture_a", &PyContact::a)
       .def_readonly("fixture_b", &PyContact::b)
       .def_property_readonly("touching",

@@ -105,6 +105,13 @@ void BindWorld(py::module_& m) {
             return ScanLidar(lidar);
           },
           py::arg("lidar"))
+      .def("save_state", [](PyWorld& self) { return py::bytes(self.world->SaveState()); })
+      .def(
+          "restore_state",
+          [](PyWorld& self, const py::bytes& state) {
+            self.world->RestoreState(std::string_view(state));
+          },
+          py::arg("state"))
       .def("set_contact_listener", &SetContactListener, py::arg("listener"))
       .def_property_readonly("body_count",
                              [](const PyWorld& self) { return self.world->body_count(); })

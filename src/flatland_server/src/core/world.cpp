@@ -40,12 +40,12 @@ void Unwind(b2Body& body) {
 }  // namespace
 
 World::World(int velocity_iterations, int position_iterations)
-    : world_(b2Vec2_zero),
+    : world_(std::make_unique<b2World>(b2Vec2_zero)),
       velocity_iterations_(velocity_iterations),
       position_iterations_(position_iterations) {
   Require(velocity_iterations >= 1 && position_iterations >= 1,
           "a solver needs at least one iteration");
-  world_.SetDestructionListener(this);
+  world_->SetDestructionListener(this);
 }
 
 void World::BeginAccess() const {
@@ -70,7 +70,7 @@ void World::Step(double dt, const AccessGuard&) {
   for_each(drives_, begin);
   for_each(tricycles_, begin);
   for_each(tweens_, [&](BodyTween& tween, b2Body& body) { AdvanceTween(tween, body, dt); });
-  world_.Step(static_cast<float>(dt), velocity_iterations_, position_iterations_);
+  world_->Step(static_cast<float>(dt), velocity_iterations_, position_iterations_);
   for_each(drives_, end);
   for_each(tricycles_, end);
   for_each(tweens_, [&](BodyTween& tween, b2Body& body) { FinishTween(tween, body, dt); });

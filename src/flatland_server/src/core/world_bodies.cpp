@@ -31,7 +31,7 @@ World::Body World::AddBody(const BodySettings& settings) {
   definition.linearDamping = static_cast<float>(settings.linear_damping);
   definition.angularDamping = static_cast<float>(settings.angular_damping);
   BodyRecord record;
-  record.body = world_.CreateBody(&definition);
+  record.body = world_->CreateBody(&definition);
   return AddRecord(std::move(record));
 }
 
@@ -44,7 +44,7 @@ World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers)
   const AccessGuard guard(*this);
   const b2BodyDef definition;
   BodyRecord record;
-  record.body = world_.CreateBody(&definition);
+  record.body = world_->CreateBody(&definition);
   record.is_layer = true;
   record.fixtures.reserve(walls.size());
   b2FixtureDef fixture;
@@ -74,7 +74,7 @@ void World::RemoveBody(Body body) {
   remove_from(tweens_);
   remove_from(lidars_);
   ++revision_;
-  world_.DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
+  world_->DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
   bodies_.Remove(body);
   ApplyDeferredForces();
 }
@@ -125,7 +125,7 @@ void World::WakeBodiesNear(const b2Body& body) {
     }
   } waker;
   for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
-    world_.QueryAABB(&waker, f->GetAABB(0));
+    world_->QueryAABB(&waker, f->GetAABB(0));
   }
 }
 

@@ -25,11 +25,15 @@ void World::SetContactListener(ContactListener* listener) {
 void World::ListenToContacts(Body body, ContactEvents events) {
   RequireAccess();
   bodies_.Get(body).contact_events = events;
+  ChooseContactReports();
+}
+
+void World::ChooseContactReports() {
   bool is_any_chosen = false;
   bodies_.ForEach([&](Body, const BodyRecord& record) {
     is_any_chosen |= record.contact_events != kNoContactEvents;
   });
-  world_.SetContactListener(is_any_chosen ? this : nullptr);
+  world_->SetContactListener(is_any_chosen ? this : nullptr);
 }
 
 bool World::IsListenedTo(b2Contact& contact, ContactEvent event) const {

@@ -135,7 +135,7 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
   for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
     if (f->IsSensor()) continue;
     collector.own = f;
-    world_.QueryAABB(&collector, f->GetAABB(0));
+    world_->QueryAABB(&collector, f->GetAABB(0));
   }
   std::vector<Body> bodies;
   for (b2Body* other : collector.found) {

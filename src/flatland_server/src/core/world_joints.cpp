@@ -9,7 +9,7 @@ namespace flatland {
 World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
   const AccessGuard guard(*this);
-  return joints_.Add(world_.CreateJoint(&definition));
+  return joints_.Add(world_->CreateJoint(&definition));
 }
 
 World::Joint World::AddRevolute(Body a, Body b, const RevoluteSettings& settings) {

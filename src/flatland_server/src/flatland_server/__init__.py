@@ -34,6 +34,7 @@ from flatland_server.exceptions import (
     ModelError,
     PluginError,
     Problem,
+    StateError,
     TopicError,
     YamlError,
 )
@@ -107,6 +108,7 @@ __all__ = [
     "RelativePoses",
     "Segments",
     "SimulationManager",
+    "StateError",
     "Subscription",
     "Timekeeper",
     "TopicError",

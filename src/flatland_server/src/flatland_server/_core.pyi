@@ -95,6 +95,20 @@ class World(metaclass=_Metaclass):
     @overload
     def scan(self, lidar: Lidar) -> tuple[Float32Array, Float32Array]:
         """Deprecated alias of `lidar.scan()`."""
+    def save_state(self) -> bytes:
+        """The state of all that moves: poses, velocities, contacts, joints, drives and tweens.
+
+        This world goes on, bit for bit, like one that is put into this state by `restore_state`;
+        without the call it would differ in the last bits.
+        """
+    def restore_state(self, state: bytes) -> None:
+        """Puts a world into the saved state of one that was made alike, in the same order.
+
+        Bodies, joints and so on stay valid, and no contact event is reported.
+
+        Raises:
+            ValueError: the state is damaged, or is of a world of other parts. Nothing has changed.
+        """
     def set_contact_listener(self, listener: Callable[..., None] | None) -> None:
         """Sets the function that receives contact events, or None.
 
@@ -528,8 +542,8 @@ class Contact(_WithoutConstructor):
     """A contact of two fixtures, at one of its events.
 
     Valid only within the call that it is given to; after that its properties and methods raise
-    GoneError, except `fixture_a` and `fixture_b`. It may be kept as a key: contacts of all events
-    from begin to end are equal.
+    GoneError, except `fixture_a` and `fixture_b`. It may be kept as a key: contacts of the same two
+    fixtures are equal.
     """
 
     def __eq__(self, other: object) -> bool: ...

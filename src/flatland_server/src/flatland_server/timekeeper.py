@@ -40,3 +40,7 @@ class Timekeeper:
     def step(self) -> None:
         """Advances simulated time by one step."""
         self._nanoseconds += self._step_nanoseconds
+
+    def jump_to(self, nanoseconds: int) -> None:
+        """Sets simulated time [ns]: to 0 at a reset, to another time when a state is loaded."""
+        self._nanoseconds = nanoseconds

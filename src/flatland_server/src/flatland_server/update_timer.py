@@ -1,6 +1,7 @@
 """Updates at a rate slower than that of the simulation's steps."""
 
 import math
+from typing import Any, Dict
 
 from flatland_server.timekeeper import Timekeeper
 
@@ -44,3 +45,14 @@ class UpdateTimer:
             passed = round(math.floor((now - self._start + 0.5) / self._period) + 1)
             self.due = self._start + round(passed * self._period)
         return True
+
+    def get_state(self) -> Dict[str, Any]:
+        """Its period and when it is due, for the state of a plugin that has a timer of its own.
+
+        The framework itself keeps that of `Plugin.update_timer`.
+        """
+        return {"period": self._period, "start": self._start, "due": self.due}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        """Sets what `get_state` has returned."""
+        self._period, self._start, self.due = state["period"], state["start"], state["due"]

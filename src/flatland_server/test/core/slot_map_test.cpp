@@ -95,6 +95,23 @@ TEST(SlotMap, ForEachVisitsOnlyWhatIsThere) {
   EXPECT_EQ(indices, (std::vector<uint32_t>{anna.index, cleo.index}));
 }
 
+TEST(SlotMap, ForEachVisitsInTheOrderOfAddingAlsoWhenSlotsAreReused) {
+  Names names("robot");
+  const Handle<std::string> anna = names.Add("Anna");
+  const Handle<std::string> bert = names.Add("Bert");
+  names.Add("Cleo");
+  names.Remove(anna);
+  names.Remove(bert);
+  names.Add("Dora");
+  const Handle<std::string> emil = names.Add("Emil");
+  ASSERT_EQ(emil.index, anna.index);
+
+  std::string visited;
+  names.ForEach([&](Handle<std::string>, const std::string& name) { visited += name + " "; });
+
+  EXPECT_EQ(visited, "Cleo Dora Emil ");
+}
+
 TEST(SlotMap, TheVisitedOneMayBeRemoved) {
   Names names("robot");
   for (const char* name : {"Anna", "Bert", "Cleo"}) names.Add(name);

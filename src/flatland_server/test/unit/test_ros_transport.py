@@ -6,6 +6,7 @@ import threading
 import pytest
 import rospy
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
 
 from flatland_server.exceptions import TopicError
 from flatland_server.ros.ros_transport import RosTransport
@@ -93,3 +94,20 @@ def test_topics_are_compared_as_rospy_resolves_them(monkeypatch):
 
     with pytest.raises(TopicError, match='the topic "/clock" is the server\'s own'):
         node.advertise("scan", LaserScan)
+
+
+def test_the_publishers_of_a_topic_count_its_subscribers_once():
+    """A reset opens a topic again before the former publisher is closed."""
+    transport = RosTransport()
+    options = {"latch": False, "queue_size": 1}
+    first = transport.advertise("counted", String, **options)
+    for _ in range(3):
+        second = transport.advertise("counted", String, **options)
+        first.close()
+        first = second
+
+    assert len(first._publisher.impl.subscriber_listeners) == 1
+    first.close()
+    again = transport.advertise("counted", String, **options)
+    assert len(again._publisher.impl.subscriber_listeners) == 1
+    again.close()

@@ -1,9 +1,10 @@
 """Entities: the models and layers of a world, which own its bodies."""
 
 from abc import ABC, abstractmethod
-from typing import Dict, Iterable, Iterator, List, Optional
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence
 
 from flatland_server import _core
+from flatland_server.exceptions import StateError
 
 
 class Entity(ABC):
@@ -39,6 +40,10 @@ class Entities:
         for body in bodies:
             self._owners.pop(body.id, None)
 
+    def clear(self) -> None:
+        """Forgets all entities, so that nothing keeps them and their physical world alive."""
+        self._owners.clear()
+
     def owner(self, body_id: int) -> Entity:
         """The entity that owns the body with this `id`.
 
@@ -53,6 +58,32 @@ class Entities:
     def find(self, body_id: int) -> Optional[Entity]:
         """The same, or None if it has no owner, such as a body that a plugin has created."""
         return self._owners.get(body_id)
+
+    def describe(self, fixture: _core.Fixture) -> List[Any]:
+        """A fixture as plain data, for the state of a plugin; `fixture` finds it again.
+
+        Raises:
+            GoneError: its body has been deleted, or belongs to no model or layer.
+        """
+        owner = self.owner(fixture.body.id)
+        body = owner.physics_bodies.index(fixture.body)
+        return [type(owner).__name__, owner.name, body, fixture.index]
+
+    def fixture(self, description: Sequence[Any]) -> _core.Fixture:
+        """The fixture that `describe` has described, here or in a world of the same contents.
+
+        Raises:
+            StateError: there is none.
+        """
+        kind, name, body, index = description
+        for entity in self:
+            if type(entity).__name__ == kind and entity.name == name:
+                bodies = entity.physics_bodies
+                fixtures = bodies[body].fixtures if 0 <= body < len(bodies) else []
+                if 0 <= index < len(fixtures):
+                    found: _core.Fixture = fixtures[index]
+                    return found
+        raise StateError(f'there is no fixture {index} of body {body} of "{name}"')
 
     def __iter__(self) -> Iterator[Entity]:
         return iter(dict.fromkeys(self._owners.values()))

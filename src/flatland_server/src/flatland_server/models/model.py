@@ -28,12 +28,14 @@ class ModelConfig:
         bodies: its bodies, at least one; the first is the base.
         joints: its joints.
         plugins: its plugins, which read their own keys when they start.
+        is_read: whether it was read from `path`; otherwise a program has made it.
     """
 
     path: Path
     bodies: Tuple[BodyConfig, ...]
     joints: Tuple[JointConfig, ...]
     plugins: Tuple[PluginConfig, ...]
+    is_read: bool = False
 
     @classmethod
     def from_file(
@@ -72,7 +74,7 @@ class ModelConfig:
         )
         plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
-        return cls(reader.file, tuple(bodies), tuple(joints), tuple(plugins))
+        return cls(reader.file, tuple(bodies), tuple(joints), tuple(plugins), is_read=True)
 
 
 class Model(Entity):

@@ -21,8 +21,11 @@ others are never called.
     post_solve            after the forces of a contact were solved              t
     after_physics_step    after the physics                                      t + dt
 
-4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed. After it, the
-   topics, subscriptions and frames of the plugin are closed.
+4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed or made anew.
+   After it, the topics, subscriptions and frames of the plugin are closed.
+
+`get_state` is called between two steps, when the state of the world is saved. When the world is
+reset, or a state is loaded, plugins are new objects; a loaded state is passed to `set_state`.
 
 In each hook, plugins are called in the order in which they were started. All hooks and the
 callbacks of subscriptions are called on the same thread; callbacks are called between steps.
@@ -178,3 +181,26 @@ class Plugin:
 
     def on_shutdown(self) -> None:
         """Called once, at the end of the plugin; its topics are still open."""
+
+    def get_state(self) -> Any:
+        """What the plugin keeps from step to step, for a saved state; see `set_state`.
+
+        To be overridden by plugins with attributes that change after `on_initialize`. The framework
+        itself keeps `rng`, `update_timer`, and what the core moves: bodies, drives and tweens. A
+        plugin that has nothing else overrides it to return None: those that do not override it are
+        named when a state is saved.
+
+        Returns:
+            Plain data: None, numbers, strings, bytes, numpy arrays of numbers, and lists and dicts
+            of these. Tuples come back as lists. A contact is described by its fixtures; see
+            `Entities.describe` (`self.model.entities`, `self.world.entities`).
+        """
+        return None
+
+    def set_state(self, state: Any) -> None:
+        """Sets what `get_state` has returned: here, or of the same plugin in another process.
+
+        Called between steps on a plugin that has been initialized anew, when all models and bodies
+        are there, in their places. What it publishes from now on must not depend on whether it has
+        lived since the beginning or was restored.
+        """

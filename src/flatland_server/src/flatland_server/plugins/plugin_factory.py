@@ -35,6 +35,10 @@ class PluginFactory:
         self._loader = loader
         self._seed = seed
 
+    def take_over_warnings(self, former: "PluginFactory") -> None:
+        """See `PluginManager.take_over_warnings`."""
+        self._root_node.take_over_warnings(former._root_node)
+
     @property
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry that the plugins have claimed."""

@@ -2,7 +2,19 @@
 
 import logging
 import sys
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Set, Type, TypeVar
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    List,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Type,
+    TypeVar,
+)
 
 from flatland_server import _core
 from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
@@ -65,6 +77,30 @@ class PluginManager:
         self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
         self._schedule = Schedule(self._has_work)
         self._step_calls = StepCalls([])
+        self._starting = 0  # calls of `start` that are being made, each within the one before
+
+    def take_over_warnings(self, former: "PluginManager") -> None:
+        """Does not repeat warnings that were given before the world was reset."""
+        self._factory.take_over_warnings(former._factory)
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether plugins are being initialized at the moment."""
+        return self._starting > 0
+
+    def all_plugins(self) -> List[Tuple[str, Plugin]]:
+        """All plugins, also those that failed, each with the name of its model; "" is the world."""
+        return [(owner, each) for owner, plugins in self._plugins.items() for each in plugins]
+
+    def failure_of(self, plugin: Plugin) -> Optional[PluginFailure]:
+        """Why a plugin was switched off; None if it runs."""
+        return self._failures.get(plugin)
+
+    def switch_off(self, plugin: Plugin, failure: PluginFailure) -> None:
+        """Shuts a plugin down and does not call it any more."""
+        self._failures[plugin] = failure
+        self._stop_calling([plugin])
+        self._shut_down(plugin)
 
     def plugins_of(self, model_name: str) -> List[Plugin]:
         """The plugins of a model, or of the world if the name is empty; also those that failed."""
@@ -106,6 +142,7 @@ class PluginManager:
         """
         plugins = self._plugins[model_name] = []
         problems: List[Problem] = []
+        self._starting += 1
         try:
             for config in configs:
                 try:
@@ -119,6 +156,8 @@ class PluginManager:
         except BaseException:
             self.stop(model_name)
             raise
+        finally:
+            self._starting -= 1
         entity = subject if isinstance(subject, Entity) else None
         for plugin in plugins:
             hooks = _overridden_hooks(plugin)
@@ -142,6 +181,7 @@ class PluginManager:
         self._stop_calling([plugin for plugins in self._plugins.values() for plugin in plugins])
         for model_name in list(self._plugins):
             self.stop(model_name)
+        self._step_calls = StepCalls([])
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `prepare_step` and `before_physics_step` of all plugins that are due."""
@@ -190,9 +230,7 @@ class PluginManager:
         reason = f"{where}: {type(error).__name__}: {error}"
         failure = PluginFailure(model_name, plugin.name, plugin.type, reason)
         logger.exception('the plugin "%s" failed in %s and is switched off', failure.label, where)
-        self._failures[plugin] = failure
-        self._stop_calling([plugin])
-        self._shut_down(plugin)
+        self.switch_off(plugin, failure)
 
     def _stop_calling(self, plugins: Sequence[Plugin]) -> None:
         self._schedule.remove(plugins)

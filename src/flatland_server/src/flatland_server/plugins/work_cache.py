@@ -32,6 +32,7 @@ class WorkCache:
     def remove(self, plugins: AbstractSet[ScheduledPlugin]) -> None:
         """Removes those of these plugins that are in the cache."""
         self._plugins -= plugins
+        self._calls = StepCalls([])  # or it would keep them alive until the next step
         self._is_stale = True
 
     def calls(self, subscriber_revision: object) -> StepCalls:

@@ -61,11 +61,11 @@ class DebugVisualization:
         if not self._timer.check_update():
             return
         now = time.monotonic()
-        self._walls.update()
+        has_other_layers = self._walls.update(self._world.layers)
         while self._closing:
             self._closing.pop().close()
         has_changed = self._follow_models()
-        if has_changed:
+        if has_changed or has_other_layers:
             self._publish_topics()
         subscribers = self._all.get_num_connections()
         # Models at rest are published again for new subscribers only, and once a period.

@@ -76,7 +76,9 @@ class InteractiveMarkerManager:
 
     def _keep_alive(self) -> None:
         now = rospy.get_rostime()
-        if now >= self._keep_alive_due and self._server.update_pub.get_num_connections() > 0:
+        has_jumped_back = now + _KEEP_ALIVE_PERIOD < self._keep_alive_due
+        is_due = now >= self._keep_alive_due or has_jumped_back
+        if is_due and self._server.update_pub.get_num_connections() > 0:
             self._keep_alive_due = now + _KEEP_ALIVE_PERIOD
             self._server.keep_alive()
 

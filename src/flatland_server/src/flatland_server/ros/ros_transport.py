@@ -8,9 +8,10 @@ import itertools
 import logging
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from concurrent.futures import Future, wait
 from typing import Any, Callable, Deque, Sequence, Tuple, TypeVar
+from typing import Counter as CounterType
 
 import rospy
 from tf2_msgs.msg import TFMessage
@@ -18,6 +19,7 @@ from tf2_msgs.msg import TFMessage
 from flatland_server.geometry import Transform
 from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
 from flatland_server.ros.rospy_patches import RospyCalls
+from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
 
@@ -26,6 +28,9 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
 _SHUTDOWN_CHECK_PERIOD = 0.1  # s
+
+REGISTRATION_LIMIT = 5.0
+"""Real time that the ROS master has to hear of topics before a service answers [s]."""
 
 
 class RosTransport(Transport):
@@ -36,6 +41,7 @@ class RosTransport(Transport):
     """
 
     def __init__(self, rospy_calls: RospyCalls = RospyCalls()) -> None:  # noqa: B008 (immutable)
+        super().__init__()
         self.rospy_calls = rospy_calls
         """The operations of rospy in use."""
         self.has_started = False
@@ -47,6 +53,8 @@ class RosTransport(Transport):
         self._arrival = threading.Event()
         self._transforms = TransformQueue()
         self._subscriber_counter = SubscriberCounter()
+        self.publisher_counts: CounterType[str] = Counter()
+        """How many publishers each topic has, by its absolute name."""
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
@@ -61,20 +69,26 @@ class RosTransport(Transport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
+        name = rospy.resolve_name(topic)
+        # Publishers of a topic share what rospy has of it, and each would add the counter once
+        # more: after a thousand resets, a subscriber would be counted a thousand times.
+        counter = self._subscriber_counter if name not in self.publisher_counts else None
         publisher = rospy.Publisher(
             topic,
             message_type,
-            self._subscriber_counter,
+            counter,
             latch=latch,
             queue_size=queue_size,
             tcp_nodelay=True,
         )
-        return _RosPublisher(self, publisher)
+        self.publisher_counts[name] += 1
+        return _RosPublisher(self, publisher, name)
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        return _RosSubscription(topic, message_type, callback, self.post)
+        arrival = self.arrivals.open(rospy.resolve_name(topic))
+        return _RosSubscription(topic, message_type, callback, self, arrival)
 
     @property
     def transforms_have_subscribers(self) -> bool:
@@ -105,6 +119,8 @@ class RosTransport(Transport):
             self._arrival.wait(remaining)
             self._arrival.clear()
             self._run_callbacks()
+            if self.returns_on_arrival:
+                return
             remaining = deadline - time.monotonic()
 
     def end(self) -> None:
@@ -138,12 +154,22 @@ class RosTransport(Transport):
                 future.set_exception(error)
 
         self.post(run)
+        return self.wait(future)
+
+    def wait(self, future: "Future[T]") -> T:
+        """Waits for a result of the simulation's thread. For ROS's threads.
+
+        Raises:
+            rospy.ServiceException: the simulation is shutting down.
+            Exception: the one that the future has.
+        """
         while not wait([future], _SHUTDOWN_CHECK_PERIOD).done:
             if self.is_ending:
                 raise rospy.ServiceException("the simulation is shutting down")
         return future.result()
 
     def flush(self) -> None:
+        self.arrivals.next_step()
         message = self._transforms.take()
         if message:
             self.before_sending()
@@ -173,9 +199,10 @@ class SubscriberCounter(rospy.SubscribeListener):  # type: ignore[misc]
 
 
 class _RosPublisher(Publisher):
-    def __init__(self, transport: RosTransport, publisher: rospy.Publisher) -> None:
+    def __init__(self, transport: RosTransport, publisher: rospy.Publisher, name: str) -> None:
         self._transport = transport
         self._publisher = publisher
+        self._name = name
         self._send_bytes = transport.rospy_calls.send_bytes
 
     @property
@@ -193,6 +220,10 @@ class _RosPublisher(Publisher):
 
     def close(self) -> None:
         self._publisher.unregister()
+        counts = self._transport.publisher_counts
+        counts[self._name] -= 1
+        if counts[self._name] <= 0:
+            del counts[self._name]
 
 
 class _RosSubscription(Subscription):
@@ -201,18 +232,23 @@ class _RosSubscription(Subscription):
         topic: str,
         message_type: Any,
         callback: Callable[[Any], None],
-        enqueue: Callable[[Callable[[], None]], None],
+        transport: RosTransport,
+        arrival: Arrival,
     ) -> None:
         self._is_open = True
         self._callback = callback
+        self._transport = transport
+        self._arrival = arrival
         self._subscriber = rospy.Subscriber(
-            topic, message_type, lambda message: enqueue(lambda: self._deliver(message))
+            topic, message_type, lambda message: transport.post(lambda: self._deliver(message))
         )
 
     def _deliver(self, message: Any) -> None:
         if self._is_open:
+            self._arrival.note()
             self._callback(message)
 
     def close(self) -> None:
         self._is_open = False
+        self._transport.arrivals.close(self._arrival)
         self._subscriber.unregister()

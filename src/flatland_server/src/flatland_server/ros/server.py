@@ -109,6 +109,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
     manager.after_step.append(clock.tick)
     manager.on_tick.append(clock.flush)
+    manager.after_jump += [clock.tick, clock.flush]
     transport.before_sending = clock.flush
     if config.show_viz:
         markers = DebugVisualization(manager.world, config.viz_pub_rate, transport.rospy_calls)

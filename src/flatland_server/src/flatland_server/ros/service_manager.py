@@ -24,15 +24,15 @@ from geometry_msgs.msg import Pose2D
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 from visualization_msgs.msg import MarkerArray
 
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
 from flatland_server.messages.model_markers import preview
-from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
+from flatland_server.ros.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import ModelEntry
 
-_REGISTRATION_LIMIT = 5.0
-"""Real time that the ROS master has to hear of the topics of a spawned or deleted model [s]."""
 _NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
 
@@ -60,6 +60,7 @@ class ServiceManager:
         self._offer(
             "get_model_markers", GetModelMarkers, GetModelMarkersResponse, self._get_model_markers
         )
+        StateServices(manager, transport, self._offer)
         self._offer_empty("pause", manager.pause)
         self._offer_empty("resume", manager.resume)
         self._offer_empty("toggle_pause", manager.toggle_pause)
@@ -93,24 +94,27 @@ class ServiceManager:
         rospy.Service(name, Empty, handle)
 
     def _spawn_model(self, request: SpawnModelRequest) -> SpawnModelResponse:
+        registry = self._world.registry
         entry = self._world.read_model_entry(
             request.yaml_path, request.name, request.ns, _to_pose(request.pose)
         )
-        warning = self._transport.call(lambda: self._add_model(entry))
+        warning = self._transport.call(lambda: self._add_model(entry, registry))
         if warning:
             rospy.logwarn("spawn_model: %s", warning)
-        if not self._transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+        if not self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT):
             warning = "; ".join(filter(None, (warning, _NOT_REGISTERED)))
         return SpawnModelResponse(success=True, message=warning)
 
-    def _add_model(self, entry: ModelEntry) -> str:
+    def _add_model(self, entry: ModelEntry, registry: CollisionFilterRegistry) -> str:
         """Adds a model; returns a warning, or the empty string."""
+        if self._world.registry is not registry:
+            raise ModelError("the world was reloaded while the model's file was read; try again")
         with self._transport.rospy_calls.batch_registration():
             return self._world.overlap_warning(self._world.add_model(entry))
 
     def _delete_model(self, request: DeleteModelRequest) -> None:
         self._transport.call(lambda: self._world.delete_model(request.name))
-        self._transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT)
+        self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
 
     def _move_model(self, request: MoveModelRequest) -> None:
         pose = _to_pose(request.pose)

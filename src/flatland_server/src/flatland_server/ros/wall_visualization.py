@@ -4,8 +4,9 @@ They are serialized only for subscribers, and published again when walls are add
 """
 
 import logging
-from typing import Callable, Dict, List
+from typing import Callable, Dict, List, Tuple
 
+import numpy as np
 import rospy
 from visualization_msgs.msg import MarkerArray
 
@@ -34,40 +35,78 @@ class WallVisualization:
     """
 
     def __init__(self, layers: List[Layer], frame_id: str) -> None:
-        self._layers = layers
+        self._layers: List[Layer] = []
         self._frame_id = frame_id
-        self._shown: Dict[str, int] = {}
+        self._shown: Dict[str, Tuple[Layer, Segments]] = {}
         self._all = _latched("layers")
-        names = [name for layer in layers for name in layer.config.names]
-        self._flat = {name: _latched(f"layer/{name}") for name in names}
+        self._flat: Dict[str, rospy.Publisher] = {}
         self._upright: Dict[str, rospy.Publisher] = {}
-        self.topics: List[str] = []
+        self.update(layers)
+
+    @property
+    def topics(self) -> List[str]:
         """The topics without `~debug/`, except `layers`."""
+        topics = []
+        for name in self._flat:
+            topics.append(f"layer/{name}")
+            if name in self._upright:
+                topics.append(f"layer/{name}_3d")
+        return topics
+
+    def update(self, layers: List[Layer]) -> bool:
+        """Publishes the walls of layers that have others than before.
+
+        Args:
+            layers: those of the world; other ones after it was reset or reloaded.
+
+        Returns:
+            Whether there are other topics.
+        """
+        has_other_topics = layers is not self._layers and self._follow_names(layers)
+        self._layers = layers
+        changed = [layer for layer in layers if self._has_changed(layer)]
+        for layer in changed:
+            flat, upright = self._message(flat_walls, layer), self._message(upright_walls, layer)
+            for name in layer.config.names:
+                self._flat[name].publish(flat)
+                if name in self._upright:
+                    self._upright[name].publish(upright)
+        if changed or has_other_topics:
+            self._all.publish(self._of_all_layers())
+        return has_other_topics
+
+    def _follow_names(self, layers: List[Layer]) -> bool:
+        """Opens and closes topics. Returns whether any."""
+        names = [name for layer in layers for name in layer.config.names]
+        if names == list(self._flat):
+            return False
+        former = [*self._flat.values(), *self._upright.values()]
+        for publisher in former:
+            publisher.publish(array_of([delete_all(self._frame_id)]))
+        self._flat = {name: _latched(f"layer/{name}") for name in names}
+        self._upright = {}
         for name in names:
-            self.topics.append(f"layer/{name}")
             if f"{name}_3d" in names:
                 logger.warning(
                     'the layer "%s" has no topic with upright walls: ~debug/layer/%s_3d is a topic '
                     'of the layer "%s_3d"',
                     *(name, name, name),
                 )
-                continue
-            self._upright[name] = _latched(f"layer/{name}_3d")
-            self.topics.append(f"layer/{name}_3d")
-        self.update()
+            else:
+                self._upright[name] = _latched(f"layer/{name}_3d")
+        for publisher in former:
+            publisher.unregister()
+        self._shown.clear()
+        return True
 
-    def update(self) -> None:
-        """Publishes the walls of layers that have new ones."""
-        changed = [one for one in self._layers if len(one.segments) != self._shown.get(one.name)]
-        for layer in changed:
-            self._shown[layer.name] = len(layer.segments)
-            flat, upright = self._message(flat_walls, layer), self._message(upright_walls, layer)
-            for name in layer.config.names:
-                self._flat[name].publish(flat)
-                if name in self._upright:
-                    self._upright[name].publish(upright)
-        if changed:
-            self._all.publish(self._of_all_layers())
+    def _has_changed(self, layer: Layer) -> bool:
+        """Whether a layer has walls, a colour or heights that are not shown."""
+        before, walls = self._shown.get(layer.name, (None, layer.segments))
+        if before is layer and walls is layer.segments:
+            return False
+        self._shown[layer.name] = (layer, layer.segments)
+        is_same = before is not None and before.config == layer.config
+        return not (is_same and np.array_equal(walls, layer.segments))
 
     def _message(
         self, make: Callable[[LayerConfig, Segments, str], MarkerBytes], layer: Layer

@@ -1,11 +1,15 @@
 """Runs a world in real time, faster or slower, and pauses it."""
 
 import time
-from typing import Callable, List
+from concurrent.futures import Future
+from typing import Callable, List, Optional, Sequence
 
 from flatland_server._deprecated import renamed
+from flatland_server.exceptions import FlatlandError
 from flatland_server.simulation.pacer import Pacer
+from flatland_server.simulation.step_request import StepRequest
 from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
 
 
@@ -41,7 +45,12 @@ class SimulationManager:
         self.on_tick: List[Callable[[], None]] = []
         """Called before each wait for the next step, and otherwise every millisecond; also during
         a pause."""
+        self.after_jump: List[Callable[[], None]] = []
+        """Called after the world was reset or reloaded, or a state was loaded: the world's contents
+        are new objects, and time may have jumped."""
+        self._clock = clock
         self._pacer = Pacer(clock)
+        self._request: Optional[StepRequest] = None
 
     each_turn = renamed("each_turn", "on_tick")
 
@@ -82,26 +91,143 @@ class SimulationManager:
         """Pauses or resumes."""
         self.is_paused = not self.is_paused
 
-    def step(self) -> None:
-        """Runs the pending callbacks and makes one step, whether paused or not."""
-        self.world.transport.process()
-        self._step()
+    def step(self, count: int = 1) -> None:
+        """Makes steps, whether paused or not, and runs the pending callbacks before each of them.
+
+        Raises:
+            ValueError: the count is below 1.
+        """
+        if count < 1:
+            raise ValueError(f"expected 1 step or more, found {count}")
+        for _ in range(count):
+            self.world.transport.process()
+            self._step()
+
+    def request_steps(
+        self, count: int = 1, expected: Sequence[str] = (), timeout: float = 10.0
+    ) -> "Future[None]":
+        """Has `run` make steps during a pause, one after the other without waits.
+
+        Args:
+            count: how many.
+            expected: topics, by their absolute names. The first step waits until a message has come
+                on each of them since the last step.
+            timeout: how long it waits for them [s of real time].
+
+        Returns:
+            A future that is done when the steps are made. It raises a FlatlandError if a message
+            does not come in time, the simulation is resumed before the steps are made, or ends.
+
+        Raises:
+            ValueError: the count is below 1, the timeout is not above 0, or a topic has no
+                subscription here.
+            FlatlandError: the simulation is not paused, or makes the steps of another request.
+        """
+        if not timeout > 0.0:
+            raise ValueError(f"expected a timeout above 0 s, found {timeout}")
+        if self._request is not None:
+            raise FlatlandError("the steps of another request are being made")
+        if not self.is_paused:
+            raise FlatlandError("the simulation is not paused")
+        transport = self.world.transport
+        deadline = self._clock() + timeout
+        self._request = StepRequest(count, expected, deadline, transport.arrivals)
+        transport.returns_on_arrival = True
+        return self._request.done
+
+    def reset(self, seed: Optional[int] = None, *, keep_time: bool = False) -> None:
+        """Makes the world anew, as it was loaded; see `World.reset`. For between steps.
+
+        Args:
+            seed: of all random numbers from now on; None is the same as before.
+            keep_time: whether simulated time goes on, instead of beginning at 0.
+
+        Raises:
+            FlatlandError: a plugin does not start again. The world is unchanged.
+        """
+        self.world.reset(seed)
+        if not keep_time:
+            self.timekeeper.jump_to(0)
+        self._has_jumped()
+
+    def reload(self, config: WorldConfig) -> None:
+        """Replaces the world's contents by those of another configuration; time goes on.
+
+        Args:
+            config: see `World.read_config`.
+
+        Raises:
+            FlatlandError: a model or plugin does not start. The world is unchanged.
+        """
+        self.world.reload(config)
+        self._has_jumped()
+
+    def save_state(self) -> bytes:
+        """The state of the world and the time; see `World.save_state`. For between steps.
+
+        Raises:
+            StateError: something in the world cannot be saved.
+        """
+        return self.world.save_state(self.timekeeper)
+
+    def load_state(self, state: bytes) -> None:
+        """Puts the world into a saved state; see `World.load_state`. For between steps.
+
+        Raises:
+            FlatlandError: the state does not fit, or is damaged. The world is unchanged.
+        """
+        self.world.load_state(state, self.timekeeper)
+        self._has_jumped()
+
+    def _has_jumped(self) -> None:
+        self._pacer.start(self.timekeeper.seconds)
+        for callback in self.after_jump:
+            callback()
 
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Runs in real time until `goes_on()`, which is called before each step, is false."""
         pacer, transport = self._pacer, self.world.transport
         pacer.start(self.timekeeper.seconds)
-        while goes_on():
-            transport.process(pacer.wait_time)
-            if not goes_on():
-                return
-            if pacer.begin_step(self.is_paused):
-                self._step()
-            pacer.end_step(1.0 / self.update_rate, self.is_paused)
-            if pacer.is_tick_due:
-                for callback in self.on_tick:
-                    callback()
-                pacer.end_tick(self.timekeeper.seconds)
+        is_hurrying = False  # makes the steps of a request
+        try:
+            while goes_on():
+                transport.process(0.0 if is_hurrying else pacer.wait_time)
+                if not goes_on():
+                    return
+                is_due = pacer.begin_step(self.is_paused)
+                is_hurrying = self._request is not None and self._serve(self._request)
+                if is_due and not is_hurrying:
+                    self._step()
+                period = 0.0 if is_hurrying else 1.0 / self.update_rate
+                pacer.end_step(period, self.is_paused and not is_hurrying)
+                ends_request = self._request is not None and self._request.is_complete
+                if pacer.is_tick_due or ends_request:
+                    for callback in self.on_tick:
+                        callback()
+                    pacer.end_tick(self.timekeeper.seconds)
+                if ends_request:
+                    self._end_request()
+        finally:
+            if self._request is not None:
+                self._request.fail("the simulation has ended")
+                self._end_request()
+
+    def _serve(self, request: StepRequest) -> bool:
+        """Makes a step of a request if one is due. Returns whether another one may follow now."""
+        if not self.is_paused:
+            request.fail("the simulation was resumed before the steps were made")
+        elif request.is_step_due(self._clock()):
+            self._step()
+            request.step_made()
+            return not request.is_complete
+        return False
+
+    def _end_request(self) -> None:
+        """Reports the end of a request. What its steps have published was sent by the last tick."""
+        request, self._request = self._request, None
+        self.world.transport.returns_on_arrival = False
+        if request is not None:
+            request.finish()
 
     def _step(self) -> None:
         self.world.step(self.timekeeper)

@@ -34,7 +34,9 @@ from flatland_server.models.model import Model, ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_manager import PluginFailure, PluginManager
+from flatland_server.simulation.additions import Additions
 from flatland_server.simulation.deferred_actions import DeferredActions
+from flatland_server.simulation.restartable import Restartable
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
@@ -44,7 +46,7 @@ from flatland_server.transport.transport import Transport
 logger = logging.getLogger(__name__)
 
 
-class World:
+class World(Restartable):
     """The layers, models and plugins of a simulation, and the physics that moves them.
 
     Args:
@@ -66,24 +68,36 @@ class World:
         loader: Optional[PluginLoader] = None,
     ) -> None:
         self.transport: Transport = transport if transport is not None else LocalTransport()
+        self._loader = loader or PluginLoader()
+        self._start(config, seed)
+
+    def _start(self, config: WorldConfig, seed: int) -> None:
+        """Makes all that the world consists of, in place of what there was."""
+        former: Optional[PluginManager] = getattr(self, "_plugins", None)
+        physics = _core.World(config.velocity_iterations, config.position_iterations)
+        entities = Entities()
+        plugins = PluginManager(self.transport, self._loader, seed, physics, entities)
+        if former is not None:
+            plugins.take_over_warnings(former)
+        self._config = config
+        self._seed = seed
         self.registry = config.registry
         self._model_folders = config.model_folders
         self.models: Dict[str, Model] = {}
         """By name."""
-        self.physics = _core.World(config.velocity_iterations, config.position_iterations)
+        self.physics = physics
         """The Box2D world, in the core."""
-        self.entities = Entities()
+        self.entities = entities
         """The model or layer that each body belongs to."""
-        self._loader = loader or PluginLoader()
-        self._plugins = PluginManager(
-            self.transport, self._loader, seed, self.physics, self.entities
-        )
+        self.layers: List[Layer] = []
+        self._plugins = plugins
         self._deferred = DeferredActions()
+        self._additions = Additions()
+        self._is_starting = True
         try:
-            self.layers = [
-                Layer(layer, config.walls_of(layer), self.physics, self.entities)
-                for layer in config.layers
-            ]
+            for layer in config.layers:
+                walls = config.walls_of(layer)
+                self.layers.append(Layer(layer, walls, self.physics, self.entities))
             problems: List[Problem] = []
             for entry in config.models:
                 try:
@@ -96,6 +110,7 @@ class World:
         except BaseException:
             self.close()
             raise
+        self._is_starting = False
 
     @classmethod
     def from_file(
@@ -260,8 +275,14 @@ class World:
                 for other in in_order[in_order.index(model) + 1 :]:
                     self._remove(other)  # spawned by the plugins of the one that has failed
                 raise
+        self._additions.add_model(entry, self._comes_with_another)
         self._deferred.run_pending()
         return model
+
+    @property
+    def _comes_with_another(self) -> bool:
+        """Whether making the world or a model again adds again what is added now."""
+        return self._is_starting or self._plugins.is_starting
 
     def delete_model(self, name: str) -> None:
         """Removes a model from the world, with its topics and frames.
@@ -308,6 +329,8 @@ class World:
             raise FlatlandError("walls are put up between steps, not during one")
         found = self.get_layer(layer)
         found.add_walls(segments)
+        if not self._comes_with_another:
+            self._additions.add_walls(self.layers.index(found), segments)
         self._plugins.refresh(found)
 
     def get_layer(self, name: str) -> Layer:
@@ -381,6 +404,7 @@ class World:
                 self._plugins.stop(model.name)
             finally:
                 del self.models[model.name]
+                self._additions.remove_model(model.name)
                 self._remove_bodies(model)
 
     def _remove_bodies(self, model: Model) -> None:

@@ -47,6 +47,10 @@ class WorldConfig:
     """The walls of each map file, in the world [m]."""
     model_folders: Tuple[Path, ...] = ()
     """Where the names of model files are looked up: the world's folder, and those of models."""
+    path: Optional[Path] = field(default=None, compare=False)
+    """The world file, if it was read from one."""
+    simplify_map: int = 0
+    """How much the outlines of map images were simplified; see `read_map`."""
 
     @classmethod
     def from_file(
@@ -117,6 +121,8 @@ class WorldConfig:
             tuple(plugins),
             walls,
             (reader.file.parent, *model_folders),
+            reader.file,
+            simplify_map,
         )
 
     def walls_of(self, layer: LayerConfig) -> Segments:

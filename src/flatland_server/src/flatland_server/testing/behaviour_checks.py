@@ -115,6 +115,42 @@ def _state(run: Run) -> Tuple[Any, ...]:
     return poses, [layer.segments.tolist() for layer in world.layers]
 
 
+def check_states(case: CheckedPlugin) -> Problems:
+    """A run goes on in another world from a saved state; after a reset, it begins again."""
+    run = case.load(seed=7).go(SECONDS)
+    first, began_with = _content(run), _state(run)
+    state = run.simulation.save_state()
+    other = case.load(seed=8)
+    other.simulation.load_state(state)
+    other.transport.step = run.transport.step
+    ends = []
+    for each in (run, other):
+        each.simulation.allow_failures = True
+        sent = len(each.transport.events), len(each.transport.sent_transforms)
+        ends.append((_content(each.go(SECONDS), *sent), _state(each)))
+    for failure in other.simulation.world.plugin_failures:
+        yield f"expected no failure after its state was loaded, found {failure.reason}"
+    yield from _check_same(ends[0], ends[1], "after its state was saved and loaded in a new world")
+    run.simulation.reset()
+    run.transport.step = 0
+    sent = len(run.transport.events), len(run.transport.sent_transforms)
+    again = _content(run.go(SECONDS), *sent), _state(run)
+    yield from _check_same((first, began_with), again, "after a reset")
+
+
+def _check_same(expected: Tuple[Any, Any], found: Tuple[Any, Any], when: str) -> Problems:
+    """Compares contents and states of runs."""
+    if expected[0] != found[0]:
+        different = [f"{a[1]} in step {a[0]}" for a, b in zip(expected[0], found[0]) if a != b]
+        where = (different or ["their number"])[0]
+        yield (
+            f"expected the same messages {when}, found a difference in {where}; "
+            "get_state returns what a plugin keeps in attributes, and set_state sets it"
+        )
+    if expected[1] != found[1]:
+        yield f"expected the same poses and walls {when}, found a difference"
+
+
 def check_bad_messages(case: CheckedPlugin) -> Problems:
     """Messages that are empty, NaN or infinite do not make the plugin fail."""
     for value in (0.0, math.nan, -math.inf):

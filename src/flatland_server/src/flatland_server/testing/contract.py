@@ -40,6 +40,8 @@ def check_plugin(
     - With an `update_rate` or `pub_rate` it publishes at that rate of simulated time.
     - Equal seeds give equal messages, poses and walls; a `MessageWriter` makes the bytes of its
       message.
+    - A run goes on with the same messages from a state that was saved and loaded in a new world; a
+      reset world runs as it did first.
     - An empty message, or one of NaN or infinities, does not make it fail.
     - Its end leaves no topic, subscription, transform, body or joint behind, and nothing refers to
       the plugin any more. A deleted model can be spawned again.
@@ -81,6 +83,7 @@ def check_plugin(
         *name_checks.check_names(case),
         *behaviour_checks.check_rates(case),
         *behaviour_checks.check_messages(case),
+        *behaviour_checks.check_states(case),
         *behaviour_checks.check_bad_messages(case),
         *behaviour_checks.check_end(case),
     ]

@@ -63,6 +63,21 @@ class Simulation:
             )
         return self
 
+    def reset(self, seed: Optional[int] = None) -> "Simulation":
+        """Makes the world anew, at time 0; see `World.reset`."""
+        self.world.reset(seed)
+        self.timekeeper.jump_to(0)
+        return self
+
+    def save_state(self) -> bytes:
+        """The state of the world and the time; see `World.save_state`."""
+        return self.world.save_state(self.timekeeper)
+
+    def load_state(self, state: bytes) -> "Simulation":
+        """Puts the world into a saved state, its time included; see `World.load_state`."""
+        self.world.load_state(state, self.timekeeper)
+        return self
+
     def send(self, topic: str, message: Any) -> "Simulation":
         """Publishes a message, to be received before the next step."""
         self.transport.send(topic, message)

@@ -85,6 +85,11 @@ class FrameRegistry:
             publisher,
         )
 
+    def take_over_warnings(self, former: "FrameRegistry") -> None:
+        """Does not repeat what the registry of the same world before a reset has warned of."""
+        self._warned |= former._warned
+        self._warned_odometry |= former._warned_odometry
+
     @property
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry in use."""

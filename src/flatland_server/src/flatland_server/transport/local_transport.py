@@ -13,6 +13,7 @@ from typing import Counter as CounterType
 
 from flatland_server._deprecated import warn_renamed
 from flatland_server.geometry import Transform
+from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.transport import Publisher, Subscription, Transport
 
@@ -37,12 +38,13 @@ class LocalTransport(Transport):
             subscribed_topics = deprecated.pop("watched")
         if deprecated:
             raise TypeError(f"LocalTransport has no argument {', '.join(deprecated)}")
+        super().__init__()
         self.transforms: Dict[str, Transform] = {}
         self._params = dict(params)
         self._subscribed_topics = subscribed_topics
         self._subscriber_revision = 0
         self._publishers: CounterType[str] = Counter()
-        self._last: Dict[str, Any] = {}
+        self._last: Dict[str, Tuple[_LocalPublisher, Any]] = {}
         self._inbox: Deque[Tuple[str, Any]] = deque()
         self._callbacks: Dict[str, List[Callable[[Any], None]]] = {}
 
@@ -52,7 +54,7 @@ class LocalTransport(Transport):
 
     def last(self, topic: str) -> Any:
         """The last message published to a topic, or None."""
-        return self._last.get(_absolute(topic))
+        return self._last.get(_absolute(topic), (None, None))[1]
 
     @property
     def topics(self) -> Set[str]:
@@ -72,8 +74,9 @@ class LocalTransport(Transport):
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        callbacks = self._callbacks.setdefault(_absolute(topic), [])
-        return _LocalSubscription(callbacks, callback)
+        topic = _absolute(topic)
+        callbacks = self._callbacks.setdefault(topic, [])
+        return _LocalSubscription(self.arrivals, topic, callbacks, callback)
 
     def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
         """Changes the topics that count as having a subscriber; None is all of them."""
@@ -107,11 +110,15 @@ class LocalTransport(Transport):
     def process(self, timeout: float = 0.0) -> None:
         while self._inbox:
             topic, message = self._inbox.popleft()
+            self.arrivals.note(topic)
             for callback in list(self._callbacks.get(topic, [])):
                 callback(message)
 
     def flush(self) -> None:
-        pass
+        self.arrivals.next_step()
+
+    def discard(self) -> None:
+        self._inbox.clear()
 
 
 class _LocalPublisher(Publisher):
@@ -126,7 +133,7 @@ class _LocalPublisher(Publisher):
         return self._transport.has_subscribers(self._topic)
 
     def publish(self, message: Any) -> None:
-        self._transport._last[self._topic] = message
+        self._transport._last[self._topic] = (self, message)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
         if self.has_subscribers:
@@ -140,18 +147,27 @@ class _LocalPublisher(Publisher):
         publishers[self._topic] -= 1
         if publishers[self._topic] == 0:
             del publishers[self._topic]
-            self._transport._last.pop(self._topic, None)
+        last = self._transport._last
+        if self._topic in last and last[self._topic][0] is self:
+            del last[self._topic]
 
 
 class _LocalSubscription(Subscription):
     def __init__(
-        self, callbacks: List[Callable[[Any], None]], callback: Callable[[Any], None]
+        self,
+        arrivals: Arrivals,
+        topic: str,
+        callbacks: List[Callable[[Any], None]],
+        callback: Callable[[Any], None],
     ) -> None:
+        self._arrivals = arrivals
+        self._arrival = arrivals.open(topic)
         self._callbacks = callbacks
         self._callback = callback
         callbacks.append(callback)
 
     def close(self) -> None:
+        self._arrivals.close(self._arrival)
         if self._callback in self._callbacks:
             self._callbacks.remove(self._callback)
 

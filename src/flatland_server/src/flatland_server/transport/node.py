@@ -147,6 +147,10 @@ class Node:
         """
         self._frames.claim_odometry(frame_id, self.owner)
 
+    def take_over_warnings(self, former: "Node") -> None:
+        """Does not repeat warnings about frames that were given before the world was reset."""
+        self._frames.take_over_warnings(former._frames)
+
     @property
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry in use by all plugins."""

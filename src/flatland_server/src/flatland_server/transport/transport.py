@@ -10,6 +10,7 @@ from typing import Any, Callable, Iterable, Sequence, Tuple
 
 from flatland_server._deprecated import renamed
 from flatland_server.geometry import Pose, Transform
+from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
 
 
@@ -71,7 +72,17 @@ class Frames:
 
 
 class Transport(ABC):
-    """Carries topics, transforms and parameters. All names include their namespace."""
+    """Carries topics, transforms and parameters. All names include their namespace.
+
+    Attributes:
+        arrivals: which subscriptions have got a message since the last step.
+        returns_on_arrival: whether `process` returns once callbacks have run, instead of waiting
+            for its timeout.
+    """
+
+    def __init__(self) -> None:
+        self.arrivals = Arrivals()
+        self.returns_on_arrival = False
 
     @property
     def node_name(self) -> str:
@@ -125,4 +136,7 @@ class Transport(ABC):
 
     @abstractmethod
     def flush(self) -> None:
-        """Sends what was collected during the step."""
+        """Sends what was collected during the step, and begins to count arrivals anew."""
+
+    def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)
+        """Drops messages that have arrived and are not delivered yet: the world is a new one."""

@@ -1,8 +1,9 @@
 """A plugin that keeps the contract, and others that break it in one way each."""
 
 import logging
+import weakref
 from io import BytesIO
-from typing import Any, Dict, List, Type
+from typing import Any, ClassVar, Dict, List, Type
 
 import numpy as np
 from geometry_msgs.msg import PointStamped, Vector3
@@ -212,6 +213,33 @@ class IsNotRepeatable(Beacon):
             self.publisher.write(self.writer, now, float(np.random.default_rng().normal()))
 
 
+class ForgetsItsCount(Beacon):
+    count = 0
+
+    def shine(self, now: int) -> None:
+        self.count += 1
+        if self.publisher.has_subscribers:
+            self.publisher.write(self.writer, now, self.count)
+
+
+class KnowsOfTheLifeBefore(Beacon):
+    transports: ClassVar[Any] = weakref.WeakSet()
+
+    def read_more(self, config: YamlReader) -> None:
+        self.is_reset = self.node._transport in self.transports
+        self.transports.add(self.node._transport)
+
+    def shine(self, now: int) -> None:
+        if self.publisher.has_subscribers:
+            self.publisher.write(self.writer, now, float(self.is_reset))
+
+    def get_state(self) -> Any:
+        return self.is_reset
+
+    def set_state(self, state: Any) -> None:
+        self.is_reset = state
+
+
 class MovesAtRandom(Beacon):
     def on_switch(self, message: Vector3) -> None:
         self.model.move(Pose(np.random.default_rng().normal(), 0.0, 0.0))
@@ -292,6 +320,8 @@ BROKEN: Dict[Type[Beacon], str] = {
     IgnoresItsRate: "update_rate: inf: expected /point in steps 1, 2 ..., found [1, 3, 5",
     StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
     IsNotRepeatable: "expected equal messages from equal seeds, found a difference in /point",
+    ForgetsItsCount: "expected the same messages after its state was saved and loaded",
+    KnowsOfTheLifeBefore: "expected the same messages after a reset, found a difference in /point",
     MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
     WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its message",
     FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",

@@ -1,0 +1,330 @@
+/// World: saving and restoring its state.
+///
+/// Box2D has no functions for this. Its tree of bounding boxes depends on the whole past, and
+/// decides in which order contacts are found, hence solved. So a restored world is a new b2World:
+/// bodies, fixtures and joints are made again in the order of the old ones, their state is copied,
+/// and contacts are made in their old order. A world whose state is saved is rebuilt as well, so
+/// that it goes on like the one that is restored from it.
+
+#include "world_state.hpp"
+
+#include <cstring>
+#include <unordered_map>
+
+#include "archive.hpp"
+#include "box2d_internals.hpp"
+#include "box2d_limits.hpp"
+#include "flatland_server/world.hpp"
+
+namespace flatland {
+namespace {
+
+constexpr uint32_t kFormat = 1;
+
+// ---- Reading the state of Box2D's objects ----
+
+Material MaterialOf(const b2Fixture& fixture) {
+  return {fixture.GetFriction(), fixture.GetRestitution()};
+}
+
+BodyState StateOf(b2Body& body, const std::vector<BodyRecord::FixtureRecord>& fixtures) {
+  BodyState state;
+  state.position = body.GetPosition();
+  state.sweep = box2d::Sweep(body);
+  state.velocity = body.GetLinearVelocity();
+  state.omega = body.GetAngularVelocity();
+  state.force = box2d::Force(body);
+  state.torque = box2d::Torque(body);
+  state.sleep_time = box2d::SleepTime(body);
+  state.is_awake = body.IsAwake();
+  bool all_equal = true;
+  for (const BodyRecord::FixtureRecord& each : fixtures) {
+    state.materials.push_back(MaterialOf(*each.fixture));
+    all_equal = all_equal && state.materials.back() == state.materials.front();
+  }
+  if (all_equal && !fixtures.empty()) state.materials.resize(1);
+  return state;
+}
+
+std::array<float, 5> ImpulsesOf(b2Joint& joint) {
+  if (joint.GetType() == e_weldJoint) {
+    const b2Vec3 impulse = box2d::WeldInternals::Impulse(static_cast<b2WeldJoint&>(joint));
+    return {impulse.x, impulse.y, impulse.z, 0.0f, 0.0f};
+  }
+  using Internals = box2d::RevoluteInternals;
+  auto& hinge = static_cast<b2RevoluteJoint&>(joint);
+  const b2Vec2 impulse = Internals::Impulse(hinge);
+  return {impulse.x, impulse.y, Internals::MotorImpulse(hinge), Internals::LowerImpulse(hinge),
+          Internals::UpperImpulse(hinge)};
+}
+
+void SetImpulses(b2Joint& joint, const std::array<float, 5>& impulses) {
+  if (joint.GetType() == e_weldJoint) {
+    box2d::WeldInternals::Impulse(static_cast<b2WeldJoint&>(joint)) = {impulses[0], impulses[1],
+                                                                       impulses[2]};
+    return;
+  }
+  using Internals = box2d::RevoluteInternals;
+  auto& hinge = static_cast<b2RevoluteJoint&>(joint);
+  Internals::Impulse(hinge) = {impulses[0], impulses[1]};
+  Internals::MotorImpulse(hinge) = impulses[2];
+  Internals::LowerImpulse(hinge) = impulses[3];
+  Internals::UpperImpulse(hinge) = impulses[4];
+}
+
+// ---- Making Box2D's objects again ----
+
+b2Body* CopyBody(b2World& world, b2Body& old, const BodyState& state) {
+  b2BodyDef definition;
+  definition.type = old.GetType();
+  definition.position = state.position;
+  definition.angle = state.sweep.a;
+  definition.linearDamping = old.GetLinearDamping();
+  definition.angularDamping = old.GetAngularDamping();
+  definition.userData = old.GetUserData();
+  return world.CreateBody(&definition);
+}
+
+b2Fixture* CopyFixture(b2Body& body, b2Fixture& old, const Material& material) {
+  b2FixtureDef definition;
+  definition.shape = old.GetShape();
+  definition.userData = old.GetUserData();
+  definition.density = old.GetDensity();
+  definition.friction = material.friction;
+  definition.restitution = material.restitution;
+  definition.isSensor = old.IsSensor();
+  definition.filter = old.GetFilterData();
+  return body.CreateFixture(&definition);
+}
+
+b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b) {
+  if (old.GetType() == e_weldJoint) {
+    const auto& weld = static_cast<b2WeldJoint&>(old);
+    b2WeldJointDef definition;
+    definition.bodyA = a;
+    definition.bodyB = b;
+    definition.collideConnected = old.GetCollideConnected();
+    definition.localAnchorA = weld.GetLocalAnchorA();
+    definition.localAnchorB = weld.GetLocalAnchorB();
+    definition.referenceAngle = weld.GetReferenceAngle();
+    definition.stiffness = weld.GetStiffness();
+    definition.damping = weld.GetDamping();
+    return world.CreateJoint(&definition);
+  }
+  const auto& hinge = static_cast<b2RevoluteJoint&>(old);
+  b2RevoluteJointDef definition;
+  definition.bodyA = a;
+  definition.bodyB = b;
+  definition.collideConnected = old.GetCollideConnected();
+  definition.localAnchorA = hinge.GetLocalAnchorA();
+  definition.localAnchorB = hinge.GetLocalAnchorB();
+  definition.referenceAngle = hinge.GetReferenceAngle();
+  definition.enableLimit = hinge.IsLimitEnabled();
+  definition.lowerAngle = hinge.GetLowerLimit();
+  definition.upperAngle = hinge.GetUpperLimit();
+  return world.CreateJoint(&definition);
+}
+
+/// Makes a contact that is in a state, unless the two cannot collide. It becomes Box2D's newest.
+void CopyContact(b2World& world, b2Fixture& a, b2Fixture& b, const ContactState& state) {
+  auto& manager = const_cast<b2ContactManager&>(world.GetContactManager());
+  const int32 before = manager.m_contactCount;
+  manager.AddPair(box2d::FixtureInternals::Proxies(a), box2d::FixtureInternals::Proxies(b));
+  if (manager.m_contactCount == before) return;
+  b2Contact& contact = *manager.m_contactList;
+  using Internals = box2d::ContactInternals;
+  Internals::Flags(contact) =
+      (state.is_touching ? Internals::kTouching : 0) | (state.is_enabled ? Internals::kEnabled : 0);
+  *contact.GetManifold() = state.manifold;
+  contact.SetFriction(state.friction);
+  contact.SetRestitution(state.restitution);
+  contact.SetTangentSpeed(state.tangent_speed);
+}
+
+/// Sets what making the fixtures, joints and contacts of a body has changed.
+void SetState(b2Body& body, const BodyState& state) {
+  body.SetLinearVelocity(state.velocity);
+  body.SetAngularVelocity(state.omega);
+  body.SetAwake(state.is_awake);
+  box2d::Sweep(body).c0 = state.sweep.c0;
+  box2d::Sweep(body).c = state.sweep.c;
+  box2d::Sweep(body).a0 = state.sweep.a0;
+  box2d::Force(body) = state.force;
+  box2d::Torque(body) = state.torque;
+  box2d::SleepTime(body) = state.sleep_time;
+}
+
+/// Writes or reads the mechanisms of a map, which must be on the same bodies.
+template <class Archive, class Map, class Mechanism>
+void SerializeMounted(Archive& archive, const Map& map, const std::vector<uint32_t>& order,
+                      std::vector<Mechanism>& mechanisms, const char* what) {
+  archive.Same(static_cast<uint32_t>(mechanisms.size()), what);
+  size_t i = 0;
+  map.ForEach([&](auto, const auto& mounted) {
+    archive.Same(order[mounted.body.index], "the body of a drive or tween");
+    archive(mechanisms[i++]);
+  });
+}
+
+}  // namespace
+
+WorldState World::CollectState() const {
+  WorldState state;
+  state.inverse_step = box2d::InverseStep(*world_);
+  std::unordered_map<const b2Body*, uint32_t> order;
+  bodies_.ForEach([&](Body, const BodyRecord& record) {
+    order[record.body] = static_cast<uint32_t>(state.bodies.size());
+    state.bodies.push_back(StateOf(*record.body, record.fixtures));
+  });
+  joints_.ForEach([&](Joint, b2Joint* joint) { state.joints.push_back(ImpulsesOf(*joint)); });
+  for (b2Contact* c = world_->GetContactList(); c != nullptr; c = c->GetNext()) {
+    const auto end_of = [&](b2Fixture& fixture) {
+      return ContactState::End{order.at(fixture.GetBody()),
+                               static_cast<uint32_t>(fixture.GetUserData().pointer)};
+    };
+    // Without points, the rest of a manifold is not initialised.
+    const bool has_points = c->GetManifold()->pointCount > 0;
+    state.contacts.push_back({end_of(*c->GetFixtureA()), end_of(*c->GetFixtureB()), c->IsTouching(),
+                              c->IsEnabled(), c->GetFriction(), c->GetRestitution(),
+                              c->GetTangentSpeed(), has_points ? *c->GetManifold() : b2Manifold{}});
+  }
+  const auto collect = [](const auto& map, auto& mechanisms) {
+    map.ForEach([&](auto, const auto& mounted) { mechanisms.push_back(mounted.mechanism); });
+  };
+  collect(drives_, state.drives);
+  collect(tricycles_, state.tricycles);
+  collect(tweens_, state.tweens);
+  return state;
+}
+
+/// Writes the state, or reads it: then `state` is the present one of this world, to be replaced.
+template <class Archive>
+void World::Serialize(Archive& archive, WorldState& state) const {
+  archive.Same(kFormat, "its format");
+  archive(state.inverse_step);
+  if constexpr (Archive::kIsReader) {
+    if (state.inverse_step < 0.0f) Archive::Fail();
+  }
+  std::vector<const BodyRecord*> records;
+  std::vector<uint32_t> order(bodies_.slot_count());  // by the index of a handle
+  bodies_.ForEach([&](Body handle, const BodyRecord& record) {
+    order[handle.index] = static_cast<uint32_t>(records.size());
+    records.push_back(&record);
+  });
+  archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
+  for (size_t i = 0; i < records.size(); ++i) {
+    BodyState& body = state.bodies[i];
+    const size_t fixtures = records[i]->fixtures.size();
+    archive.Same(records[i]->body->GetType(), "the type of a body");
+    archive.Same(static_cast<uint32_t>(fixtures), "the number of footprints or walls of a body");
+    archive(body);
+    bool all_equal = body.materials.size() <= 1;
+    archive(all_equal);
+    body.materials.resize(all_equal ? std::min<size_t>(fixtures, 1) : fixtures);
+    for (Material& material : body.materials) archive(material);
+  }
+  archive.Same(static_cast<uint32_t>(state.joints.size()), "the number of joints");
+  size_t joint_index = 0;
+  joints_.ForEach([&](Joint, const b2Joint* joint) {
+    archive.Same(joint->GetType(), "the type of a joint");
+    for (float& impulse : state.joints[joint_index]) archive(impulse);
+    ++joint_index;
+  });
+  auto count = static_cast<uint32_t>(state.contacts.size());
+  archive(count);
+  if constexpr (Archive::kIsReader) {
+    if (count > archive.remaining() / sizeof(ContactState::End)) Archive::Fail();
+    state.contacts.assign(count, {});
+  }
+  for (ContactState& contact : state.contacts) {
+    archive(contact);
+    if constexpr (Archive::kIsReader) {
+      bool with_sensor = false;
+      for (const ContactState::End& end : {contact.a, contact.b}) {
+        if (end.body >= records.size()) Archive::Fail();
+        const auto& fixtures = records[end.body]->fixtures;
+        if (end.fixture >= fixtures.size()) Archive::Fail();
+        with_sensor = with_sensor || fixtures[end.fixture].fixture->IsSensor();
+      }
+      // The solver asserts that solid fixtures that touch have points.
+      const bool has_points = contact.manifold.pointCount > 0;
+      if (!with_sensor && contact.is_touching != has_points) Archive::Fail();
+    }
+  }
+  SerializeMounted(archive, drives_, order, state.drives, "the number of drives");
+  SerializeMounted(archive, tricycles_, order, state.tricycles, "the number of tricycle drives");
+  SerializeMounted(archive, tweens_, order, state.tweens, "the number of tweens");
+}
+
+std::string World::SaveState() {
+  const AccessGuard guard(*this);
+  WorldState state = CollectState();
+  Writer writer;
+  Serialize(writer, state);
+  Rebuild(state);
+  std::string bytes = std::move(writer).bytes();
+  const uint64_t sum = Checksum(bytes);
+  return bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+}
+
+void World::RestoreState(std::string_view bytes) {
+  const AccessGuard guard(*this);
+  // Numbers at random may be such that Box2D's assertions fail some steps later.
+  uint64_t sum = 0;
+  if (bytes.size() < sizeof sum) Reader::Fail();
+  const std::string_view content = bytes.substr(0, bytes.size() - sizeof sum);
+  std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
+  if (sum != Checksum(content)) Reader::Fail();
+  WorldState state = CollectState();
+  Reader reader(content);
+  Serialize(reader, state);
+  if (reader.remaining() > 0) Reader::Fail();
+  Rebuild(state);
+}
+
+void World::Rebuild(const WorldState& state) {
+  auto rebuilt = std::make_unique<b2World>(b2Vec2_zero);
+  rebuilt->SetDestructionListener(this);
+  box2d::InverseStep(*rebuilt) = state.inverse_step;
+  std::vector<BodyRecord*> records;
+  bodies_.ForEach([&](Body, BodyRecord& record) {
+    const BodyState& of_body = state.bodies[records.size()];
+    b2Body* body = CopyBody(*rebuilt, *record.body, of_body);
+    for (size_t i = 0; i < record.fixtures.size(); ++i) {
+      const Material& material = of_body.materials[of_body.materials.size() == 1 ? 0 : i];
+      record.fixtures[i].fixture = CopyFixture(*body, *record.fixtures[i].fixture, material);
+    }
+    record.body = body;
+    records.push_back(&record);
+  });
+  const auto copy_of = [&](b2Body* old) {
+    return bodies_.Get(bodies_.HandleAt(static_cast<uint32_t>(old->GetUserData().pointer))).body;
+  };
+  const auto assign = [](auto& map, const auto& mechanisms) {
+    size_t i = 0;
+    map.ForEach([&](auto, auto& mounted) { mounted.mechanism = mechanisms[i++]; });
+  };
+  assign(drives_, state.drives);
+  assign(tricycles_, state.tricycles);
+  assign(tweens_, state.tweens);
+  size_t joint_index = 0;
+  joints_.ForEach([&](Joint, b2Joint*& joint) {
+    b2Joint* old = joint;
+    joint = CopyJoint(*rebuilt, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
+    SetImpulses(*joint, state.joints[joint_index++]);
+    tricycles_.ForEach(
+        [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Replace(old, joint); });
+  });
+  for (auto contact = state.contacts.rbegin(); contact != state.contacts.rend(); ++contact) {
+    const auto fixture = [&](const ContactState::End& end) -> b2Fixture& {
+      return *records[end.body]->fixtures[end.fixture].fixture;
+    };
+    CopyContact(*rebuilt, fixture(contact->a), fixture(contact->b), *contact);
+  }
+  for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, state.bodies[i]);
+  world_ = std::move(rebuilt);
+  ChooseContactReports();
+  ++revision_;
+}
+
+}  // namespace flatland

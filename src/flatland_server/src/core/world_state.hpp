@@ -1,0 +1,105 @@
+#pragma once
+
+/// The state of a World: what it keeps from step to step. Internal to the core.
+
+#include <box2d/box2d.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "flatland_server/body_drive.hpp"
+#include "flatland_server/body_tween.hpp"
+#include "flatland_server/tricycle_drive.hpp"
+
+namespace flatland {
+
+struct Material {
+  float friction = 0.0f;
+  float restitution = 0.0f;
+
+  bool operator==(const Material& other) const {
+    return friction == other.friction && restitution == other.restitution;
+  }
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(friction, restitution);
+    if constexpr (Archive::kIsReader) {
+      if (friction < 0.0f || restitution < 0.0f) Archive::Fail();
+    }
+  }
+};
+
+struct BodyState {
+  b2Vec2 position = b2Vec2_zero;  // of the origin [m]
+  b2Sweep sweep{};                // the centre of mass and the angle, now and before the last step
+  b2Vec2 velocity = b2Vec2_zero;  // of the centre of mass [m/s]
+  float omega = 0.0f;             // [rad/s]
+  b2Vec2 force = b2Vec2_zero;     // applied since the last step [N]
+  float torque = 0.0f;            // the same [N m]
+  float sleep_time = 0.0f;        // for how long it has been at rest [s]
+  bool is_awake = true;
+  std::vector<Material> materials;  // of its fixtures, or a single one if all are equal
+
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(position, sweep.c0, sweep.c, sweep.a0, sweep.a, velocity, omega);
+    archive(force, torque, sleep_time, is_awake);
+    if constexpr (Archive::kIsReader) {
+      if (sleep_time < 0.0f) Archive::Fail();
+    }
+  }
+};
+
+struct ContactState {
+  struct End {
+    uint32_t body = 0;  // its place in the order in which bodies were added
+    uint32_t fixture = 0;
+
+    template <class Archive>
+    void Serialize(Archive& archive) {
+      archive(body, fixture);
+    }
+  };
+
+  End a;
+  End b;
+  bool is_touching = false;
+  bool is_enabled = true;
+  float friction = 0.0f;
+  float restitution = 0.0f;
+  float tangent_speed = 0.0f;
+  b2Manifold manifold{};
+
+  template <class Archive>
+  void Serialize(Archive& archive) {
+    archive(a, b, is_touching, is_enabled, friction, restitution, tangent_speed);
+    uint32_t type = manifold.type;
+    archive(type, manifold.pointCount, manifold.localNormal, manifold.localPoint);
+    if constexpr (Archive::kIsReader) {
+      if (friction < 0.0f || restitution < 0.0f) Archive::Fail();
+      if (type > b2Manifold::e_faceB) Archive::Fail();
+      if (manifold.pointCount < 0 || manifold.pointCount > b2_maxManifoldPoints) Archive::Fail();
+      manifold.type = static_cast<b2Manifold::Type>(type);
+    }
+    for (int32 i = 0; i < manifold.pointCount; ++i) {
+      b2ManifoldPoint& point = manifold.points[i];
+      archive(point.localPoint, point.normalImpulse, point.tangentImpulse, point.id.key);
+      if constexpr (Archive::kIsReader) {
+        if (point.normalImpulse < 0.0f) Archive::Fail();  // the solver asserts that it is not
+      }
+    }
+  }
+};
+
+struct WorldState {
+  float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
+  std::vector<BodyState> bodies;             // each in the order in which they were added
+  std::vector<std::array<float, 5>> joints;  // the solver's impulses
+  std::vector<ContactState> contacts;        // in Box2D's order: the newest first
+  std::vector<BodyDrive> drives;
+  std::vector<TricycleDrive> tricycles;
+  std::vector<BodyTween> tweens;
+};
+
+}  // namespace flatland

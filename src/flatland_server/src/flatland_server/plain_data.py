@@ -1,0 +1,110 @@
+"""Plain data as bytes and back: the format of saved states.
+
+JSON, with three additions, each an object with a single key: `{"$bytes": base64}`, `{"$array":
+[dtype, shape, base64]}` for a numpy array of numbers, and `{"$dict": [[key, value] ...]}` for a
+dict with integers as keys. Numbers come back bit for bit; tuples come back as lists.
+There is nothing else in it, so that reading a file from elsewhere runs no code of that file.
+"""
+
+import base64
+import json
+from typing import Any, Dict, List
+
+import numpy as np
+
+_NUMBERS = "biufc"
+"""The kinds of dtypes of arrays: booleans, integers, floating-point and complex numbers."""
+
+
+def dumps(data: Any) -> bytes:
+    """Data as bytes.
+
+    Raises:
+        TypeError: a part of it is not plain data; says which.
+    """
+    return json.dumps(_encode(data, "data"), separators=(",", ":")).encode()
+
+
+def loads(data: bytes) -> Any:
+    """What `dumps` has got.
+
+    Raises:
+        ValueError: this is not the result of `dumps`.
+    """
+    try:
+        return json.loads(data, object_hook=_decode)
+    except (KeyError, TypeError, RecursionError) as error:
+        raise ValueError(f"not plain data: {error}") from None
+
+
+def _encode(value: Any, where: str) -> Any:
+    if value is None or isinstance(value, (bool, int, float, str)):
+        # Subclasses, as of enumerations or numpy's numbers, become what they are derived from.
+        for kind in (bool, int, float, str):
+            if isinstance(value, kind):
+                return kind(value)
+        return None
+    if isinstance(value, np.generic) and value.dtype.kind in _NUMBERS:
+        return _encode(value.item(), where) if value.dtype.kind in "biuf" else _array(value)
+    if isinstance(value, np.ndarray) and value.dtype.kind in _NUMBERS:
+        return _array(value)
+    if isinstance(value, (bytes, bytearray)):
+        return {"$bytes": _to_text(bytes(value))}
+    if isinstance(value, (list, tuple)):
+        return [_encode(item, f"{where}[{index}]") for index, item in enumerate(value)]
+    if isinstance(value, dict):
+        return _encode_dict(value, where)
+    raise TypeError(
+        f"{where}: expected numbers, strings, bytes, arrays of numbers, lists and dicts, "
+        f"found a {type(value).__name__}"
+    )
+
+
+def _encode_dict(value: Dict[Any, Any], where: str) -> Dict[str, Any]:
+    items = {key: _encode(item, f"{where}[{key!r}]") for key, item in value.items()}
+    if all(isinstance(key, str) and not key.startswith("$") for key in items):
+        return items
+    for key in items:
+        if not isinstance(key, (str, int)):
+            raise TypeError(f"{where}: expected keys that are strings or integers, found {key!r}")
+    return {"$dict": list(map(list, items.items()))}
+
+
+def _array(value: Any) -> Dict[str, Any]:
+    array = np.asarray(value)
+    little_endian = array.astype(array.dtype.newbyteorder("<"), copy=False)
+    return {
+        "$array": [
+            little_endian.dtype.str,
+            list(array.shape),
+            _to_text(np.ascontiguousarray(little_endian).tobytes()),
+        ]
+    }
+
+
+def _decode(value: Dict[str, Any]) -> Any:
+    if len(value) == 1:
+        [(key, content)] = value.items()
+        if key == "$bytes":
+            return _to_bytes(content)
+        if key == "$array":
+            return _to_array(content)
+        if key == "$dict":
+            return dict(content)
+    return value
+
+
+def _to_array(content: List[Any]) -> Any:
+    name, shape, data = content
+    dtype = np.dtype(name)
+    if dtype.kind not in _NUMBERS:
+        raise ValueError(f"expected an array of numbers, found one of {dtype}")
+    return np.frombuffer(_to_bytes(data), dtype).reshape(shape).astype(dtype.newbyteorder("="))
+
+
+def _to_text(data: bytes) -> str:
+    return base64.b64encode(data).decode()
+
+
+def _to_bytes(text: str) -> bytes:
+    return base64.b64decode(text, validate=True)

@@ -1,0 +1,104 @@
+"""The services that control time and state: steps, resets, and saved states."""
+
+from pathlib import Path
+from typing import Any, Callable, Type
+
+import rospy
+from flatland_msgs.srv import (
+    LoadState,
+    LoadStateRequest,
+    LoadStateResponse,
+    Reset,
+    ResetRequest,
+    ResetResponse,
+    SaveState,
+    SaveStateRequest,
+    SaveStateResponse,
+    Step,
+    StepRequest,
+    StepResponse,
+)
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from flatland_server.messages import ros_time
+from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.simulation.world_state import read_state, write_state
+
+Offer = Callable[[str, Any, Type[Any], Callable[[Any], Any]], None]
+
+_DEFAULT_TIMEOUT = 10.0
+"""How long /step waits for messages if the request does not say so [s of real time]."""
+
+
+class StateServices:
+    """Offers /step, /reset, /reload_world, /save_state and /load_state.
+
+    Like the services for models, they read and write files on rospy's threads, and change the world
+    on the simulation's thread, between two steps.
+
+    Args:
+        manager: the simulation.
+        transport: hands calls over to the simulation's thread.
+        offer: offers a service; see `ServiceManager`.
+    """
+
+    def __init__(self, manager: SimulationManager, transport: RosTransport, offer: Offer) -> None:
+        self._manager = manager
+        self._transport = transport
+        offer("step", Step, StepResponse, self._step)
+        offer("reset", Reset, ResetResponse, self._reset)
+        offer("reload_world", Trigger, TriggerResponse, self._reload_world)
+        offer("save_state", SaveState, SaveStateResponse, self._save_state)
+        offer("load_state", LoadState, LoadStateResponse, self._load_state)
+
+    def _step(self, request: StepRequest) -> StepResponse:
+        expected = [rospy.resolve_name(topic) for topic in request.expect]
+        timeout = request.timeout or _DEFAULT_TIMEOUT
+        manager = self._manager
+        done = self._transport.call(lambda: manager.request_steps(request.steps, expected, timeout))
+        self._transport.wait(done)
+        return StepResponse(success=True, time=ros_time(manager.timekeeper.nanoseconds))
+
+    def _reset(self, request: ResetRequest) -> None:
+        seed = request.seed if request.new_seed else None
+        self._change(lambda: self._manager.reset(seed, keep_time=request.keep_time))
+
+    def _reload_world(self, request: TriggerRequest) -> TriggerResponse:
+        config: WorldConfig = self._manager.world.read_config()
+        self._change(lambda: self._manager.reload(config))
+        return TriggerResponse(success=True, message=f"{config.path} is loaded")
+
+    def _save_state(self, request: SaveStateRequest) -> SaveStateResponse:
+        path = _absolute(request.path)
+        manager = self._manager
+        state, without_hooks = self._transport.call(
+            lambda: (manager.save_state(), manager.world.plugins_without_state_hooks)
+        )
+        write_state(path, state)
+        message = ""
+        if without_hooks:
+            message = f"plugins without get_state, which start anew: {', '.join(without_hooks)}"
+        return SaveStateResponse(True, message, without_hooks)
+
+    def _load_state(self, request: LoadStateRequest) -> None:
+        state = read_state(_absolute(request.path))
+        self._change(lambda: self._manager.load_state(state))
+
+    def _change(self, action: Callable[[], None]) -> None:
+        """Makes the world anew on the simulation's thread."""
+
+        def change() -> None:
+            with self._transport.rospy_calls.batch_registration():
+                action()
+
+        self._transport.call(change)
+        self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
+
+
+def _absolute(path: str) -> Path:
+    """A path of a request; the server's working directory says nothing to a client."""
+    if not Path(path).is_absolute():
+        raise ValueError(f'expected an absolute path, found "{path}"')
+    return Path(path)

@@ -1,0 +1,74 @@
+"""A request to make some steps during a pause."""
+
+from concurrent.futures import Future
+from typing import Sequence
+
+from flatland_server.exceptions import FlatlandError, suggestion
+from flatland_server.transport.arrivals import Arrivals
+
+
+class StepRequest:
+    """Steps to be made, the first of them once expected messages have arrived.
+
+    Args:
+        count: how many steps, 1 or more.
+        expected: topics, by their absolute names; the first step waits until all subscriptions of
+            each have got a message since the last step.
+        deadline: real time at which this wait is given up [s].
+        arrivals: of the transport.
+
+    Raises:
+        ValueError: the count is below 1, or a topic has no subscription here.
+    """
+
+    def __init__(
+        self, count: int, expected: Sequence[str], deadline: float, arrivals: Arrivals
+    ) -> None:
+        if count < 1:
+            raise ValueError(f"expected 1 step or more, found {count}")
+        for topic in expected:
+            if arrivals.has_received(topic) is None:
+                hint = suggestion(topic, arrivals.topics)
+                raise ValueError(f"nothing in the simulation subscribes to {topic}{hint}")
+        self.done: Future[None] = Future()
+        """Has a result when all steps are made, or the exception that has ended the request."""
+        self._left = count
+        self._has_begun = False
+        self._expected = expected
+        self._deadline = deadline
+        self._arrivals = arrivals
+
+    def is_step_due(self, now: float) -> bool:
+        """Whether to make a step now; ends the request if the wait for messages takes too long.
+
+        Args:
+            now: real time [s].
+        """
+        if not self._has_begun:
+            missing = [topic for topic in self._expected if not self._arrivals.has_received(topic)]
+            if missing and now < self._deadline:
+                return False
+            if missing:
+                self.fail(f"no message has come on {', '.join(missing)} since the last step")
+                return False
+            self._has_begun = True
+        return not self.done.done()
+
+    def step_made(self) -> None:
+        """A step has been made."""
+        self._left -= 1
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all steps are made, or the request has failed."""
+        return self._left == 0 or self.done.done()
+
+    def fail(self, reason: str) -> None:
+        """Ends the request with a FlatlandError."""
+        if not self.done.done():
+            self.done.set_exception(FlatlandError(reason))
+
+    def finish(self) -> None:
+        """Reports that all steps are made."""
+        if not self.done.done():
+            self.done.set_result(None)

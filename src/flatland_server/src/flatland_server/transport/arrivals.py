@@ -1,0 +1,70 @@
+"""Which subscriptions have got a message since the last step, for controllers in lockstep."""
+
+from typing import Dict, List, Optional
+
+
+class Arrivals:
+    """The subscriptions of a transport, and the step before which each got its last message."""
+
+    def __init__(self) -> None:
+        self.step = 0
+        self._subscriptions: Dict[str, List[Arrival]] = {}
+
+    def open(self, topic: str) -> "Arrival":
+        """A new subscription.
+
+        Args:
+            topic: its absolute name.
+        """
+        arrival = Arrival(self, topic)
+        self._subscriptions.setdefault(topic, []).append(arrival)
+        return arrival
+
+    def close(self, arrival: "Arrival") -> None:
+        """Forgets a subscription."""
+        left = [each for each in self._subscriptions.get(arrival.topic, []) if each is not arrival]
+        if left:
+            self._subscriptions[arrival.topic] = left
+        else:
+            self._subscriptions.pop(arrival.topic, None)
+
+    def note(self, topic: str) -> None:
+        """All subscriptions of a topic have got a message."""
+        for each in self._subscriptions.get(topic, []):
+            each.note()
+
+    def next_step(self) -> None:
+        """A step has ended: no subscription has got a message since."""
+        self.step += 1
+
+    @property
+    def topics(self) -> List[str]:
+        """The topics with a subscription."""
+        return list(self._subscriptions)
+
+    def has_received(self, topic: str) -> Optional[bool]:
+        """Whether each subscription of a topic has got a message since the last step.
+
+        Args:
+            topic: its absolute name.
+
+        Returns:
+            None if the topic has no subscription.
+        """
+        subscriptions = self._subscriptions.get(topic)
+        if subscriptions is None:
+            return None
+        return all(each.step == self.step for each in subscriptions)
+
+
+class Arrival:
+    """A subscription, and the step before which it got its last message."""
+
+    def __init__(self, arrivals: Arrivals, topic: str) -> None:
+        self.topic = topic
+        self.step = -1
+        self._arrivals = arrivals
+
+    def note(self) -> None:
+        """It has got a message."""
+        self.step = self._arrivals.step

@@ -1,0 +1,119 @@
+/// Saving and restoring a world; test_core_state.py compares whole runs, bit for bit.
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "flatland_server/world.hpp"
+#include "test_bodies.hpp"
+
+namespace flatland {
+namespace {
+
+/// A box that a driven one pushes against a wall, on two joints, and a door.
+class Scene {
+ public:
+  Scene() {
+    world.AddLayer({{{-2, -2}, {-2, 2}}, {{-2, 2}, {3, 2}}}, kAllLayers);
+    pusher = AddBox(world, {1.5, 0, 0});
+    box = AddBox(world, {0, 0.1, 0.2});
+    const World::Body trailer = AddBox(world, {3.0, 0, 0});
+    world.AddRevolute(pusher, trailer, {{{0.75, 0}, {-0.75, 0}, false}, std::nullopt});
+    drive = world.AddDrive(pusher, {}, {});
+    world.Get(drive).Command({-1, 0, 0});
+    TweenSettings settings;
+    settings.delta = {0, 1, 0};
+    tween = world.AddTween(AddBox(world, {0, -3, 0}), settings);
+  }
+
+  std::vector<Pose> Run(int steps) {
+    std::vector<Pose> poses;
+    for (int i = 0; i < steps; ++i) {
+      world.Step(0.01);
+      poses.push_back(world.GetPose(box));
+      poses.push_back(world.GetPose(pusher));
+    }
+    return poses;
+  }
+
+  World world{10, 10};
+  World::Body pusher;
+  World::Body box;
+  World::Drive drive;
+  World::Tween tween;
+};
+
+void ExpectSame(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].x, b[i].x);
+    EXPECT_EQ(a[i].y, b[i].y);
+    EXPECT_EQ(a[i].yaw, b[i].yaw);
+  }
+}
+
+TEST(WorldState, ARestoredWorldGoesOnLikeTheSavedOne) {
+  Scene saved;
+  saved.Run(80);
+  const std::string state = saved.world.SaveState();
+
+  Scene restored;
+  restored.world.RestoreState(state);
+
+  EXPECT_EQ(restored.world.Get(restored.tween).progress(), saved.world.Get(saved.tween).progress());
+  ExpectSame(restored.Run(200), saved.Run(200));
+}
+
+TEST(WorldState, BodiesJointsAndDrivesCanBeRemovedAfterwards) {
+  Scene scene;
+  scene.Run(80);
+  scene.world.RestoreState(scene.world.SaveState());
+
+  scene.world.RemoveBody(scene.pusher);
+
+  EXPECT_EQ(scene.world.joint_count(), 0);
+  EXPECT_THROW(scene.world.Get(scene.drive), GoneError);
+  StepTimes(scene.world, 10);
+}
+
+TEST(WorldState, DamagedBytesAreRefusedAndChangeNothing) {
+  Scene scene;
+  scene.Run(80);
+  const std::string state = scene.world.SaveState();
+  std::mt19937 draw(1);
+
+  for (int i = 0; i < 500; ++i) {
+    std::string damaged = state.substr(0, i % 4 == 0 ? draw() % state.size() : state.size());
+    if (!damaged.empty()) damaged[draw() % damaged.size()] ^= static_cast<char>(1 + draw() % 255);
+    EXPECT_THROW(scene.world.RestoreState(damaged), std::invalid_argument);
+  }
+
+  Scene other;
+  other.world.RestoreState(state);
+  ExpectSame(scene.Run(100), other.Run(100));
+}
+
+TEST(WorldState, ItCannotBeSavedDuringAStep) {
+  Scene scene;
+  struct Saver : ContactListener {
+    explicit Saver(World& world) : world(world) {}
+    void OnContact(Contact&) override {
+      EXPECT_THROW(world.SaveState(), std::logic_error);
+      ++count;
+    }
+    World& world;
+    int count = 0;
+  } saver(scene.world);
+  scene.world.SetContactListener(&saver);
+  scene.world.ListenToContacts(scene.box, kBeginContact);
+
+  scene.Run(80);
+
+  EXPECT_GT(saver.count, 0);
+}
+
+}  // namespace
+}  // namespace flatland

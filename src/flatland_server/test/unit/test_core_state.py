@@ -1,0 +1,183 @@
+"""The state of the physical world: saved, restored in another world, and refused if damaged."""
+
+import math
+import random
+from typing import Any, List, Tuple
+
+import pytest
+
+from flatland_server import _core
+
+ROOM = [[-2, -2, 2, -2], [2, -2, 2, 2], [2, 2, -2, 2], [-2, 2, -2, -2], [-1.0, 0.5, 0.4, 0.9]]
+SQUARE = [(-0.15, -0.1), (0.15, -0.1), (0.15, 0.1), (-0.15, 0.1)]
+
+
+class Parts:
+    """A room with boxes and discs, a trailer, two robots, a door and a sensor; always the same."""
+
+    def __init__(self) -> None:
+        self.world = world = _core.World()
+        self.events: List[Tuple[Any, ...]] = []
+        draw = random.Random(7)
+        self.bodies = [world.add_layer(ROOM, 1)]
+        for index in range(24):
+            pose = (draw.uniform(-1.8, 1.8), draw.uniform(-1.8, 1.8), draw.uniform(-3, 3))
+            body = world.add_body("dynamic", pose, 0.3, 0.3)
+            material = {"density": 2.0, "friction": 0.4, "restitution": 0.3, "layers": 1}
+            if index % 2:
+                body.add_polygon(SQUARE, **material)
+            else:
+                body.add_circle((0.05, 0.0), 0.12, sensor=index == 4, **material)
+            self.bodies.append(body)
+        _, a, b, c, *_ = self.bodies
+        self.joints = [
+            a.add_revolute(b, (0.2, 0.0), (-0.2, 0.0), limits=(-0.5, 0.5)),
+            b.add_weld(c, (0.2, 0.0), (-0.2, 0.0), frequency=4.0, damping=0.5),
+        ]
+        self.drive = a.add_drive((1.0, 1.0, 0.0), (2.0, 2.0, 0.0))
+        base, wheel = self.bodies[-1], self.bodies[-2]
+        wheel.pose = base.pose
+        joint = base.add_revolute(wheel, (0.0, 0.0), (0.0, 0.0))
+        self.tricycle = base.add_tricycle(joint, (-0.5, 0.0), 1.0, (1.0, 1.0, 0.0), (2.0, 2.0, 0.0))
+        self.tween = self.bodies[9].add_tween((1.0, 0.5, 1.0), 0.7, "trigger", "cubicInOut")
+        for body in self.bodies:
+            body.listen_to_contacts(15)
+        world.set_contact_listener(self._record)
+
+    def _record(self, event: int, a: int, b: int, contact: Any, *details: Any) -> None:
+        impulses = details[0].normal_impulses if details else ()
+        self.events.append((event, a, b, contact.points, contact.friction, *impulses))
+        if event == _core.PRE_SOLVE and (a + b) % 5 == 0:
+            contact.friction = 1.5
+
+    def stir(self, seed: int) -> None:
+        """Pushes and commands, some of which take effect in the next step."""
+        draw = random.Random(seed)
+        for body in self.bodies[1:]:
+            body.apply_linear_impulse((draw.uniform(-0.1, 0.1), draw.uniform(-0.1, 0.1)))
+            body.apply_force((draw.uniform(-1, 1), 0.3), body.world_point((0.1, 0.1)))
+        self.drive.command(draw.uniform(-1, 1), 0.2, draw.uniform(-2, 2))
+        self.tricycle.command(draw.uniform(-1, 1), draw.uniform(-1, 1))
+        self.tween.trigger(draw.random() < 0.7)
+
+    def run(self, seed: int, steps: int = 300) -> "Parts":
+        """Makes steps, with pushes and commands in between."""
+        for step in range(steps):
+            if step % 60 == 0:
+                self.stir(seed + step)
+            self.world.step(0.004 if step < 150 else 0.005)
+        return self
+
+    @property
+    def motion(self) -> List[Any]:
+        """All that can be seen of the bodies, the contacts since the last call, and mechanisms."""
+        events, self.events = self.events, []
+        bodies = [(*body.pose, *body.velocity, body.awake) for body in self.bodies]
+        more = [joint.angle for joint in self.joints]
+        more += [*self.drive.velocity, self.tricycle.speed, self.tricycle.steer_angle]
+        return [bodies, more, self.tween.progress, events]
+
+
+@pytest.mark.parametrize("steps", [0, 1, 100, 250, 700])
+def test_a_restored_world_goes_on_bit_for_bit_like_the_one_that_was_saved(steps):
+    first = Parts().run(1, steps)
+    first.stir(2)  # forces that are still to act
+    before = first.motion
+    saved = first.world.save_state()
+
+    second = Parts().run(3, 40)
+    second.world.restore_state(saved)
+    second.events.clear()
+
+    assert first.motion[:3] == before[:3] == second.motion[:3]
+    assert second.world.save_state() == saved
+    for seed in range(3):
+        assert second.run(seed).motion == first.run(seed).motion
+
+
+def test_saving_changes_what_follows_by_rounding_errors_alone():
+    saved, untouched = Parts().run(1, 200), Parts().run(1, 200)
+    saved.world.save_state()
+    saved.events.clear(), untouched.events.clear()
+
+    bodies, *_, events = saved.run(2, 5).motion
+    expected_bodies, *_, expected_events = untouched.run(2, 5).motion
+
+    for body, expected in zip(bodies, expected_bodies):
+        assert body == pytest.approx(expected, abs=1e-5)
+    # Contacts go on: they neither begin again nor lose the impulses that the solver starts from.
+    assert {e[:3] for e in events} == {e[:3] for e in expected_events}
+
+
+def test_a_body_falls_asleep_at_the_same_time_whether_saved_or_not():
+    def sleeps_after(saves: bool) -> int:
+        world = _core.World()
+        body = world.add_body("dynamic", (0.0, 0.0, 0.0))
+        body.add_circle((0.0, 0.0), 0.1, density=1.0)
+        steps = 0
+        while body.awake and steps < 1000:
+            world.step(0.01)
+            if saves:
+                world.save_state()
+            steps += 1
+        return steps
+
+    assert sleeps_after(saves=True) == sleeps_after(saves=False) < 100
+
+
+def test_handles_stay_valid_and_contacts_that_are_kept_stay_equal():
+    parts = Parts()
+    kept = set()
+    parts.world.set_contact_listener(lambda event, a, b, contact, *_: kept.add(contact))
+    parts.run(1, 200)
+    ended = set()
+    parts.world.set_contact_listener(
+        lambda event, a, b, contact, *_: event == _core.END_CONTACT and ended.add(contact)
+    )
+
+    parts.world.save_state()
+    for body in parts.bodies[1:]:
+        assert body.alive
+        assert math.isfinite(body.mass)
+        body.remove()
+
+    assert ended
+    assert ended <= kept
+
+
+def test_a_damaged_state_is_refused_and_changes_nothing():
+    parts = Parts().run(1, 200)
+    saved = parts.world.save_state()
+    before = parts.motion[:3]
+
+    draw = random.Random(1)
+    wrong = [b"", b"abc", saved[:-1], saved + b"\0", saved[: len(saved) // 2]]
+    for damaged in wrong:
+        with pytest.raises(ValueError, match="the state is "):
+            parts.world.restore_state(damaged)
+        assert parts.motion[:3] == before
+    for _ in range(300):
+        damaged = bytearray(saved)
+        damaged[draw.randrange(len(damaged))] ^= draw.randrange(1, 256)
+        with pytest.raises(ValueError, match="the state is damaged"):
+            parts.world.restore_state(bytes(damaged))
+    parts.world.restore_state(saved)
+    assert parts.motion[:3] == before
+
+
+def test_a_state_of_another_world_is_refused_with_the_difference():
+    saved = Parts().world.save_state()
+    other = Parts()
+    other.world.add_body("static", (0.0, 0.0, 0.0))
+    with pytest.raises(ValueError, match="another world: the number of bodies: expected 26, found"):
+        other.world.restore_state(saved)
+
+    other = Parts()
+    other.bodies[3].add_circle((0.0, 0.0), 0.1, density=1.0)
+    with pytest.raises(ValueError, match="footprints or walls of a body: expected 2, found 1"):
+        other.world.restore_state(saved)
+
+    other = Parts()
+    other.bodies[3].add_drive()
+    with pytest.raises(ValueError, match="the number of drives: expected 2, found 1"):
+        other.world.restore_state(saved)

@@ -1,0 +1,233 @@
+"""Resets, and other contents in place of the former: all or nothing, with topics kept open."""
+
+import gc
+import weakref
+
+import pytest
+from world.parts import EMPTY, Herald, Talker, spawn, state
+
+from flatland_server import _core
+from flatland_server.exceptions import FlatlandError, YamlError
+from flatland_server.geometry import Pose
+
+WORLD = """
+properties: {}
+layers: [{name: map, map: MAP}]
+models:
+  - {name: a, model: good.yaml}
+  - {name: b, model: plain.yaml, pose: [2, 0, 0]}
+plugins: [{type: Herald, name: herald}]
+"""
+
+
+@pytest.fixture
+def load(models, transport, simulate):
+    """Loads the world of two models."""
+
+    def load(text: str = WORLD):
+        text = text.replace("MAP", models.walls("map", "-5 -5 5 -5"))
+        return simulate(models.load(text, transport=transport))
+
+    return load
+
+
+def test_a_reset_world_has_the_models_walls_and_poses_of_its_files(models, load):
+    simulation = load()
+    world = simulation.world
+    before = state(world), [model.pose for model in world.models.values()]
+    world.delete_model("a")
+    spawn(models, world, "good.yaml", "c")
+    world.move_model("b", Pose(1.0, 1.0, 1.0))
+    world.add_walls("map", [[0.0, 1.0, 2.0, 1.0]])
+    simulation.run(0.1)
+
+    simulation.reset()
+
+    assert (state(world), [model.pose for model in world.models.values()]) == before
+    assert len(world.layers[0].segments) == 1
+    assert simulation.timekeeper.nanoseconds == 0
+    assert simulation.last("/chatter") is None
+    simulation.run()
+    assert simulation.last("/chatter") == "a at 5000000"
+
+
+def test_former_objects_are_gone_after_a_reset(load):
+    simulation = load()
+    former = simulation.world.models["a"]
+    body = former.base.physics_body
+
+    simulation.reset()
+
+    assert simulation.world.models["a"] is not former
+    assert not body.alive
+    with pytest.raises(_core.GoneError):
+        _ = body.pose
+    with pytest.raises(FlatlandError, match='the model "a" has been deleted'):
+        _ = former.pose
+
+
+def test_topics_stay_open_while_the_world_is_reset(load, transport, monkeypatch):
+    simulation = load()
+    open_topics = []
+    monkeypatch.setattr(
+        Talker, "on_shutdown", lambda _: open_topics.append("/chatter" in transport.topics)
+    )
+    simulation.reset()
+
+    assert open_topics == [True]
+    assert "/chatter" in transport.topics
+
+
+def test_messages_that_wait_are_not_for_the_new_world(load, transport, monkeypatch):
+    received = []
+    monkeypatch.setattr(
+        Talker,
+        "on_initialize",
+        lambda self, config: (
+            self.node.subscribe("command", str, received.append)
+            and setattr(self, "_publisher", self.node.advertise("chatter", str))
+        ),
+    )
+    simulation = load()
+    simulation.send("/command", "old")
+
+    simulation.reset()
+    simulation.send("/command", "new").run()
+
+    assert received == ["new"]
+
+
+def test_a_world_stays_as_it_is_if_a_plugin_does_not_start_again(load, monkeypatch):
+    simulation = load().run(0.1)
+    world = simulation.world
+    before, models = state(world), dict(world.models)
+
+    def fail(self, config):
+        raise config.error("no luck")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Herald, "on_initialize", fail)
+        with pytest.raises(YamlError, match="no luck"):
+            world.reset()
+
+    assert state(world) == before
+    assert dict(world.models) == models
+    simulation.run()
+    assert simulation.last("/chatter") == "a at 105000000"
+    assert simulation.last("/population") == 2
+    assert world.plugin_failures == []
+
+
+def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch):
+    def reset_once(self, timekeeper):
+        self._publisher.publish(len(self.world.models))
+        if timekeeper.nanoseconds == 50_000_000:
+            self.world.delete_model("a")
+            self.world.reset()
+
+    monkeypatch.setattr(Herald, "after_physics_step", reset_once)
+    simulation = load()
+
+    simulation.run(0.1)
+
+    assert list(simulation.world.models) == ["a", "b"]
+    assert simulation.world.plugin_failures == []
+    assert simulation.timekeeper.nanoseconds == 100_000_000
+
+
+@pytest.mark.parametrize("name", ["on_initialize", "on_shutdown"])
+def test_the_world_is_not_reset_while_plugins_are_started_or_stopped(load, monkeypatch, name):
+    refusals = []
+    original = getattr(Herald, name)
+
+    def reset(self, *arguments):
+        original(self, *arguments)
+        try:
+            self.world.reset()
+        except FlatlandError as error:
+            refusals.append(str(error))
+
+    monkeypatch.setattr(Herald, name, reset)
+    simulation = load()
+    simulation.reset()
+    assert list(simulation.world.models) == ["a", "b"]
+    assert set(refusals) <= {"the world cannot be reset while plugins are started or stopped"}
+
+
+def test_an_edited_file_is_loaded_in_place_of_the_former_one(models, load, transport):
+    simulation = load().run(0.1)
+    world = simulation.world
+    other = EMPTY.replace("[]", "[{name: other}]")
+    models.write("world.yaml", f"{other}models: [{{name: c, model: plain.yaml}}]\n")
+
+    world.reload(world.read_config())
+
+    assert list(world.models) == ["c"]
+    assert [layer.name for layer in world.layers] == ["other"]
+    assert world.registry.names == ["other"]
+    assert transport.topics == set()
+    simulation.run()
+
+
+def test_a_wrong_file_is_refused_with_its_line_and_the_world_goes_on(models, load):
+    simulation = load().run(0.1)
+    world = simulation.world
+    before = state(world)
+
+    models.write("world.yaml", f"{EMPTY}models:\n  - {{name: a, model: plain.yaml, poes: 1}}\n")
+    with pytest.raises(YamlError, match=r"world\.yaml:4: .*poes"):
+        world.reload(world.read_config())
+    models.write("world.yaml", f"{EMPTY}models:\n  - {{name: a, model: bad.yaml}}\n")
+    config = world.read_config()
+    with pytest.raises(YamlError, match=r"bad\.yaml:\d+: .*no luck"):
+        world.reload(config)
+
+    assert state(world) == before
+    simulation.run()
+    assert simulation.last("/chatter") == "a at 105000000"
+
+
+def test_no_file_is_read_for_a_reset(models, load):
+    simulation = load()
+    for file in models.folder.iterdir():
+        file.unlink()
+
+    simulation.reset().run()
+
+    assert list(simulation.world.models) == ["a", "b"]
+
+
+def test_states_and_reloads_are_for_between_steps(load, monkeypatch):
+    refusals = []
+
+    def act(self, timekeeper):
+        world = self.world
+        for action in (
+            lambda: world.save_state(timekeeper),
+            lambda: world.load_state(b"", timekeeper),
+            lambda: world.reload(world.read_config()),
+        ):
+            with pytest.raises(FlatlandError) as caught:
+                action()
+            refusals.append(str(caught.value))
+
+    monkeypatch.setattr(Herald, "after_physics_step", act)
+    load().run()
+
+    assert refusals == [
+        f"{name} is for between steps, not for hooks"
+        for name in ("save_state", "load_state", "reload")
+    ]
+
+
+def test_the_former_contents_are_freed_at_once(load):
+    simulation = load().run(0.1)
+    world = simulation.world
+    former = [weakref.ref(each) for each in (*world.models.values(), *world.layers)]
+    gc.collect()
+    gc.disable()
+    try:
+        simulation.reset()
+        assert [each() for each in former] == [None] * 3
+    finally:
+        gc.enable()
