@@ -42,9 +42,7 @@ def call_service(uri: str, service_name: str, service: Any, **request: Any) -> A
     """The response of a service at a URI, as `rosrpc://127.0.0.1:1234`."""
     place = urlparse(uri)
     with open_connection((place.hostname, place.port), service=service_name) as connection:
-        buffer = BytesIO()
-        service._request_class(**request).serialize(buffer)
-        connection.sendall(_LENGTH.pack(len(buffer.getvalue())) + buffer.getvalue())
+        connection.sendall(request_bytes(service, **request))
         is_done = _read(connection, 1)
         data = read_block(connection)
     if is_done != b"\x01":
@@ -52,6 +50,13 @@ def call_service(uri: str, service_name: str, service: Any, **request: Any) -> A
     response: Any = service._response_class()
     response.deserialize(data)
     return response
+
+
+def request_bytes(service: Any, **request: Any) -> bytes:
+    """A request of a service after its length, as it is sent after the handshake."""
+    buffer = BytesIO()
+    service._request_class(**request).serialize(buffer)
+    return _LENGTH.pack(len(buffer.getvalue())) + buffer.getvalue()
 
 
 def subscribe(node_uri: str, topic: str, message_type: Any) -> socket.socket:

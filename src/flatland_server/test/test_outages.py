@@ -1,128 +1,17 @@
 """The server while its surroundings fail: the master, connections, file descriptors."""
 
-import os
 import resource
 import signal
-import socket
-import subprocess
 import time
-import xmlrpc.client
 from pathlib import Path
-from urllib.parse import urlparse
 
 import pytest
 import tcpros_client
-from flatland_msgs.srv import DeleteModel, SpawnModel
-from geometry_msgs.msg import Pose2D
-from ros_processes import free_port
 from rosgraph_msgs.msg import Clock
+from running_server import USUAL_FILES, Master, Server, wait_until
 from std_srvs.srv import Empty
 
-WORLDS = Path(__file__).resolve().parents[1] / "worlds"
-ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
-NODE = "/flatland_server"
-LIMIT = 30.0  # s
-USUAL_FILES = 1024  # the soft limit of open files
-
 pytestmark = pytest.mark.slow
-
-
-def wait_until(holds, what):
-    deadline = time.monotonic() + LIMIT
-    while True:
-        value = holds()
-        if value:
-            return value
-        assert time.monotonic() < deadline, f"waited for {what}"
-        time.sleep(0.02)
-
-
-class Master:
-    """A ROS master on a port of its own, which can be started again there."""
-
-    def __init__(self):
-        self.port = free_port()
-        self.uri = f"http://127.0.0.1:{self.port}"
-        self.start()
-
-    def start(self):
-        self.process = subprocess.Popen(
-            ["rosmaster", "--core", "-p", str(self.port)],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        wait_until(lambda: self.ask("getPid"), "the master")
-
-    def ask(self, method, *arguments):
-        """The value of its answer, None if there is none."""
-        try:
-            proxy = xmlrpc.client.ServerProxy(self.uri)
-            code, _, value = getattr(proxy, method)("/test", *arguments)
-        except OSError:
-            return None
-        return value if code == 1 else None
-
-    def topics(self):
-        """The topics that the server publishes."""
-        publishers = self.ask("getSystemState")[0]
-        return {topic for topic, nodes in publishers if NODE in nodes}
-
-    def kill(self):
-        self.process.kill()
-        self.process.wait()
-
-
-class Server:
-    """The server's node in the test room."""
-
-    def __init__(self, master, log, max_files=USUAL_FILES):
-        self._log = log
-        self._master = master
-        hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
-        with log.open("w") as file:
-            self.process = subprocess.Popen(
-                [
-                    *("rosrun", "flatland_server", "flatland_server", f"__name:={NODE[1:]}"),
-                    *(f"_world_path:={WORLDS / 'test_room' / 'world.yaml'}", "_show_viz:=true"),
-                ],
-                env={**os.environ, "ROS_MASTER_URI": master.uri},
-                stdout=file,
-                stderr=subprocess.STDOUT,
-                preexec_fn=lambda: resource.setrlimit(
-                    resource.RLIMIT_NOFILE, (max_files, min(hard, max(max_files, 65536)))
-                ),
-            )
-        wait_until(lambda: "running" in self.log, "the server to run")
-        self.uri = master.ask("lookupNode", NODE)
-        self._services = {
-            name: master.ask("lookupService", name)
-            for name in ("/spawn_model", "/delete_model", "/pause", "/resume")
-        }
-
-    @property
-    def log(self):
-        return self._log.read_text()
-
-    def call(self, service_name, service, **request):
-        uri = self._services[service_name]
-        return tcpros_client.call_service(uri, service_name, service, **request)
-
-    def spawn(self, name):
-        pose = Pose2D(0.0, 0.0, 0.0)
-        return self.call(
-            "/spawn_model", SpawnModel, yaml_path=str(ROBOT), name=name, ns=name, pose=pose
-        )
-
-    def delete(self, name):
-        return self.call("/delete_model", DeleteModel, name=name)
-
-    def open_files(self):
-        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
-
-    def connect(self):
-        """A connection to its port for topics and services, on which nothing is sent."""
-        place = urlparse(self._services["/pause"])
-        return socket.create_connection((place.hostname, place.port), 5.0)
 
 
 @pytest.fixture
@@ -142,8 +31,7 @@ def start_server(master, tmp_path):
 
     yield start
     for server in servers:
-        server.process.kill()
-        server.process.wait()
+        server.kill()
 
 
 def assert_time_goes_on(clock, seconds):
