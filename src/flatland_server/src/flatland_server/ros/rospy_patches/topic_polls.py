@@ -7,6 +7,7 @@ does the same without a descriptor; rospy uses it itself where there is no epoll
 """
 
 import select
+import threading
 from typing import Any, Dict, Iterator
 
 import rospy.topics
@@ -31,23 +32,33 @@ def install() -> Dict[str, Any]:
 
 
 class Poller:
-    """Finds ended connections, with the interface that rospy's topics use."""
+    """Finds ended connections, with the interface that rospy's topics use.
+
+    rospy calls it in several threads: its own checks all topics, those of connections add theirs.
+    poll(2) in Python refuses that, unlike epoll.
+    """
 
     def __init__(self) -> None:
         self._poll = select.poll()
+        self._lock = threading.Lock()
 
     def add_fd(self, fd: int) -> None:
         """Watches a connection."""
-        self._poll.register(fd, _ENDED)
+        with self._lock:
+            self._poll.register(fd, _ENDED)
 
     def remove_fd(self, fd: int) -> None:
         """Stops watching a connection."""
-        self._poll.unregister(fd)
+        with self._lock:
+            self._poll.unregister(fd)
 
     def error_iter(self) -> Iterator[int]:
         """The descriptors of the connections that have ended."""
-        for fd, event in self._poll.poll(0):
-            if event & select.POLLNVAL:  # closed meanwhile; epoll forgets such descriptors
-                self._poll.unregister(fd)
-            elif event & _ENDED:
-                yield fd
+        ended = []
+        with self._lock:
+            for fd, event in self._poll.poll(0):
+                if event & select.POLLNVAL:  # closed meanwhile; epoll forgets such descriptors
+                    self._poll.unregister(fd)
+                elif event & _ENDED:
+                    ended.append(fd)
+        return iter(ended)
