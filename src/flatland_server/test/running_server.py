@@ -5,6 +5,7 @@ import resource
 import signal
 import socket
 import subprocess
+import time
 import xmlrpc.client
 from pathlib import Path
 from typing import Any, Dict, Set, Tuple
@@ -15,6 +16,7 @@ import tcpros_client
 from flatland_msgs.srv import DeleteModel, SpawnModel
 from geometry_msgs.msg import Pose2D
 from ros_processes import free_port
+from rosgraph_msgs.msg import Clock
 
 WORLDS = Path(__file__).resolve().parents[1] / "worlds"
 ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
@@ -48,11 +50,11 @@ class Master:
         )
         wait_until(lambda: self.ask("getPid"), "the master")
 
-    def ask(self, method: str, *arguments: Any) -> Any:
+    def ask(self, method: str, *arguments: Any, caller: str = "/test") -> Any:
         """The value of its answer, None if there is none."""
         try:
             proxy = xmlrpc.client.ServerProxy(self.uri)
-            code, _, value = getattr(proxy, method)("/test", *arguments)
+            code, _, value = getattr(proxy, method)(caller, *arguments)
         except OSError:
             return None
         return value if code == 1 else None
@@ -94,7 +96,7 @@ class Server:
         self._master = master
         self._services: Dict[str, str] = {}
         hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
-        with log.open("w") as file:
+        with log.open("a") as file:
             self.process = subprocess.Popen(
                 [
                     *("rosrun", "flatland_server", "flatland_server", f"__name:={NODE[1:]}"),
@@ -108,15 +110,27 @@ class Server:
         if is_awaited:
             wait_until(lambda: "running" in self.log, "the server to run")
             self.look_up()
+            self.topics = master.topics()
+            """What it publishes from the start on."""
+            self.subscribed_topics = master.subscribed_topics()
 
     @property
     def log(self) -> str:
         return self._log.read_text(errors="replace")
 
-    def look_up(self) -> None:
-        """Asks the master where the node and its services are."""
+    @property
+    def is_running(self) -> bool:
+        return self.process.poll() is None
+
+    def empty_log(self) -> None:
+        """Forgets the log so far."""
+        os.truncate(self._log, 0)
+
+    def look_up(self) -> bool:
+        """Asks the master where the node and its services are. Returns whether it knows all."""
         self.uri = self._master.ask("lookupNode", NODE)
         self._services = {name: self._master.ask("lookupService", name) for name in SERVICES}
+        return all(self._services.values())
 
     def service_address(self) -> Tuple[str, int]:
         """Its host and port for topics and services."""
@@ -148,6 +162,19 @@ class Server:
     def kill(self) -> None:
         self.process.kill()
         self.process.wait()
+
+
+def simulated_time(clock: socket.socket, seconds: float) -> float:
+    """How much time passes in the simulation in some of real time [s], on a connection to /clock.
+
+    Raises:
+        OSError: there is no message.
+    """
+    first = last = tcpros_client.next_message(clock, Clock).clock
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        last = tcpros_client.next_message(clock, Clock).clock
+    return float((last - first).to_sec())
 
 
 def prepare(max_files: int, hard: int) -> None:

@@ -7,7 +7,7 @@ from io import BytesIO
 from typing import Any, Dict, Tuple
 from urllib.parse import urlparse
 
-from rosgraph.network import encode_ros_handshake_header
+from rosgraph.network import decode_ros_handshake_header, encode_ros_handshake_header
 
 LIMIT = 20.0  # s
 _LENGTH = struct.Struct("<I")
@@ -20,6 +20,13 @@ def open_connection(address: Tuple[str, int], **fields: str) -> socket.socket:
     connection.sendall(encode_ros_handshake_header(header))
     read_block(connection)  # the node's header
     return connection
+
+
+def read_header(connection: socket.socket) -> Dict[str, str]:
+    """The fields with which the other side begins a connection."""
+    data = read_block(connection)
+    fields: Dict[str, str] = decode_ros_handshake_header(_LENGTH.pack(len(data)) + data)
+    return fields
 
 
 def read_block(connection: socket.socket) -> bytes:

@@ -37,7 +37,7 @@ def test_a_descriptor_that_was_closed_is_forgotten(connection):
 
 
 def test_threads_may_poll_at_once(connection):
-    """rospy's threads do; an error ends the one that connects subscribers to publishers."""
+    """Threads of rospy do; an error ends the one that connects subscribers to publishers."""
     poller = Poller()
     poller.add_fd(connection[0].fileno())
     errors = []
