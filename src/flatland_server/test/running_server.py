@@ -108,7 +108,11 @@ class Server:
                 preexec_fn=lambda: prepare(max_files, min(hard, max(max_files, 65536))),
             )
         if is_awaited:
-            wait_until(lambda: "running" in self.log, "the server to run")
+            try:
+                wait_until(lambda: "running" in self.log, "the server to run")
+            except AssertionError:
+                self.kill()
+                raise
             self.look_up()
             self.topics = master.topics()
             """What it publishes from the start on."""

@@ -39,7 +39,7 @@ LAUGHS = "\n".join(
 )
 """8 to the power of 9 strings, by aliases of aliases."""
 
-Path_ = Tuple[Any, ...]
+Place = Tuple[Any, ...]
 
 
 class Mutator:
@@ -47,7 +47,7 @@ class Mutator:
 
     def __init__(self, rng: random.Random) -> None:
         self._rng = rng
-        self._tree: List[Callable[[Any, Path_], None]] = [
+        self._tree: List[Callable[[Any, Place], None]] = [
             self._replace, self._replace, self._replace, self._delete, self._rename, self._scale,
             self._stringify, self._duplicate, self._copy, self._nest,
         ]  # fmt: skip
@@ -83,40 +83,40 @@ class Mutator:
     def _odd(self) -> Any:
         return copy.deepcopy(self._rng.choice(self._rng.choice([NUMBERS, ODD])))
 
-    def _replace(self, document: Any, place: Path_) -> None:
+    def _replace(self, document: Any, place: Place) -> None:
         _parent(document, place)[place[-1]] = self._odd()
 
-    def _delete(self, document: Any, place: Path_) -> None:
+    def _delete(self, document: Any, place: Place) -> None:
         del _parent(document, place)[place[-1]]
 
-    def _rename(self, document: Any, place: Path_) -> None:
+    def _rename(self, document: Any, place: Place) -> None:
         parent = _parent(document, place)
         if isinstance(parent, dict):
             key = self._rng.choice([f"{place[-1]}x", str(place[-1])[1:], 7, "name", None, "type"])
             parent[key] = parent.pop(place[-1])
 
-    def _scale(self, document: Any, place: Path_) -> None:
+    def _scale(self, document: Any, place: Place) -> None:
         parent, key = _parent(document, place), place[-1]
         if isinstance(parent[key], (int, float)):
             parent[key] *= self._rng.choice([-1, 0, 1e-30, 1e-4, 1000.0, 1e30])
 
-    def _stringify(self, document: Any, place: Path_) -> None:
+    def _stringify(self, document: Any, place: Place) -> None:
         parent, key = _parent(document, place), place[-1]
         parent[key] = self._rng.choice([str, repr, lambda v: [v], lambda v: {"value": v}])(
             parent[key]
         )
 
-    def _duplicate(self, document: Any, place: Path_) -> None:
+    def _duplicate(self, document: Any, place: Place) -> None:
         parent = _parent(document, place)
         if isinstance(parent, list):
             parent.extend([parent[place[-1]]] * self._rng.choice([1, 1, 30]))  # an alias in YAML
 
-    def _copy(self, document: Any, place: Path_) -> None:
+    def _copy(self, document: Any, place: Place) -> None:
         source = self._rng.choice(list(_places(document)))
         value = copy.deepcopy(_parent(document, source)[source[-1]])
         _parent(document, place)[place[-1]] = value
 
-    def _nest(self, document: Any, place: Path_) -> None:
+    def _nest(self, document: Any, place: Place) -> None:
         parent, key = _parent(document, place), place[-1]
         for _ in range(self._rng.choice([1, 3, 90, 150])):
             parent[key] = [parent[key]] if self._rng.random() < 0.5 else {"a": parent[key]}
@@ -165,7 +165,7 @@ class Mutator:
         return content + b"\n" + LAUGHS.encode() + b"\n"
 
 
-def _places(node: Any, path: Path_ = ()) -> List[Path_]:
+def _places(node: Any, path: Place = ()) -> List[Place]:
     """The paths to all values in maps and lists."""
     if not isinstance(node, (dict, list)) or len(path) > 100:
         return []
@@ -177,7 +177,7 @@ def _places(node: Any, path: Path_ = ()) -> List[Path_]:
     return found
 
 
-def _parent(document: Any, place: Path_) -> Any:
+def _parent(document: Any, place: Place) -> Any:
     for key in place[:-1]:
         document = document[key]
     return document

@@ -1,5 +1,6 @@
 """A soak: one server that is disturbed in rounds, and what it holds after each of them."""
 
+import contextlib
 import random
 import time
 from pathlib import Path
@@ -46,10 +47,8 @@ class Soak:
         """Runs for a time [s], and at least two rounds. Returns the figures as a dict for JSON."""
         begin = time.monotonic()
         warm_rounds = reported = 0
-        # Servers that are killed and started have a master of their own.
-        self._master, self._other_master = Master(), Master()
-        self._server = Server(self._master, self._folder / "server.log")
-        try:
+        with contextlib.ExitStack() as processes:
+            self._start(processes)
             faults.silent_connections(self._server, random.Random(self._seed), self.findings)
             self.start = self._usage_at_rest()
             while self.rounds < 2 or time.monotonic() < begin + seconds:
@@ -65,10 +64,15 @@ class Soak:
                 for violation in self.findings.violations[reported:]:
                     report(f"         {violation}")
                 reported = len(self.findings.violations)
-        finally:
-            for process in (self._server, self._master, self._other_master):
-                process.kill()
         return self.figures(time.monotonic() - begin, warm_rounds)
+
+    def _start(self, processes: contextlib.ExitStack) -> None:
+        self._master = Master()
+        processes.callback(self._master.kill)
+        self._other_master = Master()  # of servers that are killed and started
+        processes.callback(self._other_master.kill)
+        self._server = Server(self._master, self._folder / "server.log")
+        processes.callback(self._server.kill)
 
     def _run_round(self) -> None:
         seed = self._seed + self.rounds
