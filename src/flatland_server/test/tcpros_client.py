@@ -7,7 +7,7 @@ from io import BytesIO
 from typing import Any, Dict, Tuple
 from urllib.parse import urlparse
 
-from rosgraph.network import encode_ros_handshake_header
+from rosgraph.network import decode_ros_handshake_header, encode_ros_handshake_header
 
 LIMIT = 20.0  # s
 _LENGTH = struct.Struct("<I")
@@ -20,6 +20,13 @@ def open_connection(address: Tuple[str, int], **fields: str) -> socket.socket:
     connection.sendall(encode_ros_handshake_header(header))
     read_block(connection)  # the node's header
     return connection
+
+
+def read_header(connection: socket.socket) -> Dict[str, str]:
+    """The fields with which the other side begins a connection."""
+    data = read_block(connection)
+    fields: Dict[str, str] = decode_ros_handshake_header(_LENGTH.pack(len(data)) + data)
+    return fields
 
 
 def read_block(connection: socket.socket) -> bytes:
@@ -42,9 +49,7 @@ def call_service(uri: str, service_name: str, service: Any, **request: Any) -> A
     """The response of a service at a URI, as `rosrpc://127.0.0.1:1234`."""
     place = urlparse(uri)
     with open_connection((place.hostname, place.port), service=service_name) as connection:
-        buffer = BytesIO()
-        service._request_class(**request).serialize(buffer)
-        connection.sendall(_LENGTH.pack(len(buffer.getvalue())) + buffer.getvalue())
+        connection.sendall(request_bytes(service, **request))
         is_done = _read(connection, 1)
         data = read_block(connection)
     if is_done != b"\x01":
@@ -52,6 +57,13 @@ def call_service(uri: str, service_name: str, service: Any, **request: Any) -> A
     response: Any = service._response_class()
     response.deserialize(data)
     return response
+
+
+def request_bytes(service: Any, **request: Any) -> bytes:
+    """A request of a service after its length, as it is sent after the handshake."""
+    buffer = BytesIO()
+    service._request_class(**request).serialize(buffer)
+    return _LENGTH.pack(len(buffer.getvalue())) + buffer.getvalue()
 
 
 def subscribe(node_uri: str, topic: str, message_type: Any) -> socket.socket:

@@ -298,3 +298,26 @@ def test_the_twins_of_cpp_calls_exist():
         if not hasattr(owners[owner], name) and name not in attributes.get(owner, ())
     ]
     assert missing + [name for name in getters if not hasattr(YamlReader, name)] == []
+
+
+# docs/robustness.md
+
+
+def test_each_promise_of_robustness_names_a_test_that_exists():
+    text = (DOCS / "robustness.md").read_text(encoding="utf-8")
+    files = list(Path(__file__).resolve().parent.rglob("test_*.py"))
+    functions = {
+        name
+        for path in files
+        for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+
+    named = re.findall(r"`((?:\w+/)*test_\w+(?:\.py)?)`", text)
+    missing = [
+        name
+        for name in named
+        if name not in functions and not any(str(path).endswith(f"/{name}") for path in files)
+    ]
+
+    assert len(named) > 10
+    assert missing == []

@@ -1,6 +1,7 @@
 #include "flatland_server/dynamics_limits.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace flatland {
@@ -22,7 +23,8 @@ VelocityChange DynamicsLimits::Approach(Vec2 current, Vec2 target, double dt) co
   if (velocity > 0.0 && speed > velocity) target = velocity / speed * target;
   const Vec2 way = target - current;
   const double length = std::hypot(way.x, way.y);
-  if (length == 0.0) return {target, target};
+  // A length near the smallest number has no finite inverse.
+  if (length < std::numeric_limits<double>::min()) return {target, target};
   const Vec2 along = 1.0 / length * way;
   const double falling = std::clamp(-Dot(current, along), 0.0, length);
   const double rising = length - falling;

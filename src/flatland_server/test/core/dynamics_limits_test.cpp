@@ -57,6 +57,15 @@ TEST(Approach, StaysAtTheTarget) {
   EXPECT_EQ(limits.Approach({0.7, 0.0}, {0.7, 0.0}, 0.1).mean.x, 0.7);
 }
 
+TEST(Approach, ReachesTheSmallestTarget) {
+  const double tiny = std::numeric_limits<double>::denorm_min();
+  for (const DynamicsLimits& limits : {DynamicsLimits{}, DynamicsLimits{2.0, 5.0, 1.0}}) {
+    const VelocityChange change = limits.Approach({0.0, 0.0}, {tiny, 0.0}, 0.1);
+    ExpectNear(change.reached, {0.0, 0.0}, 1e-300);
+    ExpectNear(change.mean, {0.0, 0.0}, 1e-300);
+  }
+}
+
 TEST(Approach, NeverGoesFasterThanTheVelocityLimit) {
   const DynamicsLimits limits{2.0, 5.0, 0.5};
 

@@ -8,7 +8,6 @@ does the same without a descriptor; rospy uses it itself where there is no epoll
 
 import select
 import threading
-from contextlib import suppress
 from typing import Any, Dict, Iterator
 
 import rospy.topics
@@ -33,27 +32,33 @@ def install() -> Dict[str, Any]:
 
 
 class Poller:
-    """Finds ended connections, with the interface that rospy's topics use; for several threads."""
+    """Finds ended connections, with the interface that rospy's topics use.
+
+    rospy calls it in several threads: its own checks all topics, those of connections add theirs.
+    poll(2) in Python refuses that, unlike epoll.
+    """
 
     def __init__(self) -> None:
         self._poll = select.poll()
-        self._lock = threading.Lock()  # poll raises an error if two threads call it at a time
+        self._lock = threading.Lock()
 
     def add_fd(self, fd: int) -> None:
         """Watches a connection."""
-        self._poll.register(fd, _ENDED)
+        with self._lock:
+            self._poll.register(fd, _ENDED)
 
     def remove_fd(self, fd: int) -> None:
         """Stops watching a connection."""
-        self._poll.unregister(fd)
+        with self._lock:
+            self._poll.unregister(fd)
 
     def error_iter(self) -> Iterator[int]:
         """The descriptors of the connections that have ended."""
+        ended = []
         with self._lock:
-            events = self._poll.poll(0)
-        for fd, event in events:
-            if event & select.POLLNVAL:  # closed meanwhile; epoll forgets such descriptors
-                with suppress(KeyError):  # another thread may have done it
+            for fd, event in self._poll.poll(0):
+                if event & select.POLLNVAL:  # closed meanwhile; epoll forgets such descriptors
                     self._poll.unregister(fd)
-            elif event & _ENDED:
-                yield fd
+                elif event & _ENDED:
+                    ended.append(fd)
+        return iter(ended)
