@@ -114,6 +114,17 @@ class Services(unittest.TestCase):
         wait_until(lambda: ServerTopics.ask() == before, "the topics of deleted robots to go")
         self.assertFalse([frame for frame in self.frames() if frame.startswith(("r1", "r2"))])
 
+    def test_a_model_within_another_one_is_spawned_with_a_warning(self):
+        self.assertEqual(spawn(BOX, "alone", "", 3.0, -1.0).message, "")
+        answer = spawn(BOX, "within", "", 3.1, -1.0)
+
+        self.assertTrue(answer.success)
+        self.assertEqual(
+            answer.message, 'the model "within" overlaps the model "alone", and is pushed out'
+        )
+        for name in ("alone", "within"):
+            delete(name)
+
     def test_a_moved_robot_is_there_and_at_rest(self):
         odometry = Recorder("/mover/odometry/ground_truth", Odometry)
         self.assertTrue(spawn(TURTLEBOT, "mover", "mover", 2.0, 2.0).success)

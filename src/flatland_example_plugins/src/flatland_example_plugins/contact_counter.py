@@ -19,7 +19,7 @@ class ContactCounter(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the topic and its rate [Hz]."""
-        topic = config.get_string("topic", "contacts")
+        topic = config.get_topic("topic", "contacts")
         self.update_timer = UpdateTimer(config.get_rate("update_rate", 10.0))
         self._publisher = self.node.advertise(topic, Int32)
         self._counts: Counter[str] = Counter()

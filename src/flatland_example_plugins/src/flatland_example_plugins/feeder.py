@@ -19,7 +19,7 @@ class Feeder(WorldPlugin):
         self._pose = config.get_pose("pose", Pose())
         self._area = config.get_floats("area", 4)
         self._timer = UpdateTimer(config.get_rate("spawn_rate", 1.0))
-        topic = config.get_string("topic", f"{self.name}/count")
+        topic = config.get_topic("topic", f"{self.name}/count")
         if config.is_sound and not self._contains(self._pose):
             config.problem("expected [x_min, y_min, x_max, y_max] around the pose", "area")
         self._publisher = self.node.advertise(topic, Int32, latch=True)

@@ -17,7 +17,7 @@ class BoolSensor(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
-        topic = config.get_string("topic", "bool_sensor")
+        topic = config.get_topic("topic", "bool_sensor")
         self._body = self.get_body(config, default=self.model.base.name)
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
         config.finish()

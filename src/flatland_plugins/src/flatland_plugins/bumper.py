@@ -57,7 +57,7 @@ class Bumper(ModelPlugin):
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         self._frame = self.get_frame_id(config, "world_frame_id", "map")
-        topic = config.get_string("topic", "collisions")
+        topic = config.get_topic("topic", "collisions")
         update_rate = config.get_rate("update_rate", math.inf)
         self._publish_all = config.get_bool("publish_all_collisions", True)
         self._excluded = self.get_body_names(config, "exclude")

@@ -115,7 +115,7 @@ class CrowdConfig:
             layers=layers,
             layer_bits=layer_bits,
             goal_radius=config.get_float("goal_radius", 0.3, above=0.0),
-            poses_pub=config.get_string("poses_pub", f"{name}/poses"),
+            poses_pub=config.get_topic("poses_pub", f"{name}/poses"),
             force=_read_force(config.get_section("force")),
             pedestrians=tuple(config.get_sections("pedestrians", read_pedestrian, required=True)),
         )

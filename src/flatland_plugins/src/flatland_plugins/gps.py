@@ -18,10 +18,10 @@ class Gps(ModelPlugin):
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         self._body = self.get_body(config)
-        topic = config.get_string("topic", "gps/fix")
+        topic = config.get_topic("topic", "gps/fix")
         update_rate = config.get_rate("update_rate", 10.0)
         broadcast_tf = config.get_bool("broadcast_tf", True)
-        frame = config.get_string("frame", self.name)
+        frame = config.get_frame("frame", self.name)
         latitude = _read_degrees(config, "ref_lat", 90.0)
         longitude = _read_degrees(config, "ref_lon", 180.0)
         self._origin = config.get_pose("origin", Pose())

@@ -40,9 +40,9 @@ class ImuConfig:
         pub_rate = config.get_rate("pub_rate", math.inf)
         imu = cls(
             enable_imu_pub=config.get_bool("enable_imu_pub", True),
-            imu_frame_id=config.get_string("imu_frame_id", "imu"),
-            imu_pub=config.get_string("imu_pub", "imu/filtered"),
-            ground_truth_pub=config.get_string("ground_truth_pub", "imu/ground_truth"),
+            imu_frame_id=config.get_frame("imu_frame_id", "imu"),
+            imu_pub=config.get_topic("imu_pub", "imu/filtered"),
+            ground_truth_pub=config.get_topic("ground_truth_pub", "imu/ground_truth"),
             noises=tuple(noises),
             covariances=tuple(covariances),
             gravity=config.get_float("gravity", STANDARD_GRAVITY, minimum=0.0),

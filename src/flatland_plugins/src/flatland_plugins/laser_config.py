@@ -36,8 +36,8 @@ class LaserConfig:
         increment = angle.get_float("increment")
         angle.finish()
         laser = cls(
-            topic=config.get_string("topic", "scan"),
-            frame=config.get_string("frame", name),
+            topic=config.get_topic("topic", "scan"),
+            frame=config.get_frame("frame", name),
             broadcast_tf=config.get_bool("broadcast_tf", True),
             origin=config.get_pose("origin", Pose()),
             range=config.get_float("range", above=0.0),

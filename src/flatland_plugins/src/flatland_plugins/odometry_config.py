@@ -63,9 +63,9 @@ class OdometryConfig:
         pose_noise = config.get_floats("odom_pose_noise", 3, _NO_NOISE, minimum=0.0)
         twist_noise = config.get_floats("odom_twist_noise", 3, _NO_NOISE, minimum=0.0)
         return cls(
-            odom_pub=config.get_string("odom_pub", "odometry/filtered"),
-            ground_truth_pub=config.get_string("ground_truth_pub", "odometry/ground_truth"),
-            twist_pub=config.get_string("twist_pub", "twist"),
+            odom_pub=config.get_topic("odom_pub", "odometry/filtered"),
+            ground_truth_pub=config.get_topic("ground_truth_pub", "odometry/ground_truth"),
+            twist_pub=config.get_topic("twist_pub", "twist"),
             enable_odom_pub=config.get_bool("enable_odom_pub", True),
             enable_twist_pub=config.get_bool("enable_twist_pub", enable_twist_pub),
             enable_odom_tf_pub=config.get_bool("enable_odom_tf_pub", enable_odom_tf_pub),

@@ -13,7 +13,7 @@ class Tween(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys; opens the topic if the mode needs it."""
-        trigger_topic = config.get_string("trigger_topic", "tween_trigger")
+        trigger_topic = config.get_topic("trigger_topic", "tween_trigger")
         duration = config.get_float("duration", 1.0, above=0.0)
         delta = config.get_pose("delta")
         body = self.get_body(config)

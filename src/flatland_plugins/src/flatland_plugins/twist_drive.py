@@ -32,7 +32,7 @@ class TwistDrive(ModelPlugin, ABC):
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topics."""
         body = self.get_body(config)
-        twist_sub = config.get_string("twist_sub", "cmd_vel")
+        twist_sub = config.get_topic("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
         frames = OdometryFrames.read(config, self)
         odometry = OdometryConfig.read(

@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Set, Tuple
 import pytest
 from readings import warnings
 
+from flatland_server import Pose
 from flatland_server.testing import Simulation, check_plugin
 from flatland_server.testing.observation import ObservingTransport
 
@@ -166,7 +167,7 @@ def test_a_robot_that_replaces_another_is_not_warned_of(files, caplog):
     robots.world.delete_model("robot0")
     robots.world.spawn_model(files.folder / "robot.model.yaml", "other", "other", pose)
     assert warnings(caplog) == []
-    robots.world.spawn_model(files.folder / "robot.model.yaml", "third", "third", pose)
+    robots.world.spawn_model(files.folder / "robot.model.yaml", "third", "third", Pose(5, 5, 0))
 
     [message] = warnings(caplog)
     assert "other/drive and third/drive" in message

@@ -30,6 +30,7 @@ struct BodyRecord {
   bool is_layer = false;
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
   std::vector<FixtureRecord> fixtures;              // by Fixture::index
+  MassSum mass;                                     // of the fixtures, for a dynamic body
 };
 
 }  // namespace flatland

@@ -47,12 +47,27 @@ b2PolygonShape MakePolygon(const std::vector<Vec2>& vertices);
 /// Checks density, friction and restitution.
 void RequireMaterial(const FixtureSettings& settings);
 
-/// Mass properties of a fixture, for RequireInertia.
+/// Mass properties of a fixture, for MassSum.
 b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings);
 
-/// Checks that a dynamic body of these fixtures, the newest first, has a positive moment of inertia
-/// about its centre of mass. Rounding makes it negative for a small shape far from the origin.
-void RequireInertia(const std::vector<b2MassData>& newest_first);
+/// The mass properties of a body, summed up fixture by fixture.
+///
+/// Box2D sums over all fixtures of a body each time that one with a density is added to it, which
+/// takes minutes for a body of some ten thousand. So AddFixture sets a body's mass by this sum.
+class MassSum {
+ public:
+  /// The sum with one more fixture. It throws unless a dynamic body of these fixtures has a
+  /// positive moment of inertia about its centre of mass, which Box2D asserts. Rounding makes it
+  /// negative for a small shape far from the origin.
+  MassSum With(const b2MassData& fixture) const;
+  /// For b2Body::SetMassData.
+  b2MassData ToBox2D() const;
+
+ private:
+  double mass_ = 0.0;     // [kg]
+  double inertia_ = 0.0;  // about the body's origin [kg m^2]
+  Vec2 moment_;           // of mass, about the body's origin [kg m]
+};
 
 /// Checks the fixtures of a body without a world.
 ///
@@ -69,7 +84,7 @@ class FixtureChecker {
   void Add(const b2Shape& shape, const FixtureSettings& settings);
 
   b2BodyType body_type_;
-  std::vector<b2MassData> parts_;  // of the fixtures with a density, the newest first
+  MassSum mass_;  // of the fixtures with a density
 };
 
 }  // namespace flatland

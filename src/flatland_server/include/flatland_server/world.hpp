@@ -163,6 +163,10 @@ class World : private b2DestructionListener, private b2ContactListener {
   void SetRestitution(Fixture fixture, double restitution);
   /// Whether a point of the world [m] is within the shape; always false for a wall.
   bool TestPoint(Fixture fixture, Vec2 point) const;
+  /// The other bodies with a fixture that overlaps one of this body, and that Box2D would push out
+  /// of it: both collide, share a layer and are no sensors, and one of the bodies is dynamic. Each
+  /// body once; shapes that touch overlap.
+  std::vector<Body> GetOverlappingBodies(Body body) const;
 
   // ---- Joints ----
 

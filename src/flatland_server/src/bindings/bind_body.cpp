@@ -73,6 +73,13 @@ void BindShapes(py::class_<PyBody>& body) {
   DefineWithSettings(body, "add_circle", &AddCircle, py::arg("center"), py::arg("radius"));
   DefineWithSettings(body, "add_polygon", &AddPolygon, py::arg("vertices"));
   body.def_property_readonly("fixtures", &FixturesOf);
+  body.def_property_readonly("overlapping", [](const PyBody& self) {
+    std::vector<PyBody> bodies;
+    for (const World::Body& other : self.world->GetOverlappingBodies(self.handle)) {
+      bodies.push_back({self.world, other});
+    }
+    return bodies;
+  });
 }
 
 void BindJoints(py::class_<PyBody>& body) {

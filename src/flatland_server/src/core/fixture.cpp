@@ -1,7 +1,5 @@
 #include "flatland_server/fixture.hpp"
 
-#include <utility>
-
 #include "box2d_limits.hpp"
 #include "to_box2d.hpp"
 
@@ -42,21 +40,25 @@ b2MassData ComputeMass(const b2Shape& shape, const FixtureSettings& settings) {
   return mass;
 }
 
-// The same sums as in b2Body::ResetMassData, which asserts that the result is positive, in the same
-// order and precision.
-void RequireInertia(const std::vector<b2MassData>& newest_first) {
-  float mass = 0.0f;
-  float inertia = 0.0f;  // about the body's origin
-  b2Vec2 moment = b2Vec2_zero;
-  for (const b2MassData& part : newest_first) {
-    mass += part.mass;
-    inertia += part.I;
-    moment += part.mass * part.center;
-  }
-  if (mass <= 0.0f || inertia <= 0.0f) return;  // Box2D does not get as far as the assertion
-  const b2Vec2 center = (1.0f / mass) * moment;
-  Require(inertia - mass * b2Dot(center, center) > 1e-6f * inertia,
+MassSum MassSum::With(const b2MassData& fixture) const {
+  MassSum sum = *this;
+  sum.mass_ += fixture.mass;
+  sum.inertia_ += fixture.I;
+  sum.moment_ = sum.moment_ + double{fixture.mass} * FromBox2D(fixture.center);
+  const b2MassData total = sum.ToBox2D();
+  if (total.mass <= 0.0f || total.I <= 0.0f) return sum;  // not asserted
+  // The same difference, in the same precision, as in b2Body::SetMassData.
+  Require(total.I - total.mass * b2Dot(total.center, total.center) > 1e-6f * total.I,
           "a footprint is too small for its distance from the body's origin");
+  return sum;
+}
+
+b2MassData MassSum::ToBox2D() const {
+  b2MassData data;
+  data.mass = static_cast<float>(mass_);
+  data.I = static_cast<float>(inertia_);
+  data.center = mass_ > 0.0 ? flatland::ToBox2D((1.0 / mass_) * moment_) : b2Vec2_zero;
+  return data;
 }
 
 void FixtureChecker::AddCircle(Vec2 center, double radius, const FixtureSettings& settings) {
@@ -71,10 +73,8 @@ void FixtureChecker::AddPolygon(const std::vector<Vec2>& vertices,
 void FixtureChecker::Add(const b2Shape& shape, const FixtureSettings& settings) {
   RequireMaterial(settings);
   if (body_type_ != b2_dynamicBody) return;
-  std::vector<b2MassData> parts{ComputeMass(shape, settings)};
-  parts.insert(parts.end(), parts_.begin(), parts_.end());
-  RequireInertia(parts);
-  if (settings.density != 0.0) parts_ = std::move(parts);
+  const MassSum sum = mass_.With(ComputeMass(shape, settings));
+  if (settings.density != 0.0) mass_ = sum;
 }
 
 }  // namespace flatland

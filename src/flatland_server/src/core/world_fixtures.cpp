@@ -1,10 +1,36 @@
 /// World: fixtures.
 
+#include <box2d/b2_distance.h>
+
+#include <algorithm>
+
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
+namespace {
+
+/// Whether two shapes overlap or touch, without the skin of a centimetre that Box2D puts around
+/// polygons and edges.
+bool Overlap(const b2Fixture& a, const b2Fixture& b) {
+  const auto radius = [](const b2Fixture& fixture) {
+    return fixture.GetType() == b2Shape::e_circle ? fixture.GetShape()->m_radius : 0.0f;
+  };
+  b2DistanceInput input;
+  input.proxyA.Set(a.GetShape(), 0);
+  input.proxyB.Set(b.GetShape(), 0);
+  input.transformA = a.GetBody()->GetTransform();
+  input.transformB = b.GetBody()->GetTransform();
+  input.useRadii = false;
+  b2SimplexCache cache;
+  cache.count = 0;
+  b2DistanceOutput output;
+  b2Distance(&output, &cache, &input);
+  return output.distance <= radius(a) + radius(b) + 10.0f * b2_epsilon;
+}
+
+}  // namespace
 
 Fixture World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
   return AddFixture(body, MakeCircle(center, radius), settings);
@@ -19,28 +45,30 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   b2Body& body = Find(handle);
   Require(!bodies_.Get(handle).is_layer, "a layer has no fixtures but its walls");
   RequireMaterial(settings);
-  if (body.GetType() == b2_dynamicBody) {
-    std::vector<b2MassData> parts{ComputeMass(shape, settings)};
-    for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
-      if (f->GetDensity() == 0.0f) continue;
-      f->GetMassData(&parts.emplace_back());
-    }
-    RequireInertia(parts);
-  }
+  const bool has_mass = body.GetType() == b2_dynamicBody;
+  MassSum mass = bodies_.Get(handle).mass;
+  if (has_mass) mass = mass.With(ComputeMass(shape, settings));
   const AccessGuard guard(*this);
-  auto& fixtures = bodies_.Get(handle).fixtures;
+  BodyRecord& record = bodies_.Get(handle);
   b2FixtureDef definition;
-  definition.userData.pointer = fixtures.size();
+  definition.userData.pointer = record.fixtures.size();
   definition.shape = &shape;
-  definition.density = static_cast<float>(settings.density);
+  definition.density = 0.0f;  // with a density, Box2D would sum over all fixtures: see MassSum
   definition.friction = static_cast<float>(settings.friction);
   definition.restitution = static_cast<float>(settings.restitution);
   definition.isSensor = settings.sensor;
   definition.filter.categoryBits = settings.layers;
   definition.filter.maskBits = settings.collides ? settings.layers : 0;
-  fixtures.push_back({body.CreateFixture(&definition), settings.visible, BoundingRadius(shape)});
+  b2Fixture* const fixture = body.CreateFixture(&definition);
+  fixture->SetDensity(static_cast<float>(settings.density));
+  if (has_mass && settings.density != 0.0) {
+    record.mass = mass;
+    const b2MassData data = mass.ToBox2D();
+    body.SetMassData(&data);
+  }
+  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
   ++revision_;
-  return {handle, static_cast<uint32_t>(fixtures.size() - 1)};
+  return {handle, static_cast<uint32_t>(record.fixtures.size() - 1)};
 }
 
 b2Fixture& World::Find(Fixture fixture) const {
@@ -81,6 +109,39 @@ void World::SetRestitution(Fixture fixture, double restitution) {
 bool World::TestPoint(Fixture fixture, Vec2 point) const {
   RequirePosition(point);
   return Find(fixture).TestPoint(ToBox2D(point));
+}
+
+std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
+  const b2Body& body = Find(handle);
+  const AccessGuard guard(*this);
+  struct Collector : b2QueryCallback {
+    bool ReportFixture(b2Fixture* other) override {
+      b2Body* const owner = other->GetBody();
+      const bool is_found = std::find(found.begin(), found.end(), owner) != found.end();
+      if (!is_found && owner != own->GetBody() && PushesOut(*other)) found.push_back(owner);
+      return true;
+    }
+    bool PushesOut(b2Fixture& other) const {
+      const b2Filter& a = own->GetFilterData();
+      const b2Filter& b = other.GetFilterData();
+      const bool is_dynamic = own->GetBody()->GetType() == b2_dynamicBody ||
+                              other.GetBody()->GetType() == b2_dynamicBody;
+      return is_dynamic && !other.IsSensor() && (a.maskBits & b.categoryBits) != 0 &&
+             (b.maskBits & a.categoryBits) != 0 && Overlap(*own, other);
+    }
+    const b2Fixture* own = nullptr;
+    std::vector<b2Body*> found;
+  } collector;
+  for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
+    if (f->IsSensor()) continue;
+    collector.own = f;
+    world_->QueryAABB(&collector, f->GetAABB(0));
+  }
+  std::vector<Body> bodies;
+  for (b2Body* other : collector.found) {
+    bodies.push_back(bodies_.HandleAt(static_cast<uint32_t>(other->GetUserData().pointer)));
+  }
+  return bodies;
 }
 
 }  // namespace flatland

@@ -35,6 +35,7 @@ from flatland_server.exceptions import (
     PluginError,
     Problem,
     StateError,
+    TopicError,
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
@@ -110,6 +111,7 @@ __all__ = [
     "StateError",
     "Subscription",
     "Timekeeper",
+    "TopicError",
     "Transform",
     "Transport",
     "Tricycle",

@@ -188,6 +188,13 @@ class Body(_WithoutConstructor):
     @property
     def fixtures(self) -> list[Fixture]:
         """Its fixtures, in the order in which they were added."""
+    @property
+    def overlapping(self) -> list[Body]:
+        """The other bodies with a fixture that overlaps one of this body, and is to be pushed out.
+
+        Both fixtures collide, share a layer and are no sensors, and one of the bodies is dynamic.
+        Shapes that touch overlap.
+        """
     def add_revolute(
         self,
         other: Body,

@@ -5,7 +5,8 @@
     ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
     ├── LayerError     a layer does not exist
     ├── PluginError    a plugin is unknown or cannot be imported
-    └── StateError     a world's state cannot be saved, or does not fit the world it is loaded into
+    ├── StateError     a world's state cannot be saved, or does not fit the world it is loaded into
+    └── TopicError     a topic or frame cannot have this name, or a topic not this type
 
 The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
 Messages tell the user where the problem is, what was expected and what was found.
@@ -13,8 +14,16 @@ Messages tell the user where the problem is, what was expected and what was foun
 
 import difflib
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from typing import Iterable, Optional, Tuple
+from typing import Callable, Collection, Iterable, List, Optional, Tuple
+
+MAX_SHOWN = 50
+"""How many problems of a `YamlError` are shown."""
+
+_MAX_LISTED = 30  # names in a message
+_MAX_COMPARED = 200  # words that a misspelt one is compared with
+_LONGEST_WORD = 100  # letters of a misspelt word
 
 
 class FlatlandError(Exception):
@@ -56,7 +65,8 @@ class YamlError(FlatlandError):
     """One or more problems in YAML, image or data files.
 
     The arguments are the attributes of its only `Problem`; `YamlError.of` makes an error of several
-    problems. Its text has a line for each problem.
+    problems. Its text has a line for each of the first 50 problems, and one with the number of the
+    others.
 
     Attributes:
         problems: all problems, in the order in which they were found; at least one.
@@ -77,7 +87,15 @@ class YamlError(FlatlandError):
         return error
 
     def __str__(self) -> str:
-        return "\n".join(str(problem) for problem in self.problems)
+        return "\n".join(self.lines(str))
+
+    def lines(self, line_of: Callable[[Problem], str]) -> List[str]:
+        """A line for each of the first 50 problems, and one with the number of the others."""
+        lines = [line_of(problem) for problem in self.problems[:MAX_SHOWN]]
+        rest = len(self.problems) - len(lines)
+        if rest:
+            lines.append(f"and {rest} more {'problem' if rest == 1 else 'problems'}")
+        return lines
 
     @property
     def file(self) -> Path:
@@ -111,12 +129,39 @@ class StateError(FlatlandError):
     """The state of a world cannot be saved, or is damaged, or does not fit the world."""
 
 
+class TopicError(FlatlandError):
+    """A topic or frame has a name that ROS cannot have, or a topic another type already.
+
+    Attributes:
+        name: of the topic or frame, as the plugin has given it.
+    """
+
+    def __init__(self, message: str, name: str) -> None:
+        super().__init__(message)
+        self.name = name
+
+
+def shortened(found: str, longest: int = 80) -> str:
+    """What was found in a file, on one line and at most `longest` characters, for a message."""
+    line = " ".join(found.split())
+    return line if len(line) <= longest else f"{line[: longest - 3]}..."
+
+
+def listed(names: Collection[str], none: str = "none") -> str:
+    """Names for a message, separated by commas: the first 30, and the number of the others."""
+    shown = ", ".join(islice(names, _MAX_LISTED))
+    rest = len(names) - _MAX_LISTED
+    return f"{shown} and {rest} more" if rest > 0 else shown or none
+
+
 def suggestion(word: str, known: Iterable[str]) -> str:
     """A hint for a misspelt word, such as ` (did you mean "range"?)`; else the empty string.
 
     Args:
         word: the word that is not known.
-        known: the words that it may stand for.
+        known: the words that it may stand for; the first 200 are compared.
     """
-    near = difflib.get_close_matches(word, list(known), n=1)
+    if len(word) > _LONGEST_WORD:
+        return ""
+    near = difflib.get_close_matches(word, list(islice(known, _MAX_COMPARED)), n=1)
     return f' (did you mean "{near[0]}"?)' if near else ""

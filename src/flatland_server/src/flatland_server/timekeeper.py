@@ -1,5 +1,7 @@
 """Simulated time."""
 
+LONGEST_STEP = 1000.0  # s; the shortest is a nanosecond
+
 
 class Timekeeper:
     """Counts simulated time in whole nanoseconds, so that it is exact and the same in every run.
@@ -8,7 +10,7 @@ class Timekeeper:
         step_size: length of a step [s]; rounded to whole nanoseconds.
 
     Raises:
-        ValueError: the step is shorter than a nanosecond, or not finite.
+        ValueError: the step is shorter than a nanosecond, or longer than 1000 s.
     """
 
     def __init__(self, step_size: float) -> None:
@@ -16,8 +18,8 @@ class Timekeeper:
             self._step_nanoseconds = round(step_size * 1e9)
         except (OverflowError, ValueError):
             self._step_nanoseconds = 0
-        if self._step_nanoseconds < 1:
-            raise ValueError(f"expected a step of more than 0 s, found {step_size}")
+        if self._step_nanoseconds < 1 or step_size > LONGEST_STEP:
+            raise ValueError(f"expected a step of 1e-9 to {LONGEST_STEP:g} s, found {step_size}")
         self._nanoseconds = 0
 
     @property

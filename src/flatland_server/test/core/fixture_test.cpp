@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "flatland_server/world.hpp"
 #include "test_bodies.hpp"
@@ -112,6 +114,76 @@ TEST_F(WorldTest, TakesTheConvexHullOfAPolygon) {
   world_.AddPolygon(body, {{0, 0}, {2, 0}, {1, 0.2}, {2, 2}, {0, 2}}, Solid());
 
   EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-5);
+}
+
+// Box2D sums up in single precision, fixture by fixture, which 10,000 fixtures make inexact.
+TEST_F(WorldTest, TheMassOfManyFixturesIsTheirSum) {
+  const World::Body body = world_.AddBody({});
+  constexpr int kCount = 10'000;
+  for (int i = 0; i < kCount; ++i) world_.AddPolygon(body, Square(0.1), Solid());
+  world_.AddPolygon(body, Square(100), {});  // without a density
+
+  EXPECT_NEAR(world_.GetMass(body), kCount * 0.01, 1e-4);
+  EXPECT_NEAR(world_.GetInertia(body), kCount * 0.01 * 2 * 0.01 / 12.0, 1e-6);
+}
+
+TEST_F(WorldTest, TheCentreOfMassIsThatOfTheFixturesTogether) {
+  const World::Body body = world_.AddBody({});
+  FixtureSettings heavy = Solid();
+  heavy.density = 3.0;
+  world_.AddPolygon(body, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, Solid());
+  world_.AddPolygon(body, {{4, 0}, {5, 0}, {5, 1}, {4, 1}}, heavy);
+
+  EXPECT_NEAR(world_.GetMass(body), 4.0, 1e-6);
+  EXPECT_NEAR(world_.GetCenter(body).x, (0.5 + 3 * 4.5) / 4, 1e-6);
+  EXPECT_NEAR(world_.GetCenter(body).y, 0.5, 1e-6);
+}
+
+// Overlaps
+
+TEST_F(WorldTest, ABodyKnowsWhatItOverlaps) {
+  const World::Body wall = world_.AddLayer({{{0, -5}, {0, 5}}}, kAllLayers);
+  const World::Body in_wall = AddBox(world_, {0.4, 0, 0});
+  const World::Body free = AddBox(world_, {3, 0, 0});
+  const World::Body in_box = world_.AddBody(At({0.9, 0, 0}));
+  world_.AddCircle(in_box, {0, 0}, 0.2, Solid());
+
+  const auto ids = [&](World::Body body) {
+    std::vector<uint32_t> found;
+    for (const World::Body& other : world_.GetOverlappingBodies(body)) found.push_back(other.index);
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  EXPECT_EQ(ids(in_wall), (std::vector<uint32_t>{wall.index, in_box.index}));
+  EXPECT_EQ(ids(in_box), std::vector<uint32_t>{in_wall.index});
+  EXPECT_EQ(ids(free), std::vector<uint32_t>{});
+}
+
+TEST_F(WorldTest, WhatDoesNotPushOutDoesNotOverlap) {
+  FixtureSettings ghost = Solid();
+  ghost.collides = false;
+  AddBox(world_, {0, 0, 0}, 1.0, Sensor());
+  AddBox(world_, {0, 0, 0}, 1.0, ghost);
+  AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b10));
+
+  EXPECT_TRUE(world_.GetOverlappingBodies(AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b01))).empty());
+}
+
+TEST_F(WorldTest, StaticBodiesDoNotPushEachOtherOut) {
+  const World::Body shelf = AddPost(world_, {0, 0, 0});
+  world_.AddCircle(shelf, {0, 0}, 1.0, Solid());
+  const World::Body wall = AddPost(world_, {0, 0, 0});
+  world_.AddCircle(wall, {0, 0}, 1.0, Solid());
+
+  EXPECT_TRUE(world_.GetOverlappingBodies(shelf).empty());
+}
+
+// Box2D puts a skin of a centimetre around edges and polygons.
+TEST_F(WorldTest, NearIsNotWithin) {
+  world_.AddLayer({{{0, -5}, {0, 5}}}, kAllLayers);
+
+  EXPECT_TRUE(world_.GetOverlappingBodies(AddBox(world_, {0.505, 0, 0})).empty());
+  EXPECT_EQ(world_.GetOverlappingBodies(AddBox(world_, {0.499, 3, 0})).size(), 1u);
 }
 
 }  // namespace

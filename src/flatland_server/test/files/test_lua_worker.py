@@ -1,6 +1,12 @@
 """The process in which $eval is evaluated: how it starts and ends, and what it imports."""
 
+import os
+import signal
+import subprocess
 import sys
+import textwrap
+import time
+from pathlib import Path
 
 import pytest
 
@@ -8,7 +14,7 @@ from flatland_server.config import lua
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import YamlError
 
-IMPORTED_BY_THE_WORKER = ["json", "lupa", "re", "resource"]
+IMPORTED_BY_THE_WORKER = ["ctypes", "json", "lupa", "re", "resource", "signal"]
 
 
 @pytest.fixture
@@ -72,6 +78,115 @@ def test_the_worker_ends_with_the_preprocessor(evaluate, preprocessor):
     preprocessor.close()
 
     assert worker.poll() is not None
+
+
+def has_ended(pid: int) -> bool:
+    """Whether a process is gone, or waits to be reaped."""
+    try:
+        status = Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return True
+    return status.rpartition(")")[2].split()[0] == "Z"
+
+
+def wait_until_ended(pid: int) -> None:
+    deadline = time.monotonic() + 10.0
+    while not has_ended(pid):
+        assert time.monotonic() < deadline, f"the process {pid} still runs"
+        time.sleep(0.01)
+
+
+def wait_until_computing(pid: int) -> None:
+    """Waits until a process has used a tenth of a second of processor time from now on."""
+
+    def ticks() -> int:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return int(fields[11]) + int(fields[12])
+
+    end = ticks() + 0.1 * os.sysconf("SC_CLK_TCK")
+    deadline = time.monotonic() + 10.0
+    while ticks() < end:
+        assert time.monotonic() < deadline, f"the process {pid} waits"
+        time.sleep(0.01)
+
+
+def test_a_worker_that_computes_ends_with_a_parent_that_is_killed():
+    program = """
+        import sys
+        from flatland_server.config import lua
+        lua.TIME_LIMIT = 60.0
+        evaluator = lua.LuaEvaluator({"env": lambda _: print(evaluator._worker.pid, flush=True)})
+        evaluator.evaluate("env() while true do end")
+    """
+    parent = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE
+    )
+    assert parent.stdout is not None
+    worker = int(parent.stdout.readline())
+    wait_until_computing(worker)
+
+    parent.kill()
+
+    parent.communicate()
+    wait_until_ended(worker)
+
+
+def test_a_worker_of_a_parent_that_has_ended_before_it_does_not_start():
+    not_our_child_s_parent = os.getppid()
+
+    worker = subprocess.run(
+        [sys.executable, "-I", lua._WORKER, str(not_our_child_s_parent)],
+        input=b'{"code": "1"}',
+        stdout=subprocess.PIPE,
+        timeout=30,
+    )
+
+    assert worker.stdout == b""
+
+
+def test_the_worker_has_no_files_processes_or_endless_time(evaluate, preprocessor):
+    evaluate("1")
+
+    limits = Path(f"/proc/{preprocessor._expressions._lua._worker.pid}/limits").read_text()
+
+    soft = {line[:26].strip(): line[26:].split()[0] for line in limits.splitlines()[1:]}
+    assert soft["Max open files"] == "0"
+    assert soft["Max processes"] == "0"
+    assert soft["Max file size"] == "0"
+    assert int(soft["Max cpu time"]) < 10
+
+
+def test_the_kernel_ends_a_worker_that_computes_for_too_long():
+    worker = subprocess.Popen(
+        [sys.executable, "-I", lua._WORKER, str(os.getpid())],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+    assert worker.stdin is not None
+    worker.stdin.write(b'{"code": "while true do end"}\n')
+    worker.stdin.flush()
+
+    assert worker.wait(60) == -signal.SIGXCPU
+    worker.communicate()
+
+
+def test_the_expressions_of_a_file_share_their_time(files, preprocessor):
+    slow = "$eval local t = 0 for i = 1, 1.5e7 do t = t + math.sin(i) end return t"
+    path = files.write("file.yaml", "".join(f"x{i}: {slow}\n" for i in range(60)))
+
+    begin = time.monotonic()
+    with pytest.raises(YamlError) as caught:
+        preprocessor.read(path)
+
+    assert time.monotonic() - begin < 6.0
+    assert "together with the expressions before it in the file" in str(caught.value)
+
+
+def test_each_file_has_its_own_time(files, preprocessor, evaluate):
+    with pytest.raises(YamlError):
+        evaluate("while true do end")
+
+    assert evaluate("1 + 1") == "2"
 
 
 def test_without_expressions_there_is_no_worker(files, preprocessor):

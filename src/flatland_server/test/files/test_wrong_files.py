@@ -211,3 +211,37 @@ def test_an_error_has_the_file_line_and_column_of_the_wrong_value(good_files):
     assert isinstance(caught.value, FlatlandError)
     assert caught.value.file == good_files.folder / "robot.model.yaml"
     assert (caught.value.line, caught.value.column) == (11, 17)
+
+
+LONG = "a b" * 30_000
+
+LONG_TEXTS = {
+    "an unknown key": (WORLD, "properties: {", f"'{LONG}': 1\nproperties: {{"),
+    "a key twice": (WORLD, "properties: {", f"'{LONG}': 1\n'{LONG}': 1\nproperties: {{"),
+    "a name of a layer": (WORLD, "name: floor", f"name: '{LONG}'"),
+    "a colour": (WORLD, "[0.4, 0.4, 0.4, 1]", f"'{LONG}'"),
+    "an alias": (WORLD, "[0.4, 0.4, 0.4, 1]", f"*{'a' * 90_000}"),
+    "an expression": (WORLD, "[0.4, 0.4, 0.4, 1]", f"$eval error('{LONG}')"),
+    "a layer": (MODEL, "layers: [map, walls]", f"layers: ['{LONG}']"),
+    "a body of a joint": (MODEL, "{name: base, anchor", f"{{name: '{LONG}', anchor"),
+    "a body of a plugin": (MODEL, "body: base", f"body: '{LONG}'"),
+    "a type of plugin": (MODEL, "type: Laser", f"type: '{LONG}'"),
+    "a line of data": (DATA, "2 3 -1 2", LONG),
+}
+
+
+@pytest.mark.parametrize(("file", "old", "new"), LONG_TEXTS.values(), ids=LONG_TEXTS.keys())
+def test_what_was_found_is_quoted_in_part(good_files, file, old, new):
+    good_files.edit(file, old, new)
+
+    assert max(map(len, good_files.refusal().splitlines())) < 400
+
+
+def test_a_file_of_another_kind_is_not_quoted_at_length(files):
+    secret = "".join(f"user{i}:x:{i}:{i}:Name {i}:/home/user{i}:/bin/bash\n" for i in range(50))
+    files.write("world.yaml", secret)
+
+    message = files.refusal()
+
+    assert message.startswith("world.yaml:1: expected a map, found ")
+    assert "user2" not in message

@@ -5,9 +5,12 @@ import threading
 
 import pytest
 import rospy
+from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 
+from flatland_server.exceptions import TopicError
 from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.transport.node import Node
 
 
 def test_a_signal_may_end_it_at_any_point():
@@ -99,3 +102,12 @@ def test_the_publishers_of_a_topic_count_its_subscribers_once():
     again = transport.advertise("counted", String, **options)
     assert len(again._publisher.impl.subscriber_listeners) == 1
     again.close()
+
+
+def test_topics_are_compared_as_rospy_resolves_them(monkeypatch):
+    remapped = {"scan": "/clock"}  # as by scan:=/clock on the command line
+    monkeypatch.setattr(rospy, "resolve_name", lambda name: remapped.get(name, f"/{name}"))
+    node = Node(RosTransport(), "", "robot/laser")
+
+    with pytest.raises(TopicError, match='the topic "/clock" is the server\'s own'):
+        node.advertise("scan", LaserScan)

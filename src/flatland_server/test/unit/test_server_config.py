@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import rospy
+from rospkg import RosPack
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.ros.server_config import ServerConfig
@@ -33,7 +34,23 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         realtime_priority=True,
         rospy_patches=True,
         map_to_odom=False,
+        models=(),
     )
+
+
+@pytest.mark.parametrize("separate", [":".join, list])
+def test_folders_of_models_are_a_list_or_separated_by_colons(read, tmp_path, separate):
+    folder = Path(RosPack().get_path("flatland_server"))
+    names = [str(tmp_path), "package://flatland_server/worlds", "/"]
+
+    assert read(models=separate(names)).models == (tmp_path, folder / "worlds", Path("/"))
+
+
+def test_the_world_may_be_in_a_package(read):
+    path = read(world_path="package://flatland_server/worlds/office/world.yaml").world_path
+
+    assert path.is_file()
+    assert path.parts[-2:] == ("office", "world.yaml")
 
 
 def test_the_world_may_run_as_fast_as_the_machine_can(read):
@@ -56,6 +73,11 @@ def test_the_world_may_run_as_fast_as_the_machine_can(read):
         ("seed", True, "~seed: expected a whole number of 0 or more, found True"),
         ("simplify_map", 3, "~simplify_map: expected 0, 1 or 2, found 3"),
         ("show_viz", "yes", "~show_viz: expected true or false, found yes"),
+        ("models", 5, "~models: expected a list of folders, found 5"),
+        ("models", ["/", 5], "~models: expected a list of folders, found ['/', 5]"),
+        ("models", "/:/nowhere", "~models: expected a folder, but /nowhere is none"),
+        ("models", "package://", '~models: expected package://name/path, found "package://"'),
+        ("world_path", "package://x", 'expected package://name/path, found "package://x"'),
         ("realtime_priority", 1, "~realtime_priority: expected true or false, found 1"),
     ],
 )

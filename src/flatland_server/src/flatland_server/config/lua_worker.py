@@ -5,21 +5,31 @@ and to nothing else. It is evaluated in a separate process because an endless lo
 Lua's own functions (a pattern that backtracks, a string repeated a billion times) can only be
 stopped by killing the process.
 
+The process has little memory and processor time, cannot open a file or a socket, cannot start
+another process, and ends with its parent. (A filter of system calls would add the few that need
+neither, such as deleting a file; it would need a table of their numbers for each processor, and an
+expression has no means to make a system call.)
+
 The protocol is JSON, one message per line. Input: `{"code": ...}`. Output: `{"value": ...}`,
 `{"error": ...}`, or `{"call": "env" | "param", "arguments": [...]}`, to which the parent process
 replies with `{"value": ...}` or `{"error": ...}`.
 """
 
+import ctypes
 import json
+import os
 import re
 import resource
+import signal
 import sys
+import time
 from pathlib import Path
 from typing import Any, Dict, List
 
 import lupa
 
 MEMORY_LIMIT = 256 * 1024 * 1024  # bytes of address space, in addition to the interpreter's own
+CPU_LIMIT = 2  # s of processor time, at most, per expression; the parent limits its real time
 _MAX_VALUES = 10_000  # in a table that is returned
 _MAX_DEPTH = 50  # of nested tables
 
@@ -80,6 +90,7 @@ class Worker:
     def serve(self) -> None:
         """Evaluates expressions until standard input ends."""
         for line in sys.stdin:
+            _limit_cpu_time()
             try:
                 value = self._to_python(self._evaluate(json.loads(line)["code"]), [_MAX_VALUES])
                 _send({"value": value})
@@ -146,13 +157,49 @@ def _send(message: Dict[str, Any]) -> None:
     sys.stdout.flush()
 
 
-def main() -> None:
-    """Serves a parent process over standard input and output."""
-    worker = Worker()
+def _end_with_parent(parent: int) -> None:
+    """Has the kernel kill this process when the thread that has started it ends (Linux).
+
+    Args:
+        parent: the process of that thread.
+    """
+    set_parent_death_signal = 1  # PR_SET_PDEATHSIG of <linux/prctl.h>
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.prctl(set_parent_death_signal, signal.SIGKILL, 0, 0, 0) != 0:
+        raise OSError(ctypes.get_errno(), "prctl")
+    if os.getppid() != parent:  # it has ended before the call
+        sys.exit()
+
+
+def _limit_resources() -> None:
+    """Takes away what evaluating an expression does not need."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
-    limit = pages * resource.getpagesize() + MEMORY_LIMIT
-    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    memory = pages * resource.getpagesize() + MEMORY_LIMIT
+    limits = {
+        resource.RLIMIT_AS: memory,
+        resource.RLIMIT_CORE: 0,
+        resource.RLIMIT_FSIZE: 0,  # bytes written to a file
+        resource.RLIMIT_NOFILE: 0,  # files and sockets that are opened from now on
+        resource.RLIMIT_NPROC: 0,  # processes that are started from now on, unless by root
+    }
+    for limit, value in limits.items():
+        resource.setrlimit(limit, (value, value))
+
+
+def _limit_cpu_time() -> None:
+    """Has the kernel kill this process if it computes for longer than `CPU_LIMIT` from now on."""
+    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+    soft = int(time.process_time()) + CPU_LIMIT
+    resource.setrlimit(
+        resource.RLIMIT_CPU, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard)
+    )
+
+
+def main() -> None:
+    """Serves the parent process, named by its id as the argument, by standard input and output."""
+    _end_with_parent(int(sys.argv[1]))
+    worker = Worker()
+    _limit_resources()
     worker.serve()
 
 

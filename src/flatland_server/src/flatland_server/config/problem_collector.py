@@ -1,9 +1,12 @@
 """Collecting the problems of a document, so that they are reported together."""
 
 from contextlib import contextmanager
-from typing import Dict, Iterator
+from typing import Dict, Iterator, List, Optional
 
-from flatland_server.exceptions import Problem, YamlError
+from flatland_server.exceptions import MAX_SHOWN, Problem, YamlError
+
+MAX_ENTRIES = 1_000_000
+"""The number of entries in all lists of a document that are read, each use of an alias counted."""
 
 
 class ProblemCollector:
@@ -12,10 +15,30 @@ class ProblemCollector:
     The readers of a document and of the sections in it share one collector. An entry of a list has
     a collector of its own, because it is read or left out as a whole; the document takes over its
     problems when it has been read (see `part`).
+
+    Args:
+        before: how many problems were found in the document before.
+        entries: the counter of the document, if this is the collector of a part of it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, before: int = 0, entries: Optional[List[int]] = None) -> None:
         self._problems: Dict[Problem, None] = {}  # a set that keeps its order
+        self._before = before
+        self._entries = [0] if entries is None else entries
+
+    def count_entries(self, count: int) -> bool:
+        """Counts entries of lists that are about to be read; returns whether they are too many.
+
+        A list that is used a thousand times, by its alias, within another such list has a million
+        entries, in a file of a few kilobytes.
+        """
+        self._entries[0] += count
+        return self._entries[0] > MAX_ENTRIES
+
+    @property
+    def is_full(self) -> bool:
+        """Whether a further problem would only be counted, so that its text does not matter."""
+        return self._before + len(self._problems) >= MAX_SHOWN
 
     @property
     def is_empty(self) -> bool:
@@ -43,7 +66,7 @@ class ProblemCollector:
         A YamlError ends the block and is noted. At the end of the block, the problems of the entry
         are added to those of the document.
         """
-        part = ProblemCollector()
+        part = ProblemCollector(self._before + len(self._problems), self._entries)
         try:
             yield part
         except YamlError as error:
@@ -59,7 +82,7 @@ class MutedCollector(ProblemCollector):
     """
 
     def __init__(self, document: ProblemCollector) -> None:
-        super().__init__()
+        super().__init__(entries=document._entries)
         self._document = document
 
     @property

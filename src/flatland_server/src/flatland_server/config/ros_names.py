@@ -1,30 +1,58 @@
-"""Names of ROS topics and frames: checks of their parts, and frames within a namespace."""
+"""Checks of names that ROS gets: of topics, frames, namespaces, models, layers, bodies and plugins.
+
+A name has at most 255 characters. ROS itself has no limit, but bags and logs are named after
+topics, and 255 is the limit of a file's name (NAME_MAX).
+"""
 
 import re
-from typing import Optional
+from typing import TYPE_CHECKING, Optional
 
-from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import shortened
+
+if TYPE_CHECKING:
+    from flatland_server.config.yaml_reader import YamlReader
+
+MAX_LENGTH = 255  # characters
+
+TOPIC = f'a topic of letters, digits, "_" and "/", at most {MAX_LENGTH} characters'
+"""What `is_topic` expects, for messages."""
+
+FRAME = f"a name without spaces or empty parts, at most {MAX_LENGTH} characters (it names a frame)"
+"""What `is_frame` expects, for messages."""
 
 _TOPIC_NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
+_FRAME = re.compile(r"/?[^\s/]+(/[^\s/]+)*")  # what tf2 takes, without spaces
+
+
+def is_topic(name: str) -> bool:
+    """Whether a topic can have this name, which may begin with "/"."""
+    bare = name[1:] if name.startswith("/") else name
+    return len(name) <= MAX_LENGTH and bool(_TOPIC_NAME.fullmatch(bare))
+
+
+def is_frame(name: str) -> bool:
+    """Whether a frame can have this name, which may begin with "/"."""
+    return len(name) <= MAX_LENGTH and bool(_FRAME.fullmatch(name))
 
 
 def topic_name_problem(name: str) -> Optional[str]:
     """Why the name of a model or layer cannot be part of a topic, or None if it can."""
     if _TOPIC_NAME.fullmatch(name):
-        return None
+        return _length_problem(name)
     if not name:
         return "expected a name, found an empty one"
-    return f'expected a name of letters, digits and "_" (it names a ROS topic), found "{name}"'
+    expected = 'expected a name of letters, digits and "_" (it names a ROS topic)'
+    return f'{expected}, found "{shortened(name)}"'
 
 
 def namespace_problem(namespace: str) -> Optional[str]:
     """Why a namespace cannot be used, or None if it can. The empty namespace is valid."""
     bare = namespace.strip("/")
     if not bare or (_TOPIC_NAME.fullmatch(bare) and not bare[0].isdigit() and bare[0] != "_"):
-        return None
+        return _length_problem(namespace)
     return (
         'expected a namespace of letters, digits and "_", beginning with a letter, '
-        f'found "{namespace}"'
+        f'found "{shortened(namespace)}"'
     )
 
 
@@ -33,7 +61,13 @@ def namespaced_frame(namespace: str, frame_id: str) -> str:
     return f"{namespace}_{frame_id}" if namespace else frame_id
 
 
-def check_topic_name(reader: YamlReader, key: str, name: str) -> None:
+def _length_problem(name: str) -> Optional[str]:
+    if len(name) <= MAX_LENGTH:
+        return None
+    return f"expected a name of at most {MAX_LENGTH} characters, found {len(name)}"
+
+
+def check_topic_name(reader: "YamlReader", key: str, name: str) -> None:
     """Notes a problem if the name given at a key cannot be part of a topic.
 
     Args:

@@ -9,11 +9,11 @@ import yaml
 
 from flatland_server.config.lua import LuaError, LuaEvaluator
 from flatland_server.config.yaml_map import error_at
+from flatland_server.exceptions import shortened
 
 logger = logging.getLogger(__name__)
 
 _NUMBER = re.compile(r"-?(0|[1-9][0-9]{0,14})(\.[0-9]+)?")
-_LONGEST = 60  # characters of an expression in an error message
 _TAG = "tag:yaml.org,2002:"
 
 
@@ -43,7 +43,12 @@ class Expressions:
         try:
             return _to_node(self._lua.evaluate(code), node)
         except LuaError as error:
-            raise error_at(node, f"$eval: {error}, in: {_one_line(code)}") from None
+            problem, place = shortened(str(error), 120), shortened(code, 60)
+            raise error_at(node, f"$eval: {problem}, in: {place}") from None
+
+    def restart_time(self) -> None:
+        """Begins another file, the expressions of which have a time limit of their own."""
+        self._lua.restart_time()
 
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
@@ -107,9 +112,3 @@ def _to_node(value: Any, origin: yaml.ScalarNode) -> yaml.Node:
     if float(value).is_integer() and abs(value) < 2**53:
         return yaml.ScalarNode(f"{_TAG}int", str(int(value)), *marks)
     return yaml.ScalarNode(f"{_TAG}float", repr(value), *marks)
-
-
-def _one_line(code: str) -> str:
-    """Code for an error message, without line ends and cut to a readable length."""
-    text = " ".join(code.split())
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

@@ -1,13 +1,13 @@
 """One map of a YAML document: which keys it has, and the problems that are found in it."""
 
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, Iterable, List, Optional, Set
 
 import yaml
 
 from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.yaml_values import ConversionError, describe, is_null
-from flatland_server.exceptions import YamlError, suggestion
+from flatland_server.exceptions import YamlError, shortened, suggestion
 
 REQUIRED: Any = object()
 """As a default: the key must be given."""
@@ -49,7 +49,7 @@ class YamlMap:
             if not isinstance(key, yaml.ScalarNode):
                 raise error_at(key, f"expected a key, found {describe(key)}", path)
             if key.value in self._values:
-                self.note(error_at(key, f'the key "{key.value}" is given twice', path))
+                self.note(error_at(key, f'the key "{shortened(key.value)}" is given twice', path))
             self._keys[key.value], self._values[key.value] = key, value
 
     def has(self, key: str) -> bool:
@@ -59,6 +59,13 @@ class YamlMap:
     def is_list(self, key: str) -> bool:
         """Whether the value of a key is a list, for keys that take a list or something else."""
         return isinstance(self._values.get(key), yaml.SequenceNode)
+
+    def key_of(self, value: str) -> Optional[str]:
+        """The first key with this scalar as its value, or None."""
+        for key, node in self._values.items():
+            if isinstance(node, yaml.ScalarNode) and node.value == value:
+                return key
+        return None
 
     @property
     def is_sound(self) -> bool:
@@ -85,9 +92,16 @@ class YamlMap:
         For a map of which some keys are read later, so that `finish` cannot be called yet.
         """
         for key in self._unread():
-            hint = suggestion(key, [missing])
+            hint = self.suggestion(key, [missing])
             if hint:
                 self._note_unknown_key(key, hint)
+
+    def suggestion(self, word: str, known: Iterable[str]) -> str:
+        """A hint for a misspelt word; see `flatland_server.exceptions.suggestion`.
+
+        It takes time, and is empty if the problem will not be shown because of those before it.
+        """
+        return "" if self._problems.is_full else suggestion(word, known)
 
     def raise_problems(self) -> None:
         """Raises what was noted so far, where going on would only lead to further problems.
@@ -113,13 +127,13 @@ class YamlMap:
         self._read.update(self._keys)
 
     def _note_unknown_keys(self) -> None:
+        not_given = [key for key in self._read if key not in self._keys]
         for key in self._unread():
-            hint = suggestion(key, self._read - self._keys.keys())
-            self._note_unknown_key(key, hint)
+            self._note_unknown_key(key, self.suggestion(key, not_given))
         self._read.update(self._keys)
 
     def _note_unknown_key(self, key: str, hint: str) -> None:
-        self.note(error_at(self._keys[key], f'unknown key "{key}"{hint}', self._label()))
+        self.note(error_at(self._keys[key], f'unknown key "{shortened(key)}"{hint}', self._label()))
 
     def _unread(self) -> List[str]:
         return [key for key in self._keys if key not in self._read]
@@ -162,7 +176,7 @@ class YamlMap:
         """The map's place in the document; for an entry of a list, with its name."""
         name = self._values.get("name")
         if self.path.endswith("]") and isinstance(name, yaml.ScalarNode):
-            return f'{self.path} "{name.value}"'
+            return f'{self.path} "{shortened(name.value)}"'
         return self.path
 
 

@@ -10,9 +10,10 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import yaml
 
+from flatland_server.config.input_files import MAX_YAML, is_file, read_input
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
-from flatland_server.exceptions import YamlError
+from flatland_server.exceptions import YamlError, shortened
 
 _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
@@ -20,6 +21,7 @@ _EVAL = "$eval"
 
 _MAX_DEPTH = 100  # of nested maps and lists
 _MAX_ITEMS = 100_000  # of a list
+_MAX_VALUES = 1_000_000  # keys and values of a file with all that it includes: half a gigabyte
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MERGE_TAG = "tag:yaml.org,2002:merge"
@@ -37,6 +39,7 @@ class YamlPreprocessor:
     ) -> None:
         self._expressions = Expressions(get_param)
         self._included: Dict[Path, List[yaml.Node]] = {}  # by the current `read`, each file once
+        self._value_count = 0  # of the current `read`
 
     def read(self, path: Path) -> yaml.Node:
         """The root node of a file, which must consist of one document.
@@ -46,6 +49,8 @@ class YamlPreprocessor:
                 include leads back to itself; an expression fails.
         """
         self._included.clear()
+        self._value_count = 0
+        self._expressions.restart_time()
         documents = self._compose(path)
         if len(documents) > 1:
             raise error_at(documents[1], "expected one document, found another one")
@@ -60,25 +65,43 @@ class YamlPreprocessor:
 
     def _compose(self, path: Path) -> List[yaml.Node]:
         """The documents of a file, without anything resolved."""
+        content = read_input(path, MAX_YAML)
         try:
-            text = path.read_bytes().decode("utf-8-sig")
-            _check_depth(path, text)
+            text = content.decode("utf-8-sig")
+            self._check_structure(path, text)
             documents = list(yaml.compose_all(_named(text, path), Loader=_LOADER))
-        except OSError as error:
-            raise YamlError(path, f"cannot be read: {error.strerror}") from None
         except UnicodeDecodeError as error:
             raise YamlError(path, f"is not UTF-8 text: byte {error.start} is wrong") from None
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark
             line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
-            problem = " ".join(part for part in (error.context, error.problem) if part)
+            problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
             raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
         except (yaml.YAMLError, RecursionError, ValueError) as error:
-            reason = str(error).splitlines()[0]
+            reason = shortened(str(error).splitlines()[0])
             raise YamlError(path, f"is not valid YAML: {reason}") from None
         if not documents or documents[0] is None:
             raise YamlError(path, "expected a map, found an empty file")
         return documents
+
+    def _check_structure(self, path: Path, text: str) -> None:
+        """Refuses text that is nested too deeply for the stack, or has too many values."""
+        depth = 0
+        for event in yaml.parse(_named(text, path), Loader=_LOADER):
+            if isinstance(event, yaml.NodeEvent):
+                self._value_count += 1
+            if isinstance(event, yaml.CollectionStartEvent):
+                depth += 1
+            elif isinstance(event, yaml.CollectionEndEvent):
+                depth -= 1
+            problem = ""
+            if depth > _MAX_DEPTH:
+                problem = f"expected at most {_MAX_DEPTH} levels, found more"
+            elif self._value_count > _MAX_VALUES:
+                problem = f"expected at most {_MAX_VALUES} keys and values, found more"
+            if problem:
+                mark = event.start_mark
+                raise YamlError(path, problem, mark.line + 1, mark.column + 1)
 
     def _resolve(
         self, node: yaml.Node, files: Tuple[Path, ...], done: Dict[int, Optional[yaml.Node]]
@@ -174,33 +197,11 @@ class YamlPreprocessor:
         return self._included[real]
 
 
-def is_file(path: Path) -> bool:
-    """Whether there is such a file; False also for a name that is too long for a file."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
 def _named(text: str, path: Path) -> io.StringIO:
     """A stream with a name, which PyYAML puts into the marks of nodes."""
     stream = io.StringIO(text)
     stream.name = str(path)
     return stream
-
-
-def _check_depth(path: Path, text: str) -> None:
-    """Refuses text that is nested so deeply that composing it would overflow the stack."""
-    depth = 0
-    for event in yaml.parse(_named(text, path), Loader=_LOADER):
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-            if depth > _MAX_DEPTH:
-                mark = event.start_mark
-                message = f"expected at most {_MAX_DEPTH} levels, found more"
-                raise YamlError(path, message, mark.line + 1, mark.column + 1)
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
 
 
 def _directive(node: yaml.Node, keyword: str) -> Any:

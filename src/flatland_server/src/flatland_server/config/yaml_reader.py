@@ -9,17 +9,18 @@ placeholder of the right type; `finish` raises what was noted. Do not use a valu
 """
 
 import math
-import os
 from contextlib import closing
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
 import yaml
 
-from flatland_server.config.problem_collector import MutedCollector
+from flatland_server.config.file_names import find_file, is_bare, nor_in
+from flatland_server.config.input_files import is_file, why_not_a_file
+from flatland_server.config.problem_collector import MAX_ENTRIES, MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
 from flatland_server.config.yaml_map import YamlMap, file_of
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_values import (
     float_from,
     floats_between,
@@ -27,11 +28,13 @@ from flatland_server.config.yaml_values import (
     one_of,
     points,
     to_bool,
+    to_frame,
     to_items,
     to_string,
     to_strings,
+    to_topic,
 )
-from flatland_server.exceptions import YamlError
+from flatland_server.exceptions import FlatlandError, YamlError, shortened
 from flatland_server.geometry import Pose
 
 T = TypeVar("T")
@@ -74,6 +77,14 @@ class YamlReader(YamlMap):
     def get_string(self, key: str, default: Any = REQUIRED) -> str:
         """A string; may be empty."""
         return cast(str, self._get(key, default, to_string, ""))
+
+    def get_topic(self, key: str, default: Any = REQUIRED) -> str:
+        """The name of a topic that ROS can have, relative or absolute."""
+        return cast(str, self._get(key, default, to_topic, ""))
+
+    def get_frame(self, key: str, default: Any = REQUIRED) -> str:
+        """The name of a frame that TF can have; may begin with "/"."""
+        return cast(str, self._get(key, default, to_frame, ""))
 
     def get_float(
         self,
@@ -158,30 +169,40 @@ class YamlReader(YamlMap):
 
     def get_strings(self, key: str, default: Any = REQUIRED) -> Tuple[str, ...]:
         """A list of strings; a single string is a list of one."""
+        node = self._values.get(key)
+        if isinstance(node, yaml.SequenceNode) and self._has_too_many_entries(key, node.value):
+            return ()
         return cast(Tuple[str, ...], self._get(key, default, to_strings, ()))
 
-    def get_path(self, key: str) -> Path:
-        """An existing file: absolute, or relative to the document or to the file of the key.
+    def get_path(self, key: str, folders: Sequence[Path] = ()) -> Path:
+        """An existing file: absolute, `package://name/path`, or relative to the document.
 
-        For a document that is a symbolic link, "relative to the document" means relative to the
-        link or else to its target.
+        For a key in a file that was included, it may also be relative to that file. For a document
+        that is a symbolic link, "relative to the document" means relative to the link or else to
+        its target.
+
+        Args:
+            key: of the file's name.
+            folders: where a relative name without "./" is looked up after that.
         """
-        folders = [self._root.parent, self._root.resolve().parent]
+        beside = [self._root.parent, self._root.resolve().parent]
         try:
             name = cast(str, self._value(key, REQUIRED, to_string))
         except YamlError as error:
             self.note(error)
-            return folders[0]
-        folders.append(file_of(self._values[key]).parent)
-        for folder in folders:
-            if is_file(folder / name):
-                return folder / name
-        path = folders[0] / name
-        if name:
-            kind = "is a folder" if os.path.isdir(path) else "is not there"
-            self.problem(f"expected a file, but {path} {kind}", key)
-        else:
+            return beside[0]
+        beside.append(file_of(self._values[key]).parent)
+        further = folders if is_bare(name) else ()
+        try:
+            path = find_file(name, [*beside, *further])
+        except FlatlandError as error:
+            self.problem(str(error), key)
+            return beside[0]
+        if not name:
             self.problem("expected a file, found an empty string", key)
+        elif not is_file(path):
+            found = f"{path} {why_not_a_file(path)}{nor_in(further)}"
+            self.problem(f"expected a file, but {found}", key)
         return path
 
     # Sections
@@ -215,10 +236,22 @@ class YamlReader(YamlMap):
         """
         entries: List[T] = []
         path = self._path_of(key)
-        for index, node in enumerate(self._get(key, REQUIRED if required else [], to_items, [])):
+        nodes = self._get(key, REQUIRED if required else [], to_items, [])
+        for index, node in enumerate(nodes):
+            if self._has_too_many_entries(key, [node]):
+                break
             with self._problems.part() as problems:
                 entries.append(read(YamlReader(node, f"{path}[{index}]", self._root, problems)))
         return entries
+
+    def _has_too_many_entries(self, key: str, nodes: Sequence[yaml.Node]) -> bool:
+        """Whether these entries of a key's list are more than a document may have; notes that."""
+        if not self._problems.count_entries(len(nodes)):
+            return False
+        self._read.add(key)
+        expected = f"expected at most {MAX_ENTRIES} entries in all lists of the file"
+        self.problem(f"{expected}, each use of an alias counted; found more", key)
+        return True
 
     def get_enabled_sections(
         self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False
@@ -236,7 +269,7 @@ class YamlReader(YamlMap):
                 return
             name = entry.get_string("name")
             if name and name in names:
-                entry.problem(f'the name "{name}" is given twice', "name")
+                entry.problem(f'the name "{shortened(name)}" is given twice', "name")
             names.add(name)
             enabled.append(read(entry))
 

@@ -9,6 +9,7 @@ from typing import Callable, List, Optional, Sequence, Tuple, cast
 
 import yaml
 
+from flatland_server.config.ros_names import FRAME, TOPIC, is_frame, is_topic
 from flatland_server.exceptions import suggestion
 
 LARGEST = 1e9
@@ -43,6 +44,22 @@ def to_strings(node: yaml.Node) -> Tuple[str, ...]:
     """The strings of a list; a single string is a list of one."""
     items = node.value if isinstance(node, yaml.SequenceNode) else [node]
     return tuple(to_string(item) for item in items)
+
+
+def to_topic(node: yaml.Node) -> str:
+    """The name of a topic that ROS can have."""
+    name = to_string(node)
+    if not is_topic(name):
+        raise ConversionError(TOPIC)
+    return name
+
+
+def to_frame(node: yaml.Node) -> str:
+    """The name of a frame that TF can have."""
+    name = to_string(node)
+    if not is_frame(name):
+        raise ConversionError(FRAME)
+    return name
 
 
 def to_items(node: yaml.Node) -> List[yaml.Node]:

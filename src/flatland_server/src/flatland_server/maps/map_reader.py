@@ -1,17 +1,23 @@
 """Reads map files: walls from images, in the format of map_server, and from line segments."""
 
+import io
 import logging
+import math
+import warnings
+from array import array
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 
-from flatland_server.arrays import Segments
+from flatland_server.arrays import IntArray, Segments
+from flatland_server.config.input_files import MAX_IMAGE, MAX_LINE_SEGMENTS, read_input
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.exceptions import YamlError
+from flatland_server.config.yaml_values import LARGEST
+from flatland_server.exceptions import YamlError, shortened
 from flatland_server.geometry import Pose
 from flatland_server.maps.simplify_outlines import TOLERANCES, simplify
 from flatland_server.maps.slow_log import log_if_slow
@@ -21,6 +27,10 @@ logger = logging.getLogger(__name__)
 
 _FARTHEST = 1e5  # m from the origin of the world; the limit of the core
 _SHORTEST = 1e-6  # m; shorter walls are lost to rounding
+
+# Formats that Pillow decodes by itself: for EPS it would start Ghostscript.
+_FORMATS = ("BMP", "GIF", "JPEG", "PCX", "PNG", "PPM", "TGA", "TIFF", "WEBP")
+_MAX_PIXELS = 80_000_000  # less than a gigabyte while outlines are computed
 
 
 @dataclass(frozen=True)
@@ -89,38 +99,53 @@ def read_map(
         YamlError: something in the file, or in the image or data that it names, is wrong.
     """
     config = MapConfig.from_file(path, preprocessor)
+    lines = None
     with log_if_slow(f"{path}: reading walls takes a while ..."):
         if config.is_image:
             segments = _read_image(config.source, config.occupied_thresh)
         else:
-            segments = _read_line_segments(config.source)
+            segments, lines = _read_line_segments(config.source)
     if simplify_map and config.is_image:
         segments = _simplified(segments, config, TOLERANCES[simplify_map])
     segments = _place(segments * config.scale, config.origin)
-    _check(segments, path)
+    _check(segments, config, lines)
     return segments
 
 
 def _read_image(path: Path, occupied_thresh: float) -> Segments:
     """The outlines of an image, in pixels from its bottom left corner."""
+    content = io.BytesIO(read_input(path, MAX_IMAGE))
     try:
-        with Image.open(path) as image:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            image = Image.open(content, formats=_FORMATS)
+        with image:
+            if image.width * image.height > _MAX_PIXELS:
+                raise Image.DecompressionBombError
             return outlines(bright_pixels(image, occupied_thresh))
     except UnidentifiedImageError:
-        raise YamlError(path, "is not an image of a known format") from None
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise YamlError(path, f"cannot be read as an image: {reason}") from None
+        formats = ", ".join(_FORMATS)
+        raise YamlError(path, f"is not an image of a known format: {formats}") from None
+    except Image.DecompressionBombError:
+        limit = f"{_MAX_PIXELS // 1_000_000} million pixels"
+        raise YamlError(path, f"expected an image of at most {limit}, found more") from None
+    except Exception as error:  # Pillow's decoders raise whatever a faulty file leads to
+        reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        raise YamlError(path, f"cannot be read as an image: {shortened(reason)}") from None
 
 
-def _read_line_segments(path: Path) -> Segments:
-    """The segments of a text file with a line `x1 y1 x2 y2` for each, in the file's unit."""
+def _read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
+    """The segments of a text file with a line `x1 y1 x2 y2` for each, in the file's unit.
+
+    Returns:
+        Segments: shape (n, 4). The numbers of their lines, from 1: shape (n,).
+    """
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise YamlError(path, f"cannot be read: {reason}") from None
-    rows = []
+        lines = read_input(path, MAX_LINE_SEGMENTS).decode("utf-8").splitlines()
+    except UnicodeDecodeError:
+        raise YamlError(path, "cannot be read: it is not UTF-8 text") from None
+    values = array("d")
+    numbers = array("q")
     for number, line in enumerate(lines, start=1):
         if not line.strip():
             continue
@@ -128,12 +153,17 @@ def _read_line_segments(path: Path) -> Segments:
             row = [float(word) for word in line.split()]
         except ValueError:
             row = []
-        if len(row) != 4 or not np.isfinite(row).all():
-            raise YamlError(path, f'expected "x1 y1 x2 y2", found "{line.strip()[:60]}"', number)
+        if len(row) != 4 or not all(map(math.isfinite, row)):
+            message = f'expected "x1 y1 x2 y2", found "{shortened(line)}"'
+            raise YamlError(path, message, number)
+        if max(map(abs, row)) > LARGEST:
+            message = f'expected numbers within {LARGEST:g} of zero, found "{shortened(line)}"'
+            raise YamlError(path, message, number)
         if row[:2] == row[2:]:
             raise YamlError(path, "expected two different ends, found one point twice", number)
-        rows.append(row)
-    return np.array(rows, dtype=np.float64).reshape(-1, 4)
+        values.extend(row)
+        numbers.append(number)
+    return np.array(values, dtype=np.float64).reshape(-1, 4), np.array(numbers, dtype=np.intp)
 
 
 def _simplified(segments: Segments, config: MapConfig, tolerance: float) -> Segments:
@@ -159,12 +189,24 @@ def _place(segments: Segments, origin: Pose) -> Segments:
     return np.asarray(points.reshape(-1, 4))
 
 
-def _check(segments: Segments, path: Path) -> None:
-    """Refuses walls that physics cannot represent."""
+def _check(segments: Segments, config: MapConfig, lines: Optional[IntArray]) -> None:
+    """Refuses walls that physics cannot represent.
+
+    Args:
+        segments: in the world [m].
+        config: the map that they are from.
+        lines: the line of each in the file of line segments, if they are from one.
+    """
     if len(segments) == 0:
         return
-    if np.abs(segments).max() > _FARTHEST:
-        raise YamlError(path, "expected walls within 100 km of the origin, found one beyond")
+
+    def refuse(index: int, expected: str, found: str) -> None:
+        place = "" if lines is None else f" in {config.source}:{lines[index]}"
+        raise YamlError(config.path, f"expected walls {expected}, found {found}{place}")
+
+    distances = np.abs(segments).max(axis=1)
+    if distances.max() > _FARTHEST:
+        refuse(int(distances.argmax()), "within 100 km of the origin", "one beyond")
     lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
     if lengths.min() < _SHORTEST:
-        raise YamlError(path, "expected walls of a micrometre or more, found a shorter one")
+        refuse(int(lengths.argmin()), "of a micrometre or more", "a shorter one")

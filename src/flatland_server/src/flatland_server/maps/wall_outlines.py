@@ -30,7 +30,8 @@ def bright_pixels(image: Image.Image, occupied_thresh: float) -> BoolArray:
     elif image.mode == "1":
         grey = np.asarray(image, dtype=np.float64)
     else:
-        grey = np.asarray(image.convert("RGB").convert("L"), dtype=np.float64) / 255.0
+        is_bright = np.arange(256) / 255.0 > occupied_thresh
+        return np.asarray(is_bright[np.asarray(image.convert("RGB").convert("L"))])
     return np.asarray(grey > occupied_thresh)
 
 

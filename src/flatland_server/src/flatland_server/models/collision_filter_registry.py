@@ -2,7 +2,7 @@
 
 from typing import Dict, Iterable, List
 
-from flatland_server.exceptions import suggestion
+from flatland_server.exceptions import listed, shortened, suggestion
 
 MAX_LAYERS = 16
 """The number of bits of Box2D's filters."""
@@ -31,7 +31,7 @@ class CollisionFilterRegistry:
         if name == ALL:
             raise ValueError(f'the name "{ALL}" stands for all layers')
         if name in self._bits:
-            raise ValueError(f'the layer name "{name}" is given twice')
+            raise ValueError(f'the layer name "{shortened(name)}" is given twice')
         if len(self._bits) == MAX_LAYERS:
             raise ValueError(f"expected at most {MAX_LAYERS} layer names in all, found more")
         self._bits[name] = 1 << len(self._bits)
@@ -48,9 +48,9 @@ class CollisionFilterRegistry:
             if name == ALL:
                 return ALL_LAYERS
             if name not in self._bits:
-                known = ", ".join(self._bits) or "none"
+                known = listed(self._bits)
                 hint = suggestion(name, self._bits)
-                raise ValueError(f'no layer is named "{name}"{hint}; there are: {known}')
+                raise ValueError(f'no layer is named "{shortened(name)}"{hint}; there are: {known}')
             mask |= self._bits[name]
         return mask
 

@@ -1,10 +1,10 @@
 """Joints: connections between two bodies of a model."""
 
 from dataclasses import dataclass
-from typing import Mapping, Optional, Sequence, Tuple
+from typing import Collection, Mapping, Optional, Tuple
 
 from flatland_server.config.yaml_reader import Color, YamlReader
-from flatland_server.exceptions import suggestion
+from flatland_server.exceptions import shortened
 from flatland_server.geometry import Point
 from flatland_server.models.model_body import ModelBody
 
@@ -39,7 +39,7 @@ class JointConfig:
     damping: float = 0.0
 
     @classmethod
-    def read(cls, reader: YamlReader, body_names: Sequence[str]) -> "JointConfig":
+    def read(cls, reader: YamlReader, body_names: Collection[str]) -> "JointConfig":
         """Reads an entry; its `enabled` has been read.
 
         Raises:
@@ -79,11 +79,12 @@ class JointConfig:
         return joint
 
 
-def _read_end(reader: YamlReader, body_names: Sequence[str]) -> Tuple[str, Point]:
+def _read_end(reader: YamlReader, body_names: Collection[str]) -> Tuple[str, Point]:
     """Reads an entry of a joint's `bodies`: the name of a body, and the anchor on it [m]."""
     name = reader.get_string("name")
     if name and name not in body_names:
-        reader.problem(f'the model has no body "{name}"{suggestion(name, body_names)}', "name")
+        hint = reader.suggestion(name, body_names)
+        reader.problem(f'the model has no body "{shortened(name)}"{hint}', "name")
     anchor = reader.get_point("anchor")
     reader.finish()
     return name, anchor

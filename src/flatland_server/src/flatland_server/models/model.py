@@ -9,7 +9,7 @@ from flatland_server import _core
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.exceptions import ModelError, suggestion
+from flatland_server.exceptions import ModelError, listed, shortened, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
@@ -59,10 +59,11 @@ class ModelConfig:
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":
         """Reads a model from a file that is open in a reader; see `from_file`."""
-        names: List[str] = []  # also of bodies that cannot be read: joints may name them
+        # In order, and also those of bodies that cannot be read: joints may name them.
+        names: Dict[str, None] = {}
 
         def read_body(section: YamlReader) -> BodyConfig:
-            names.append(section.get_string("name"))
+            names[section.get_string("name")] = None
             return BodyConfig.read(section, registry)
 
         bodies = reader.get_enabled_sections("bodies", read_body, required=True)
@@ -117,11 +118,13 @@ class Model(Entity):
         self.bodies: Dict[str, ModelBody] = {}
         self.joints: List[Joint] = []
         self.move_revision = 0
+        self._joints_by_name: Dict[str, Joint] = {}
         try:
             for body in config.bodies:
                 self.bodies[body.name] = ModelBody(body, pose.wrapped(), physics)
             for joint in config.joints:
                 self.joints.append(Joint(joint, self.bodies))
+                self._joints_by_name[joint.name] = self.joints[-1]
         except ValueError as error:
             self.remove()
             raise ModelError(f'the model "{name}" does not fit into the world: {error}') from None
@@ -155,9 +158,8 @@ class Model(Entity):
         """
         if name not in self.bodies:
             self._require_existing()
-            hint = suggestion(name, self.bodies)
-            known = ", ".join(self.bodies)
-            raise ModelError(f'the model has no body "{name}"{hint}; it has: {known}')
+            hint, known = suggestion(name, self.bodies), listed(self.bodies)
+            raise ModelError(f'the model has no body "{shortened(name)}"{hint}; it has: {known}')
         return self.bodies[name]
 
     def get_joint(self, name: str) -> Joint:
@@ -166,12 +168,11 @@ class Model(Entity):
         Raises:
             ModelError: there is none, or the model has been deleted.
         """
-        joints = {joint.name: joint for joint in self.joints}
+        joints = self._joints_by_name
         if name not in joints:
             self._require_existing()
-            hint = suggestion(name, joints)
-            known = ", ".join(joints) or "none"
-            raise ModelError(f'the model has no joint "{name}"{hint}; it has: {known}')
+            hint, known = suggestion(name, joints), listed(joints)
+            raise ModelError(f'the model has no joint "{shortened(name)}"{hint}; it has: {known}')
         return joints[name]
 
     @property
@@ -202,6 +203,19 @@ class Model(Entity):
                     place = body.physics_body.world_point(point)
                     reach = max(reach, math.dist(origin, place) + radius)
         return reach
+
+    def overlapping(self) -> List[Entity]:
+        """The layers and other models that it is within, and that physics pushes it out of.
+
+        Sensors, and footprints that do not collide with each other, do not count.
+        """
+        found: Dict[Entity, None] = {}
+        for body in self.physics_bodies:
+            for other in body.overlapping:
+                owner = self.entities.find(other.id)
+                if owner is not None and owner is not self:
+                    found[owner] = None
+        return list(found)
 
     def move(self, pose: Pose) -> None:
         """Moves it as a rigid whole, and stops it.
@@ -236,6 +250,7 @@ class Model(Entity):
         self.entities.remove(bodies)
         self.bodies.clear()
         self.joints.clear()
+        self._joints_by_name.clear()
 
     def name_space_tf(self, frame_id: str) -> str:
         """The name of a frame of this model, with its namespace: `<namespace>_<frame>`.

@@ -24,9 +24,9 @@ class PluginConfig:
         """Reads the keys that all plugins have.
 
         Raises:
-            YamlError: there is no type or no name.
+            YamlError: there is no type or no name, or no frame can have the name.
         """
-        plugin = cls(reader.get_string("type"), reader.get_string("name"), reader)
+        plugin = cls(reader.get_string("type"), reader.get_frame("name"), reader)
         for key in ("type", "name"):
             if not reader.has(key):  # only the plugin knows which other keys there are
                 reader.suggest(key)

@@ -125,7 +125,7 @@ class Plugin:
             key: has the frame.
             default: the frame if the key is missing; without it, the key is required.
         """
-        frame_id = config.get_string(key, default)
+        frame_id = config.get_frame(key, default)
         if not frame_id.startswith("~"):
             return frame_id
         bare = frame_id[1:].lstrip("/")

@@ -5,7 +5,13 @@ from typing import Any, Callable, Set, Type, TypeVar
 
 import numpy as np
 
-from flatland_server.exceptions import PLUGIN_ERRORS, FlatlandError, PluginError, YamlError
+from flatland_server.exceptions import (
+    PLUGIN_ERRORS,
+    FlatlandError,
+    PluginError,
+    TopicError,
+    YamlError,
+)
 from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
@@ -78,10 +84,12 @@ class PluginFactory:
             node.close()
             if isinstance(error, YamlError) or not isinstance(error, PLUGIN_ERRORS):
                 raise
+            reader.raise_problems()  # a placeholder for a wrong value may have made it fail
             reason = str(error)
             if not isinstance(error, FlatlandError):
                 reason = f"does not start: {type(error).__name__}: {error}"
-            raise reader.error(reason) from error
+            key = reader.key_of(error.name) if isinstance(error, TopicError) else None
+            raise reader.error(reason, key) from error
         return plugin
 
 

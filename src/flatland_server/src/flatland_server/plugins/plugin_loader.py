@@ -42,7 +42,7 @@ from typing import (
 )
 
 from flatland_server._deprecated import FormerNameWarning
-from flatland_server.exceptions import PluginError, suggestion
+from flatland_server.exceptions import PluginError, shortened, suggestion
 from flatland_server.plugins.plugin import Plugin
 
 logger = logging.getLogger(__name__)
@@ -108,7 +108,7 @@ class PluginLoader:
             names = sorted(d.name for d in self._declarations if not d.is_cpp)
             known = ", ".join(names) or "none; is the workspace's setup.bash sourced?"
             hint = suggestion(type.rpartition("::")[2], names)
-            raise PluginError(f'unknown plugin type "{type}"{hint}; there are: {known}')
+            raise PluginError(f'unknown plugin type "{shortened(type)}"{hint}; there are: {known}')
         if len(found) > 1:
             found = [d for d in found if d.package != EXAMPLE_PACKAGE] or found
         if len(found) > 1:

@@ -178,6 +178,7 @@ class PluginManager:
 
     def stop_all(self) -> None:
         """Stops all plugins."""
+        self._stop_calling([plugin for plugins in self._plugins.values() for plugin in plugins])
         for model_name in list(self._plugins):
             self.stop(model_name)
         self._step_calls = StepCalls([])

@@ -59,6 +59,13 @@ class RosTransport(Transport):
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
 
+    @property
+    def node_name(self) -> str:
+        return str(rospy.get_name())
+
+    def resolve(self, name: str) -> str:
+        return str(rospy.resolve_name(name))  # with remappings
+
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:

@@ -5,7 +5,6 @@ The node flatland_benchmark does the same, and ends after some simulated time.
 
 import gc
 import logging
-import sys
 from typing import Callable
 
 import rospy
@@ -80,7 +79,11 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
     shutdown.transport = transport
     with transport.rospy_calls.batch_registration():
         world = World.from_file(
-            config.world_path, transport, seed=config.seed, simplify_map=config.simplify_map
+            config.world_path,
+            transport,
+            seed=config.seed,
+            simplify_map=config.simplify_map,
+            model_folders=config.models,
         )
         manager = SimulationManager(world, timekeeper, config.update_rate)
         _open_topics(manager, transport, config)
@@ -133,7 +136,3 @@ def exclude_from_garbage_collection() -> None:
     """
     gc.collect()
     gc.freeze()
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,11 +1,13 @@
 """The private parameters of the node flatland_server."""
 
 import math
+import re
 from pathlib import Path
-from typing import Any, NamedTuple, Optional
+from typing import Any, NamedTuple, Optional, Tuple
 
 import rospy
 
+from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError
 from flatland_server.maps.simplify_outlines import TOLERANCES
 
@@ -23,6 +25,7 @@ class ServerConfig(NamedTuple):
     realtime_priority: bool
     rospy_patches: bool
     map_to_odom: bool
+    models: Tuple[Path, ...]
     launch_file: Optional[Path] = None
     """The launch file that sets the parameters, to check its arguments."""
 
@@ -44,7 +47,7 @@ class ServerConfig(NamedTuple):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
         launch_file = rospy.get_param("~launch_file", "")
         return cls(
-            world_path=Path(str(world_path)).absolute(),
+            world_path=to_path(str(world_path)).absolute(),
             update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
             step_size=positive_param("~step_size", 0.005),
             show_viz=_flag("~show_viz", True),
@@ -54,8 +57,25 @@ class ServerConfig(NamedTuple):
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),
+            models=_folders("~models"),
             launch_file=Path(launch_file) if launch_file else None,
         )
+
+
+def _folders(name: str) -> Tuple[Path, ...]:
+    """Folders: a list, or separated by colons; each may be a `package://` URI."""
+    value = rospy.get_param(name, "")
+    texts = re.split(":(?!//)", value) if isinstance(value, str) else value
+    if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+        raise FlatlandError(f"{name}: expected a list of folders, found {value}")
+    try:
+        folders = tuple(to_path(text).absolute() for text in texts if text)
+    except FlatlandError as error:
+        raise FlatlandError(f"{name}: {error}") from None
+    for folder in folders:
+        if not folder.is_dir():
+            raise FlatlandError(f"{name}: expected a folder, but {folder} is none")
+    return folders
 
 
 def _flag(name: str, default: bool) -> bool:

@@ -1,7 +1,6 @@
 """The server's ROS services. Errors are reported as `ModelError: a model named ...`."""
 
-from pathlib import Path
-from typing import Any, Callable, Optional, Type
+from typing import Any, Callable, Type
 
 import rospy
 from flatland_msgs.srv import (
@@ -43,8 +42,11 @@ class ServiceManager:
     rospy calls a service on a thread of its own. Files are read there; what changes the simulation
     runs on the simulation's thread, between two steps.
 
-    The `message` of a response begins with the name of an exception class (see
+    The `message` of an error begins with the name of an exception class (see
     `flatland_server.exceptions`; `ValueError` for a rate), for programs to tell errors apart.
+
+    A model that is spawned within a wall or another model is there: `success` is true, and
+    `message` is a warning, which is empty otherwise.
     """
 
     def __init__(self, manager: SimulationManager, transport: RosTransport) -> None:
@@ -91,21 +93,24 @@ class ServiceManager:
 
         rospy.Service(name, Empty, handle)
 
-    def _spawn_model(self, request: SpawnModelRequest) -> Optional[SpawnModelResponse]:
+    def _spawn_model(self, request: SpawnModelRequest) -> SpawnModelResponse:
         registry = self._world.registry
         entry = self._world.read_model_entry(
-            Path(request.yaml_path), request.name, request.ns, _to_pose(request.pose)
+            request.yaml_path, request.name, request.ns, _to_pose(request.pose)
         )
-        self._transport.call(lambda: self._add_model(entry, registry))
+        warning = self._transport.call(lambda: self._add_model(entry, registry))
+        if warning:
+            rospy.logwarn("spawn_model: %s", warning)
         if not self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT):
-            return SpawnModelResponse(success=True, message=_NOT_REGISTERED)
-        return None
+            warning = "; ".join(filter(None, (warning, _NOT_REGISTERED)))
+        return SpawnModelResponse(success=True, message=warning)
 
-    def _add_model(self, entry: ModelEntry, registry: CollisionFilterRegistry) -> None:
+    def _add_model(self, entry: ModelEntry, registry: CollisionFilterRegistry) -> str:
+        """Adds a model; returns a warning, or the empty string."""
         if self._world.registry is not registry:
             raise ModelError("the world was reloaded while the model's file was read; try again")
         with self._transport.rospy_calls.batch_registration():
-            self._world.add_model(entry)
+            return self._world.overlap_warning(self._world.add_model(entry))
 
     def _delete_model(self, request: DeleteModelRequest) -> None:
         self._transport.call(lambda: self._world.delete_model(request.name))
@@ -119,7 +124,7 @@ class ServiceManager:
         self._transport.call(lambda: self._manager.change_rate(request.rate))
 
     def _get_model_markers(self, request: GetModelMarkersRequest) -> GetModelMarkersResponse:
-        markers = preview(self._world.read_model(Path(request.yaml_path)))
+        markers = preview(self._world.read_model(request.yaml_path))
         return GetModelMarkersResponse(success=True, markers=MarkerArray(markers))
 
 

@@ -84,7 +84,10 @@ class Restartable(ABC):
             raise FlatlandError("the world was made without a file")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
             return WorldConfig.from_file(
-                self._config.path, preprocessor, simplify_map=self._config.simplify_map
+                self._config.path,
+                preprocessor,
+                simplify_map=self._config.simplify_map,
+                model_folders=self._config.model_folders[1:],  # the first is the world's own
             )
 
     def reload(self, config: WorldConfig) -> None:

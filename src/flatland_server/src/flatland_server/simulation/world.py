@@ -5,14 +5,17 @@ timekeeper = Timekeeper(step_size=0.005)
 world.step(timekeeper)
 """
 
+import logging
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Dict, List, Optional, Set
+from typing import Dict, List, Optional, Sequence, Set, Union
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
+from flatland_server.config.file_names import find_file, is_bare, nor_in
+from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
@@ -20,6 +23,8 @@ from flatland_server.exceptions import (
     PluginError,
     Problem,
     YamlError,
+    listed,
+    shortened,
     suggestion,
 )
 from flatland_server.geometry import Pose
@@ -37,6 +42,8 @@ from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.transport import Transport
+
+logger = logging.getLogger(__name__)
 
 
 class World(Restartable):
@@ -75,6 +82,7 @@ class World(Restartable):
         self._config = config
         self._seed = seed
         self.registry = config.registry
+        self._model_folders = config.model_folders
         self.models: Dict[str, Model] = {}
         """By name."""
         self.physics = physics
@@ -113,6 +121,7 @@ class World(Restartable):
         seed: int = 0,
         simplify_map: int = 0,
         loader: Optional[PluginLoader] = None,
+        model_folders: Sequence[Path] = (),
     ) -> "World":
         """Loads a world file.
 
@@ -122,6 +131,8 @@ class World(Restartable):
             seed: as for the class.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
             loader: as for the class.
+            model_folders: where model files are looked up that are not beside the world file, also
+                those that are spawned later.
 
         Raises:
             YamlError: something in the files is wrong; lists everything that was found.
@@ -129,7 +140,9 @@ class World(Restartable):
         """
         transport = transport if transport is not None else LocalTransport()
         with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
-            config = WorldConfig.from_file(path, preprocessor, simplify_map=simplify_map)
+            config = WorldConfig.from_file(
+                path, preprocessor, simplify_map=simplify_map, model_folders=model_folders
+            )
         return cls(config, transport, seed=seed, loader=loader)
 
     @property
@@ -147,13 +160,17 @@ class World(Restartable):
         """The plugins that have raised an exception and are switched off."""
         return self._plugins.failures
 
-    def spawn_model(self, path: Path, name: str, namespace: str, pose: Pose) -> Optional[Model]:
+    def spawn_model(
+        self, path: Union[str, Path], name: str, namespace: str, pose: Pose
+    ) -> Optional[Model]:
         """Adds a model, read from its file, to the world: completely, or not at all.
 
-        In a plugin's hook, the model is added at the end of the step; a failure is then logged.
+        In a plugin's hook, the model is added at the end of the step; a failure is then logged. A
+        model within a wall or another model is a warning in the log; see `overlap_warning`.
 
         Args:
-            path: of the model file.
+            path: of the model file; `package://name/path` as a string. A relative one may also be
+                beside the world file, or in one of the folders of models.
             name: unique in the world.
             namespace: of its topics and frames; may be empty.
             pose: of its origin in the world.
@@ -167,21 +184,43 @@ class World(Restartable):
         """
         entry = self.read_model_entry(path, name, namespace, pose)
         return self._deferred.run_or_defer(
-            lambda: self.add_model(entry), f'the model "{name}" is not spawned'
+            lambda: self._spawn(entry), f'the model "{name}" is not spawned'
         )
 
-    def read_model(self, path: Path) -> ModelConfig:
+    def overlap_warning(self, model: Model) -> str:
+        """What to tell the user about a model that was put within walls or other models.
+
+        Returns:
+            A sentence that names what it overlaps; empty if it overlaps nothing.
+        """
+        entities = model.overlapping()
+        if not entities:
+            return ""
+        names = [
+            f'the {"layer" if isinstance(entity, Layer) else "model"} "{entity.name}"'
+            for entity in entities
+        ]
+        return f'the model "{model.name}" overlaps {listed(names)}, and is pushed out'
+
+    def read_model(self, path: Union[str, Path]) -> ModelConfig:
         """Reads a model file for this world; may be called in any thread.
 
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
-        if not is_file(path):
-            raise ModelError(f"there is no file {path}")
+        folders = self._model_folders if is_bare(path) else ()
+        try:
+            found = find_file(path, [Path(), *folders])
+        except FlatlandError as error:
+            raise ModelError(str(error)) from None
+        if not is_file(found):
+            raise ModelError(f"there is no file {found}{nor_in(folders)}")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
-            return ModelConfig.from_file(path, self.registry, preprocessor)
+            return ModelConfig.from_file(found, self.registry, preprocessor)
 
-    def read_model_entry(self, path: Path, name: str, namespace: str, pose: Pose) -> ModelEntry:
+    def read_model_entry(
+        self, path: Union[str, Path], name: str, namespace: str, pose: Pose
+    ) -> ModelEntry:
         """Does all of `spawn_model` that does not change the world; any thread may call it.
 
         The result is for `add_model`, which checks again that the name is free. Plugin classes are
@@ -215,7 +254,6 @@ class World(Restartable):
                 "add_model is for between steps; spawn_model may be called in a hook"
             )
         self._check_name_is_free(entry.name)
-        models_before = set(self.models.values())
         model = Model(
             entry.name,
             entry.namespace,
@@ -231,9 +269,10 @@ class World(Restartable):
             try:
                 self._plugins.start(plugins, ModelPlugin, entry.name, entry.namespace, model)
             except BaseException:
+                in_order = list(self.models.values())
                 del self.models[entry.name]
                 self._remove_bodies(model)
-                for other in [m for m in self.models.values() if m not in models_before]:
+                for other in in_order[in_order.index(model) + 1 :]:
                     self._remove(other)  # spawned by the plugins of the one that has failed
                 raise
         self._additions.add_model(entry, self._comes_with_another)
@@ -303,9 +342,9 @@ class World(Restartable):
         for layer in self.layers:
             if name in layer.config.names:
                 return layer
-        known = ", ".join(self.registry.names) or "none"
         hint = suggestion(name, self.registry.names)
-        raise LayerError(f'no layer is named "{name}"{hint}; there are: {known}')
+        known = listed(self.registry.names)
+        raise LayerError(f'no layer is named "{shortened(name)}"{hint}; there are: {known}')
 
     def get_model(self, name: str) -> Model:
         """The model of this name.
@@ -314,7 +353,8 @@ class World(Restartable):
             ModelError: there is no such model.
         """
         if name not in self.models:
-            raise ModelError(f'there is no model "{name}"{suggestion(name, self.models)}')
+            hint = suggestion(name, self.models)
+            raise ModelError(f'there is no model "{shortened(name)}"{hint}')
         return self.models[name]
 
     def step(self, timekeeper: Timekeeper) -> None:
@@ -344,6 +384,13 @@ class World(Restartable):
                 self._plugins.stop_all()
         finally:
             self._deferred.clear()
+
+    def _spawn(self, entry: ModelEntry) -> Model:
+        model = self.add_model(entry)
+        warning = self.overlap_warning(model)
+        if warning:
+            logger.warning("%s", warning)
+        return model
 
     def _check_name_is_free(self, name: str) -> None:
         if name in self.models:

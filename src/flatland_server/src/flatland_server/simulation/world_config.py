@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Dict, Mapping, Optional, Tuple
+from typing import Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from flatland_server.arrays import Segments
+from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import check_topic_name, namespace_problem
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor, is_file
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError
 from flatland_server.geometry import Pose
@@ -44,6 +45,8 @@ class WorldConfig:
     plugins: Tuple[PluginConfig, ...]
     walls: Mapping[Path, Segments] = field(default_factory=dict, repr=False, compare=False)
     """The walls of each map file, in the world [m]."""
+    model_folders: Tuple[Path, ...] = ()
+    """Where the names of model files are looked up: the world's folder, and those of models."""
     path: Optional[Path] = field(default=None, compare=False)
     """The world file, if it was read from one."""
     simplify_map: int = 0
@@ -56,6 +59,7 @@ class WorldConfig:
         preprocessor: Optional[YamlPreprocessor] = None,
         *,
         simplify_map: int = 0,
+        model_folders: Sequence[Path] = (),
     ) -> "WorldConfig":
         """Reads a world file and the files that it refers to.
 
@@ -63,12 +67,15 @@ class WorldConfig:
             path: of the file.
             preprocessor: evaluates expressions in the files.
             simplify_map: how much the outlines of map images are simplified; see `read_map`.
+            model_folders: where model files are looked up that are not beside the world file.
 
         Raises:
             YamlError: something in the files is wrong; lists everything that was found.
         """
         reader = YamlReader.from_file(path, preprocessor)
-        return cls.read(reader, preprocessor, simplify_map=simplify_map)
+        return cls.read(
+            reader, preprocessor, simplify_map=simplify_map, model_folders=model_folders
+        )
 
     @classmethod
     def read(
@@ -77,6 +84,7 @@ class WorldConfig:
         preprocessor: Optional[YamlPreprocessor] = None,
         *,
         simplify_map: int = 0,
+        model_folders: Sequence[Path] = (),
     ) -> "WorldConfig":
         """Like `from_file`, for a file that has been parsed already."""
         properties = reader.get_section("properties", required=True)
@@ -100,7 +108,7 @@ class WorldConfig:
             return files[path]
 
         models = reader.get_enabled_sections(
-            "models", lambda section: _read_model_entry(section, read_model)
+            "models", lambda section: _read_model_entry(section, read_model, model_folders)
         )
         plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
@@ -112,6 +120,7 @@ class WorldConfig:
             tuple(models),
             tuple(plugins),
             walls,
+            (reader.file.parent, *model_folders),
             reader.file,
             simplify_map,
         )
@@ -136,7 +145,9 @@ def _read_walls(reader: YamlReader, read: Callable[[Path], Segments]) -> Dict[Pa
     return walls
 
 
-def _read_model_entry(reader: YamlReader, read_model: Callable[[Path], ModelConfig]) -> ModelEntry:
+def _read_model_entry(
+    reader: YamlReader, read_model: Callable[[Path], ModelConfig], folders: Sequence[Path]
+) -> ModelEntry:
     name = reader.get_string("name")
     check_topic_name(reader, "name", name)
     namespace = reader.get_string("namespace", "")
@@ -144,7 +155,7 @@ def _read_model_entry(reader: YamlReader, read_model: Callable[[Path], ModelConf
     if problem:
         reader.problem(problem, "namespace")
     pose = reader.get_pose("pose", Pose())
-    path = reader.get_path("model")
+    path = reader.get_path("model", folders)
     try:
         model = read_model(path) if is_file(path) else None
     except YamlError as error:

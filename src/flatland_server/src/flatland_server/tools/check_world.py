@@ -7,10 +7,11 @@ import argparse
 import logging
 import sys
 from pathlib import Path
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
+from flatland_server.config.file_names import to_path
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, YamlError
@@ -40,12 +41,13 @@ class Loaded(NamedTuple):
     summary: str
 
 
-def load(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
+def load(path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Path] = ()) -> Loaded:
     """Loads a world file; or a model or map file, into an otherwise empty world.
 
     Args:
         path: of the file.
         preprocessor: for its expressions.
+        model_folders: where models are looked up that are not beside the world file.
 
     Raises:
         FlatlandError: something in the files is wrong, or the file is none of these.
@@ -54,7 +56,7 @@ def load(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
     if any(map(reader.has, _MODEL_KEYS)):
         return _load_model(path, reader)
     if any(map(reader.has, _WORLD_KEYS)):
-        world = World(WorldConfig.read(reader, preprocessor))
+        world = World(WorldConfig.read(reader, preprocessor, model_folders=model_folders))
         return Loaded(world, _contents(world))
     if any(map(reader.has, _MAP_KEYS)):
         return _load_map(path, preprocessor)
@@ -100,21 +102,24 @@ def _count(number: int, noun: str, plural: str = "") -> str:
     return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
-def check(path: Path, picture: Optional[Path]) -> List[str]:
+def check(name: str, picture: Optional[Path], model_folders: Sequence[Path] = ()) -> List[str]:
     """Checks a file, and prints a summary if it is valid.
 
     Args:
-        path: of a world, model or map file.
+        name: of a world, model or map file: its path, or a `package://` URI.
         picture: the image file to draw the world into, if any.
+        model_folders: where models are looked up that are not beside the world file.
 
     Returns:
         The problems, a line for each; empty if there are none.
     """
     preprocessor = YamlPreprocessor()
+    path = Path(name)
     try:
-        world, summary = load(path, preprocessor)
+        path = to_path(name)
+        world, summary = load(path, preprocessor, model_folders)
     except YamlError as error:
-        return [problem.with_column for problem in error.problems]
+        return error.lines(lambda problem: problem.with_column)
     except FlatlandError as error:
         return [f"{path}: {error}"]
     finally:
@@ -142,19 +147,25 @@ def main(arguments: Optional[List[str]] = None) -> int:
     parser = argparse.ArgumentParser(
         prog="check_world", description="Check Flatland world, model and map files."
     )
-    parser.add_argument(
-        "files", nargs="+", type=Path, metavar="FILE", help="world, model or map file"
-    )
+    parser.add_argument("files", nargs="+", metavar="FILE", help="world, model or map file")
     parser.add_argument(
         "--render", type=Path, metavar="PNG", help="draw the world as it would look at the start"
+    )
+    parser.add_argument(
+        "--models",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="as the server's ~models: look up models there that are not beside the world file",
     )
     options = parser.parse_args(arguments)
     if options.render is not None and len(options.files) > 1:
         parser.error("--render takes a single FILE")
     logging.basicConfig(format="%(message)s", level=logging.INFO)
     problems: List[str] = []
-    for path in options.files:
-        problems += check(path, options.render)
+    for name in options.files:
+        problems += check(name, options.render, options.models)
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0

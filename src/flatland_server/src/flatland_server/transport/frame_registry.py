@@ -3,6 +3,9 @@
 import logging
 from typing import Dict, List, Set, Tuple
 
+from flatland_server.config.ros_names import FRAME, is_frame
+from flatland_server.exceptions import TopicError, shortened
+
 logger = logging.getLogger(__name__)
 
 
@@ -16,8 +19,10 @@ class FrameRegistry:
     def __init__(self) -> None:
         self._publishers: Dict[str, str] = {}  # by frame
         self._parents: Dict[str, str] = {}
+        self._frames: Dict[str, List[str]] = {}  # by publisher
         self._warned: Set[Tuple[str, str]] = set()  # a frame and its second publisher
-        self._odometry: Dict[str, List[str]] = {}  # publishers by frame
+        self._odometry: Dict[str, Dict[str, None]] = {}  # publishers by frame, in their order
+        self._odometry_of: Dict[str, List[str]] = {}  # the same frames by publisher
         self._warned_odometry: Set[str] = set()
 
     def claim(self, parent: str, child: str, publisher: str) -> None:
@@ -27,9 +32,18 @@ class FrameRegistry:
             parent: the frame that the transform is from.
             child: the frame that it places.
             publisher: a plugin, as `model/plugin` or the name of a plugin of the world.
+
+        Raises:
+            TopicError: TF cannot have a frame of one of these names.
         """
+        if child not in self._publishers:
+            for frame in (parent, child):
+                if not is_frame(frame):
+                    raise TopicError(f'expected {FRAME}, found "{shortened(frame)}"', frame)
         first = self._publishers.setdefault(child, publisher)
         if first == publisher:
+            if child not in self._parents:
+                self._frames.setdefault(publisher, []).append(child)
             self._parents[child] = parent
         elif (child, publisher) not in self._warned:
             self._warned.add((child, publisher))
@@ -54,9 +68,11 @@ class FrameRegistry:
             frame_id: the frame that odometry starts from, such as "odom".
             publisher: a plugin, as `model/plugin`.
         """
-        publishers = self._odometry.setdefault(frame_id, [])
-        publishers.append(publisher)
-        first = publishers[0]
+        publishers = self._odometry.setdefault(frame_id, {})
+        if publisher not in publishers:
+            publishers[publisher] = None
+            self._odometry_of.setdefault(publisher, []).append(frame_id)
+        first = next(iter(publishers))
         if _model_of(first) == _model_of(publisher) or frame_id in self._warned_odometry:
             return
         self._warned_odometry.add(frame_id)
@@ -81,15 +97,18 @@ class FrameRegistry:
 
     def release(self, publisher: str) -> None:
         """Removes the frames of a publisher."""
-        for child in [child for child, each in self._publishers.items() if each == publisher]:
+        children = self._frames.pop(publisher, [])
+        for child in children:
             del self._publishers[child]
-        self._warned = {pair for pair in self._warned if pair[0] in self._publishers}
-        for frame_id, publishers in list(self._odometry.items()):
-            left = [each for each in publishers if each != publisher]
-            self._odometry[frame_id] = left
-            if not left:
+            del self._parents[child]
+        if children and self._warned:
+            self._warned = {pair for pair in self._warned if pair[0] in self._publishers}
+        for frame_id in self._odometry_of.pop(publisher, []):
+            publishers = self._odometry[frame_id]
+            del publishers[publisher]
+            if not publishers:
                 del self._odometry[frame_id]
-        self._warned_odometry &= self._odometry.keys()
+                self._warned_odometry.discard(frame_id)
 
 
 def _model_of(publisher: str) -> str:

@@ -7,9 +7,10 @@ program without a ROS master. Callbacks run between steps, on the thread of the 
 from typing import Any, Callable, List, Optional, Set, Tuple
 
 from flatland_server._deprecated import renamed
-from flatland_server.exceptions import PLUGIN_ERRORS
+from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.transport.frame_registry import FrameRegistry
+from flatland_server.transport.topic_registry import TopicRegistry
 from flatland_server.transport.transport import Frames, Publisher, Subscription, Transport
 
 __all__ = ["Frames", "Node", "Publisher", "Subscription", "Transport"]
@@ -25,6 +26,7 @@ class Node:
         namespace: put before each name that does not begin with "/".
         owner: the name of the plugin, for warnings.
         frames: the frames of the whole world, to find those with several publishers.
+        topics: the topics of the whole world, to refuse those of two types.
     """
 
     def __init__(
@@ -33,12 +35,14 @@ class Node:
         namespace: str = "",
         owner: str = "",
         frames: Optional[FrameRegistry] = None,
+        topics: Optional[TopicRegistry] = None,
     ) -> None:
         self.namespace = namespace.strip("/")
         self._transport = transport
         self.owner = owner
         """The plugin: `model/plugin`, or the name of a plugin of the world."""
         self._frames = frames if frames is not None else FrameRegistry()
+        self._topics = topics if topics is not None else TopicRegistry(transport)
         self._publishers: List[Publisher] = []
         self._subscriptions: List[Subscription] = []
         self._is_closed = False
@@ -49,7 +53,7 @@ class Node:
     def scoped(self, namespace: str, owner: str) -> "Node":
         """A node for another plugin, in a namespace within the one of this node."""
         joined = "/".join(part for part in (self.namespace, namespace.strip("/")) if part)
-        return Node(self._transport, joined, owner, self._frames)
+        return Node(self._transport, joined, owner, self._frames, self._topics)
 
     def resolve(self, name: str) -> str:
         """The name of a topic or parameter with the namespace; absolute names stay as they are."""
@@ -65,9 +69,14 @@ class Node:
             message_type: the ROS message class.
             latch: whether new subscribers get the last message.
             queue_size: how many messages wait for a slow subscriber before the oldest is dropped.
+
+        Raises:
+            TopicError: ROS cannot have a topic of this name, it is one of the server's own, or
+                another plugin has it with another type.
         """
+        name = self._named(topic, self._topics.claim_publisher, message_type)
         publisher = self._transport.advertise(
-            self.resolve(topic), message_type, latch=latch, queue_size=queue_size
+            name, message_type, latch=latch, queue_size=queue_size
         )
         self._publishers.append(publisher)
         return publisher
@@ -81,8 +90,11 @@ class Node:
             topic: its name within the namespace.
             message_type: the ROS message class.
             callback: called with each message, between steps.
+
+        Raises:
+            TopicError: ROS cannot have a topic of this name, or it has another type already.
         """
-        name = self.resolve(topic)
+        name = self._named(topic, self._topics.claim_subscriber, message_type)
 
         def guarded(message: Any) -> None:
             if self._is_closed:
@@ -99,6 +111,14 @@ class Node:
         self._subscriptions.append(subscription)
         return subscription
 
+    def _named(self, topic: str, claim: Callable[[str, Any, str], None], message_type: Any) -> str:
+        """Claims a topic, and returns its name with the namespace."""
+        try:
+            claim(self.resolve(topic), message_type, self.owner)
+        except TopicError as error:
+            raise TopicError(str(error), topic) from None
+        return self.resolve(topic)
+
     @property
     def transforms_have_subscribers(self) -> bool:
         """Whether the topic of transforms has a subscriber."""
@@ -113,7 +133,11 @@ class Node:
     listeners_version = renamed("listeners_version", "subscriber_revision")
 
     def claim_frame(self, parent: str, child: str) -> None:
-        """Announces that this node publishes a frame; warns if another one does already."""
+        """Announces that this node publishes a frame; warns if another one does already.
+
+        Raises:
+            TopicError: TF cannot have a frame of this name.
+        """
         self._frames.claim(parent, child, self.owner)
 
     def claim_odometry_frame(self, frame_id: str) -> None:
@@ -161,3 +185,4 @@ class Node:
         self._subscriptions.clear()
         self.on_failure = None  # it refers to the plugin, which refers to this node
         self._frames.release(self.owner)
+        self._topics.release(self.owner)

@@ -84,6 +84,15 @@ class Transport(ABC):
         self.arrivals = Arrivals()
         self.returns_on_arrival = False
 
+    @property
+    def node_name(self) -> str:
+        """The absolute name of the server's node, below which it has topics of its own."""
+        return "/flatland_server"
+
+    def resolve(self, name: str) -> str:
+        """The absolute name of a topic."""
+        return name if name.startswith("/") else f"/{name}"
+
     @abstractmethod
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int

@@ -4,6 +4,8 @@ from typing import Dict
 
 from wrong_files.case import DATA, LINES, MAP, Case
 
+FORMATS = "BMP, GIF, JPEG, PCX, PNG, PPM, TGA, TIFF, WEBP"
+
 # fmt: off
 WRONG_MAPS: Dict[str, Case] = {
     # Maps of images
@@ -15,9 +17,9 @@ WRONG_MAPS: Dict[str, Case] = {
     "an empty name of an image": (MAP, "map.png", "''",
      "map.yaml:1: image: expected a file, found an empty string"),
     "an image that is no image": (MAP, "map.png", "lines.dat",
-     "lines.dat: is not an image of a known format"),
+     f"lines.dat: is not an image of a known format: {FORMATS}"),
     "an empty image file": (MAP, "map.png", "empty.png",
-     "empty.png: is not an image of a known format"),
+     f"empty.png: is not an image of a known format: {FORMATS}"),
     "a truncated image": (MAP, "map.png", "cut.png",
      "cut.png: cannot be read as an image: image file is truncated"),
     "a corrupt image": (MAP, "map.png", "corrupt.png",

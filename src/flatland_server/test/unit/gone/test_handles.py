@@ -24,6 +24,7 @@ CALLS = {
         "remove": (),
         "halt": (),
         "fixtures": (),
+        "overlapping": (),
         "pose": (),
         "velocity": (),
         "local_velocity": (),

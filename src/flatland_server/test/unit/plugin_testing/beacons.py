@@ -183,7 +183,7 @@ class NeverNoticesSubscribers(Beacon):
 
 class NamespacesTopicTwice(Beacon):
     def own_topic(self, topic: str) -> str:
-        return f"{self.model.namespace}/{topic}" if self.model.namespace else topic
+        return "/".join(part for part in (self.model.namespace, topic.strip("/")) if part)
 
 
 class ForgetsNamespaceOfFrame(Beacon):

@@ -120,7 +120,7 @@ def test_the_bodies_topics_and_frames_of_a_deleted_model_are_removed(models, sim
     world = models.load(EMPTY)
     spawn(models, world, "good.yaml", "stays", namespace="other")
     before = state(world)
-    robot = spawn(models, world, "good.yaml", "robot")
+    robot = spawn(models, world, "good.yaml", "robot", pose=Pose(1, 0, 0))
     body = robot.base.physics_body
     simulate(world).run()
 
@@ -129,7 +129,7 @@ def test_the_bodies_topics_and_frames_of_a_deleted_model_are_removed(models, sim
     assert state(world) == before
     with pytest.raises(_core.GoneError):
         _ = body.pose
-    spawn(models, world, "good.yaml", "heir")  # publishes the same frames
+    spawn(models, world, "good.yaml", "heir", pose=Pose(1, 0, 0))  # publishes the same frames
     simulate(world).run()
     assert warnings(caplog) == []
 

@@ -1,0 +1,71 @@
+"""Opens the files that users name: regular files of a limited size, and nothing else.
+
+A world may come from a stranger, and a path may be mistyped. A named pipe would block the simulator
+until something is written to it, `/dev/zero` has no end, and the values of a file of a gigabyte
+take ten.
+"""
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+from flatland_server.exceptions import YamlError
+
+MIB = 1024 * 1024
+MAX_YAML = 16 * MIB  # bytes
+MAX_LINE_SEGMENTS = 64 * MIB  # bytes: a million segments
+MAX_IMAGE = 256 * MIB  # bytes
+
+
+def read_input(path: Path, limit: int) -> bytes:
+    """The contents of a regular file.
+
+    Args:
+        path: of the file.
+        limit: the largest size that is read [bytes].
+
+    Raises:
+        YamlError: it is missing, unreadable, larger, or not a regular file.
+    """
+    # O_NONBLOCK: opening a named pipe would otherwise wait for its other end.
+    flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY
+    try:
+        descriptor = os.open(path, flags)
+        with open(descriptor, "rb") as file:
+            _require_regular(path, os.fstat(descriptor), limit)
+            content = file.read(limit + 1)
+    except (OSError, ValueError) as error:  # ValueError: the name contains a zero byte
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise YamlError(path, f"cannot be read: {reason}") from None
+    if len(content) > limit:  # it has grown, or has no size, like those in /proc
+        raise _too_large(path, limit)
+    return content
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a regular file; False also for a name that is too long for a file."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def why_not_a_file(path: Path) -> str:
+    """For a path that is no regular file: what it is instead, such as "is a folder"."""
+    if os.path.isdir(path):
+        return "is a folder"
+    return "is not a regular file" if os.path.exists(path) else "is not there"
+
+
+def _require_regular(path: Path, status: os.stat_result, limit: int) -> None:
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(status.st_mode):
+        raise YamlError(path, "expected a regular file, found a pipe, a socket or a device")
+    if status.st_size > limit:
+        raise _too_large(path, limit)
+
+
+def _too_large(path: Path, limit: int) -> YamlError:
+    return YamlError(path, f"expected a file of at most {limit // MIB} MiB, found a larger one")

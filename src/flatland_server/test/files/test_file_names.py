@@ -1,0 +1,154 @@
+"""Names of files: in ROS packages, and in the folders where models are looked up."""
+
+import sys
+
+import pytest
+
+from flatland_server.config.file_names import to_path
+from flatland_server.exceptions import FlatlandError, ModelError
+from flatland_server.geometry import Pose
+from flatland_server.tools.check_world import main
+
+MODEL = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]\n"
+
+
+@pytest.fixture
+def package(good_files, monkeypatch):
+    """A ROS package `robots`, which has the files of a world."""
+    folder = good_files.folder / "workspace" / "robots"
+    good_files.write(
+        "workspace/robots/package.xml",
+        "<package format='2'><name>robots</name><version>1.0.0</version>"
+        "<description>x</description><maintainer email='a@b.c'>x</maintainer>"
+        "<license>BSD</license></package>",
+    )
+    for name in ("map.yaml", "map.png", "lines.dat", "lines.yaml", "robot.model.yaml"):
+        (good_files.folder / name).rename(folder / name)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(folder.parent))
+    return folder
+
+
+def test_maps_images_data_and_models_may_be_in_a_package(good_files, package):
+    good_files.edit("world.yaml", "map: map.yaml", "map: package://robots/map.yaml")
+    good_files.edit("world.yaml", "map: lines.yaml", "map: package://robots/lines.yaml")
+    good_files.edit("world.yaml", "model: robot", "model: package://robots/robot")
+    map_file = "workspace/robots/map.yaml"
+    good_files.edit(map_file, "image: map.png", "image: package://robots/map.png")
+
+    world = good_files.load()
+
+    assert len(world.get_layer("map").segments) > 4
+    assert world.get_model("robot").config.path == package / "robot.model.yaml"
+
+
+def test_a_model_of_a_package_may_be_spawned(good_files, package):
+    good_files.write("empty.yaml", "{properties: {}, layers: [{name: [map, walls]}]}")
+    world = good_files.load("empty.yaml")
+
+    world.spawn_model("package://robots/robot.model.yaml", "robot", "", Pose())
+
+    assert list(world.models) == ["robot"]
+
+
+def test_check_world_takes_a_package(package, capsys):
+    (package / "box.yaml").write_text(MODEL)
+
+    assert main(["package://robots/box.yaml"]) == 0
+    assert main(["package://robts/box.yaml"]) == 1
+
+    assert 'no ROS package is named "robts" (did you mean "robots"?)' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("package://robts/a.yaml", 'no ROS package is named "robts" (did you mean "robots"?)'),
+        ("package://robots", 'expected package://name/path, found "package://robots"'),
+        ("package:///a.yaml", 'expected package://name/path, found "package:///a.yaml"'),
+        (
+            "package://robots/none.yaml",
+            "expected a file, but workspace/robots/none.yaml is not the",
+        ),
+    ],
+)
+def test_what_is_not_in_a_package_is_named_with_its_line(good_files, package, name, message):
+    good_files.edit("world.yaml", "model: robot.model.yaml", f"model: {name}")
+
+    assert f"world.yaml:13: models[0].model: {message}" in good_files.refusal()
+
+
+def test_without_rospkg_the_error_says_so(good_files, package, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rospkg", None)
+
+    with pytest.raises(FlatlandError, match="package:// needs rospkg, a Python package of ROS"):
+        to_path("package://robots/robot.model.yaml")
+
+
+# The folders of models
+
+
+@pytest.fixture
+def fleet(files):
+    """Folders of models besides the world's, and a world that may name them."""
+    (files.folder / "world").mkdir()
+    for name in ("one/a.yaml", "two/a.yaml", "two/b.yaml", "world/c.yaml", "two/sub/d.yaml"):
+        files.write(name, MODEL)
+    return files
+
+
+def load(fleet, *models: str):
+    entries = "".join(f"- {{name: m{i}, model: {name}}}\n" for i, name in enumerate(models))
+    fleet.write("world/world.yaml", f"properties: {{}}\nlayers: []\nmodels:\n{entries or '  []'}")
+    folders = [fleet.folder / "one", fleet.folder / "two"]
+    return fleet.load("world/world.yaml", model_folders=folders)
+
+
+def paths(fleet, world) -> list:
+    return [str(m.config.path.relative_to(fleet.folder)) for m in world.models.values()]
+
+
+def test_a_model_is_looked_up_beside_the_world_and_then_in_the_folders_in_order(fleet):
+    world = load(fleet, "a.yaml", "b.yaml", "c.yaml", "sub/d.yaml")
+
+    assert paths(fleet, world) == ["one/a.yaml", "two/b.yaml", "world/c.yaml", "two/sub/d.yaml"]
+
+
+def test_a_spawned_model_is_looked_up_there_too(fleet, monkeypatch):
+    world = load(fleet)
+    monkeypatch.chdir(fleet.folder / "one")
+
+    for name in ("c.yaml", "b.yaml"):
+        world.spawn_model(name, name[0], "", Pose())
+
+    assert paths(fleet, world) == ["world/c.yaml", "two/b.yaml"]
+
+
+@pytest.mark.parametrize("name", ["./b.yaml", "../b.yaml"])
+def test_a_name_that_says_where_it_is_is_not_looked_up(fleet, name):
+    with pytest.raises(FlatlandError, match=r"is not there$"):
+        load(fleet, name)
+    with pytest.raises(ModelError, match=r"there is no file \S+$"):
+        load(fleet).spawn_model(name, "b", "", Pose())
+
+
+def test_a_model_that_is_nowhere_is_an_error_with_the_folders(fleet):
+    with pytest.raises(FlatlandError) as of_world:
+        load(fleet, "e.yaml")
+    with pytest.raises(ModelError) as of_spawn:
+        load(fleet).spawn_model("e.yaml", "e", "", Pose())
+
+    assert fleet.without_folder(str(of_world.value)) == (
+        "world/world.yaml:4: models[0].model: expected a file, but world/e.yaml is not there, "
+        "nor in one, two"
+    )
+    assert fleet.without_folder(str(of_spawn.value)) == (
+        "there is no file e.yaml, nor in world, one, two"
+    )
+
+
+def test_check_world_looks_in_folders_of_models(fleet, monkeypatch):
+    load(fleet, "b.yaml")
+    path = str(fleet.folder / "world" / "world.yaml")
+
+    assert main([path]) == 1
+    assert main([path, "--models", str(fleet.folder / "two")]) == 0

@@ -1,0 +1,221 @@
+"""Names that ROS cannot have, and topics that have an owner or a type already."""
+
+import pytest
+
+from flatland_server.config.ros_names import MAX_LENGTH
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+
+LONG = "a" * 70_000
+NO_TOPICS = ["''", "a b", "a//b", "a/", "//a", "/", "a-b", "äh", "a\\tb", LONG, "a" * 256]
+NO_FRAMES = ["''", "a b", "a//b", "a/", "//a", "/", LONG, "a" * 256]
+
+MODEL = """\
+bodies:
+- name: {body}
+  footprints: [{{type: circle, radius: 0.1, density: 1}}]
+plugins:
+- type: {type}
+  name: {name}
+  body: {body}
+  {key}: {value}
+"""
+KEYS = {
+    "DiffDrive": ("twist_sub", "odom_pub", "ground_truth_pub", "twist_pub"),
+    "Gps": ("topic",),
+    "Bumper": ("topic",),
+    "Imu": ("imu_pub", "ground_truth_pub"),
+}
+FRAME_KEYS = {
+    "DiffDrive": ("odom_frame_id", "ground_truth_frame_id"),
+    "Gps": ("frame",),
+    "Imu": ("imu_frame_id",),
+    "ModelTfPublisher": ("world_frame_id",),
+}
+
+
+def quoted(name: str) -> str:
+    """The YAML of a name."""
+    return name if name == "''" or name == LONG else f'"{name}"'
+
+
+@pytest.fixture
+def refusal(files):
+    """The message with which a model of one plugin is refused, without the folder's name."""
+
+    def refusal(kind="Gps", key="topic", value="t", body="base", name="plugin") -> str:
+        text = MODEL.format(type=kind, key=key, value=value, body=body, name=name)
+        if kind == "ModelTfPublisher":
+            text = text.replace(f"  body: {body}\n", "  publish_tf_world: true\n")
+        with pytest.raises(FlatlandError) as caught:
+            files.spawn(text)
+        return files.without_folder(str(caught.value))
+
+    return refusal
+
+
+@pytest.mark.parametrize("topic", NO_TOPICS)
+@pytest.mark.parametrize("kind", KEYS)
+def test_a_topic_that_ros_cannot_have_is_refused_with_its_line(refusal, kind, topic):
+    for key in KEYS[kind]:
+        message = refusal(kind, key, quoted(topic))
+
+        place = f"spawned.model.yaml:8: plugins[0].{key}: expected a topic of letters, digits"
+        assert message.startswith(place)
+        assert len(message) < 300
+
+
+@pytest.mark.parametrize("frame", NO_FRAMES)
+@pytest.mark.parametrize("kind", FRAME_KEYS)
+def test_a_frame_that_tf_cannot_have_is_refused_with_its_line(refusal, kind, frame):
+    for key in FRAME_KEYS[kind]:
+        message = refusal(kind, key, quoted(frame))
+
+        place = f"spawned.model.yaml:8: plugins[0].{key}: expected a name without spaces"
+        assert message.startswith(place)
+        assert len(message) < 300
+
+
+@pytest.mark.parametrize("name", NO_FRAMES)
+def test_names_of_bodies_and_plugins_are_names_of_frames(refusal, name):
+    expected = "expected a name without spaces or empty parts"
+
+    assert f"spawned.model.yaml:2: bodies[0].name: {expected}" in refusal(body=quoted(name))
+    assert f"spawned.model.yaml:6: plugins[0].name: {expected}" in refusal(name=quoted(name))
+
+
+@pytest.mark.parametrize("name", NO_TOPICS)
+@pytest.mark.parametrize(
+    ("old", "place"),
+    [
+        ("name: robot", "world.yaml:10: models[0].name: "),
+        ("name: floor", "world.yaml:8: layers[2].name: "),
+        ("namespace: r1", "world.yaml:11: models[0].namespace: "),
+    ],
+)
+def test_names_of_models_layers_and_namespaces_are_parts_of_topics(good_files, name, old, place):
+    key = old.partition(":")[0]
+    good_files.edit("world.yaml", old, f"{key}: {quoted(name)}")
+    if key == "namespace" and name in ("''", "a/", "/", "//a"):
+        good_files.load().close()  # it may be empty, and slashes at its ends do not count
+        return
+
+    message = good_files.refusal()
+
+    assert message.startswith(place)
+    assert len(message) < 300
+
+
+@pytest.mark.parametrize("name", NO_TOPICS)
+def test_a_spawned_model_has_a_name_that_ros_can_have(good_files, name):
+    world = good_files.load()
+    path = good_files.folder / "robot.model.yaml"
+    name = "" if name == "''" else name.replace("\\t", "\t")
+
+    with pytest.raises(FlatlandError, match="expected a name"):
+        world.spawn_model(path, name, "", Pose())
+
+
+def test_the_longest_names_are_accepted(files):
+    longest = "a" * MAX_LENGTH
+    world = files.spawn(
+        MODEL.format(body=longest, type="Gps", name=longest, key="topic", value=longest)
+    )
+
+    assert world.transport.topics == {f"/{longest}"}
+
+
+def test_names_that_robots_have_are_accepted(files):
+    files.spawn(
+        MODEL.format(body="base-link.2", type="Gps", name="gps-1", key="topic", value="/a/1b")
+    )
+
+
+# Topics of two types
+
+
+TWO = """\
+bodies:
+- {{name: base, footprints: [{{type: circle, radius: 0.1, density: 1}}]}}
+plugins:
+- {{type: Gps, name: gps, body: base, topic: {}}}
+- {{type: Bumper, name: bumper, topic: {}}}
+"""
+
+
+@pytest.mark.parametrize(("first", "second"), [("x", "x"), ("/x", "x"), ("a/b", "/a/b")])
+def test_a_topic_of_two_types_is_refused_and_the_other_plugin_named(files, first, second):
+    with pytest.raises(FlatlandError) as caught:
+        files.spawn(TWO.format(first, second))
+
+    name = f"/{second.lstrip('/')}"
+    assert files.without_folder(str(caught.value)) == (
+        f'spawned.model.yaml:5: plugins[1].topic: the topic "{name}" has the type '
+        "sensor_msgs/NavSatFix, of the plugin robot/gps, not flatland_msgs/Collisions"
+    )
+
+
+def test_a_plugin_cannot_have_two_types_on_one_topic_itself(refusal):
+    message = refusal("DiffDrive", "enable_twist_pub", "true\n  odom_pub: x\n  twist_pub: x")
+
+    assert 'the topic "/x" has the type nav_msgs/Odometry, of the plugin robot/plugin' in message
+
+
+def test_a_subscriber_of_another_type_is_refused_too(refusal):
+    message = refusal("DiffDrive", "twist_sub", "odom\n  odom_pub: odom")
+
+    assert 'the topic "/odom" has the type' in message
+
+
+@pytest.mark.parametrize(
+    "topic",
+    [
+        "clock",
+        "/clock",
+        "/tf",
+        "/rosout",
+        "/diagnostics",
+        "/flatland_server/debug/topics",
+        "/flatland_server/debug/model/robot",
+        "/flatland_server/state",
+        "interactive_model_markers/update",
+    ],
+)
+def test_a_topic_of_the_server_is_refused(refusal, topic):
+    name = f"/{topic.lstrip('/')}"
+
+    assert refusal(value=topic).startswith(
+        f'spawned.model.yaml:8: plugins[0].topic: the topic "{name}" is the server\'s own'
+    )
+
+
+def test_a_subscriber_of_a_topic_of_ros_must_have_its_type(refusal):
+    assert refusal("DiffDrive", "twist_sub", "/clock").endswith(
+        'the topic "/clock" has the type rosgraph_msgs/Clock, not geometry_msgs/Twist'
+    )
+
+
+def test_two_plugins_may_share_a_topic_of_one_type(good_files):
+    world = good_files.load()
+    path = good_files.folder / "robot.model.yaml"
+
+    world.spawn_model(path, "second", "r1", Pose())
+
+    assert world.plugin_count == 4
+
+
+def test_the_topics_of_a_deleted_model_may_have_another_type(files):
+    world = files.spawn(TWO.format("x", "y"))
+    world.delete_model("robot")
+    path = files.write("other.yaml", TWO.format("y", "x"))
+
+    world.spawn_model(path, "other", "", Pose())
+
+    assert world.transport.topics == {"/x", "/y"}
+
+
+def test_check_world_reports_a_topic_of_two_types(files):
+    path = files.write("two.model.yaml", TWO.format("x", "x"))
+    from flatland_server.tools.check_world import check
+
+    assert check(str(path), None)[0].startswith(f"{path}:5:")

@@ -1,0 +1,88 @@
+"""Models that are spawned within walls or other models: there, with a warning."""
+
+import logging
+import time
+
+import pytest
+from world.parts import spawn
+
+from flatland_server.geometry import Pose
+
+WORLD = """
+properties: {{}}
+layers: [{{name: walls, map: walls.yaml}}, {{name: floor}}]
+models: {}
+"""
+BOX = """
+bodies:
+  - name: base
+    type: {}
+    footprints:
+      - {{type: polygon, points: [[0, 0], [1, 0], [1, 1], [0, 1]], density: 1, {}}}
+"""
+
+
+@pytest.fixture
+def world(files):
+    """A wall along the y axis, and boxes of several kinds to be spawned."""
+    files.walls("walls", (0, -5, 0, 5))
+    files.write("box.yaml", BOX.format("dynamic", ""))
+    files.write("sensor.yaml", BOX.format("dynamic", "sensor: true"))
+    files.write("ghost.yaml", BOX.format("dynamic", "collision: false"))
+    files.write("other_layer.yaml", BOX.format("dynamic", "layers: [floor]"))
+    files.write("static.yaml", BOX.format("static", ""))
+    return files.load(WORLD.format("[]"))
+
+
+@pytest.fixture
+def warnings(caplog):
+    """The warnings that were logged so far."""
+    return lambda: [r.getMessage() for r in caplog.records if r.levelno == logging.WARNING]
+
+
+def test_a_free_place_is_no_warning(files, world, warnings):
+    model = spawn(files, world, "box.yaml", "box", pose=Pose(0.1, 0, 0))
+
+    assert model.overlapping() == []
+    assert world.overlap_warning(model) == ""
+    assert warnings() == []
+
+
+def test_a_model_within_a_wall_and_another_model_is_there_with_a_warning(files, world, warnings):
+    first = spawn(files, world, "box.yaml", "first", pose=Pose(0.1, 0, 0))
+    second = spawn(files, world, "box.yaml", "second", pose=Pose(-0.5, 0.5, 0))
+
+    assert set(second.overlapping()) == {first, world.get_layer("walls")}
+    assert len(warnings()) == 1
+    assert warnings()[0].startswith('the model "second" overlaps the ')
+    assert 'the layer "walls"' in warnings()[0]
+    assert 'the model "first"' in warnings()[0]
+    assert list(world.models) == ["first", "second"]
+
+
+@pytest.mark.parametrize("kind", ["sensor", "ghost", "other_layer", "static"])
+def test_what_is_not_pushed_out_is_no_warning(files, world, warnings, kind):
+    spawn(files, world, f"{kind}.yaml", "box", pose=Pose(-0.5, 0, 0))
+
+    assert warnings() == []
+
+
+def test_a_models_own_bodies_do_not_count(models, warnings):
+    world = models.load("{properties: {}, layers: []}")
+
+    spawn(models, world, "plain.yaml", "two_bodies_in_one_place")
+
+    assert warnings() == []
+
+
+def test_the_check_is_cheap_among_many_walls(files):
+    files.walls("walls", *[(x % 100, x // 100, x % 100 + 0.5, x // 100) for x in range(10_000)])
+    files.write("box.yaml", BOX.format("dynamic", ""))
+    world = files.load(WORLD.format("[]"))
+    model = spawn(files, world, "box.yaml", "box", pose=Pose(50.2, 50.2, 0))
+
+    begin = time.process_time()
+    for _ in range(100):
+        model.overlapping()
+
+    assert time.process_time() - begin < 0.1, "1 ms each"
