@@ -5,8 +5,8 @@
     ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
     ├── LayerError     a layer does not exist
     ├── PluginError    a plugin is unknown or cannot be imported
-    ├── TopicError     a topic or frame cannot have this name, or a topic not this type
-    └── StateError     a world's state cannot be saved, or does not fit the world it is loaded into
+    ├── StateError     a world's state cannot be saved, or does not fit the world it is loaded into
+    └── TopicError     a topic or frame cannot have this name, or a topic not this type
 
 The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
 Messages tell the user where the problem is, what was expected and what was found.

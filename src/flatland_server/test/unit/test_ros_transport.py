@@ -87,15 +87,6 @@ def test_a_call_is_refused_when_the_simulation_ends():
         transport.call(lambda: None)
 
 
-def test_topics_are_compared_as_rospy_resolves_them(monkeypatch):
-    remapped = {"scan": "/clock"}  # as by scan:=/clock on the command line
-    monkeypatch.setattr(rospy, "resolve_name", lambda name: remapped.get(name, f"/{name}"))
-    node = Node(RosTransport(), "", "robot/laser")
-
-    with pytest.raises(TopicError, match='the topic "/clock" is the server\'s own'):
-        node.advertise("scan", LaserScan)
-
-
 def test_the_publishers_of_a_topic_count_its_subscribers_once():
     """A reset opens a topic again before the former publisher is closed."""
     transport = RosTransport()
@@ -111,3 +102,12 @@ def test_the_publishers_of_a_topic_count_its_subscribers_once():
     again = transport.advertise("counted", String, **options)
     assert len(again._publisher.impl.subscriber_listeners) == 1
     again.close()
+
+
+def test_topics_are_compared_as_rospy_resolves_them(monkeypatch):
+    remapped = {"scan": "/clock"}  # as by scan:=/clock on the command line
+    monkeypatch.setattr(rospy, "resolve_name", lambda name: remapped.get(name, f"/{name}"))
+    node = Node(RosTransport(), "", "robot/laser")
+
+    with pytest.raises(TopicError, match='the topic "/clock" is the server\'s own'):
+        node.advertise("scan", LaserScan)

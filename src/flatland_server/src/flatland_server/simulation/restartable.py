@@ -87,7 +87,7 @@ class Restartable(ABC):
                 self._config.path,
                 preprocessor,
                 simplify_map=self._config.simplify_map,
-                model_folders=self._config.model_folders[1:],  # the first is the file's own
+                model_folders=self._config.model_folders[1:],  # the first is the world's own
             )
 
     def reload(self, config: WorldConfig) -> None:
