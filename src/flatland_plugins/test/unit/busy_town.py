@@ -1,14 +1,14 @@
 """A world in which all that a saved state has to keep is in motion, and digests of its messages.
 
-Run as a program, `busy_town.py FOLDER STATE SECONDS`, it loads the state in a process of its own
-and prints the digest of what follows.
+Run as a program, `busy_town.py FOLDER SECONDS [STATE]`, it prints the digest of a run in a process
+of its own, from the beginning or from a saved state.
 """
 
 import hashlib
 import math
 import sys
 from pathlib import Path
-from typing import Any, List
+from typing import Any, Container, Dict, List, Optional, Tuple
 
 from flatland_server import LocalTransport, Pose, World
 from flatland_server.testing import Simulation, WorldFiles
@@ -86,8 +86,8 @@ plugins:
 class Recorder(LocalTransport):
     """Digests all messages and transforms, and hears their senders' names."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, subscribed_topics: Optional[Container[str]] = None) -> None:
+        super().__init__(subscribed_topics=subscribed_topics)
         self.restart()
 
     def restart(self) -> None:
@@ -114,13 +114,15 @@ class Recorder(LocalTransport):
 class Town:
     """The world, and a timetable of what happens in it."""
 
-    def __init__(self, folder: Path, seed: int = 4) -> None:
+    def __init__(
+        self, folder: Path, seed: int = 4, subscribed_topics: Optional[Container[str]] = None
+    ) -> None:
         self.files = WorldFiles(folder)
         self.files.write("robot.yaml", ROBOT)
         self.files.write("box.yaml", BOX)
         self.files.write("door.yaml", DOOR)
         world = WORLD.replace("MAP", self.files.walls("map", *WALLS))
-        self.transport = Recorder()
+        self.transport = Recorder(subscribed_topics)
         path = self.files.write("world.yaml", world)
         loaded = World.from_file(path, self.transport, seed=seed, loader=self.files.loader)
         self.simulation = Simulation(loaded)
@@ -151,21 +153,31 @@ class Town:
             self.simulation.run()
         return self
 
+    def motion(self) -> Dict[str, List[Tuple[float, ...]]]:
+        """Pose and velocity of each body, by model."""
+        return {
+            name: [
+                (*body.physics_body.pose, *body.physics_body.velocity)
+                for body in model.bodies.values()
+            ]
+            for name, model in self.simulation.world.models.items()
+        }
+
     def digest(self, seconds: float) -> str:
         """Advances the time; a digest of all messages, transforms, poses and walls of it."""
         self.transport.restart()
         self.run(seconds)
         world = self.simulation.world
-        for name, model in world.models.items():
-            bodies = model.bodies.values()
-            motion = [(*body.physics_body.pose, *body.physics_body.velocity) for body in bodies]
-            self.transport.record(name, motion)
+        self.transport.record(self.motion())
         self.transport.record([layer.segments.tolist() for layer in world.layers])
         assert self.transport.count > 100 * seconds
         return self.transport.digest.hexdigest()
 
 
 if __name__ == "__main__":
-    town = Town(Path(sys.argv[1]), seed=99)
-    town.simulation.load_state(Path(sys.argv[2]).read_bytes())
-    print(town.digest(float(sys.argv[3])))
+    if len(sys.argv) > 3:
+        town = Town(Path(sys.argv[1]), seed=99)
+        town.simulation.load_state(Path(sys.argv[3]).read_bytes())
+    else:
+        town = Town(Path(sys.argv[1]))
+    print(town.digest(float(sys.argv[2])))

@@ -1,14 +1,37 @@
 """Runs that continue from a saved state, and runs after a reset: equal to the last bit."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Optional
 
 import pytest
 from busy_town import Town
 
+pytestmark = pytest.mark.slow
+
 PROGRAM = Path(__file__).with_name("busy_town.py")
+
+
+def digest_elsewhere(
+    folder: Path, *arguments: str, hash_seed: str = "random", cores: Optional[int] = None
+) -> str:
+    """What `busy_town.py` prints in a process of its own."""
+
+    def keep_to_cores() -> None:
+        os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
+
+    result = subprocess.run(
+        [sys.executable, str(PROGRAM), str(folder), *arguments],
+        env={**os.environ, "PYTHONHASHSEED": hash_seed},
+        preexec_fn=keep_to_cores,
+        stdout=subprocess.PIPE,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    return result.stdout.strip()
 
 
 @pytest.fixture
@@ -22,10 +45,29 @@ def test_a_run_goes_on_in_another_process_as_it_does_here(make_town, tmp_path, s
     file = tmp_path / "state"
     file.write_bytes(town.simulation.save_state())
 
-    arguments = [sys.executable, str(PROGRAM), str(tmp_path), str(file), "2.0"]
-    there = subprocess.run(arguments, stdout=subprocess.PIPE, text=True, timeout=60, check=True)
+    assert digest_elsewhere(tmp_path, "2.0", str(file)) == town.digest(2.0)
 
-    assert there.stdout.strip() == town.digest(2.0)
+
+@pytest.mark.parametrize(("hash_seed", "cores"), [("0", 1), ("1", None), ("random", None)], ids=str)
+def test_a_run_is_the_same_in_every_process(make_town, tmp_path, hash_seed, cores):
+    """For longer: busy_town.py FOLDER 60."""
+    there = digest_elsewhere(tmp_path, "2.0", hash_seed=hash_seed, cores=cores)
+
+    assert there == make_town().digest(2.0)
+
+
+def test_subscribers_change_nothing_but_what_they_receive(make_town):
+    everything, nothing = make_town().run(2.0), make_town(subscribed_topics=[]).run(2.0)
+    scans = make_town(subscribed_topics=["/anna/scan"]).run(2.0)
+
+    changing = make_town()
+    for topics in (None, [], ["/anna/scan"], None) * 2:
+        changing.transport.set_subscribed_topics(topics)
+        changing.run(0.25)
+
+    assert everything.motion() == nothing.motion() == scans.motion() == changing.motion()
+    assert nothing.transport.count == 0
+    assert str(scans.simulation.last("/anna/scan")) == str(everything.simulation.last("/anna/scan"))
 
 
 def test_a_state_can_be_loaded_again_and_again(make_town):
