@@ -45,16 +45,18 @@ class Recorder:
 def publish_rates(recorders: Sequence[Recorder], seconds: float) -> List[float]:
     """Messages per second of simulated time, over the same time [s], of topics with headers."""
     firsts = [recorder.next().header.stamp for recorder in recorders]
-    begins = [len(recorder.messages) for recorder in recorders]
     rates = []
-    for recorder, first, begin in zip(recorders, firsts, begins):
+    for recorder, first in zip(recorders, firsts):
 
         def is_over(m: Any, first: Any = first) -> bool:
             return bool((m.header.stamp - first).to_sec() >= seconds)
 
-        arrived = [m for m in recorder.messages[begin:] if is_over(m)]
-        last = arrived[0] if arrived else recorder.next(holds=is_over)
-        stamps = {m.header.stamp.to_nsec() for m in recorder.messages[begin:]}
-        count = len([stamp for stamp in stamps if stamp <= last.header.stamp.to_nsec()])
-        rates.append(count / (last.header.stamp - first).to_sec())
+        wait_until(
+            lambda r=recorder, over=is_over: over(r.messages[-1]),
+            f"{seconds} s of {recorder.topic}",
+        )
+        last = next(m.header.stamp for m in recorder.messages if is_over(m))
+        stamps = {m.header.stamp.to_nsec() for m in recorder.messages}
+        count = len([stamp for stamp in stamps if first.to_nsec() < stamp <= last.to_nsec()])
+        rates.append(count / (last - first).to_sec())
     return rates
