@@ -184,4 +184,5 @@ def simulated_time(clock: socket.socket, seconds: float) -> float:
 def prepare(max_files: int, hard: int) -> None:
     """In a new process: signals and the limit of open files as a terminal gives them."""
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a background shell ignores it
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and nohup this one
     resource.setrlimit(resource.RLIMIT_NOFILE, (max_files, hard))

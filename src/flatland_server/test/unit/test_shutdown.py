@@ -98,3 +98,11 @@ def test_a_simulation_that_has_ended_is_not_disturbed(request_end, codes):
 
     assert transport.is_ending
     assert not codes.event.wait(0.3)
+
+
+def test_a_hangup_that_nohup_ignores_stays_ignored(request_end):
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+
+    request_end(has_started=True, on_this_thread=True)
+
+    assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN

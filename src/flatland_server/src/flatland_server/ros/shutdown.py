@@ -52,7 +52,9 @@ class Shutdown:
         self._simulation = threading.get_ident()
         threading.Thread(target=self._limit_time, daemon=True).start()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, self._end)
+            is_left_out = number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN
+            if not is_left_out:  # by nohup
+                signal.signal(number, self._end)
         rospy.on_shutdown(self._on_shutdown)
 
     def steps_have_ended(self) -> None:
