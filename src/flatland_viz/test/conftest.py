@@ -112,7 +112,7 @@ class Ros:
             of a core.
     """
 
-    frame_rate = 10
+    frame_rate = 5
 
     def __init__(self, environment, logs):
         port = free_port()
