@@ -243,6 +243,19 @@ def test_the_office_is_shown(viewer):
     assert viewer.view.scale > 40  # pixels per metre: it has zoomed
 
 
+def test_the_office_is_shown_again_after_a_reset(viewer):
+    pixels = viewer.picture("before_reset")
+    answer = viewer.ros.call("/reset", keep_time=False)
+    assert answer["success"], answer["message"]
+    # rviz discards everything, and the window subscribes anew.
+    viewer.waiting(
+        lambda: near(viewer.picture("reset"), WALLS).sum() < 0.5 * near(pixels, WALLS).sum(),
+        "the walls to go",
+        20,
+    )
+    viewer.waiting(viewer.shows_office, "walls, robot, boxes and scan", 20)
+
+
 def test_a_model_is_spawned_at_a_click_and_faces_the_next(viewer):
     before = set(viewer.ros.models())
     at, towards = viewer.view.pixel(2.0, 3.0), viewer.view.pixel(4.0, 4.0)

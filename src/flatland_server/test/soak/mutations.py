@@ -77,8 +77,11 @@ class Mutator:
             return content  # spoilt before
         if not places or len(places) > 5000:
             return content
-        self._rng.choice(self._tree)(document, self._rng.choice(places))
-        return yaml.dump(document, Dumper=_DUMPER, sort_keys=False, allow_unicode=True).encode()
+        try:
+            self._rng.choice(self._tree)(document, self._rng.choice(places))
+            return yaml.dump(document, Dumper=_DUMPER, sort_keys=False, allow_unicode=True).encode()
+        except RecursionError:  # nested too deeply for PyYAML, after several changes
+            return content
 
     def _odd(self) -> Any:
         return copy.deepcopy(self._rng.choice(self._rng.choice([NUMBERS, ODD])))

@@ -125,8 +125,10 @@ class Model(Entity):
             for joint in config.joints:
                 self.joints.append(Joint(joint, self.bodies))
                 self._joints_by_name[joint.name] = self.joints[-1]
-        except ValueError as error:
+        except BaseException as error:
             self.remove()
+            if not isinstance(error, ValueError):
+                raise
             raise ModelError(f'the model "{name}" does not fit into the world: {error}') from None
         entities.add(self, self.physics_bodies)
 

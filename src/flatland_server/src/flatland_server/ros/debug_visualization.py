@@ -30,6 +30,11 @@ FRAME_ID = "map"
 _FULL_PERIOD = 1.0
 """Seconds of real time after which models at rest are published again."""
 
+_AGAIN_DELAYS = (1.0, 3.0)
+"""Seconds of real time after a jump of simulated time until walls are published again. rviz
+discards all markers, latched ones too, when it notices that time went back: soon after /clock did,
+unless the machine is busy."""
+
 _DELETE_ALL = delete_all(FRAME_ID)
 
 
@@ -47,6 +52,7 @@ class DebugVisualization:
         self._rospy_calls = rospy_calls
         self._timer = RealTimeTimer(1.0 / rate)
         self._next_full = 0.0
+        self._walls_due: List[float] = []  # when they are published again
         self._subscribers = 0
         self._walls = WallVisualization(world.layers, FRAME_ID)
         self._models: Dict[str, _ModelDisplay] = {}
@@ -61,6 +67,9 @@ class DebugVisualization:
         if not self._timer.check_update():
             return
         now = time.monotonic()
+        while self._walls_due and now >= self._walls_due[0]:
+            del self._walls_due[0]
+            self._walls.publish_again()
         has_other_layers = self._walls.update(self._world.layers)
         while self._closing:
             self._closing.pop().close()
@@ -80,6 +89,11 @@ class DebugVisualization:
                 markers.append(display.publish())
         if subscribers and markers:
             self._all.publish(array_of(markers))
+
+    def time_has_jumped(self) -> None:
+        """Publishes everything again for viewers that discard what they show when time goes back."""
+        now = time.monotonic()
+        self._walls_due = [now + delay for delay in _AGAIN_DELAYS]
 
     def _follow_models(self) -> bool:
         """Adds displays of new models and removes those of deleted ones. Returns whether any."""

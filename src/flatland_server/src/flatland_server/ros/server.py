@@ -114,6 +114,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     if config.show_viz:
         markers = DebugVisualization(manager.world, config.viz_pub_rate, transport.rospy_calls)
         manager.on_tick.append(markers.update)
+        manager.after_jump.append(markers.time_has_jumped)
         handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
         manager.on_tick.append(handles.update)
     manager.on_tick.append(Diagnostics(manager).update)

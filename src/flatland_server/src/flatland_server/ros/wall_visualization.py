@@ -75,6 +75,10 @@ class WallVisualization:
             self._all.publish(self._of_all_layers())
         return has_other_topics
 
+    def publish_again(self) -> None:
+        """Makes the next `update` publish all walls, for viewers that have discarded them."""
+        self._shown.clear()
+
     def _follow_names(self, layers: List[Layer]) -> bool:
         """Opens and closes topics. Returns whether any."""
         names = [name for layer in layers for name in layer.config.names]

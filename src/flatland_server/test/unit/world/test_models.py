@@ -2,6 +2,7 @@
 
 import logging
 import math
+from dataclasses import replace
 from typing import List
 
 import pytest
@@ -10,6 +11,7 @@ from world.parts import EMPTY, spawn, state
 from flatland_server import _core
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
+from flatland_server.models.joint import JointConfig
 from flatland_server.models.model import ModelConfig
 from flatland_server.simulation.world_config import ModelEntry
 
@@ -224,3 +226,19 @@ def test_a_model_that_cannot_be_added_leaves_the_world_unchanged(models):
             world.add_model(entry)
 
     assert state(world) == before
+
+
+def test_bodies_that_were_made_before_an_unexpected_error_are_removed(models):
+    world = models.load(EMPTY)
+    good = ModelConfig.from_file(models.folder / "good.yaml", world.registry)
+    name = good.bodies[0].name
+    joint = JointConfig(
+        "weld", "arm", (1.0, 1.0, 1.0, 1.0), False, (name, "none"), ((0.0, 0.0), (0.0, 0.0))
+    )
+    before = world.physics.body_count
+
+    with pytest.raises(KeyError):
+        world.add_model(ModelEntry("robot", "", Pose(), replace(good, joints=(joint,))))
+
+    assert world.physics.body_count == before
+    assert not world.models
