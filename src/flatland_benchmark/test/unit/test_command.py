@@ -189,6 +189,7 @@ def test_the_others_run_when_a_case_fails(monkeypatch, capsys, tmp_path):
     assert "parts_100" in validate(path)["cases"]
 
 
+@pytest.mark.slow
 def test_a_case_that_fails_is_named(capfd):
     with pytest.raises(command.FlatlandError, match="no_such_case failed"):
         command.measure(Case("no_such_case", "", lambda _: {}), 1)
@@ -263,6 +264,7 @@ def options_of(launch, *arguments):
     return command.parser().parse_args(words)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("launch", LAUNCH_FILES, ids=lambda path: path.parts[-3])
 def test_the_launch_file_hands_its_arguments_on(launch):
     options = options_of(launch, "cases:=scan_* spawn", "runs:=2", "json:=/tmp/now.json")

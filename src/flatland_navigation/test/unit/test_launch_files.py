@@ -12,6 +12,8 @@ from roslaunch.config import load_config_default
 
 from flatland_navigation.stack import PACKAGES, missing_packages
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(__file__).resolve().parents[2]
 LAUNCH = PACKAGE / "launch"
 
@@ -194,7 +196,6 @@ def test_waypoints_may_come_from_a_file():
     assert load("waypoints.launch").nodes[0].name == "move_base"
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(not missing_packages(), reason="the navigation stack is installed")
 @pytest.mark.parametrize("launch", [["navigation.launch"], ["robot.launch", "ns:=r1"]])
 def test_without_the_stack_one_line_says_so_and_nothing_is_started(launch):

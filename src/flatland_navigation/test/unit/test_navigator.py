@@ -13,6 +13,8 @@ from flatland_navigation.navigator import Navigator, NavigatorConfig, Status
 from flatland_server import Pose, World
 from flatland_server.testing import Simulation, WorldFiles
 
+pytestmark = pytest.mark.slow
+
 OFFICE = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds" / "office"
 ROBOT = OFFICE / "turtlebot.model.yaml"
 BOX = OFFICE / "box.model.yaml"

@@ -1,13 +1,18 @@
 """The command check_world, without a ROS master and rospy: summaries, problems, pictures."""
 
+import contextlib
+import io
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
+
+from flatland_server.tools.check_world import main
 
 WITHOUT_ROSPY = """
 import sys
@@ -37,8 +42,25 @@ def run(*command: object, cwd: Path) -> "subprocess.CompletedProcess[str]":
 
 
 @pytest.fixture
-def check(files):
-    """Runs check_world on files of the folder; rospy cannot be imported."""
+def check(files, monkeypatch):
+    """Runs check_world in this process, on files of the folder."""
+    monkeypatch.chdir(files.folder)
+
+    def check(*arguments: str) -> "subprocess.CompletedProcess[str]":
+        output, errors = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
+            try:
+                code: Any = main(list(arguments))
+            except SystemExit as error:
+                code = error.code
+        return subprocess.CompletedProcess(arguments, code, output.getvalue(), errors.getvalue())
+
+    return check
+
+
+@pytest.fixture
+def check_alone(files):
+    """Runs check_world as a command, with its log; rospy cannot be imported."""
 
     def check(*arguments: str) -> "subprocess.CompletedProcess[str]":
         return run(sys.executable, "-c", WITHOUT_ROSPY, *arguments, cwd=files.folder)
@@ -56,12 +78,13 @@ def segment_count(files) -> int:
     return sum(len(layer.segments) for layer in world.layers)
 
 
-def test_a_good_world_is_summed_up_in_a_line(good_files, check):
+def test_a_good_world_is_summed_up_in_a_line(good_files, check_alone):
     summary = SUMMARY.format(segment_count(good_files))
 
-    assert_answer(check("world.yaml"), 0, f"world.yaml: {summary}\n")
+    assert_answer(check_alone("world.yaml"), 0, f"world.yaml: {summary}\n")
 
 
+@pytest.mark.slow
 def test_rosrun_finds_it(good_files):
     answer = run("rosrun", "flatland_server", "check_world", "world.yaml", cwd=good_files.folder)
 
@@ -69,6 +92,7 @@ def test_rosrun_finds_it(good_files):
     assert_answer(answer, 0, f"world.yaml: {summary}\n")
 
 
+@pytest.mark.slow
 def test_rosrun_returns_the_exit_code(files):
     answer = run("rosrun", "flatland_server", "check_world", "world.yaml", cwd=files.folder)
 
@@ -211,10 +235,10 @@ def test_a_file_of_another_kind_is_refused_without_a_traceback(good_files, check
     assert answer.stderr
 
 
-def test_a_warning_of_an_expression_does_not_fail_the_check(good_files, check):
+def test_a_warning_of_an_expression_does_not_fail_the_check_alone(good_files, check_alone):
     good_files.edit("world.yaml", "namespace: r1", "namespace: $eval env('NOT_SET_AT_ALL')")
 
-    answer = check("world.yaml")
+    answer = check_alone("world.yaml")
 
     assert answer.returncode == 0
     assert answer.stderr == (
@@ -287,8 +311,8 @@ def test_a_wrong_world_has_no_picture(files, check):
     assert not (files.folder / "world.png").exists()
 
 
-def test_a_picture_that_cannot_be_written_is_an_error_without_a_traceback(good_files, check):
-    answer = check("world.yaml", "--render", "no/such/folder/world.png")
+def test_a_picture_that_cannot_be_written_is_an_error_without_a_traceback(good_files, check_alone):
+    answer = check_alone("world.yaml", "--render", "no/such/folder/world.png")
 
     assert answer.returncode != 0
     assert "Traceback" not in answer.stderr

@@ -156,6 +156,7 @@ def test_the_worker_has_no_files_processes_or_endless_time(evaluate, preprocesso
     assert int(soft["Max cpu time"]) < 10
 
 
+@pytest.mark.slow
 def test_the_kernel_ends_a_worker_that_computes_for_too_long():
     worker = subprocess.Popen(
         [sys.executable, "-I", lua._WORKER, str(os.getpid())],
@@ -170,6 +171,7 @@ def test_the_kernel_ends_a_worker_that_computes_for_too_long():
     worker.communicate()
 
 
+@pytest.mark.slow
 def test_the_expressions_of_a_file_share_their_time(files, preprocessor):
     slow = "$eval local t = 0 for i = 1, 1.5e7 do t = t + math.sin(i) end return t"
     path = files.write("file.yaml", "".join(f"x{i}: {slow}\n" for i in range(60)))
@@ -182,6 +184,7 @@ def test_the_expressions_of_a_file_share_their_time(files, preprocessor):
     assert "together with the expressions before it in the file" in str(caught.value)
 
 
+@pytest.mark.slow
 def test_each_file_has_its_own_time(files, preprocessor, evaluate):
     with pytest.raises(YamlError):
         evaluate("while true do end")

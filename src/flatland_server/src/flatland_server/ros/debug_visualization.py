@@ -91,7 +91,7 @@ class DebugVisualization:
             self._all.publish(array_of(markers))
 
     def time_has_jumped(self) -> None:
-        """Publishes everything again for viewers that discard what they show when time goes back."""
+        """Publishes the walls again for viewers that discard all markers when time goes back."""
         now = time.monotonic()
         self._walls_due = [now + delay for delay in _AGAIN_DELAYS]
 
