@@ -91,7 +91,12 @@ def ended(server: Server) -> Iterator[Server]:
 
 @contextlib.contextmanager
 def client(master: Master, command: List[str], output: Path) -> Iterator[None]:
-    """A program of ROS's, with its output in a file."""
+    """A program of ROS's, with its output in a file. It ends as by Ctrl-C.
+
+    A publisher that is killed stays known to the master. Every later subscriber calls its address,
+    and when another program has got that port for its TCPROS server, the call blocks this program's
+    thread for new connections: rospy waits for the rest of a header of 1.4 GB ("POST").
+    """
     with output.open("a") as file:
         process = subprocess.Popen(
             command,
@@ -102,5 +107,9 @@ def client(master: Master, command: List[str], output: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        process.kill()
-        process.wait()
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(END_LIMIT)
+        finally:
+            process.kill()
+            process.wait()
