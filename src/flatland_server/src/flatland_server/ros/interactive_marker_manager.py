@@ -102,10 +102,15 @@ class InteractiveMarkerManager:
         return gone, new
 
     def _follow_poses(self) -> bool:
+        """Moves the markers of models that have moved. Returns whether any.
+
+        Except those that are being dragged: rviz keeps a pose that it receives during a drag for
+        the end, so that a model would jump back from where the mouse has left it.
+        """
         has_moved = False
         for name, (model, shown_pose) in self._shown.items():
             pose = model.base.physics_body.pose
-            if pose != shown_pose:
+            if pose != shown_pose and name not in self._drags:
                 self._shown[name] = (model, pose)
                 has_moved |= self._server.setPose(name, _pose_message(model.pose))
         return has_moved
