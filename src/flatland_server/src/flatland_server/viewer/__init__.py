@@ -1,0 +1,1 @@
+"""The window of `flatland view`: draws a simulation, and drives its robots. Only `window` needs pygame."""
