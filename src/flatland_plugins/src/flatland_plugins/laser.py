@@ -86,6 +86,14 @@ class Laser(ModelPlugin):
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)
         return ranges, intensities
 
+    def read(self, timekeeper: Timekeeper) -> Float32Array:
+        """The range of each beam [m], shape (n,); a beam that hits nothing is +inf (REP 117)."""
+        return self._scan(timekeeper.nanoseconds)[0]
+
+    def read_intensities(self, timekeeper: Timekeeper) -> Float32Array:
+        """The intensity of each beam, 0 or 255, shape (n,); (0,) without a layer "reflectance"."""
+        return self._scan(timekeeper.nanoseconds)[1]
+
     def get_state(self) -> None:
         """Nothing: a scan depends on the present alone, and its noise on the time."""
 

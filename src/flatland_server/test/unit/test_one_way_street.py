@@ -21,6 +21,7 @@ LAYERS = (  # each may import those before it
     "plugins",
     "simulation",
     "tools",
+    "library",
     "testing",
     "ros.rospy_patches",
     "ros",
