@@ -90,9 +90,17 @@ class Laser(ModelPlugin):
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)
         return ranges, intensities
 
+    def read(self, timekeeper: Timekeeper) -> Float32Array:
+        """The range of each beam [m], shape (n,); a beam that hits nothing is +inf (REP 117)."""
+        return self._scan(timekeeper.nanoseconds)[0]
+
+    def read_intensities(self, timekeeper: Timekeeper) -> Float32Array:
+        """The intensity of each beam, 0 or 255, shape (n,); (0,) without a layer "reflectance"."""
+        return self._scan(timekeeper.nanoseconds)[1]
+
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
         """Draws the area that the beams cross, and a dot where one is returned."""
-        laser, (ranges, _) = self._config, self._scan(timekeeper.nanoseconds)
+        laser, ranges = self._config, self.read(timekeeper)
         pose = self._body.pose.compose(laser.origin)
         angles = pose.yaw + self._handedness * (
             laser.angle_min + laser.increment * np.arange(laser.beams)

@@ -37,9 +37,13 @@ from flatland_server.exceptions import (
     Problem,
     StateError,
     TopicError,
+    UsageError,
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
+from flatland_server.library.handles import ModelHandle, Sensor, Velocity
+from flatland_server.library.simulation import Simulation
+from flatland_server.library.touch import Touch
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entity
@@ -97,6 +101,7 @@ __all__ = [
     "ModelConfig",
     "ModelEntry",
     "ModelError",
+    "ModelHandle",
     "ModelPlugin",
     "Node",
     "PluginDeclaration",
@@ -109,16 +114,21 @@ __all__ = [
     "Publisher",
     "RelativePoses",
     "Segments",
+    "Sensor",
+    "Simulation",
     "SimulationManager",
     "StateError",
     "Subscription",
     "Timekeeper",
     "TopicError",
+    "Touch",
     "Transform",
     "Transport",
     "Tricycle",
     "Tween",
     "UpdateTimer",
+    "UsageError",
+    "Velocity",
     "World",
     "WorldConfig",
     "WorldPlugin",

@@ -22,6 +22,7 @@ LAYERS = (  # each may import those before it
     "simulation",
     "rendering",
     "tools",
+    "library",
     "testing",
     "ros.rospy_patches",
     "ros",
