@@ -23,11 +23,15 @@ LAYERS = (  # each may import those before it
     "rendering",
     "tools",
     "library",
+    "viewer",
+    "cli",
     "testing",
     "ros.rospy_patches",
     "ros",
 )
 PUBLIC_FRONT = "flatland_server/__init__.py"
+ENTRIES = (PUBLIC_FRONT, "flatland_server/__main__.py")
+"""What a user starts from: above all folders."""
 
 IMPORT_WITHOUT_ROSPY = """
 import importlib
@@ -92,7 +96,7 @@ def folder_imports() -> Dict[str, Set[str]]:
     """The other folders that each folder of flatland_server imports."""
     found: Dict[str, Set[str]] = {}
     for path in sources("flatland_server"):
-        if str(path).endswith(PUBLIC_FRONT):
+        if str(path).endswith(ENTRIES):
             continue
         folder = folder_of(module_name(path))
         names = [name for _, name in imports(path) if name.startswith("flatland_server.")]

@@ -7,7 +7,7 @@ import signal
 import sys
 import time
 from types import FrameType
-from typing import Any, Callable, Iterator, Optional
+from typing import Callable, Iterator, Optional
 
 from flatland_server.cli.arguments import Subparsers, add_world, open_simulation, positive
 from flatland_server.exceptions import FlatlandError
@@ -24,8 +24,8 @@ def add_parser(commands: Subparsers) -> None:
     parser = commands.add_parser(
         "run",
         help="simulate a world",
-        description="Simulate a world, and say how fast that was. Ctrl-C ends it; what was recorded "
-        "until then is complete.",
+        description="Simulate a world, and say how fast that was. Ctrl-C ends it; what was "
+        "recorded until then is complete.",
     )
     add_world(parser)
     parser.add_argument(
@@ -63,10 +63,10 @@ def _execute(options: argparse.Namespace) -> int:
         simulation = stack.enter_context(open_simulation(options, raise_failures=False))
         if options.record:
             stack.enter_context(simulation.record(options.record, topics=options.topics))
-        bar = stack.enter_context(_progress_bar(options.progress, options.seconds))
+        report = stack.enter_context(_progress_bar(options.progress, options.seconds))
         is_interrupted = stack.enter_context(_interrupts())
         start = time.monotonic()
-        _simulate(simulation, options.seconds, options.rate, is_interrupted, bar)
+        _simulate(simulation, options.seconds, options.rate, is_interrupted, report)
         elapsed = time.monotonic() - start
     print(_summary(options, simulation, elapsed))
     for failure in simulation.world.plugin_failures:
@@ -82,7 +82,7 @@ def _simulate(
     seconds: Optional[float],
     rate: float,
     is_interrupted: Callable[[], bool],
-    bar: Any,
+    report: Callable[[float], None],
 ) -> None:
     """Makes steps until the time has come, or Ctrl-C.
 
@@ -91,7 +91,7 @@ def _simulate(
         seconds: how much simulated time [s]; None is for ever.
         rate: at most so much simulated time per real time.
         is_interrupted: whether to end.
-        bar: shows the progress, if any; tqdm's.
+        report: is told the simulated time from time to time [s].
     """
     step_size = simulation.step_size
     rest = math.inf if seconds is None else max(1, round(seconds / step_size))
@@ -111,8 +111,7 @@ def _simulate(
         # As many steps as take half to all of the time between two looks.
         chunk = count * 2 if spent < _CHUNK / 2 else max(1, count // 2 if spent > _CHUNK else count)
         made += count
-        if bar is not None:
-            bar.update(count * step_size)
+        report(simulation.time)
 
 
 def _summary(options: argparse.Namespace, simulation: Simulation, elapsed: float) -> str:
@@ -127,8 +126,13 @@ def _summary(options: argparse.Namespace, simulation: Simulation, elapsed: float
 
 
 @contextlib.contextmanager
-def _progress_bar(is_wanted: Optional[bool], seconds: Optional[float]) -> Iterator[Any]:
-    """A bar of tqdm on standard error; None if none is wanted.
+def _progress_bar(
+    is_wanted: Optional[bool], seconds: Optional[float]
+) -> Iterator[Callable[[float], None]]:
+    """A bar of tqdm on standard error, if one is wanted.
+
+    Yields:
+        A function that shows how much time has been simulated [s].
 
     Raises:
         FlatlandError: tqdm is not installed, and a bar was asked for.
@@ -141,14 +145,19 @@ def _progress_bar(is_wanted: Optional[bool], seconds: Optional[float]) -> Iterat
         if is_wanted:
             raise FlatlandError("a progress bar needs tqdm: pip install tqdm") from None
     if not is_wanted:
-        yield None
+        yield lambda _: None
         return
-    form = "{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
-    endless = "{n:.1f} s [{elapsed}, {rate_noinv_fmt}]"
-    with tqdm.tqdm(
-        total=seconds, unit=" x real time", bar_format=form if seconds else endless
-    ) as bar:
-        yield bar
+    form = "{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}<{remaining}{postfix}]"
+    endless = "{n:.1f} s [{elapsed}{postfix}]"
+    with tqdm.tqdm(total=seconds, bar_format=form if seconds else endless) as bar:
+        start = time.monotonic()
+
+        def report(simulated: float) -> None:
+            factor = simulated / max(time.monotonic() - start, 1e-9)
+            bar.set_postfix_str(f"{factor:.3g} x real time", refresh=False)
+            bar.update(min(simulated, seconds or math.inf) - bar.n)
+
+        yield report
 
 
 @contextlib.contextmanager

@@ -5,8 +5,8 @@ from typing import List
 KEYS = (
     ("arrows, WASD", "drive the robot; with Shift twice as fast"),
     ("Q E", "move sideways, if its drive can"),
-    ("Tab, click", "choose another model, and follow it"),
-    ("F", "follow the model, or not"),
+    ("Tab, click", "follow a robot: the next one, or a model that is clicked"),
+    ("F", "follow, or stop following"),
     ("drag, wheel", "move and zoom the picture; Home: show all"),
     ("space", "pause, go on"),
     (".", "make a single step"),

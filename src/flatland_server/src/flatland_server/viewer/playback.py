@@ -6,7 +6,7 @@ from typing import Callable, List, Tuple
 RATES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 """The rates that `faster` and `slower` choose from: simulated seconds per second."""
 
-_LONGEST_FRAME = 0.1
+_LONGEST_FRAME = 0.25
 """Real time that is simulated after a frame that took longer [s]."""
 
 _METERING_PERIOD = 0.5

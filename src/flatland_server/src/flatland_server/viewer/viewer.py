@@ -67,9 +67,7 @@ class Viewer:
         self._renderer = Renderer(simulation.world, simulation.timekeeper)
         self._trail: List[Point] = []
         self.view = self._renderer.view(size)
-        names = list(simulation.models)
-        drivable = [name for name in names if first_drive(simulation, name)]
-        self.choose(next(iter(drivable + names), ""))
+        self.choose(next(iter(self._robots()), ""))
         if follow is not None:
             self.choose(simulation.models[follow].name)
             self.follow()
@@ -116,12 +114,17 @@ class Viewer:
             self._trail.clear()
 
     def choose_next(self, step: int = 1) -> None:
-        """Chooses the next model, in the order of the world, and follows it."""
-        names = list(self.simulation.models)
-        if names:
-            index = names.index(self.chosen) + step if self.chosen in names else 0
-            self.choose(names[index % len(names)])
-            self.follow()
+        """Follows the chosen model; if it is followed already, the next robot of the world.
+
+        Robots are the models that have a drive; or all models, if none has one.
+        """
+        names = self._robots()
+        if self.chosen in names:
+            step = step if self.is_following else 0
+            self.choose(names[(names.index(self.chosen) + step) % len(names)])
+        elif names:
+            self.choose(names[0])
+        self.follow()
 
     def choose_at(self, pixel: Point) -> None:
         """Chooses the model at a pixel, if there is one, and follows it."""
@@ -227,6 +230,11 @@ class Viewer:
         degrees = math.degrees(yaw)
         place = f"x {x:.2f}  y {y:.2f}  yaw {degrees:.0f}\N{DEGREE SIGN}"
         return world, f"{handle.name}   {place}   {speed}  {turn:.2f} rad/s"
+
+    def _robots(self) -> List[str]:
+        """The names of the models that have a drive; of all models, if none has one."""
+        names = list(self.simulation.models)
+        return [name for name in names if first_drive(self.simulation, name)] or names
 
     def _note_trail(self) -> None:
         handle = self.simulation.models.get(self.chosen)

@@ -1,6 +1,7 @@
 """The window, by pygame: draws what the viewer shows, and tells it of keys and the mouse."""
 
 import os
+import sys
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Tuple
 
@@ -9,6 +10,7 @@ from flatland_server.viewer.keys import KEYS
 from flatland_server.viewer.viewer import Viewer
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+os.environ.setdefault("SDL_VIDEO_X11_WMCLASS", "flatland")
 try:
     import pygame
 except ImportError:
@@ -17,13 +19,16 @@ except ImportError:
     ) from None
 
 _FRAME_RATE = 30
-_FONT_SIZE = 18  # px
+_FONTS = "dejavusans,notosans,liberationsans,helvetica,arial"  # or else pygame's own
+_FONT_SIZE = 14  # px
 _BAR_HEIGHT = 26  # px
 _TEXT = (32, 32, 32)
 _PALE = (110, 110, 110)
 _BAR = (225, 225, 223)
 _CLICK = 4  # px; a mouse that moves further while its button is down is dragging
 _LEAST_SIZE = (320, 240)
+_WITHOUT_SCREEN = {"dummy", "evdev", "offscreen"}
+"""SDL's drivers that show nothing, which it may choose where there is no screen."""
 
 
 class Window:
@@ -42,20 +47,11 @@ class Window:
         self._is_open = True
         self._pressed: Optional[Tuple[int, int]] = None  # where the left button went down
         self._is_dragging = False
-        try:
-            pygame.display.init()
-            pygame.font.init()
-            width, height = viewer.view.size
-            flags = pygame.RESIZABLE
-            self._screen = pygame.display.set_mode((width, height + _BAR_HEIGHT), flags)
-        except pygame.error as error:
-            raise FlatlandError(
-                f"there is no screen to open a window on ({error}); "
-                "`flatland render` draws into a file"
-            ) from None
+        width, height = viewer.view.size
+        self._screen = _open_screen((width, height + _BAR_HEIGHT))
         pygame.display.set_caption(title)
         pygame.key.set_repeat()  # held keys drive; they do not repeat
-        self._font = pygame.font.Font(None, _FONT_SIZE)
+        self._font = pygame.font.SysFont(_FONTS, _FONT_SIZE)
         self._actions = self._key_actions()
 
     def run(self) -> None:
@@ -186,3 +182,30 @@ class Window:
             box.blit(keys, (16, row))
             box.blit(action, (16 + column, row))
         self._screen.blit(box, (16, 16))
+
+
+def _open_screen(size: Tuple[int, int]) -> Any:
+    """Opens the window.
+
+    Raises:
+        FlatlandError: there is no screen.
+    """
+    asked = os.environ.get("SDL_VIDEODRIVER")
+    displays = [os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")]
+    problem = ""
+    if sys.platform == "linux" and not asked and not any(displays):
+        problem = "DISPLAY is not set"
+    else:
+        try:
+            pygame.display.init()
+            pygame.font.init()
+            if not asked and pygame.display.get_driver() in _WITHOUT_SCREEN:
+                problem = f"the display {displays[0] or displays[1]} cannot be opened"
+            else:
+                return pygame.display.set_mode(size, pygame.RESIZABLE)
+        except pygame.error as error:
+            problem = str(error)
+    pygame.quit()
+    raise FlatlandError(
+        f"there is no screen to open a window on: {problem}; `flatland render` draws into a file"
+    )
