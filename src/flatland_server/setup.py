@@ -8,9 +8,7 @@ PACKAGES = ["flatland2d", "flatland_server", "flatland_server.*"]
 
 setup(
     **generate_distutils_setup(
-        packages=find_packages(
-            str(SOURCES), include=["flatland2d", "flatland_server", "flatland_server.*"]
-        ),
+        packages=find_packages(str(SOURCES), include=PACKAGES),
         package_dir={"": "src"},
         package_data={"flatland_server": ["py.typed", "*.pyi"]},
     )

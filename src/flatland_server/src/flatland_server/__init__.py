@@ -26,6 +26,7 @@ from flatland_server._core import (
     Tween,
 )
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
@@ -71,6 +72,7 @@ __all__ = [
     "Body",
     "BodyConfig",
     "BoolArray",
+    "Canvas",
     "Circle",
     "CollisionFilterRegistry",
     "Color",

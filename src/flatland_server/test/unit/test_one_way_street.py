@@ -20,6 +20,7 @@ LAYERS = (  # each may import those before it
     "messages",
     "plugins",
     "simulation",
+    "rendering",
     "tools",
     "library",
     "testing",

@@ -17,6 +17,7 @@ from typing import (
 )
 
 from flatland_server import _core
+from flatland_server.canvas import Canvas
 from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
 from flatland_server.models.entity import Entities, Entity
 from flatland_server.models.plugin_config import PluginConfig
@@ -207,6 +208,15 @@ class PluginManager:
         """Calls `after_physics_step` of all plugins that were due before the step."""
         if self._step_calls.hooks["after_physics_step"]:
             self._call_step_hooks("after_physics_step", timekeeper)
+
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Has all running plugins draw what they show in pictures."""
+        for _, plugin in self.all_plugins():
+            if plugin not in self._failures:
+                try:
+                    plugin.draw(canvas, timekeeper)
+                except PLUGIN_ERRORS:
+                    self._fail(plugin, "draw")
 
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:

@@ -12,6 +12,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Union
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
+from flatland_server.canvas import Canvas
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
@@ -197,6 +198,10 @@ class World(Restartable):
     def plugin_failures(self) -> List[PluginFailure]:
         """The plugins that have raised an exception and are switched off."""
         return self._plugins.failures
+
+    def draw_plugins(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Has all running plugins draw what they show in pictures; see `Plugin.draw`."""
+        self._plugins.draw(canvas, timekeeper)
 
     def spawn_model(
         self, path: ModelSource, name: str, namespace: str, pose: Pose
