@@ -9,6 +9,6 @@ setup(
     **generate_distutils_setup(
         packages=find_packages(str(SOURCES), include=["flatland_server", "flatland_server.*"]),
         package_dir={"": "src"},
-        package_data={"flatland_server": ["py.typed", "*.pyi"]},
+        package_data={"flatland_server": ["py.typed", "*.pyi", "messages/definitions/*/*.msg"]},
     )
 )

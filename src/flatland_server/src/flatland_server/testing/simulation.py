@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any, List, Optional
 
+from flatland_server.messages.message_types import get
 from flatland_server.models.model import Model
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
@@ -87,9 +88,7 @@ class Simulation:
         self, forwards: float, turn: float = 0.0, *, left: float = 0.0, topic: str = "/cmd_vel"
     ) -> "Simulation":
         """Sends a `geometry_msgs/Twist` [m/s, rad/s]."""
-        from geometry_msgs.msg import Twist
-
-        twist = Twist()
+        twist = get("geometry_msgs/Twist")()
         twist.linear.x, twist.linear.y, twist.angular.z = forwards, left, turn
         return self.send(topic, twist)
 
