@@ -3,9 +3,17 @@
 import math
 from typing import Any, Dict, Set, Tuple
 
-from std_msgs.msg import Bool
+from flatland_server import (
+    Contact,
+    Fixture,
+    ModelPlugin,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+    messages,
+)
 
-from flatland_server import Contact, Fixture, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
+Bool = messages.get("std_msgs/Bool")
 
 
 class BoolSensor(ModelPlugin):
@@ -21,7 +29,7 @@ class BoolSensor(ModelPlugin):
         self._body = self.get_body(config, default=self.model.base.name)
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
         config.finish()
-        self._publisher = self.node.advertise(topic, Bool)
+        self._publisher = self.node.advertise(topic, "std_msgs/Bool")
         self._touching: Set[Tuple[Fixture, Fixture]] = set()
         self._is_unreported = False
 

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from typing import Any, Dict, List, Tuple
 
-from flatland_msgs.msg import Collision, Collisions, Vector2
-
 from flatland_server import (
     Contact,
     ContactImpulse,
@@ -17,7 +15,12 @@ from flatland_server import (
     UpdateTimer,
     YamlReader,
     header,
+    messages,
 )
+
+Collision = messages.get("flatland_msgs/Collision")
+Collisions = messages.get("flatland_msgs/Collisions")
+Vector2 = messages.get("flatland_msgs/Vector2")
 
 Point = Tuple[float, float]
 
@@ -63,7 +66,7 @@ class Bumper(ModelPlugin):
         self._excluded = self.get_body_names(config, "exclude")
         config.finish()
         self._timer = UpdateTimer(update_rate)
-        self._publisher = self.node.advertise(topic, Collisions)
+        self._publisher = self.node.advertise(topic, "flatland_msgs/Collisions")
         self._touches: Dict[Tuple[Fixture, Fixture], Touch] = {}
         self._over: List[Touch] = []
 
@@ -146,7 +149,7 @@ class Bumper(ModelPlugin):
             fixtures.append(sides.other_fixture)
         return any(self.model.body_name(fixture) in self._excluded for fixture in fixtures)
 
-    def _collision(self, touch: Touch, step_size: float) -> Collision:
+    def _collision(self, touch: Touch, step_size: float) -> Any:
         entity, this_fixture, other_fixture = touch.sides
         return Collision(
             entity_A=self.model.name,

@@ -4,8 +4,6 @@ import math
 from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
-from geometry_msgs.msg import Quaternion, Vector3
-from sensor_msgs.msg import Imu as ImuMessage
 
 from flatland_plugins.imu_config import QUANTITIES, ImuConfig
 from flatland_plugins.sensor_frame import SensorFrame
@@ -16,9 +14,14 @@ from flatland_server import (
     UpdateTimer,
     YamlReader,
     header,
+    messages,
     quaternion,
     wrap_angle,
 )
+
+ImuMessage = messages.get("sensor_msgs/Imu")
+Quaternion = messages.get("geometry_msgs/Quaternion")
+Vector3 = messages.get("geometry_msgs/Vector3")
 
 
 class Motion(NamedTuple):
@@ -56,7 +59,7 @@ class Imu(ModelPlugin):
         self.update_timer = UpdateTimer(imu.pub_rate)
         self._period = self.update_timer.period * 1e9  # ns
         topics = (imu.imu_pub, imu.ground_truth_pub) if imu.enable_imu_pub else ()
-        self._publishers = [self.node.advertise(topic, ImuMessage) for topic in topics]
+        self._publishers = [self.node.advertise(topic, "sensor_msgs/Imu") for topic in topics]
         self._start: Optional[Motion] = None
         self._end: Optional[Motion] = None  # of the time of the last message
         self._move_revision = self.model.move_revision
@@ -110,7 +113,7 @@ class Imu(ModelPlugin):
         body = self._body
         return Motion(nanoseconds, *body.physics_body.velocity, body.pose.yaw)
 
-    def _message(self, nanoseconds: int, values: Sequence[float]) -> ImuMessage:
+    def _message(self, nanoseconds: int, values: Sequence[float]) -> Any:
         message = ImuMessage(header=header(nanoseconds, self._frame.name))
         roll, pitch, yaw = values[:3]
         message.orientation = Quaternion(*quaternion(yaw, roll, pitch))

@@ -5,7 +5,6 @@ from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
-from sensor_msgs.msg import LaserScan
 
 from flatland_plugins.laser_config import LaserConfig
 from flatland_plugins.scan_writer import ScanWriter
@@ -52,7 +51,7 @@ class Laser(ModelPlugin):
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
         self.update_timer = UpdateTimer(laser.update_rate)
-        self._publisher = self.node.advertise(laser.topic, LaserScan)
+        self._publisher = self.node.advertise(laser.topic, "sensor_msgs/LaserScan")
         self._writer = ScanWriter(
             self._frame.name,
             angle_min=laser.angle_min,

@@ -4,8 +4,6 @@ import math
 from typing import Any, Dict, List, Optional
 
 import numpy as np
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from nav_msgs.msg import Odometry
 
 from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_plugins.odometry_drift import OdometryDrift
@@ -46,10 +44,12 @@ class OdometryPublisher:
         self._ground_truth: Optional[Publisher] = None
         self._twist: Optional[Publisher] = None
         if config.enable_odom_pub:
-            self._odom = self._node.advertise(config.odom_pub, Odometry)
-            self._ground_truth = self._node.advertise(config.ground_truth_pub, Odometry)
+            self._odom = self._node.advertise(config.odom_pub, "nav_msgs/Odometry")
+            self._ground_truth = self._node.advertise(config.ground_truth_pub, "nav_msgs/Odometry")
         if config.enable_twist_pub:
-            self._twist = self._node.advertise(config.twist_pub, TwistWithCovarianceStamped)
+            self._twist = self._node.advertise(
+                config.twist_pub, "geometry_msgs/TwistWithCovarianceStamped"
+            )
         self._odom_writer, self._ground_truth_writer = (
             OdometryWriter(
                 frame_id, self._base_frame, config.pose_covariance, config.twist_covariance

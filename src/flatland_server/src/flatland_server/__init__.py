@@ -8,7 +8,7 @@ Modules below are implementation: they may change. Everything but `flatland_serv
 without a ROS master.
 """
 
-from flatland_server import _deprecated
+from flatland_server import _deprecated, messages
 from flatland_server._core import (
     EASINGS,
     TWEEN_MODES,
@@ -32,6 +32,7 @@ from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
+    MessageError,
     ModelError,
     PluginError,
     Problem,
@@ -95,6 +96,7 @@ __all__ = [
     "Lidar",
     "LocalTransport",
     "Manifold",
+    "MessageError",
     "MessageWriter",
     "Model",
     "ModelBody",
@@ -138,6 +140,7 @@ __all__ = [
     "fill_pose",
     "fill_twist",
     "header",
+    "messages",
     "quaternion",
     "ros_time",
     "wrap_angle",
