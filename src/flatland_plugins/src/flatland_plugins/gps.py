@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from flatland_plugins.geodesy import TangentPlane
+from flatland_plugins.geodesy import Geodetic, TangentPlane
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_server import (
     ModelPlugin,
@@ -54,9 +54,20 @@ class Gps(ModelPlugin):
         if self._publisher.has_subscribers:
             self._publisher.publish(self._fix(now))
 
-    def _fix(self, nanoseconds: int) -> Any:
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes a fix."""
+        self._publisher.publish(self._fix(timekeeper.nanoseconds))
+
+    def read(self, timekeeper: Timekeeper) -> Geodetic:
+        """The antenna's latitude and longitude [deg], and its altitude [m]."""
+        return self._place()
+
+    def _place(self) -> Geodetic:
         antenna = self._body.pose.compose(self._origin)
-        place = self._plane.to_geodetic(antenna.x, antenna.y)
+        return self._plane.to_geodetic(antenna.x, antenna.y)
+
+    def _fix(self, nanoseconds: int) -> Any:
+        place = self._place()
         return NavSatFix(
             header=header(nanoseconds, self._frame.name),
             status=NavSatStatus(NavSatStatus.STATUS_FIX, NavSatStatus.SERVICE_GPS),

@@ -75,8 +75,12 @@ class Laser(ModelPlugin):
         """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)
         if self._has_to_scan():
-            now = timekeeper.nanoseconds
-            self._publisher.write(self._writer, now, *self._scan(now))
+            self.publish_now(timekeeper)
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes a scan."""
+        now = timekeeper.nanoseconds
+        self._publisher.write(self._writer, now, *self._scan(now))
 
     def _has_to_scan(self) -> bool:
         return self._config.always_publish or self._publisher.has_subscribers

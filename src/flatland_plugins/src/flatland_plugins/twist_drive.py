@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Tuple
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
-from flatland_plugins.odometry import OdometryPublisher
+from flatland_plugins.odometry import Odometry, OdometryPublisher
 from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_server import (
     GoneError,
@@ -84,6 +84,18 @@ class TwistDrive(ModelPlugin, ABC):
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry; the core drives."""
         self._odometry.publish(timekeeper.nanoseconds)
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes the odometry of now."""
+        self._odometry.publish_now(timekeeper.nanoseconds)
+
+    def read(self, timekeeper: Timekeeper) -> Odometry:
+        """The odometry of now, with its noise and drift: pose and velocity."""
+        return self._odometry.read(timekeeper.nanoseconds)
+
+    def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
+        """The true pose in the world, and the true velocity."""
+        return self._odometry.read_ground_truth()
 
     def get_state(self) -> Any:
         """What the odometry keeps; the core keeps the commands and velocities."""

@@ -41,8 +41,8 @@ from flatland_server.exceptions import (
     UsageError,
     YamlError,
 )
-from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
-from flatland_server.library.handles import ModelHandle, Sensor, Velocity
+from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
+from flatland_server.library.handles import ModelHandle, Sensor
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.touch import Touch
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time

@@ -279,7 +279,11 @@ class Simulation(SimulatedWorld):
     def last(self, topic: str) -> Any:
         """The newest message of a topic; None if there is none yet.
 
-        The first call for a topic subscribes to it.
+        The first call for a topic subscribes to it, and has its plugin publish what it measures
+        now. Further messages come as they do with ROS, at the rate of the plugin: scans, fixes and
+        odometry are published at the begin of a step, so that after it they are a step older than
+        `poses`; what a Bumper, a BoolSensor and an Imu publish is of the end of a step. A sensor's
+        `read` is always of now.
 
         Raises:
             TopicError: no plugin publishes to this topic.
@@ -290,6 +294,9 @@ class Simulation(SimulatedWorld):
         if name not in self._subscribed:
             self._require_known(name, self.transport.topics, "publishes to")
             self.subscribe(name)
+            if self.world.is_between_steps:
+                self.world.publish_now(name, self.timekeeper)
+                self._raise_failures()
         return self.transport.last(name)
 
     @property

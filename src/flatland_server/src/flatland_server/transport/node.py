@@ -166,6 +166,10 @@ class Node:
         """The types of the topics of all plugins, by their absolute names."""
         return self._topics.types
 
+    def owners_of(self, topic: str) -> List[str]:
+        """The owners of the nodes that publish or subscribe to a topic, by its absolute name."""
+        return self._topics.owners_of(topic)
+
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.
 
