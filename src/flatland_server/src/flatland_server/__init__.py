@@ -35,11 +35,13 @@ from flatland_server.exceptions import (
     ModelError,
     PluginError,
     Problem,
+    RecordingError,
     StateError,
     TopicError,
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
+from flatland_server.library.recorder import Recorder
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entity
@@ -107,6 +109,8 @@ __all__ = [
     "Pose",
     "Problem",
     "Publisher",
+    "Recorder",
+    "RecordingError",
     "RelativePoses",
     "Segments",
     "SimulationManager",

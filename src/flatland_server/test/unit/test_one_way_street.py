@@ -19,6 +19,7 @@ LAYERS = (  # each may import those before it
     "transport",
     "plugins",
     "simulation",
+    "library",
     "tools",
     "testing",
     "ros.rospy_patches",
