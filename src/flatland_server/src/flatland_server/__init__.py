@@ -36,6 +36,7 @@ from flatland_server.exceptions import (
     ModelError,
     PluginError,
     Problem,
+    RecordingError,
     StateError,
     TopicError,
     UsageError,
@@ -43,6 +44,7 @@ from flatland_server.exceptions import (
 )
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
 from flatland_server.library.handles import ModelHandle, Sensor
+from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.touch import Touch
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
@@ -114,6 +116,8 @@ __all__ = [
     "Pose",
     "Problem",
     "Publisher",
+    "Recorder",
+    "RecordingError",
     "RelativePoses",
     "Segments",
     "Sensor",
