@@ -1,4 +1,4 @@
-"""The short name of the library: `from flatland2d import World`.
+"""The short name of the library: `from flatland2d import Simulation`.
 
 All that `flatland_server` exports, and nothing of its own.
 """
