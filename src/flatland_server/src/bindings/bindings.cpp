@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+#include "flatland_server/box2d_timer.hpp"
+
 namespace flatland {
 namespace {
 
@@ -142,6 +144,7 @@ PYBIND11_MODULE(_core, m) {
   BindRelativePoses(m);
   BindContacts(m);
   BindWorld(m);
+  m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);
 }
 

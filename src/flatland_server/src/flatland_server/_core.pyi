@@ -605,6 +605,13 @@ class Manifold(ContactImpulse):
     def local_points(self) -> list[_Pair]:
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
 
+def box2d_reads_clock() -> bool:
+    """Whether Box2D reads the clock while it steps, which makes small worlds slower.
+
+    It does not, unless another module of this process has loaded a shared libbox2d before, or this
+    was linked so that it prefers its own timer; the results are the same. See box2d_timer.cpp.
+    """
+
 class PriorityGuard(metaclass=_Metaclass):
     """Takes real-time priority from the thread that creates it, if that computes for too long.
 
