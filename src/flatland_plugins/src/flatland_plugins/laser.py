@@ -27,6 +27,8 @@ REFLECTANCE_LAYER = "reflectance"
 class Laser(ModelPlugin):
     """Publishes sensor_msgs/LaserScan; scans only if the topic has a subscriber."""
 
+    only_publishes = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         body = self.get_body(config)

@@ -52,6 +52,7 @@ Contact World::MakeContact(b2Contact& contact, ContactEvent event) const {
 }
 
 void World::CallListener(Contact& contact) {
+  has_called_listener_ = true;
   listener_thread_ = std::this_thread::get_id();
   listener_->OnContact(contact);
   listener_thread_ = std::thread::id();

@@ -69,6 +69,27 @@ class World(metaclass=_Metaclass):
         Raises:
             Exception: what the contact listener has raised, after the step.
         """
+    def step_until_contact(self, dt: float, count: int) -> int:
+        """Makes at most `count` steps, and at least one, as `step` does.
+
+        It ends after a step in which the contact listener was called.
+
+        Args:
+            dt: length of each step [s], 1e-9 or more.
+            count: 1 or more.
+
+        Returns:
+            The number of steps.
+
+        Raises:
+            Exception: what the contact listener has raised, after the step.
+        """
+    @property
+    def completed_steps(self) -> int:
+        """Number of steps that the last call of `step_until_contact` has completed.
+
+        In the contact listener, those before the step that is being made.
+        """
     @overload
     def scan(
         self,
