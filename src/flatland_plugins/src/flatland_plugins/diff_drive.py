@@ -15,4 +15,8 @@ class DiffDrive(TwistDrive):
         self._drive = body.physics_body.add_drive(*limits)
 
     def on_twist(self, twist: Twist) -> None:
-        self._drive.command(twist.linear.x, 0.0, twist.angular.z)
+        self.command(twist.linear.x, twist.angular.z)
+
+    def command(self, speed: float, yaw_rate: float) -> None:
+        """Drives forwards [m/s] and turns [rad/s]."""
+        self._drive.command(speed, 0.0, yaw_rate)

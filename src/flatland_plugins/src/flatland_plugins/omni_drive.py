@@ -19,7 +19,11 @@ class OmniDrive(TwistDrive):
         self._drive = body.physics_body.add_drive(*limits)
 
     def on_twist(self, twist: Twist) -> None:
-        self._drive.command(twist.linear.x, twist.linear.y, twist.angular.z)
+        self.command(twist.linear.x, twist.linear.y, twist.angular.z)
+
+    def command(self, vx: float, vy: float, yaw_rate: float) -> None:
+        """Moves forwards and to the left [m/s, m/s], and turns [rad/s]."""
+        self._drive.command(vx, vy, yaw_rate)
 
     def describe(self, twist: Twist) -> str:
         return f"linear.x={twist.linear.x} linear.y={twist.linear.y} angular.z={twist.angular.z}"

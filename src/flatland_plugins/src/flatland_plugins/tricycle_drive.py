@@ -59,7 +59,11 @@ class TricycleDrive(TwistDrive):
         )
 
     def on_twist(self, twist: Twist) -> None:
-        self._tricycle.command(twist.linear.x, twist.angular.z)
+        self.command(twist.linear.x, twist.angular.z)
+
+    def command(self, speed: float, steer_angle: float) -> None:
+        """Sets the speed [m/s] and the angle [rad] of the front wheel."""
+        self._tricycle.command(speed, steer_angle)
 
     def _get_wheel(
         self, config: YamlReader, key: str, body: ModelBody, kind: str

@@ -218,6 +218,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Chooses the events of a body's contacts that the listener receives; none at first. A contact's
   /// event is reported if either of its two bodies has chosen it.
   void ListenToContacts(Body body, ContactEvents events);
+  /// The fixtures that touch, as the last step has found them, ordered by their bodies and indices.
+  std::vector<Touch> GetTouches() const;
 
   // ---- Stepping ----
 

@@ -77,6 +77,17 @@ int StepUntilContact(PyWorld& self, double dt, int count) {
   return completed;
 }
 
+py::list Touches(const PyWorld& self) {
+  py::list touches;
+  for (const Touch& touch : self.world->GetTouches()) {
+    py::list points;
+    for (const Vec2& point : touch.points) points.append(ToTuple(point));
+    touches.append(py::make_tuple(PyFixture{self.world, touch.a}, PyFixture{self.world, touch.b},
+                                  points, ToTuple(touch.normal)));
+  }
+  return touches;
+}
+
 void SetContactListener(PyWorld& self, py::object callback) {
   ContactListener* listener = callback.is_none() ? nullptr : &self.owner->listener;
   self.world->SetContactListener(listener);
@@ -129,6 +140,7 @@ void BindWorld(py::module_& m) {
           },
           py::arg("state"))
       .def("set_contact_listener", &SetContactListener, py::arg("listener"))
+      .def_property_readonly("touches", &Touches)
       .def_property_readonly("body_count",
                              [](const PyWorld& self) { return self.world->body_count(); })
       .def_property_readonly("joint_count",
@@ -156,6 +168,7 @@ PYBIND11_MODULE(_core, m) {
   BindFixture(fixture);
   BindFixtureChecker(m);
   BindRelativePoses(m);
+  BindBodyGroup(m);
   BindContacts(m);
   BindWorld(m);
   m.def("box2d_reads_clock", &Box2DReadsClock);

@@ -26,6 +26,7 @@ from flatland_server._core import (
     Tween,
 )
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
@@ -36,9 +37,13 @@ from flatland_server.exceptions import (
     Problem,
     StateError,
     TopicError,
+    UsageError,
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
+from flatland_server.library.handles import ModelHandle, Sensor, Velocity
+from flatland_server.library.simulation import Simulation
+from flatland_server.library.touch import Touch
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entity
@@ -67,6 +72,7 @@ __all__ = [
     "Body",
     "BodyConfig",
     "BoolArray",
+    "Canvas",
     "Circle",
     "CollisionFilterRegistry",
     "Color",
@@ -95,6 +101,7 @@ __all__ = [
     "ModelConfig",
     "ModelEntry",
     "ModelError",
+    "ModelHandle",
     "ModelPlugin",
     "Node",
     "PluginDeclaration",
@@ -107,16 +114,21 @@ __all__ = [
     "Publisher",
     "RelativePoses",
     "Segments",
+    "Sensor",
+    "Simulation",
     "SimulationManager",
     "StateError",
     "Subscription",
     "Timekeeper",
     "TopicError",
+    "Touch",
     "Transform",
     "Transport",
     "Tricycle",
     "Tween",
     "UpdateTimer",
+    "UsageError",
+    "Velocity",
     "World",
     "WorldConfig",
     "WorldPlugin",

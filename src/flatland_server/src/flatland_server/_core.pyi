@@ -15,7 +15,7 @@ properties raise, unless it is said otherwise:
 
 from typing import Callable, NoReturn, Sequence, overload
 
-from flatland_server.arrays import Float32Array, Segments
+from flatland_server.arrays import Float32Array, FloatArray, Segments
 
 _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
@@ -139,6 +139,13 @@ class World(metaclass=_Metaclass):
         A fifth argument is, at PRE_SOLVE, the Manifold of the previous step, and at POST_SOLVE the
         ContactImpulse. After its first exception it is not called any more in that step, and `step`
         or `remove` raises the exception at its end.
+        """
+    @property
+    def touches(self) -> list[tuple[Fixture, Fixture, list[_Pair], _Pair]]:
+        """The fixtures that touch, as the last step has found them, in a fixed order.
+
+        Each with the two fixtures, up to two points in the world [m], and the unit vector from the
+        first to the second in the world's frame; without points and zero if one is a sensor.
         """
     @property
     def body_count(self) -> int:
@@ -389,6 +396,21 @@ class RelativePoses(metaclass=_Metaclass):
     def __init__(self, reference: Body, bodies: Sequence[Body]) -> None: ...
     def read(self) -> list[_Triple]:
         """Returns n poses [m, m, rad]. Each yaw is the difference of two yaws in [-pi, pi]."""
+
+class BodyGroup(metaclass=_Metaclass):
+    """Reads the poses and velocities of bodies, all in one call.
+
+    Args:
+        bodies: n bodies of the same world.
+    """
+
+    def __init__(self, bodies: Sequence[Body]) -> None: ...
+    def __len__(self) -> int:
+        """The number of bodies, n."""
+    def poses(self) -> FloatArray:
+        """A new array of shape (n, 3): x, y [m] and yaw in [-pi, pi] [rad] in the world."""
+    def velocities(self) -> FloatArray:
+        """A new array of shape (n, 3): vx, vy [m/s] and omega [rad/s], in the world's frame."""
 
 class Fixture(_WithoutConstructor):
     """A handle of a shape of a body, or of a wall of a layer. Handles of the same one are equal."""

@@ -48,6 +48,7 @@ from typing import Any, Callable, ClassVar, Optional
 import numpy as np
 
 from flatland_server import _core
+from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
 from flatland_server.timekeeper import Timekeeper
@@ -184,6 +185,13 @@ class Plugin:
         Args:
             contact: with the points where the two fixtures touch.
             impulse: what was applied at each of these points to keep the fixtures apart [N s].
+        """
+
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Draws what the plugin shows in a picture of the world, such as a lidar's returns.
+
+        Called between steps, when a picture with sensors is asked for. It must not change anything:
+        a run is the same with pictures and without.
         """
 
     def on_shutdown(self) -> None:

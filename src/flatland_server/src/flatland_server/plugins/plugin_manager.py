@@ -17,6 +17,7 @@ from typing import (
 )
 
 from flatland_server import _core
+from flatland_server.canvas import Canvas
 from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
 from flatland_server.models.entity import Entities, Entity
 from flatland_server.models.plugin_config import PluginConfig
@@ -51,6 +52,10 @@ class PluginFailure(NamedTuple):
         return f"{self.owner}/{self.name}" if self.owner else self.name
 
 
+FailureHandler = Callable[[PluginFailure, BaseException], None]
+"""Called with a plugin's failure and the exception that it has raised."""
+
+
 class PluginManager:
     """The running plugins of a world and its models.
 
@@ -77,6 +82,8 @@ class PluginManager:
         self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
         self._schedule = Schedule(self._has_work)
         self._step_calls = StepCalls([])
+        self.on_failure: Optional[FailureHandler] = None
+        """Called when a plugin has failed and is switched off; without it, that is logged."""
         self._starting = 0  # calls of `start` that are being made, each within the one before
 
     def take_over_warnings(self, former: "PluginManager") -> None:
@@ -110,6 +117,11 @@ class PluginManager:
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry that running plugins have claimed."""
         return self._factory.odometry_frames
+
+    @property
+    def topics(self) -> Dict[str, str]:
+        """The types of the topics that running plugins have, by their absolute names."""
+        return self._factory.topics
 
     @property
     def failures(self) -> List[PluginFailure]:
@@ -220,6 +232,15 @@ class PluginManager:
         if self._step_calls.hooks["after_physics_step"]:
             self._call_step_hooks("after_physics_step", timekeeper)
 
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Has all running plugins draw what they show in pictures."""
+        for _, plugin in self.all_plugins():
+            if plugin not in self._failures:
+                try:
+                    plugin.draw(canvas, timekeeper)
+                except PLUGIN_ERRORS:
+                    self._fail(plugin, "draw")
+
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:
             if not scheduled.is_removed:
@@ -252,7 +273,11 @@ class PluginManager:
         error = sys.exc_info()[1]
         reason = f"{where}: {type(error).__name__}: {error}"
         failure = PluginFailure(model_name, plugin.name, plugin.type, reason)
-        logger.exception('the plugin "%s" failed in %s and is switched off', failure.label, where)
+        if self.on_failure is not None and error is not None:
+            self.on_failure(failure, error)
+        else:
+            message = 'the plugin "%s" failed in %s and is switched off'
+            logger.exception(message, failure.label, where)
         self.switch_off(plugin, failure)
 
     def _stop_calling(self, plugins: Sequence[Plugin]) -> None:

@@ -4,7 +4,7 @@ Since a plugin knows only its node, it runs unchanged under roslaunch, in a unit
 program without a ROS master. Callbacks run between steps, on the thread of the simulation.
 """
 
-from typing import Any, Callable, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
 from flatland_server._deprecated import renamed
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
@@ -155,6 +155,11 @@ class Node:
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry in use by all plugins."""
         return self._frames.odometry_frames
+
+    @property
+    def topic_types(self) -> Dict[str, str]:
+        """The types of the topics of all plugins, by their absolute names."""
+        return self._topics.types
 
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.

@@ -61,6 +61,11 @@ class TopicRegistry:
         if type_name(message_type) != ANY_TYPE:
             self._claim(topic, name, type_name(message_type), plugin)
 
+    @property
+    def types(self) -> Dict[str, str]:
+        """The types of the topics by their absolute names, in the order of the names."""
+        return {name: self._types[name][0] for name in sorted(self._types)}
+
     def release(self, plugin: str) -> None:
         """Removes a plugin from all its topics."""
         for name in self._topics.pop(plugin, []):
