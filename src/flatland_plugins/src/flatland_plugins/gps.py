@@ -26,6 +26,8 @@ class Gps(ModelPlugin):
     zeros by a variance of 1e-9.
     """
 
+    only_publishes = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         self._body = self.get_body(config)

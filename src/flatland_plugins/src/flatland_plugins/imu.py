@@ -61,6 +61,8 @@ class Imu(ModelPlugin):
     145).
     """
 
+    only_publishes = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the keys and opens the topics."""
         self._body = self.get_body(config)

@@ -30,6 +30,8 @@ _RETURNS = (0.8, 0.0, 0.0, 1.0)
 class Laser(ModelPlugin):
     """Publishes sensor_msgs/LaserScan; scans only if the topic has a subscriber."""
 
+    only_publishes = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         body = self._body = self.get_body(config)

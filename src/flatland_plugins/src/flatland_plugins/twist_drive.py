@@ -34,6 +34,7 @@ class TwistDrive(ModelPlugin, ABC):
         publishes_transform: the default of `enable_odom_tf_pub`.
     """
 
+    only_publishes = True
     publishes_twist: ClassVar[bool] = True
     publishes_transform: ClassVar[bool] = True
 
