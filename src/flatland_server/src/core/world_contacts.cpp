@@ -72,6 +72,7 @@ std::vector<Touch> World::GetTouches() const {
 }
 
 void World::CallListener(Contact& contact) {
+  has_called_listener_ = true;
   listener_thread_ = std::this_thread::get_id();
   listener_->OnContact(contact);
   listener_thread_ = std::thread::id();

@@ -69,6 +69,27 @@ class World(metaclass=_Metaclass):
         Raises:
             Exception: what the contact listener has raised, after the step.
         """
+    def step_until_contact(self, dt: float, count: int) -> int:
+        """Makes at most `count` steps, and at least one, as `step` does.
+
+        It ends after a step in which the contact listener was called.
+
+        Args:
+            dt: length of each step [s], 1e-9 or more.
+            count: 1 or more.
+
+        Returns:
+            The number of steps.
+
+        Raises:
+            Exception: what the contact listener has raised, after the step.
+        """
+    @property
+    def completed_steps(self) -> int:
+        """Number of steps that the last call of `step_until_contact` has completed.
+
+        In the contact listener, those before the step that is being made.
+        """
     @overload
     def scan(
         self,
@@ -626,6 +647,13 @@ class Manifold(ContactImpulse):
     @property
     def local_points(self) -> list[_Pair]:
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
+
+def box2d_reads_clock() -> bool:
+    """Whether Box2D reads the clock while it steps, which makes small worlds slower.
+
+    It does not, unless another module of this process has loaded a shared libbox2d before, or this
+    was linked so that it prefers its own timer; the results are the same. See box2d_timer.cpp.
+    """
 
 class PriorityGuard(metaclass=_Metaclass):
     """Takes real-time priority from the thread that creates it, if that computes for too long.

@@ -6,10 +6,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Mapping, Optional, Sequence, Union
 
-from flatland_server.config.file_names import to_path
-from flatland_server.config.input_files import is_file
+from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.exceptions import UsageError, YamlError, listed, shortened, suggestion
+from flatland_server.exceptions import UsageError, shortened
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
@@ -17,8 +16,6 @@ from flatland_server.transport.transport import Transport
 
 WorldSource = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 """The name of a shipped world, the path of a world file, or the content of one as a dict."""
-
-_WORLDS = Path(__file__).resolve().parents[3] / "worlds"
 
 
 def open_world(
@@ -49,7 +46,7 @@ def open_world(
         if isinstance(source, Mapping):
             read = WorldConfig.from_content
         elif isinstance(source, (str, os.PathLike)):
-            content = world_file(source)
+            content = find_world(source if isinstance(source, str) else Path(source))
         else:
             raise UsageError(
                 "expected the name of a world, the path of a world file or a dict, "
@@ -57,26 +54,6 @@ def open_world(
             )
         config = read(content, preprocessor, simplify_map=simplify_map, model_folders=model_folders)
     return World(config, transport, seed=seed, loader=loader or exported_plugins())
-
-
-def world_file(name: Union[str, "os.PathLike[str]"]) -> Path:
-    """The file of a world.
-
-    Args:
-        name: a path, `package://name/path`, or the name of a shipped world.
-
-    Raises:
-        FlatlandError: there is no such file and no such world.
-    """
-    text = os.fspath(name)
-    path = to_path(text)
-    if is_file(path) or "/" in text or path.suffix or not text:
-        return path
-    worlds = {each.parent.name: each for each in sorted(_WORLDS.glob("*/world.yaml"))}
-    if text not in worlds:
-        message = f'expected a world file or one of {listed(worlds)}, found "{shortened(text)}"'
-        raise YamlError(path, f"{message}{suggestion(text, worlds)}")
-    return worlds[text]
 
 
 @lru_cache(maxsize=1)

@@ -195,6 +195,29 @@ class PluginManager:
             self.stop(model_name)
         self._step_calls = StepCalls([])
 
+    def steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
+        """The number of steps from now on, up to a limit, that need no calls of step hooks.
+
+        It is 0 if the transport does not tell whether subscribers have changed.
+        """
+        revision = self._transport.subscriber_revision
+        if revision != self._transport.subscriber_revision:
+            return 0
+        return self._schedule.steps_without_calls(timekeeper, revision, limit)
+
+    def pass_over(self, nanoseconds: int) -> None:
+        """Must be called when such steps were made, with the simulated time of the last one [ns]."""
+        self._schedule.pass_over(nanoseconds)
+
+    @property
+    def before_contact_hooks(self) -> Optional[Callable[[], None]]:
+        """Called before the hooks of each contact event, if it is set."""
+        return self._contacts.before_delivery
+
+    @before_contact_hooks.setter
+    def before_contact_hooks(self, callback: Optional[Callable[[], None]]) -> None:
+        self._contacts.before_delivery = callback
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `prepare_step` and `before_physics_step` of all plugins that are due."""
         self._step_calls = self._schedule.calls(timekeeper, self._transport.subscriber_revision)
@@ -217,6 +240,21 @@ class PluginManager:
                     plugin.draw(canvas, timekeeper)
                 except PLUGIN_ERRORS:
                     self._fail(plugin, "draw")
+
+    def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
+        """Has the running plugins that have a topic publish to it; see `Plugin.publish_now`.
+
+        Args:
+            topic: its absolute name.
+            timekeeper: has the present time.
+        """
+        owners = self._factory.owners_of(topic)
+        for _, plugin in self.all_plugins():
+            if plugin.node.owner in owners and plugin not in self._failures:
+                try:
+                    plugin.publish_now(timekeeper)
+                except PLUGIN_ERRORS:
+                    self._fail(plugin, "publish_now")
 
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:
