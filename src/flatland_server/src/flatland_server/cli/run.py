@@ -63,18 +63,18 @@ def _execute(options: argparse.Namespace) -> int:
         simulation = stack.enter_context(open_simulation(options, raise_failures=False))
         if options.record:
             stack.enter_context(simulation.record(options.record, topics=options.topics))
-        report = stack.enter_context(_progress_bar(options.progress, options.seconds))
         is_interrupted = stack.enter_context(_interrupts())
+        report = stack.enter_context(_progress_bar(options.progress, options.seconds))
         start = time.monotonic()
         _simulate(simulation, options.seconds, options.rate, is_interrupted, report)
         elapsed = time.monotonic() - start
+        failures = simulation.world.plugin_failures
     print(_summary(options, simulation, elapsed))
-    for failure in simulation.world.plugin_failures:
+    for failure in failures:
         print(f'the plugin "{failure.label}" failed in {failure.reason}', file=sys.stderr)
-    was_cut_short = options.seconds is not None and is_interrupted()
-    if was_cut_short:
+    if options.seconds is not None and is_interrupted():
         return _INTERRUPTED
-    return 1 if simulation.world.plugin_failures else 0
+    return 1 if failures else 0
 
 
 def _simulate(
