@@ -216,10 +216,19 @@ def test_a_recording_of_another_kind_is_an_error(folder, capsys):
 @pytest.mark.slow
 def test_ctrl_c_completes_the_recording(folder):
     rosbag = pytest.importorskip("rosbag")
+    arguments = [
+        "run",
+        "world.yaml",
+        "--rate",
+        "1",
+        "--progress",
+        "--record",
+        "run.bag",
+        "--topics",
+        "/scan",
+    ]
     process = subprocess.Popen(
-        [sys.executable, "-m", "flatland_server", "run", "world.yaml", "--rate", "1"]
-        + ["--progress", "--record", "run.bag", "--topics", "/scan"],
-        stderr=subprocess.PIPE,
+        [sys.executable, "-m", "flatland_server", *arguments], stderr=subprocess.PIPE
     )
     while b"0.2 s" not in process.stderr.read1(1000):
         assert process.poll() is None
