@@ -1,6 +1,8 @@
 """The command flatland: what it prints and writes, its exit codes, and that Ctrl-C ends it well."""
 
 import os
+import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -10,8 +12,9 @@ import pytest
 from PIL import Image
 
 from flatland_server.cli import main
+from flatland_server.viewer.keys import KEYS
 
-WORLDS = Path(__file__).resolve().parents[1] / "worlds"
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "command_line.md"
 ROBOT = """
 bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 1}]}]
 plugins:
@@ -216,17 +219,8 @@ def test_a_recording_of_another_kind_is_an_error(folder, capsys):
 @pytest.mark.slow
 def test_ctrl_c_completes_the_recording(folder):
     rosbag = pytest.importorskip("rosbag")
-    arguments = [
-        "run",
-        "world.yaml",
-        "--rate",
-        "1",
-        "--progress",
-        "--record",
-        "run.bag",
-        "--topics",
-        "/scan",
-    ]
+    arguments = ["run", "world.yaml", "--rate", "1", "--progress"]
+    arguments += ["--record", "run.bag", "--topics", "/scan"]
     process = subprocess.Popen(
         [sys.executable, "-m", "flatland_server", *arguments], stderr=subprocess.PIPE
     )
@@ -290,3 +284,61 @@ def test_a_closed_pipe_is_no_traceback(folder):
     )
 
     assert answer.stderr == ""
+
+
+# docs/command_line.md
+
+
+def page_commands():
+    """The commands that the page shows, without the word "flatland"."""
+    blocks = re.findall(r"```bash\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    return [line.partition("flatland ")[2] for block in blocks for line in block.splitlines()]
+
+
+def page_options(command):
+    """The options that the page names for a subcommand."""
+    text = re.sub(r"```.*?```", "", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    common, *sections = re.split(r"^## ", text, flags=re.MULTILINE)
+    [section] = [each for each in sections if each.startswith(f"{command}\n")]
+    return options_in(section + common.partition("These are of")[2])
+
+
+def options_in(text):
+    return set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", text))
+
+
+class Window:
+    """In place of the real one, which test_view_window.py opens."""
+
+    def __init__(self, viewer, title):
+        self.viewer = viewer
+
+    def run(self):
+        self.viewer.advance(0.1)
+        self.viewer.image()
+
+
+@pytest.mark.parametrize("line", page_commands())
+def test_what_the_page_shows_works(folder, line, monkeypatch):
+    if "--record" in line:
+        pytest.importorskip("rosbags")
+    if line.startswith("view"):
+        pytest.importorskip("pygame")
+        monkeypatch.setattr("flatland_server.viewer.window.Window", Window)
+    (folder / "models").mkdir()
+
+    assert main(shlex.split(line)) == 0
+
+
+@pytest.mark.parametrize("command", ["render", "run", "view"])
+def test_the_page_has_all_options(command, capsys):
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    options = options_in(capsys.readouterr().out.partition("keys:")[0]) - {"-h", "--help"}
+
+    assert options == page_options(command)
+
+
+def test_the_page_has_all_keys():
+    rows = "\n".join(f"| {keys} | {action} |" for keys, action in KEYS)
+    assert rows in PAGE.read_text(encoding="utf-8")
