@@ -19,6 +19,7 @@ from flatland_server.library.touch import Touch, touches
 from flatland_server.library.world_source import WorldSource, open_world
 from flatland_server.models.model import Model
 from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.rendering.plot import plot
 from flatland_server.rendering.renderer import Renderer, save, to_array, to_png
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -322,6 +323,30 @@ class Simulation(SimulatedTopics):
         """
         view = self._renderer.view(size, follow=follow, width=width)
         save(Path(path), self._renderer, view, sensors=sensors, names=names)
+
+    def plot(
+        self,
+        ax: Optional[Any] = None,
+        *,
+        follow: Optional[str] = None,
+        width: float = 10.0,
+        sensors: bool = False,
+        names: bool = False,
+    ) -> Any:
+        """Draws the world into Matplotlib axes, which are in metres, and returns them.
+
+        Args:
+            ax: the axes; by default those that pyplot has at present.
+            follow: as for `render`.
+            width: as for `render`.
+            sensors: as for `render`.
+            names: as for `render`.
+
+        Raises:
+            FlatlandError: as for `render`; or Matplotlib is not installed.
+        """
+        view = self._renderer.view(follow=follow, width=width)
+        return plot(self._renderer, ax, view, sensors=sensors, names=names)
 
     def _repr_png_(self) -> bytes:
         """The picture that a notebook shows of a simulation."""

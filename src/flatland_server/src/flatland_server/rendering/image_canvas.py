@@ -5,7 +5,8 @@ own that is only as large as the shape; the mask, reduced, says how much of each
 covers.
 """
 
-from typing import Callable, List, Optional
+from functools import lru_cache
+from typing import Any, Callable, List, Optional
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -126,8 +127,7 @@ class ImageCanvas(Canvas):
         if not -_LARGEST < x < _LARGEST or not -_LARGEST < y < _LARGEST:
             return
         place = round(x) + _LABEL_OFFSET[0], round(y) + _LABEL_OFFSET[1]
-        draw, font = ImageDraw.Draw(self.image), ImageFont.load_default()
-        draw.text(place, text, fill=_rgb(color), font=font)
+        ImageDraw.Draw(self.image).text(place, text, fill=_rgb(color), font=_font())
 
     def _stamp(
         self, pixels: FloatArray, grow: float, color: Rgba, draw: _Draw, *, is_fine: bool = False
@@ -157,6 +157,12 @@ class ImageCanvas(Canvas):
         if color[3] < 1.0:
             mask = mask.point([round(color[3] * value) for value in range(256)])
         self.image.paste(_rgb(color), tuple(low.tolist()), mask)
+
+
+@lru_cache(maxsize=1)
+def _font() -> Any:
+    """Pillow's own font, the same on all machines; its newer versions take a while to load it."""
+    return ImageFont.load_default()
 
 
 def _whole(width: float) -> int:

@@ -2,6 +2,7 @@
 
 import io
 import logging
+import sys
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -13,6 +14,7 @@ from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.rendering import renderer as rendering
+from flatland_server.rendering.plot import plot
 from flatland_server.rendering.renderer import Renderer, render
 from flatland_server.rendering.scene import grid_cell
 from flatland_server.rendering.view import View
@@ -298,3 +300,30 @@ def test_the_grid_is_of_whole_metres(scale, cell):
 def test_without_a_size_the_longer_side_has_1600_pixels(simulation):
     assert Renderer(simulation.world).view().size == (1600, 1600)
     assert Renderer(simulation.world).view(follow="disc").size == (800, 800)
+
+
+def test_a_plot_is_in_metres(simulation):
+    class Axes:
+        """What is used of Matplotlib's."""
+
+        def imshow(self, image, extent, interpolation):
+            self.image, self.extent = image, extent
+
+        def set_xlabel(self, text):
+            assert text == "x [m]"
+
+        def set_ylabel(self, text):
+            assert text == "y [m]"
+
+    axes = Axes()
+
+    assert plot(Renderer(simulation.world), axes) is axes
+    assert axes.extent == pytest.approx((-4.2, 4.2, -4.2, 4.2), abs=0.02)
+    assert axes.image == Renderer(simulation.world).image()
+
+
+def test_a_plot_without_matplotlib_is_an_error(simulation, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+
+    with pytest.raises(FlatlandError, match="pip install 'flatland2d\\[view\\]'"):
+        plot(Renderer(simulation.world))
