@@ -32,15 +32,20 @@ class SimulatedWorld:
             )
         self.world = world
         self.timekeeper = new_timekeeper(step_size)
-        self.transport: LocalTransport = world.transport
+        self._transport = world.transport
         self._failures: List[Tuple[PluginFailure, BaseException]] = []
+
+    @property
+    def transport(self) -> LocalTransport:
+        """The topics and transforms of the world."""
+        return self._transport
 
     def _advance(self, limit: int = 1) -> int:
         """Makes one step or several, and returns how many; see `World.step_up_to`.
 
         First, messages that were sent are received.
         """
-        self.transport.process()
+        self._transport.process()
         return self.world.step_up_to(self.timekeeper, limit)
 
     def _note_failure(self, failure: PluginFailure, error: BaseException) -> None:
