@@ -24,6 +24,7 @@ _COARSE = 2
 
 _LARGE = 1 << 17  # px
 _LABEL_OFFSET = (4, 3)  # px
+_FONT_SIZE = 14  # px
 _LARGEST = 1e6  # px; Pillow computes with 32 bits
 
 _Draw = Callable[[ImageDraw.ImageDraw, FloatArray, int], None]
@@ -161,8 +162,11 @@ class ImageCanvas(Canvas):
 
 @lru_cache(maxsize=1)
 def _font() -> Any:
-    """Pillow's own font, the same on all machines; its newer versions take a while to load it."""
-    return ImageFont.load_default()
+    """Pillow's own font, the same on all machines: of pixels before Pillow 10.1, now an outline."""
+    try:
+        return ImageFont.load_default(size=_FONT_SIZE)
+    except TypeError:
+        return ImageFont.load_default()
 
 
 def _whole(width: float) -> int:
