@@ -39,7 +39,9 @@ for name, base in zip(sys.argv[1::2], sys.argv[2::2]):
 
 RUN_THE_CONVEYOR = """
 from flatland2d import LocalTransport, Timekeeper, World
-world = World.from_file("package://my_plugins/worlds/conveyor/world.yaml", LocalTransport())
+from flatland_server.config.shipped_worlds import find_world
+path = find_world("package://my_plugins/worlds/conveyor/world.yaml")
+world = World.from_file(path, LocalTransport())
 time = Timekeeper(0.01)
 for _ in range(500):
     world.step(time)
