@@ -1,0 +1,7 @@
+"""Runs the command `flatland`: python -m flatland_server."""
+
+import sys
+
+from flatland_server.cli.command import main
+
+sys.exit(main())
