@@ -9,43 +9,28 @@ import sys
 
 import numpy as np
 
-from flatland2d import LocalTransport, Timekeeper, World
-from flatland_server.config.shipped_worlds import find_world
+from flatland2d import Simulation
 
-
-class Twist:
-    """As a geometry_msgs/Twist."""
-
-    class Vector:
-        """As a geometry_msgs/Vector3."""
-
-        def __init__(self, x=0.0, z=0.0):
-            self.x, self.y, self.z = x, 0.0, z
-
-    def __init__(self, linear, angular):
-        self.linear, self.angular = self.Vector(x=linear), self.Vector(z=angular)
-
-
-transport = LocalTransport()
-world = World.from_file(find_world("office"), transport, seed=1)
-time = Timekeeper(0.005)
 digest = hashlib.sha256()
-for step in range(2000):
-    transport.send("/cmd_vel", Twist(1.5, 0.3 if step % 400 < 200 else -0.5))
-    transport.process()
-    world.step(time)
-    poses = [(m.pose.x, m.pose.y, m.pose.yaw) for m in world.models.values()]
-    digest.update(np.array(poses).tobytes())
-    scan = transport.last("/scan")
-    if scan is not None:
-        digest.update(np.asarray(scan.ranges, np.float32).tobytes())
-        pose = transport.last("/odometry/filtered").pose.pose
-        numbers = [pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w]
-        digest.update(np.array(numbers).tobytes())
+with Simulation("office", seed=1, topics=["/odometry/filtered"]) as sim:
+    robot = sim.models["turtlebot"]
+    for turn in range(20):
+        robot.command(1.5, 0.3 if turn % 2 else -0.5)
+        for _ in range(5):
+            sim.step(20)
+            scan = robot.sensors["laser"].read()
+            pose = sim.last("/odometry/filtered").pose.pose
+            odometry = [pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w]
+            for array in (sim.poses, sim.velocities, scan, np.array(odometry)):
+                digest.update(array.tobytes())
 
-core = sys.modules["flatland_server._core"].__file__
 print(
     json.dumps(
-        {"digest": digest.hexdigest(), "robot": poses[0], "ranges": len(scan.ranges), "core": core}
+        {
+            "digest": digest.hexdigest(),
+            "poses": sim.poses.tolist(),
+            "beams": len(scan),
+            "core": sys.modules["flatland_server._core"].__file__,
+        }
     )
 )
