@@ -21,7 +21,7 @@ import importlib, pkgutil, sys
 import flatland2d, flatland_plugins, flatland_server
 for package in (flatland_server, flatland_plugins):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
-        if not module.name.startswith("flatland_server.ros"):
+        if not module.name.startswith("flatland_server.ros") and "__main__" not in module.name:
             importlib.import_module(module.name)
 ros = ("genpy", "genmsg", "rospy", "rosgraph", "roslib", "roslaunch", "rospkg", "catkin_pkg")
 found = {name.partition(".")[0] for name in sys.modules}
