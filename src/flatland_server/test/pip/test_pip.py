@@ -21,8 +21,12 @@ import importlib, pkgutil, sys
 import flatland2d, flatland_plugins, flatland_server
 for package in (flatland_server, flatland_plugins):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
-        if not module.name.startswith("flatland_server.ros") and "__main__" not in module.name:
+        if module.name.startswith("flatland_server.ros") or module.name.endswith("__main__"):
+            continue
+        try:
             importlib.import_module(module.name)
+        except flatland2d.FlatlandError as error:
+            assert "pip install 'flatland2d[" in str(error), error  # it needs an extra
 ros = ("genpy", "genmsg", "rospy", "rosgraph", "roslib", "roslaunch", "rospkg", "catkin_pkg")
 found = {name.partition(".")[0] for name in sys.modules}
 print(sorted(name for name in found if name in ros or name.endswith("_msgs")))
