@@ -12,7 +12,7 @@
 set(FLATLAND_BOX2D auto CACHE STRING "Where Box2D comes from: auto, system or source")
 set_property(CACHE FLATLAND_BOX2D PROPERTY STRINGS auto system source)
 
-# Builds Box2D 2.4.1 as a static library with hidden symbols, without its programs and installation.
+# Adds Box2D 2.4.1 as a static library with hidden symbols, without its programs and installation.
 function(flatland_add_box2d)
   set(repository https://github.com/erincatto/box2d.git)
   set(commit 9ebbbcd960ad424e03e5de6e66a40764c16f51bc) # v2.4.1
@@ -63,6 +63,8 @@ function(flatland_add_box2d)
   set(FLATLAND_BOX2D_FETCHED ON CACHE INTERNAL "Box2D's source is there")
   set(FLATLAND_BOX2D_LICENSE ${box2d_SOURCE_DIR}/LICENSE CACHE INTERNAL "of the Box2D in the extension module")
   target_include_directories(box2d SYSTEM INTERFACE ${box2d_SOURCE_DIR}/include)
+  # Another module of the process may have a Box2D of its own.
+  target_link_options(box2d INTERFACE LINKER:--exclude-libs,ALL)
   add_library(box2d::box2d ALIAS box2d)
 endfunction()
 
