@@ -1,4 +1,15 @@
+from glob import glob
+
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
-setup(**generate_distutils_setup(packages=["flatland_example_plugins"], package_dir={"": "src"}))
+NAME = "flatland_example_plugins"
+
+setup(
+    **generate_distutils_setup(
+        packages=[NAME],
+        package_dir={"": "src"},
+        # For pip. catkin installs them too, by CMakeLists.txt.
+        data_files=[(f"share/{NAME}/worlds/conveyor", glob("worlds/conveyor/*"))],
+    )
+)

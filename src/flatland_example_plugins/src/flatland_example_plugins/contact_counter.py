@@ -4,9 +4,9 @@ import logging
 from collections import Counter
 from typing import Dict
 
-from std_msgs.msg import Int32
+from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlReader, messages
 
-from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
+Int32 = messages.get("std_msgs/Int32")
 
 logger = logging.getLogger(__name__)
 
@@ -21,7 +21,7 @@ class ContactCounter(ModelPlugin):
         """Reads the topic and its rate [Hz]."""
         topic = config.get_topic("topic", "contacts")
         self.update_timer = UpdateTimer(config.get_rate("update_rate", 10.0))
-        self._publisher = self.node.advertise(topic, Int32)
+        self._publisher = self.node.advertise(topic, "std_msgs/Int32")
         self._counts: Counter[str] = Counter()
 
     def begin_contact(self, contact: Contact) -> None:
@@ -33,7 +33,15 @@ class ContactCounter(ModelPlugin):
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Called when the `update_timer` is due."""
         if self._publisher.has_subscribers:
-            self._publisher.publish(Int32(sum(self._counts.values())))
+            self.publish_now(timekeeper)
+
+    def read(self, timekeeper: Timekeeper) -> int:
+        """What a program reads: the sum until now."""
+        return sum(self._counts.values())
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes it: when the time has come, or when a program reads the topic first."""
+        self._publisher.publish(Int32(self.read(timekeeper)))
 
     def get_state(self) -> Dict[str, int]:
         """What a saved state has to keep: plain data."""

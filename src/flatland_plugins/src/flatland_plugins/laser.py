@@ -5,7 +5,6 @@ from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
-from sensor_msgs.msg import LaserScan
 
 from flatland_plugins.laser_config import LaserConfig
 from flatland_plugins.scan_writer import ScanWriter
@@ -13,6 +12,7 @@ from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
     BeamFan,
+    Canvas,
     Float32Array,
     ModelPlugin,
     Timekeeper,
@@ -23,13 +23,18 @@ from flatland_server import (
 REFLECTANCE_LAYER = "reflectance"
 """What is on the layer of this name returns an intensity of 255."""
 
+_BEAMS = (0.8, 0.0, 0.0, 0.08)
+_RETURNS = (0.8, 0.0, 0.0, 1.0)
+
 
 class Laser(ModelPlugin):
     """Publishes sensor_msgs/LaserScan; scans only if the topic has a subscriber."""
 
+    only_publishes = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
-        body = self.get_body(config)
+        body = self._body = self.get_body(config)
         laser = self._config = LaserConfig.read(config, self.name)
         registry = self.model.registry
         try:
@@ -40,7 +45,7 @@ class Laser(ModelPlugin):
         reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
         self._noise = TimedNoise(self.rng)
         # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
-        handedness = -1.0 if laser.upside_down else 1.0
+        handedness = self._handedness = -1.0 if laser.upside_down else 1.0
         fan = _fan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
         self._lidar = body.physics_body.add_lidar(
             fan, laser.origin, laser.range, layers, reflectance
@@ -48,7 +53,7 @@ class Laser(ModelPlugin):
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
         self.update_timer = UpdateTimer(laser.update_rate)
-        self._publisher = self.node.advertise(laser.topic, LaserScan)
+        self._publisher = self.node.advertise(laser.topic, "sensor_msgs/LaserScan")
         self._writer = ScanWriter(
             self._frame.name,
             angle_min=laser.angle_min,
@@ -72,8 +77,12 @@ class Laser(ModelPlugin):
         """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)
         if self._has_to_scan():
-            now = timekeeper.nanoseconds
-            self._publisher.write(self._writer, now, *self._scan(now))
+            self.publish_now(timekeeper)
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes a scan."""
+        now = timekeeper.nanoseconds
+        self._publisher.write(self._writer, now, *self._scan(now))
 
     def _has_to_scan(self) -> bool:
         return self._config.always_publish or self._publisher.has_subscribers
@@ -85,6 +94,29 @@ class Laser(ModelPlugin):
             noise = self._noise.at(nanoseconds)
             ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)
         return ranges, intensities
+
+    def read(self, timekeeper: Timekeeper) -> Float32Array:
+        """The range of each beam [m], shape (n,); a beam that hits nothing is +inf (REP 117)."""
+        return self._scan(timekeeper.nanoseconds)[0]
+
+    def read_intensities(self, timekeeper: Timekeeper) -> Float32Array:
+        """The intensity of each beam, 0 or 255, shape (n,); (0,) without a layer "reflectance"."""
+        return self._scan(timekeeper.nanoseconds)[1]
+
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Draws the area that the beams cross, and a dot where one is returned."""
+        laser, ranges = self._config, self.read(timekeeper)
+        pose = self._body.pose.compose(laser.origin)
+        angles = pose.yaw + self._handedness * (
+            laser.angle_min + laser.increment * np.arange(laser.beams)
+        )
+        reach = np.where(np.isfinite(ranges), ranges, laser.range)
+        ends = pose[:2] + reach[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+        if laser.beams > 1:
+            canvas.area(np.vstack([pose[:2], ends]), _BEAMS)
+        else:
+            canvas.path(np.vstack([pose[:2], ends]), _BEAMS)
+        canvas.dots(ends[np.isfinite(ranges)], _RETURNS, size=2.5)
 
     def get_state(self) -> None:
         """Nothing: a scan depends on the present alone, and its noise on the time."""

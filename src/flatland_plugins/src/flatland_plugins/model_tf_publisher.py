@@ -8,6 +8,8 @@ from flatland_server import ModelPlugin, RelativePoses, Timekeeper, UpdateTimer,
 class ModelTfPublisher(ModelPlugin):
     """Publishes reference -> body for each body, and world -> reference if asked to."""
 
+    only_publishes = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys."""
         self._reference = self.get_body(config, "reference", self.model.base.name)

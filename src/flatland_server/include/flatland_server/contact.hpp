@@ -76,6 +76,14 @@ class Contact {
   b2Contact& contact_;
 };
 
+/// Two fixtures that touch, as the last step has found them.
+struct Touch {
+  Fixture a;
+  Fixture b;
+  std::vector<Vec2> points;  ///< up to two, in the world [m]; none with a sensor
+  Vec2 normal;               ///< unit vector from a to b, in the world's frame; zero with a sensor
+};
+
 /// Receives the contact events of a world, within World::Step and World::RemoveBody.
 ///
 /// It may query the world, set velocities and apply forces, which then count for the next step. It

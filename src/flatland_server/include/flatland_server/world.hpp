@@ -218,12 +218,27 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Chooses the events of a body's contacts that the listener receives; none at first. A contact's
   /// event is reported if either of its two bodies has chosen it.
   void ListenToContacts(Body body, ContactEvents events);
+  /// The fixtures that touch, as the last step has found them, ordered by their bodies and indices.
+  std::vector<Touch> GetTouches() const;
 
   // ---- Stepping ----
 
   /// Advances the simulation by `dt` [s], 1e-9 or more.
   void Step(double dt) { Step(dt, AccessGuard(*this)); }
   void Step(double dt, const AccessGuard& guard);
+  /// Makes at most `count` steps of `dt` [s] each, and at least one. Ends after a step in which the
+  /// contact listener was called, so that the caller can react before the next one. Returns the
+  /// number of steps.
+  int StepUntilContact(double dt, int count) {
+    return StepUntilContact(dt, count, AccessGuard(*this));
+  }
+  int StepUntilContact(double dt, int count, const AccessGuard& guard);
+  /// Number of steps that the last call of StepUntilContact has completed; during a call of the
+  /// contact listener, those before the step that is being made.
+  int completed_steps() const {
+    RequireAccess();
+    return completed_steps_;
+  }
 
   // ---- State ----
 
@@ -357,6 +372,8 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   ContactListener* listener_ = nullptr;
   std::atomic<std::thread::id> listener_thread_{};  // set during a call of the listener
+  bool has_called_listener_ = false;                // since the call of StepUntilContact
+  int completed_steps_ = 0;                         // since the call of StepUntilContact
 };
 
 }  // namespace flatland

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+#include "flatland_server/box2d_timer.hpp"
+
 namespace flatland {
 namespace {
 
@@ -64,6 +66,28 @@ void Step(PyWorld& self, double dt) {
   RethrowFromListener(*self.world);
 }
 
+int StepUntilContact(PyWorld& self, double dt, int count) {
+  int completed = 0;
+  {
+    const World::AccessGuard guard(*self.world);
+    const py::gil_scoped_release release;
+    completed = self.world->StepUntilContact(dt, count, guard);
+  }
+  RethrowFromListener(*self.world);
+  return completed;
+}
+
+py::list Touches(const PyWorld& self) {
+  py::list touches;
+  for (const Touch& touch : self.world->GetTouches()) {
+    py::list points;
+    for (const Vec2& point : touch.points) points.append(ToTuple(point));
+    touches.append(py::make_tuple(PyFixture{self.world, touch.a}, PyFixture{self.world, touch.b},
+                                  points, ToTuple(touch.normal)));
+  }
+  return touches;
+}
+
 void SetContactListener(PyWorld& self, py::object callback) {
   ContactListener* listener = callback.is_none() ? nullptr : &self.owner->listener;
   self.world->SetContactListener(listener);
@@ -93,6 +117,9 @@ void BindWorld(py::module_& m) {
           py::arg("type"), py::arg("pose"), py::arg("linear_damping") = 0.0,
           py::arg("angular_damping") = 0.0)
       .def("step", &Step, py::arg("dt"))
+      .def("step_until_contact", &StepUntilContact, py::arg("dt"), py::arg("count"))
+      .def_property_readonly("completed_steps",
+                             [](const PyWorld& self) { return self.world->completed_steps(); })
       .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
            py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0)
       .def(
@@ -113,6 +140,7 @@ void BindWorld(py::module_& m) {
           },
           py::arg("state"))
       .def("set_contact_listener", &SetContactListener, py::arg("listener"))
+      .def_property_readonly("touches", &Touches)
       .def_property_readonly("body_count",
                              [](const PyWorld& self) { return self.world->body_count(); })
       .def_property_readonly("joint_count",
@@ -140,8 +168,10 @@ PYBIND11_MODULE(_core, m) {
   BindFixture(fixture);
   BindFixtureChecker(m);
   BindRelativePoses(m);
+  BindBodyGroup(m);
   BindContacts(m);
   BindWorld(m);
+  m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);
 }
 

@@ -101,6 +101,7 @@ struct RelativePoses {
 
 void BindBody(py::class_<PyBody>& body);
 void BindRelativePoses(py::module_& m);
+void BindBodyGroup(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindFixtureChecker(py::module_& m);
 void BindMechanisms(py::module_& m);

@@ -78,4 +78,15 @@ void World::Step(double dt, const AccessGuard&) {
   ApplyDeferredForces();
 }
 
+int World::StepUntilContact(double dt, int count, const AccessGuard& guard) {
+  Require(count >= 1, "expected 1 step or more");
+  has_called_listener_ = false;
+  completed_steps_ = 0;
+  while (completed_steps_ < count && !has_called_listener_) {
+    Step(dt, guard);
+    ++completed_steps_;
+  }
+  return completed_steps_;
+}
+
 }  // namespace flatland

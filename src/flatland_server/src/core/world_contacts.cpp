@@ -1,6 +1,9 @@
 /// World: contacts. Box2D reports all contacts to the world, which passes on those that a body has
 /// chosen.
 
+#include <algorithm>
+#include <tuple>
+
 #include "flatland_server/world.hpp"
 
 namespace flatland {
@@ -51,7 +54,25 @@ Contact World::MakeContact(b2Contact& contact, ContactEvent event) const {
   return Contact(contact, event, fixture(contact.GetFixtureA()), fixture(contact.GetFixtureB()));
 }
 
+// Box2D keeps its contacts in the order of their discovery, which depends on its tree.
+std::vector<Touch> World::GetTouches() const {
+  RequireAccess();
+  std::vector<Touch> touches;
+  for (b2Contact* each = world_->GetContactList(); each != nullptr; each = each->GetNext()) {
+    if (!each->IsTouching()) continue;
+    const Contact contact = MakeContact(*each, kPostSolve);
+    touches.push_back({contact.a, contact.b, contact.Points(), contact.Normal()});
+  }
+  const auto key = [](const Touch& touch) {
+    return std::make_tuple(touch.a.body.index, touch.a.index, touch.b.body.index, touch.b.index);
+  };
+  std::sort(touches.begin(), touches.end(),
+            [&](const Touch& one, const Touch& other) { return key(one) < key(other); });
+  return touches;
+}
+
 void World::CallListener(Contact& contact) {
+  has_called_listener_ = true;
   listener_thread_ = std::this_thread::get_id();
   listener_->OnContact(contact);
   listener_thread_ = std::thread::id();

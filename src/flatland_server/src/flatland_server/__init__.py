@@ -8,7 +8,7 @@ Modules below are implementation: they may change. Everything but `flatland_serv
 without a ROS master.
 """
 
-from flatland_server import _deprecated
+from flatland_server import _deprecated, messages
 from flatland_server._core import (
     EASINGS,
     TWEEN_MODES,
@@ -26,19 +26,27 @@ from flatland_server._core import (
     Tween,
 )
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
+    MessageError,
     ModelError,
     PluginError,
     Problem,
+    RecordingError,
     StateError,
     TopicError,
+    UsageError,
     YamlError,
 )
-from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
+from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
+from flatland_server.library.handles import ModelHandle, Sensor
+from flatland_server.library.recorder import Recorder
+from flatland_server.library.simulation import Simulation
+from flatland_server.library.touch import Touch
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entity
@@ -67,6 +75,7 @@ __all__ = [
     "Body",
     "BodyConfig",
     "BoolArray",
+    "Canvas",
     "Circle",
     "CollisionFilterRegistry",
     "Color",
@@ -89,12 +98,14 @@ __all__ = [
     "Lidar",
     "LocalTransport",
     "Manifold",
+    "MessageError",
     "MessageWriter",
     "Model",
     "ModelBody",
     "ModelConfig",
     "ModelEntry",
     "ModelError",
+    "ModelHandle",
     "ModelPlugin",
     "Node",
     "PluginDeclaration",
@@ -105,18 +116,25 @@ __all__ = [
     "Pose",
     "Problem",
     "Publisher",
+    "Recorder",
+    "RecordingError",
     "RelativePoses",
     "Segments",
+    "Sensor",
+    "Simulation",
     "SimulationManager",
     "StateError",
     "Subscription",
     "Timekeeper",
     "TopicError",
+    "Touch",
     "Transform",
     "Transport",
     "Tricycle",
     "Tween",
     "UpdateTimer",
+    "UsageError",
+    "Velocity",
     "World",
     "WorldConfig",
     "WorldPlugin",
@@ -126,6 +144,7 @@ __all__ = [
     "fill_pose",
     "fill_twist",
     "header",
+    "messages",
     "quaternion",
     "ros_time",
     "wrap_angle",

@@ -15,7 +15,7 @@ properties raise, unless it is said otherwise:
 
 from typing import Callable, NoReturn, Sequence, overload
 
-from flatland_server.arrays import Float32Array, Segments
+from flatland_server.arrays import Float32Array, FloatArray, Segments
 
 _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
@@ -69,6 +69,27 @@ class World(metaclass=_Metaclass):
         Raises:
             Exception: what the contact listener has raised, after the step.
         """
+    def step_until_contact(self, dt: float, count: int) -> int:
+        """Makes at most `count` steps, and at least one, as `step` does.
+
+        It ends after a step in which the contact listener was called.
+
+        Args:
+            dt: length of each step [s], 1e-9 or more.
+            count: 1 or more.
+
+        Returns:
+            The number of steps.
+
+        Raises:
+            Exception: what the contact listener has raised, after the step.
+        """
+    @property
+    def completed_steps(self) -> int:
+        """Number of steps that the last call of `step_until_contact` has completed.
+
+        In the contact listener, those before the step that is being made.
+        """
     @overload
     def scan(
         self,
@@ -118,6 +139,13 @@ class World(metaclass=_Metaclass):
         A fifth argument is, at PRE_SOLVE, the Manifold of the previous step, and at POST_SOLVE the
         ContactImpulse. After its first exception it is not called any more in that step, and `step`
         or `remove` raises the exception at its end.
+        """
+    @property
+    def touches(self) -> list[tuple[Fixture, Fixture, list[_Pair], _Pair]]:
+        """The fixtures that touch, as the last step has found them, in a fixed order.
+
+        Each with the two fixtures, up to two points in the world [m], and the unit vector from the
+        first to the second in the world's frame; without points and zero if one is a sensor.
         """
     @property
     def body_count(self) -> int:
@@ -369,6 +397,21 @@ class RelativePoses(metaclass=_Metaclass):
     def read(self) -> list[_Triple]:
         """Returns n poses [m, m, rad]. Each yaw is the difference of two yaws in [-pi, pi]."""
 
+class BodyGroup(metaclass=_Metaclass):
+    """Reads the poses and velocities of bodies, all in one call.
+
+    Args:
+        bodies: n bodies of the same world.
+    """
+
+    def __init__(self, bodies: Sequence[Body]) -> None: ...
+    def __len__(self) -> int:
+        """The number of bodies, n."""
+    def poses(self) -> FloatArray:
+        """A new array of shape (n, 3): x, y [m] and yaw in [-pi, pi] [rad] in the world."""
+    def velocities(self) -> FloatArray:
+        """A new array of shape (n, 3): vx, vy [m/s] and omega [rad/s], in the world's frame."""
+
 class Fixture(_WithoutConstructor):
     """A handle of a shape of a body, or of a wall of a layer. Handles of the same one are equal."""
 
@@ -604,6 +647,13 @@ class Manifold(ContactImpulse):
     @property
     def local_points(self) -> list[_Pair]:
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
+
+def box2d_reads_clock() -> bool:
+    """Whether Box2D reads the clock while it steps, which makes small worlds slower.
+
+    It does not, unless another module of this process has loaded a shared libbox2d before, or this
+    was linked so that it prefers its own timer; the results are the same. See box2d_timer.cpp.
+    """
 
 class PriorityGuard(metaclass=_Metaclass):
     """Takes real-time priority from the thread that creates it, if that computes for too long.

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     IntArray = NDArray[np.intp]
     FloatArray = NDArray[np.float64]
     Float32Array = NDArray[np.float32]
+    UInt8Array = NDArray[np.uint8]
 else:
-    BoolArray = IntArray = FloatArray = Float32Array = np.ndarray
+    BoolArray = IntArray = FloatArray = Float32Array = UInt8Array = np.ndarray
 
 Segments = FloatArray
 """Wall segments: shape (n, 4), x1, y1, x2, y2; in metres unless stated otherwise."""

@@ -33,13 +33,18 @@ class Timekeeper:
         return self._nanoseconds * 1e-9
 
     @property
+    def step_nanoseconds(self) -> int:
+        """Length of a step [ns]."""
+        return self._step_nanoseconds
+
+    @property
     def step_size(self) -> float:
         """Length of a step [s]."""
         return self._step_nanoseconds * 1e-9
 
-    def step(self) -> None:
-        """Advances simulated time by one step."""
-        self._nanoseconds += self._step_nanoseconds
+    def step(self, count: int = 1) -> None:
+        """Advances simulated time by one step, or by several."""
+        self._nanoseconds += count * self._step_nanoseconds
 
     def jump_to(self, nanoseconds: int) -> None:
         """Sets simulated time [ns]: to 0 at a reset, to another time when a state is loaded."""

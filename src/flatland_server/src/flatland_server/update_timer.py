@@ -34,7 +34,13 @@ class UpdateTimer:
 
     def check_update(self, timekeeper: Timekeeper) -> bool:
         """Whether an update is due now; true once for each update."""
-        now = timekeeper.nanoseconds
+        return self.check_update_at(timekeeper.nanoseconds)
+
+    def check_update_at(self, now: int) -> bool:
+        """Whether an update is due at a simulated time [ns]; see `check_update`.
+
+        The next one is due as if the steps since the last check had all been checked.
+        """
         if now < self.due:
             return False
         if self.due < 0:

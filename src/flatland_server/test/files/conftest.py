@@ -11,7 +11,8 @@ from PIL import Image, ImageDraw
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
-from flatland_server.plugins.plugin_loader import PluginLoader, _read_declarations
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.ros_exports import read_declarations
 from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -116,7 +117,7 @@ class Files:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         # The built-in plugins alone, whatever else is on ROS_PACKAGE_PATH.
-        self.declarations = _read_declarations("flatland_plugins", PLUGINS)
+        self.declarations = read_declarations("flatland_plugins", PLUGINS)
         self.loader = PluginLoader(self.declarations)
 
     def write(self, name: str, content: Union[str, bytes]) -> Path:

@@ -77,11 +77,86 @@ def test_what_is_not_in_a_package_is_named_with_its_line(good_files, package, na
     assert f"world.yaml:13: models[0].model: {message}" in good_files.refusal()
 
 
-def test_without_rospkg_the_error_says_so(good_files, package, monkeypatch):
-    monkeypatch.setitem(sys.modules, "rospkg", None)
+# Packages without ROS
 
-    with pytest.raises(FlatlandError, match="package:// needs rospkg, a Python package of ROS"):
-        to_path("package://robots/robot.model.yaml")
+
+class PythonPackage:
+    """A Python package `loader_robots` in the library folder of a prefix."""
+
+    def __init__(self, prefix):
+        self.share = prefix / "share" / "loader_robots"
+        self.folder = prefix / "lib" / "python3" / "site-packages" / "loader_robots"
+        self.write(self.folder / "__init__.py")
+
+    @staticmethod
+    def write(file, text=""):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+
+@pytest.fixture
+def python_package(tmp_path, monkeypatch):
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    package = PythonPackage(tmp_path / "prefix")
+    monkeypatch.syspath_prepend(str(package.folder.parent))
+    return package
+
+
+def test_without_ros_a_package_is_an_installed_python_package(python_package):
+    python_package.write(python_package.folder / "worlds" / "a.yaml")
+    python_package.write(python_package.share / "worlds" / "a.yaml")
+    python_package.write(python_package.share / "worlds" / "b.yaml")
+
+    paths = [to_path(f"package://loader_robots/worlds/{name}.yaml") for name in "abc"]
+
+    assert paths == [
+        python_package.folder / "worlds" / "a.yaml",  # first the files of the package itself
+        python_package.share / "worlds" / "b.yaml",
+        python_package.folder / "worlds" / "c.yaml",  # for the error of a missing file
+    ]
+    assert "loader_robots" not in sys.modules
+
+
+@pytest.mark.parametrize("layout", ["src/loader_robots", "loader_robots"])
+def test_the_source_of_an_editable_package_has_its_files(tmp_path, monkeypatch, layout):
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "/nothing")
+    PythonPackage.write(tmp_path / layout / "__init__.py")
+    PythonPackage.write(tmp_path / "package.xml", "<package><name>loader_robots</name></package>")
+    PythonPackage.write(tmp_path / "worlds" / "a.yaml")
+    monkeypatch.syspath_prepend(str((tmp_path / layout).parent))
+
+    assert to_path("package://loader_robots/worlds/a.yaml") == tmp_path / "worlds" / "a.yaml"
+
+
+def test_a_ros_package_hides_the_python_package_of_its_name(python_package, tmp_path, monkeypatch):
+    ros = tmp_path / "workspace" / "of_another_name"
+    python_package.write(ros / "package.xml", "<package><name>loader_robots</name></package>")
+    python_package.write(python_package.folder / "a.yaml")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nothing:{ros.parent}")
+
+    assert to_path("package://loader_robots/a.yaml") == ros / "a.yaml"
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("loader_robot", ' (did you mean "loader_robots"?)'),
+        ("loader.robots", ' (did you mean "loader_robots"?)'),
+        ("loader_namespace", ""),
+        ("..", ""),
+        ("os", ""),  # a module, which has no folder
+    ],
+)
+def test_without_ros_the_error_speaks_of_pip(python_package, tmp_path, monkeypatch, name, hint):
+    PythonPackage.write(tmp_path / "loader_namespace" / "a.yaml")  # not a package: a folder
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    with pytest.raises(FlatlandError) as error:
+        to_path(f"package://{name}/a.yaml")
+
+    assert str(error.value) == (
+        f'no Python package is named "{name}"{hint}; is it installed (pip install)?'
+    )
 
 
 # The folders of models

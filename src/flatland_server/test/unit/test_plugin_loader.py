@@ -183,7 +183,7 @@ def test_a_class_that_is_not_in_its_module_is_named(packages):
     xml = '<library><class name="Ghost" type="loader_ghost.Ghost"/></library>'
     packages.add("my_plugins", xml, loader_ghost="")
 
-    assert refusal("Ghost") == 'loader_ghost has no class "Ghost", though its XML names it'
+    assert refusal("Ghost") == 'loader_ghost has no class "Ghost", though its package declares it'
 
 
 @pytest.mark.parametrize(

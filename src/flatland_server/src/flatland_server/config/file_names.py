@@ -1,21 +1,25 @@
 """What users write for a file: a path, a `package://` URI, or a name in one of several folders."""
 
 import os
-from functools import lru_cache
+import pkgutil
 from pathlib import Path
-from typing import Any, Sequence, Union
+from typing import Sequence, Union
 
 from flatland_server.config.input_files import is_file
+from flatland_server.config.packages import package_folders, ros_packages
 from flatland_server.exceptions import FlatlandError, listed, shortened, suggestion
 
 _SCHEME = "package://"
 
 
 def to_path(name: Union[str, Path]) -> Path:
-    """The path that a name means: itself, or for `package://name/path`, one in a ROS package.
+    """The path that a name means: itself, or for `package://name/path`, one in a package.
+
+    That is a ROS package on ROS_PACKAGE_PATH, or else an installed Python package. Of the folders
+    of a Python package (see `config.packages`), the first counts that has the path.
 
     Raises:
-        FlatlandError: there is no such package, or no rospkg to find it.
+        FlatlandError: there is no such package.
     """
     text = os.fspath(name)
     if not text.startswith(_SCHEME):
@@ -23,7 +27,10 @@ def to_path(name: Union[str, Path]) -> Path:
     package, _, inner = text[len(_SCHEME) :].partition("/")
     if not package or not inner:
         raise FlatlandError(f'expected package://name/path, found "{shortened(text)}"')
-    return _package_folder(package) / inner
+    candidates = [folder / inner for folder in package_folders(package)]
+    if not candidates:
+        raise _unknown_package(package)
+    return next(filter(os.path.exists, candidates), candidates[0])
 
 
 def find_file(name: Union[str, Path], folders: Sequence[Path]) -> Path:
@@ -55,23 +62,13 @@ def nor_in(folders: Sequence[Path]) -> str:
     return f", nor in {listed([str(folder) for folder in folders])}" if folders else ""
 
 
-def _package_folder(package: str) -> Path:
-    try:
-        import rospkg
-    except ImportError:
-        raise FlatlandError(f"{_SCHEME} needs rospkg, a Python package of ROS") from None
-    packages = _packages(os.environ.get("ROS_PACKAGE_PATH", ""))
-    try:
-        return Path(packages.get_path(package))
-    except rospkg.ResourceNotFound:
-        hint = suggestion(package, packages.list())
-        message = f'no ROS package is named "{shortened(package)}"{hint}'
-        raise FlatlandError(f"{message}; is the workspace's setup.bash sourced?") from None
-
-
-@lru_cache(maxsize=1)
-def _packages(search_path: str) -> Any:
-    """The packages on ROS_PACKAGE_PATH, which are looked up once."""
-    import rospkg
-
-    return rospkg.RosPack(search_path.split(os.pathsep))
+def _unknown_package(name: str) -> FlatlandError:
+    """The error for a package that is not there, in the words of the user's world: ROS or pip."""
+    if "ROS_PACKAGE_PATH" in os.environ:
+        known = list(ros_packages())
+        kind, question = "ROS", "is the workspace's setup.bash sourced?"
+    else:
+        known = [module.name for module in pkgutil.iter_modules() if module.ispkg]
+        kind, question = "Python", "is it installed (pip install)?"
+    near = suggestion(name, known)
+    return FlatlandError(f'no {kind} package is named "{shortened(name)}"{near}; {question}')

@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Set
 
 import yaml
 
+from flatland_server.config.plain_nodes import NO_LINE
 from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.yaml_values import ConversionError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
@@ -59,6 +60,10 @@ class YamlMap:
     def is_list(self, key: str) -> bool:
         """Whether the value of a key is a list, for keys that take a list or something else."""
         return isinstance(self._values.get(key), yaml.SequenceNode)
+
+    def is_map(self, key: str) -> bool:
+        """Whether the value of a key is a map, for keys that take a map or something else."""
+        return isinstance(self._values.get(key), yaml.MappingNode)
 
     def key_of(self, value: str) -> Optional[str]:
         """The first key with this scalar as its value, or None."""
@@ -195,4 +200,6 @@ def error_at(node: yaml.Node, message: str, path: str = "") -> YamlError:
     """
     mark = node.start_mark
     message = f"{path}: {message}" if path else message
+    if mark.line == NO_LINE:
+        return YamlError(file_of(node), message)
     return YamlError(file_of(node), message, mark.line + 1, mark.column + 1)

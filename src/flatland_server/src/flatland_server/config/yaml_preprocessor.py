@@ -59,6 +59,17 @@ class YamlPreprocessor:
         except RecursionError:
             raise YamlError(path, "is nested too deeply") from None
 
+    def resolve(self, node: yaml.Node) -> yaml.Node:
+        """A copy of a node that was not read from a file, with everything resolved.
+
+        Raises:
+            YamlError: an expression fails, or a file that it includes is wrong.
+        """
+        self._included.clear()
+        self._value_count = 0
+        self._expressions.restart_time()
+        return self._resolve(node, (Path(node.start_mark.name),), {})
+
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
         self._expressions.close()
@@ -187,7 +198,7 @@ class YamlPreprocessor:
         path = files[-1].parent / name
         if not is_file(path):
             raise error_at(node, f"there is no file {path}")
-        if any(path.samefile(file) for file in files):
+        if any(file.exists() and path.samefile(file) for file in files):
             raise error_at(node, f"{path} includes itself")
         real = path.resolve()
         if real not in self._included:

@@ -17,6 +17,7 @@ import yaml
 
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, why_not_a_file
+from flatland_server.config.plain_nodes import plain_copy, to_node
 from flatland_server.config.problem_collector import MAX_ENTRIES, MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
 from flatland_server.config.yaml_map import YamlMap, file_of
@@ -71,6 +72,26 @@ class YamlReader(YamlMap):
             return cls(preprocessor.read(path))
         with closing(YamlPreprocessor()) as own:
             return cls(own.read(path))
+
+    @classmethod
+    def from_content(
+        cls, content: Any, name: str, preprocessor: Optional[YamlPreprocessor] = None
+    ) -> "YamlReader":
+        """The reader of a file's content that a program has made, its expressions resolved.
+
+        Args:
+            content: plain data; see `plain_nodes.plain_copy`.
+            name: stands for the file in errors, such as "world".
+            preprocessor: has the parameters; by default there are none.
+
+        Raises:
+            FlatlandError: it is no map of plain data, or an expression fails.
+        """
+        node = to_node(plain_copy(content, name), name)
+        if preprocessor is not None:
+            return cls(preprocessor.resolve(node))
+        with closing(YamlPreprocessor()) as own:
+            return cls(own.resolve(node))
 
     # Values
 

@@ -1,11 +1,12 @@
 """Models: robots, people, doors, boxes. A model consists of bodies, joints and plugins."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from flatland_server import _core
+from flatland_server.config.plain_nodes import plain_copy
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
@@ -28,7 +29,8 @@ class ModelConfig:
         bodies: its bodies, at least one; the first is the base.
         joints: its joints.
         plugins: its plugins, which read their own keys when they start.
-        is_read: whether it was read from `path`; otherwise a program has made it.
+        is_read: whether it was read from `path` or `content`; otherwise a program has made it.
+        content: what it was read from, if that was no file: plain data.
     """
 
     path: Path
@@ -36,6 +38,7 @@ class ModelConfig:
     joints: Tuple[JointConfig, ...]
     plugins: Tuple[PluginConfig, ...]
     is_read: bool = False
+    content: Optional[Mapping[str, Any]] = field(default=None, compare=False, repr=False)
 
     @classmethod
     def from_file(
@@ -55,6 +58,24 @@ class ModelConfig:
             YamlError: something in it is wrong. Plugins check their own keys when they start.
         """
         return cls.read(YamlReader.from_file(path, preprocessor), registry)
+
+    @classmethod
+    def from_content(
+        cls,
+        content: Mapping[str, Any],
+        registry: CollisionFilterRegistry,
+        preprocessor: Optional[YamlPreprocessor] = None,
+    ) -> "ModelConfig":
+        """Reads what would be the content of a model file; see `from_file`.
+
+        Args:
+            content: plain data; see `plain_nodes.plain_copy`.
+            registry: as for `from_file`.
+            preprocessor: as for `from_file`.
+        """
+        copy = plain_copy(content, "model")
+        reader = YamlReader.from_content(copy, "model", preprocessor)
+        return replace(cls.read(reader, registry), content=copy)
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":
@@ -233,11 +254,13 @@ class Model(Entity):
         before = [
             (body.physics_body, Pose(*body.physics_body.pose)) for body in self.bodies.values()
         ]
+        moved = []
         try:
             for body, old in before:
                 body.pose = displacement.compose(old)
+                moved.append((body, old))
         except ValueError as error:
-            for body, old in before:
+            for body, old in moved:
                 body.pose = old
             raise ModelError(f'the model "{self.name}" cannot be there: {error}') from None
         for body, _ in before:

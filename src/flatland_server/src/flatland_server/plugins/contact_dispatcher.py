@@ -38,6 +38,8 @@ class ContactDispatcher:
         self._entities = entities
         self._call = call
         self._count = 0
+        self.before_delivery: Optional[Callable[[], None]] = None
+        """Called before the hooks of each event, if it is set."""
         # By event, then by the model of the plugins; those of world plugins are under None.
         self._listeners: Dict[int, Dict[Optional[Entity], List[_Listener]]] = {
             event: {} for event in CONTACT_HOOKS.values()
@@ -106,6 +108,8 @@ class ContactDispatcher:
     def _deliver(
         self, event: int, id_a: int, id_b: int, contact: _core.Contact, *details: Any
     ) -> None:
+        if self.before_delivery is not None:
+            self.before_delivery()
         name = _HOOK_NAMES[event]
         by_entity = self._listeners[event]
         # None for the plugins of the world; a contact within a model is delivered once.

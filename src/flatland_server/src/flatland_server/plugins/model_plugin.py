@@ -12,6 +12,7 @@ from flatland_server.models.joint import Joint
 from flatland_server.models.model import Model
 from flatland_server.models.model_body import ModelBody
 from flatland_server.plugins.plugin import Plugin
+from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
 
 
@@ -37,6 +38,32 @@ class ModelPlugin(Plugin):
     ) -> None:
         super().__init__(type, name, node, rng)
         self.model = model
+
+    def read(self, timekeeper: Timekeeper) -> Any:
+        """What the plugin measures now: `simulation.models["robot"].sensors["name"].read()`.
+
+        To be overridden by sensors. Further methods `read_<quantity>`, with the same argument, are
+        for what else they measure: `read_intensities` is called by `read("intensities")`. Called
+        between steps, whether topics have subscribers or not. It changes nothing that the plugin
+        publishes later, and has the errors that a message of this time would have.
+
+        Args:
+            timekeeper: has the time.
+
+        Returns:
+            Anything; a new object each time, which the caller may keep and change.
+        """
+        raise NotImplementedError(f"{type(self).__name__} measures nothing")
+
+    def command(self, *values: Any, **named_values: Any) -> None:
+        """Obeys a command, as from a message: `simulation.models["robot"].command(0.5, 0.2)`.
+
+        To be overridden by drives, with parameters of their own. Called between steps.
+
+        Raises:
+            ValueError: it cannot be obeyed; nothing has changed.
+        """
+        raise NotImplementedError(f"{type(self).__name__} takes no commands")
 
     def get_body(self, config: YamlReader, key: str = "body", default: Any = REQUIRED) -> ModelBody:
         """The body with the name that is the value of a key of the configuration.

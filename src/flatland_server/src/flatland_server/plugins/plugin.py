@@ -43,11 +43,12 @@ effect at its end. Contact hooks may set velocities and apply forces and impulse
 add or remove bodies.
 """
 
-from typing import Any, Callable, Optional
+from typing import Any, Callable, ClassVar, Optional
 
 import numpy as np
 
 from flatland_server import _core
+from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
 from flatland_server.timekeeper import Timekeeper
@@ -78,7 +79,14 @@ class Plugin:
         node: its access to topics, transforms and parameters.
         rng: its random numbers, which depend only on the seed of the world and on the names of the
             model and the plugin.
+
+    Attributes:
+        only_publishes: whether the step hooks do nothing but publish, so that `has_work` depends on
+            nothing but subscribers. With an `update_timer`, the plugin is then not asked each time
+            this is due, and while it has no work, the world makes many steps at once.
     """
+
+    only_publishes: ClassVar[bool] = False
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
         self.type = type
@@ -137,9 +145,9 @@ class Plugin:
         """Whether the step hooks need to be called now.
 
         To be overridden by plugins that only publish, which have no work while their topics have no
-        subscribers. A plugin with an `update_timer` is asked whenever this is due; any other only
-        after a topic has got or lost a subscriber, or plugins were started or stopped: its answer
-        may depend on nothing else.
+        subscribers. A plugin with an `update_timer` is asked whenever this is due, unless it is one
+        that `only_publishes`; any other only after a topic has got or lost a subscriber, or plugins
+        were started or stopped: its answer may depend on nothing else.
         """
         return True
 
@@ -177,6 +185,20 @@ class Plugin:
         Args:
             contact: with the points where the two fixtures touch.
             impulse: what was applied at each of these points to keep the fixtures apart [N s].
+        """
+
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Draws what the plugin shows in a picture of the world, such as a lidar's returns.
+
+        Called between steps, when a picture with sensors is asked for. It must not change anything:
+        a run is the same with pictures and without.
+        """
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes what the plugin measures now, to those of its topics that have subscribers.
+
+        To be overridden by sensors. Called between steps, when one of its topics is read for the
+        first time (`Simulation.last`). It changes nothing that the plugin publishes later.
         """
 
     def on_shutdown(self) -> None:

@@ -1,7 +1,7 @@
 """Makes plugins out of their configuration."""
 
 import zlib
-from typing import Any, Callable, Set, Type, TypeVar
+from typing import Any, Callable, Dict, List, Set, Type, TypeVar
 
 import numpy as np
 
@@ -43,6 +43,15 @@ class PluginFactory:
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry that the plugins have claimed."""
         return self._root_node.odometry_frames
+
+    @property
+    def topics(self) -> Dict[str, str]:
+        """The types of the topics of the plugins, by their absolute names."""
+        return self._root_node.topic_types
+
+    def owners_of(self, topic: str) -> List[str]:
+        """The plugins that have a topic, as `model/plugin`."""
+        return self._root_node.owners_of(topic)
 
     def make(
         self,

@@ -1,49 +1,31 @@
 """Finds plugins by their type, as pluginlib does.
 
-A package declares its plugins in an XML file and exports it in its package.xml:
+Packages declare their plugins in two ways: a ROS package by an XML file that its package.xml
+exports (`ros_exports`), a Python package that pip installs by entry points (`entry_points`). A
+package may do both, with the same files under catkin and under pip: a class that is found twice
+counts once.
 
-    <export><flatland_server plugin="${prefix}/flatland_plugins.xml"/></export>
-
-    <library>
-      <class name="ConstVelocity" type="my_plugins.const_velocity.ConstVelocity"
-             base_class_type="flatland_server.ModelPlugin">
-        <description>Moves a body at a constant velocity</description>
-      </class>
-    </library>
-
-`type` is the importable Python class, `name` its name in YAML files, alone or as
-`my_plugins::ConstVelocity`. The package makes its modules importable with catkin_python_setup().
-A C++ class, whose `type` has `::`, cannot be loaded: only a file that names it gets an error.
-A plugin of `EXAMPLE_PACKAGE`, which is there to be copied, is hidden by others of the same name.
+A C++ class, whose `type` in the XML file has `::`, cannot be loaded: only a file that names it gets
+an error. A plugin of `EXAMPLE_PACKAGE`, which is there to be copied, is hidden by others of the
+same name.
 """
 
 import importlib
 import inspect
 import logging
 import os
-import re
 import warnings
-import xml.etree.ElementTree as ElementTree
 from contextlib import contextmanager
-from dataclasses import dataclass
-from pathlib import Path
-from typing import (
-    Dict,
-    Iterable,
-    Iterator,
-    List,
-    Optional,
-    Set,
-    TextIO,
-    Tuple,
-    Type,
-    TypeVar,
-    Union,
-)
+from typing import Iterable, Iterator, List, Optional, Set, TextIO, Tuple, Type, TypeVar, Union
 
 from flatland_server._deprecated import FormerNameWarning
 from flatland_server.exceptions import PluginError, shortened, suggestion
+from flatland_server.plugins.entry_points import entry_point_plugins
 from flatland_server.plugins.plugin import Plugin
+from flatland_server.plugins.plugin_declaration import PluginDeclaration
+from flatland_server.plugins.ros_exports import exported_plugins
+
+__all__ = ["EXAMPLE_PACKAGE", "PluginDeclaration", "PluginLoader", "discover"]
 
 logger = logging.getLogger(__name__)
 
@@ -52,40 +34,13 @@ P = TypeVar("P", bound=Plugin)
 EXAMPLE_PACKAGE = "flatland_example_plugins"
 """The package that users copy under another name: a copy hides the plugins of the original."""
 
-_SEPARATOR = re.compile(r"::|[./]")
-_IGNORED = {"CATKIN_IGNORE", "AMENT_IGNORE", "rospack_nosubdirs"}
-
-
-@dataclass(frozen=True)
-class PluginDeclaration:
-    """A class that a package declares."""
-
-    name: str
-    package: str
-    class_path: str
-    is_cpp: bool = False
-    """Whether it is a C++ class, as plugins of the original Flatland are."""
-
-    @classmethod
-    def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":
-        """The declaration of a class that no package exports, under its own name."""
-        module = plugin.__module__
-        return cls(plugin.__name__, module.partition(".")[0], f"{module}.{plugin.__name__}")
-
-    def answers_to(self, type: str) -> bool:
-        """Whether the `type` in a YAML file means this class."""
-        package, _, name = type.rpartition("::")
-        # Packages of C++ plugins mostly use the namespace flatland_plugins.
-        namespace = self.class_path.rpartition("::")[0]
-        return name == self.name and package in ("", self.package, namespace)
-
 
 class PluginLoader:
     """Imports plugins on demand.
 
     Args:
-        declarations: the available plugins; by default those that packages on ROS_PACKAGE_PATH
-            export, which are looked up when the first plugin is needed.
+        declarations: the available plugins; by default those that packages declare, which are
+            looked up when the first plugin is needed.
     """
 
     def __init__(self, declarations: Optional[Iterable[PluginDeclaration]] = None) -> None:
@@ -106,9 +61,10 @@ class PluginLoader:
             raise PluginError(_cpp_error(type, answering[0]))
         if not found:
             names = sorted(d.name for d in self._declarations if not d.is_cpp)
-            known = ", ".join(names) or "none; is the workspace's setup.bash sourced?"
+            known = ", ".join(names) or f"none; {_question()}"
             hint = suggestion(type.rpartition("::")[2], names)
             raise PluginError(f'unknown plugin type "{shortened(type)}"{hint}; there are: {known}')
+        found = list({d.class_path: d for d in found}.values())
         if len(found) > 1:
             found = [d for d in found if d.package != EXAMPLE_PACKAGE] or found
         if len(found) > 1:
@@ -118,6 +74,13 @@ class PluginLoader:
         if not (inspect.isclass(cls) and issubclass(cls, base)):
             raise PluginError(f'"{type}" is not a {base.__name__}: {found[0].class_path}')
         return cls
+
+
+def _question() -> str:
+    """What to ask a user who has no plugins at all, not even ours."""
+    if "ROS_PACKAGE_PATH" in os.environ:
+        return "is the workspace's setup.bash sourced?"
+    return "is flatland2d installed in this Python (pip install)?"
 
 
 def _cpp_error(type: str, declaration: PluginDeclaration) -> str:
@@ -139,7 +102,9 @@ def _import(declaration: PluginDeclaration) -> object:
             f"imported: {module_name}: {error}"
         ) from error
     if not hasattr(module, class_name):
-        raise PluginError(f'{module_name} has no class "{class_name}", though its XML names it')
+        raise PluginError(
+            f'{module_name} has no class "{class_name}", though its package declares it'
+        )
     return getattr(module, class_name)
 
 
@@ -174,62 +139,13 @@ def _log_former_names(package: str) -> Iterator[None]:
 
 
 def discover() -> List[PluginDeclaration]:
-    """The plugins that packages on ROS_PACKAGE_PATH export; a faulty declaration is logged."""
-    exports: Dict[str, List[Path]] = {}
-    for folder in _package_folders():
-        name, files = _exported_files(folder)
-        if files:
-            exports.setdefault(name, files)  # the first on the path hides those of the same name
-    declarations: List[PluginDeclaration] = []
-    for package, files in sorted(exports.items()):
-        for xml in files:
-            try:
-                declarations.extend(_read_declarations(package, xml))
-            except (OSError, ElementTree.ParseError, ValueError) as error:
-                logger.warning("the plugins of the package %s are left out: %s", package, error)
-    return declarations
+    """The plugins that packages declare, each once; a faulty declaration is logged."""
+    declarations = exported_plugins()
+    known = {key for d in declarations if not d.is_cpp for key in _identities(d)}
+    return declarations + [d for d in entry_point_plugins() if known.isdisjoint(_identities(d))]
 
 
-def _package_folders() -> Iterator[Path]:
-    """The folders with a package.xml. Unlike rospkg's list, they do not depend on its contents."""
-    seen: Set[str] = set()
-    for path in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
-        for folder, subfolders, files in os.walk(path, followlinks=True):
-            real = os.path.realpath(folder)
-            if real in seen or _IGNORED.intersection(files):
-                subfolders.clear()
-            elif "package.xml" in files:
-                subfolders.clear()
-                yield Path(folder)
-            else:  # as rospack, which does not look into .git and the like either
-                subfolders[:] = [name for name in subfolders if not name.startswith(".")]
-            seen.add(real)
-
-
-def _exported_files(folder: Path) -> Tuple[str, List[Path]]:
-    """A package's name, and the plugin files that it exports. Most packages export none."""
-    manifest = folder / "package.xml"
-    try:
-        text = manifest.read_text(encoding="utf-8")
-        if "<flatland_server" not in text:
-            return "", []
-        root = ElementTree.fromstring(text)
-    except (OSError, UnicodeDecodeError, ElementTree.ParseError) as error:
-        logger.warning("%s is left out: %s", manifest, error)
-        return "", []
-    files = [export.get("plugin", "") for export in root.iterfind("export/flatland_server")]
-    name = (root.findtext("name") or folder.name).strip()
-    return name, [Path(file.replace("${prefix}", str(folder))) for file in files if file]
-
-
-def _read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
-    root = ElementTree.fromstring(xml.read_text(encoding="utf-8"))
-    declarations = []
-    for element in root.iter("class"):
-        class_path = element.get("type", "")
-        is_cpp = "::" in class_path
-        if "." not in class_path and not is_cpp:
-            raise ValueError(f'{xml}: expected type="module.Class", found "{class_path}"')
-        name = _SEPARATOR.split(element.get("name", class_path))[-1]
-        declarations.append(PluginDeclaration(name, package, class_path, is_cpp))
-    return declarations
+def _identities(declaration: PluginDeclaration) -> Set[Tuple[str, str]]:
+    """What tells that two declarations mean the same plugin: one of these is equal."""
+    name = declaration.name
+    return {(name, declaration.package), (name, declaration.class_path)}

@@ -17,6 +17,7 @@ from typing import (
 )
 
 from flatland_server import _core
+from flatland_server.canvas import Canvas
 from flatland_server.exceptions import PLUGIN_ERRORS, Problem, YamlError
 from flatland_server.models.entity import Entities, Entity
 from flatland_server.models.plugin_config import PluginConfig
@@ -51,6 +52,10 @@ class PluginFailure(NamedTuple):
         return f"{self.owner}/{self.name}" if self.owner else self.name
 
 
+FailureHandler = Callable[[PluginFailure, BaseException], None]
+"""Called with a plugin's failure and the exception that it has raised."""
+
+
 class PluginManager:
     """The running plugins of a world and its models.
 
@@ -77,6 +82,8 @@ class PluginManager:
         self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
         self._schedule = Schedule(self._has_work)
         self._step_calls = StepCalls([])
+        self.on_failure: Optional[FailureHandler] = None
+        """Called when a plugin has failed and is switched off; without it, that is logged."""
         self._starting = 0  # calls of `start` that are being made, each within the one before
 
     def take_over_warnings(self, former: "PluginManager") -> None:
@@ -110,6 +117,11 @@ class PluginManager:
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry that running plugins have claimed."""
         return self._factory.odometry_frames
+
+    @property
+    def topics(self) -> Dict[str, str]:
+        """The types of the topics that running plugins have, by their absolute names."""
+        return self._factory.topics
 
     @property
     def failures(self) -> List[PluginFailure]:
@@ -183,6 +195,29 @@ class PluginManager:
             self.stop(model_name)
         self._step_calls = StepCalls([])
 
+    def steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
+        """The number of steps from now on, up to a limit, that need no calls of step hooks.
+
+        It is 0 if the transport does not tell whether subscribers have changed.
+        """
+        revision = self._transport.subscriber_revision
+        if revision != self._transport.subscriber_revision:
+            return 0
+        return self._schedule.steps_without_calls(timekeeper, revision, limit)
+
+    def pass_over(self, nanoseconds: int) -> None:
+        """Must be called when such steps were made, with the time of the last one [ns]."""
+        self._schedule.pass_over(nanoseconds)
+
+    @property
+    def before_contact_hooks(self) -> Optional[Callable[[], None]]:
+        """Called before the hooks of each contact event, if it is set."""
+        return self._contacts.before_delivery
+
+    @before_contact_hooks.setter
+    def before_contact_hooks(self, callback: Optional[Callable[[], None]]) -> None:
+        self._contacts.before_delivery = callback
+
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `prepare_step` and `before_physics_step` of all plugins that are due."""
         self._step_calls = self._schedule.calls(timekeeper, self._transport.subscriber_revision)
@@ -196,6 +231,30 @@ class PluginManager:
         """Calls `after_physics_step` of all plugins that were due before the step."""
         if self._step_calls.hooks["after_physics_step"]:
             self._call_step_hooks("after_physics_step", timekeeper)
+
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Has all running plugins draw what they show in pictures."""
+        for _, plugin in self.all_plugins():
+            if plugin not in self._failures:
+                try:
+                    plugin.draw(canvas, timekeeper)
+                except PLUGIN_ERRORS:
+                    self._fail(plugin, "draw")
+
+    def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
+        """Has the running plugins that have a topic publish to it; see `Plugin.publish_now`.
+
+        Args:
+            topic: its absolute name.
+            timekeeper: has the present time.
+        """
+        owners = self._factory.owners_of(topic)
+        for _, plugin in self.all_plugins():
+            if plugin.node.owner in owners and plugin not in self._failures:
+                try:
+                    plugin.publish_now(timekeeper)
+                except PLUGIN_ERRORS:
+                    self._fail(plugin, "publish_now")
 
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:
@@ -229,7 +288,11 @@ class PluginManager:
         error = sys.exc_info()[1]
         reason = f"{where}: {type(error).__name__}: {error}"
         failure = PluginFailure(model_name, plugin.name, plugin.type, reason)
-        logger.exception('the plugin "%s" failed in %s and is switched off', failure.label, where)
+        if self.on_failure is not None and error is not None:
+            self.on_failure(failure, error)
+        else:
+            message = 'the plugin "%s" failed in %s and is switched off'
+            logger.exception(message, failure.label, where)
         self.switch_off(plugin, failure)
 
     def _stop_calling(self, plugins: Sequence[Plugin]) -> None:

@@ -22,6 +22,11 @@ class TimerQueue:
         heappush(self._heap, (plugin.timer.due, plugin.order, plugin))
         self.next_due = self._heap[0][0]
 
+    @property
+    def plugins(self) -> List[ScheduledPlugin]:
+        """Those that are queued, in any order."""
+        return [item[2] for item in self._heap]
+
     def remove(self, plugins: AbstractSet[ScheduledPlugin]) -> None:
         """Removes those of these plugins that are in the queue."""
         self._heap = [item for item in self._heap if item[2] not in plugins]
@@ -38,3 +43,15 @@ class TimerQueue:
         for each in reached:
             self.add(each)
         return due
+
+    def pass_over(self, now: int) -> None:
+        """Makes each plugin due after this simulated time [ns], as if it had been popped till then.
+
+        Each of them has been due before.
+        """
+        while self._heap and self._heap[0][0] <= now:
+            plugin = heappop(self._heap)[2]
+            assert plugin.timer is not None
+            plugin.timer.check_update_at(now)
+            self.add(plugin)
+        self.next_due = self._heap[0][0] if self._heap else math.inf

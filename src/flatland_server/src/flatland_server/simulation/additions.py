@@ -65,9 +65,17 @@ class Additions:
             if order is not None and not entry.model.is_read:
                 raise StateError(f'the model "{name}" was made by a program, without a file')
             path = str(entry.model.path.absolute())
-            revision = models[name].move_revision
+            content = entry.model.content
             states.append(
-                ModelState(name, order, entry.namespace, path, list(entry.pose), revision)
+                ModelState(
+                    name,
+                    order,
+                    entry.namespace,
+                    path,
+                    list(entry.pose),
+                    models[name].move_revision,
+                    dict(content) if content is not None else None,
+                )
             )
         return states
 
@@ -105,8 +113,9 @@ def replay(state: WorldState, world: "World") -> None:
     additions += [model for model in state.models if model.order is not None]
     for addition in sorted(additions, key=attrgetter("order")):
         if isinstance(addition, ModelState):
-            path, pose = Path(addition.path), Pose(*addition.pose)
-            world.spawn_model(path, addition.name, addition.namespace, pose)
+            source = addition.content if addition.content is not None else Path(addition.path)
+            pose = Pose(*addition.pose)
+            world.spawn_model(source, addition.name, addition.namespace, pose)
         elif 0 <= addition.layer < len(world.layers):
             world.add_walls(world.layers[addition.layer].name, addition.segments)
     if list(world.models) != [model.name for model in state.models]:

@@ -8,10 +8,11 @@ world.step(timekeeper)
 import logging
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Dict, List, Optional, Sequence, Set, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Union
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
+from flatland_server.canvas import Canvas
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
@@ -32,8 +33,9 @@ from flatland_server.models.entity import Entities
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.plugin_manager import PluginFailure, PluginManager
+from flatland_server.plugins.plugin_manager import FailureHandler, PluginFailure, PluginManager
 from flatland_server.simulation.additions import Additions
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.simulation.restartable import Restartable
@@ -44,6 +46,12 @@ from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)
+
+_MAX_STEPS_PER_CALL = 100
+"""Python handles signals, such as Ctrl-C, between two calls of the core."""
+
+ModelSource = Union[str, Path, Mapping[str, Any]]
+"""A model's file, or its content."""
 
 
 class World(Restartable):
@@ -67,6 +75,7 @@ class World(Restartable):
         seed: int = 0,
         loader: Optional[PluginLoader] = None,
     ) -> None:
+        self._on_failure: Optional[FailureHandler] = None
         self.transport: Transport = transport if transport is not None else LocalTransport()
         self._loader = loader or PluginLoader()
         self._start(config, seed)
@@ -77,6 +86,7 @@ class World(Restartable):
         physics = _core.World(config.velocity_iterations, config.position_iterations)
         entities = Entities()
         plugins = PluginManager(self.transport, self._loader, seed, physics, entities)
+        plugins.on_failure = self._on_failure
         if former is not None:
             plugins.take_over_warnings(former)
         self._config = config
@@ -156,12 +166,57 @@ class World(Restartable):
         return self._plugins.odometry_frames
 
     @property
+    def seed(self) -> int:
+        """The seed of all random numbers."""
+        return self._seed
+
+    @property
+    def on_failure(self) -> Optional[FailureHandler]:
+        """Called with the failure of a plugin and its exception; None: failures are logged."""
+        return self._on_failure
+
+    @on_failure.setter
+    def on_failure(self, handler: Optional[FailureHandler]) -> None:
+        self._on_failure = self._plugins.on_failure = handler
+
+    @property
+    def is_between_steps(self) -> bool:
+        """Whether no step is being made, and no plugin is being started or stopped."""
+        return self._deferred.is_free and not self._is_starting
+
+    @property
+    def topics(self) -> Dict[str, str]:
+        """The types of the topics that plugins publish or subscribe to, by their absolute names."""
+        return self._plugins.topics
+
+    def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
+        """Has plugins publish to a topic, which has just got its first subscriber.
+
+        Args:
+            topic: its absolute name.
+            timekeeper: has the present time.
+        """
+        self._plugins.publish_now(topic, timekeeper)
+
+    def plugins_of(self, model: str) -> Dict[str, Plugin]:
+        """The plugins of a model that run, by name; of the world for an empty name."""
+        return {
+            plugin.name: plugin
+            for plugin in self._plugins.plugins_of(model)
+            if self._plugins.failure_of(plugin) is None
+        }
+
+    @property
     def plugin_failures(self) -> List[PluginFailure]:
         """The plugins that have raised an exception and are switched off."""
         return self._plugins.failures
 
+    def draw_plugins(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        """Has all running plugins draw what they show in pictures; see `Plugin.draw`."""
+        self._plugins.draw(canvas, timekeeper)
+
     def spawn_model(
-        self, path: Union[str, Path], name: str, namespace: str, pose: Pose
+        self, path: ModelSource, name: str, namespace: str, pose: Pose
     ) -> Optional[Model]:
         """Adds a model, read from its file, to the world: completely, or not at all.
 
@@ -170,7 +225,8 @@ class World(Restartable):
 
         Args:
             path: of the model file; `package://name/path` as a string. A relative one may also be
-                beside the world file, or in one of the folders of models.
+                beside the world file, or in one of the folders of models. Or the content of such a
+                file, as a dict.
             name: unique in the world.
             namespace: of its topics and frames; may be empty.
             pose: of its origin in the world.
@@ -202,12 +258,15 @@ class World(Restartable):
         ]
         return f'the model "{model.name}" overlaps {listed(names)}, and is pushed out'
 
-    def read_model(self, path: Union[str, Path]) -> ModelConfig:
-        """Reads a model file for this world; may be called in any thread.
+    def read_model(self, path: ModelSource) -> ModelConfig:
+        """Reads a model file, or the content of one, for this world; may be called in any thread.
 
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
+        if not isinstance(path, (str, Path)):
+            with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
+                return ModelConfig.from_content(path, self.registry, preprocessor)
         folders = self._model_folders if is_bare(path) else ()
         try:
             found = find_file(path, [Path(), *folders])
@@ -219,7 +278,7 @@ class World(Restartable):
             return ModelConfig.from_file(found, self.registry, preprocessor)
 
     def read_model_entry(
-        self, path: Union[str, Path], name: str, namespace: str, pose: Pose
+        self, path: ModelSource, name: str, namespace: str, pose: Pose
     ) -> ModelEntry:
         """Does all of `spawn_model` that does not change the world; any thread may call it.
 
@@ -376,6 +435,58 @@ class World(Restartable):
         if self._deferred.pending:
             self._deferred.run_pending()
         self.transport.flush()
+
+    def step_up_to(self, timekeeper: Timekeeper, limit: int) -> int:
+        """Makes as many steps as are possible in one call of the core, and at least one.
+
+        The result, and what the hooks of plugins see, is that of so many calls of `step`. It ends
+        before a step in which a plugin is due, and after one in which a contact hook was called,
+        so that `transport.process()` may be called between any two steps that affect each other:
+
+            while count > 0:
+                world.transport.process()
+                count -= world.step_up_to(timekeeper, count)
+
+        Args:
+            timekeeper: advances with the world.
+            limit: of the number of steps, 1 or more.
+
+        Returns:
+            The number of steps made.
+
+        Raises:
+            FlatlandError: this is called by a hook of a plugin.
+        """
+        steps = 0
+        if limit > 1 and self._deferred.is_free and not self._deferred.pending:
+            steps = self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
+        if steps > 1:
+            return self._step_without_hooks(timekeeper, steps)
+        self.step(timekeeper)
+        return 1
+
+    def _step_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
+        """Makes steps in which no step hook is called; ends after one with a contact event."""
+        physics = self.physics
+        counted = 0
+
+        def count_steps() -> None:
+            nonlocal counted
+            timekeeper.step(physics.completed_steps - counted)
+            counted = physics.completed_steps
+
+        self._plugins.before_contact_hooks = count_steps  # they are told the time of their step
+        try:
+            with self._deferred.lock:
+                physics.step_until_contact(timekeeper.step_size, limit)
+                count_steps()
+        finally:
+            self._plugins.before_contact_hooks = None
+            self._plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
+        if self._deferred.pending:
+            self._deferred.run_pending()
+        self.transport.flush()
+        return counted
 
     def close(self) -> None:
         """Stops all plugins. Changes that they request meanwhile are dropped."""

@@ -1,8 +1,8 @@
 """The contents of a world's files: its properties, layers, models and plugins."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Callable, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -78,6 +78,30 @@ class WorldConfig:
         )
 
     @classmethod
+    def from_content(
+        cls,
+        content: Mapping[str, Any],
+        preprocessor: Optional[YamlPreprocessor] = None,
+        *,
+        simplify_map: int = 0,
+        model_folders: Sequence[Path] = (),
+    ) -> "WorldConfig":
+        """Reads what would be the content of a world file; see `from_file`.
+
+        Args:
+            content: plain data; see `plain_nodes.plain_copy`. Relative paths in it are relative to
+                the working directory.
+            preprocessor: as for `from_file`.
+            simplify_map: as for `from_file`.
+            model_folders: as for `from_file`.
+        """
+        reader = YamlReader.from_content(content, "world", preprocessor)
+        config = cls.read(
+            reader, preprocessor, simplify_map=simplify_map, model_folders=model_folders
+        )
+        return replace(config, path=None)
+
+    @classmethod
     def read(
         cls,
         reader: YamlReader,
@@ -107,8 +131,12 @@ class WorldConfig:
                 files[path] = ModelConfig.from_file(path, registry, preprocessor)
             return files[path]
 
+        def read_content(section: YamlReader) -> ModelConfig:
+            return ModelConfig.read(section, registry)
+
         models = reader.get_enabled_sections(
-            "models", lambda section: _read_model_entry(section, read_model, model_folders)
+            "models",
+            lambda section: _read_model_entry(section, read_model, read_content, model_folders),
         )
         plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
         reader.finish()
@@ -146,7 +174,10 @@ def _read_walls(reader: YamlReader, read: Callable[[Path], Segments]) -> Dict[Pa
 
 
 def _read_model_entry(
-    reader: YamlReader, read_model: Callable[[Path], ModelConfig], folders: Sequence[Path]
+    reader: YamlReader,
+    read_model: Callable[[Path], ModelConfig],
+    read_content: Callable[[YamlReader], ModelConfig],
+    folders: Sequence[Path],
 ) -> ModelEntry:
     name = reader.get_string("name")
     check_topic_name(reader, "name", name)
@@ -155,12 +186,15 @@ def _read_model_entry(
     if problem:
         reader.problem(problem, "namespace")
     pose = reader.get_pose("pose", Pose())
-    path = reader.get_path("model", folders)
+    model = None
     try:
-        model = read_model(path) if is_file(path) else None
+        if reader.is_map("model"):
+            model = read_content(reader.get_section("model"))
+        else:
+            path = reader.get_path("model", folders)
+            model = read_model(path) if is_file(path) else None
     except YamlError as error:
         reader.note(error)
-        model = None
     reader.finish()
     assert model is not None  # otherwise `finish` has raised
     return ModelEntry(name, namespace, pose, model)

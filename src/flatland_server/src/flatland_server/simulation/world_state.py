@@ -30,6 +30,8 @@ class ModelState:
     """With which it was added."""
     move_revision: int
     """See `Model.move_revision`."""
+    content: Optional[Dict[str, Any]] = None
+    """What it was read from, if that was no file; see `ModelConfig.content`."""
 
 
 @dataclass(frozen=True)

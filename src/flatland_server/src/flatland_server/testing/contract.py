@@ -42,6 +42,7 @@ def check_plugin(
       message.
     - A run goes on with the same messages from a state that was saved and loaded in a new world; a
       reset world runs as it did first.
+    - Pictures of the world change nothing in the run.
     - An empty message, or one of NaN or infinities, does not make it fail.
     - Its end leaves no topic, subscription, transform, body or joint behind, and nothing refers to
       the plugin any more. A deleted model can be spawned again.
@@ -84,6 +85,7 @@ def check_plugin(
         *behaviour_checks.check_rates(case),
         *behaviour_checks.check_messages(case),
         *behaviour_checks.check_states(case),
+        *behaviour_checks.check_drawing(case),
         *behaviour_checks.check_bad_messages(case),
         *behaviour_checks.check_end(case),
     ]

@@ -2,16 +2,16 @@
 
 from typing import TYPE_CHECKING, Any, List, Optional
 
+from flatland_server.library.simulated_world import SimulatedWorld
+from flatland_server.messages.message_types import get
 from flatland_server.models.model import Model
 from flatland_server.simulation.world import World
-from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.local_transport import LocalTransport
 
 if TYPE_CHECKING:
     from flatland_server.testing.files import WorldFiles
 
 
-class Simulation:
+class Simulation(SimulatedWorld):
     """A world in a test: time passes in `run` only, and topics stay within the process.
 
     Args:
@@ -24,17 +24,10 @@ class Simulation:
     def __init__(
         self, world: World, step_size: float = 0.005, *, allow_failures: bool = False
     ) -> None:
-        self.world = world
-        self.timekeeper = Timekeeper(step_size)
+        super().__init__(world, step_size)
         self.allow_failures = allow_failures
         self.files: Optional[WorldFiles] = None
         """The files that it was loaded from, if `WorldFiles` has loaded it."""
-
-    @property
-    def transport(self) -> LocalTransport:
-        """The topics and transforms of the world."""
-        assert isinstance(self.world.transport, LocalTransport)
-        return self.world.transport
 
     def model(self, name: str = "robot") -> Model:
         """A model by its name.
@@ -54,8 +47,7 @@ class Simulation:
         """
         steps = 1 if seconds is None else round(seconds / self.timekeeper.step_size)
         for _ in range(steps):
-            self.world.transport.process()
-            self.world.step(self.timekeeper)
+            self._advance()
         failures = self.world.plugin_failures
         if failures and not self.allow_failures:
             raise AssertionError(
@@ -65,17 +57,12 @@ class Simulation:
 
     def reset(self, seed: Optional[int] = None) -> "Simulation":
         """Makes the world anew, at time 0; see `World.reset`."""
-        self.world.reset(seed)
-        self.timekeeper.jump_to(0)
+        self._reset(seed)
         return self
-
-    def save_state(self) -> bytes:
-        """The state of the world and the time; see `World.save_state`."""
-        return self.world.save_state(self.timekeeper)
 
     def load_state(self, state: bytes) -> "Simulation":
         """Puts the world into a saved state, its time included; see `World.load_state`."""
-        self.world.load_state(state, self.timekeeper)
+        self._load_state(state)
         return self
 
     def send(self, topic: str, message: Any) -> "Simulation":
@@ -87,15 +74,9 @@ class Simulation:
         self, forwards: float, turn: float = 0.0, *, left: float = 0.0, topic: str = "/cmd_vel"
     ) -> "Simulation":
         """Sends a `geometry_msgs/Twist` [m/s, rad/s]."""
-        from geometry_msgs.msg import Twist
-
-        twist = Twist()
+        twist = get("geometry_msgs/Twist")()
         twist.linear.x, twist.linear.y, twist.angular.z = forwards, left, turn
         return self.send(topic, twist)
-
-    def last(self, topic: str) -> Any:
-        """The newest message of a topic; None if there is none yet."""
-        return self.transport.last(topic)
 
     def record(self, topic: str, seconds: float) -> List[Any]:
         """Advances the time, and returns the messages of a topic meanwhile, at most one a step."""

@@ -147,6 +147,14 @@ def main(arguments: Optional[List[str]] = None) -> int:
     parser = argparse.ArgumentParser(
         prog="check_world", description="Check Flatland world, model and map files."
     )
+    add_arguments(parser)
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(message)s", level=logging.INFO)
+    return execute(options, parser)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's arguments to a parser."""
     parser.add_argument("files", nargs="+", metavar="FILE", help="world, model or map file")
     parser.add_argument(
         "--render", type=Path, metavar="PNG", help="draw the world as it would look at the start"
@@ -159,10 +167,12 @@ def main(arguments: Optional[List[str]] = None) -> int:
         metavar="FOLDER",
         help="as the server's ~models: look up models there that are not beside the world file",
     )
-    options = parser.parse_args(arguments)
+
+
+def execute(options: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
+    """Checks the files that the arguments name. Returns the exit code."""
     if options.render is not None and len(options.files) > 1:
         parser.error("--render takes a single FILE")
-    logging.basicConfig(format="%(message)s", level=logging.INFO)
     problems: List[str] = []
     for name in options.files:
         problems += check(name, options.render, options.models)

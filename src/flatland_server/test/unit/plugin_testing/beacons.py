@@ -10,6 +10,7 @@ from geometry_msgs.msg import PointStamped, Vector3
 from std_msgs.msg import Bool
 
 from flatland_server import (
+    Canvas,
     MessageWriter,
     ModelPlugin,
     Pose,
@@ -298,6 +299,16 @@ class GoesOnPublishing(GoesOnSending):
     pass
 
 
+class MovesWhenDrawn(Beacon):
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        self.body.physics_body.pose = (1.0, 0.0, 0.0)
+
+
+class FailsToDraw(Beacon):
+    def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
+        canvas.dots([(0.0, 0.0)], (1.0, 0.0, 0.0, 1.0), size=1 / 0)
+
+
 class ChangesItsTopic(Beacon):
     def own_topic(self, topic: str) -> str:
         return topic if self.body.physics_body.id < 2**33 else "another"  # its slot is used again
@@ -325,6 +336,8 @@ BROKEN: Dict[Type[Beacon], str] = {
     MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
     WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its message",
     FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",
+    MovesWhenDrawn: "expected the same run with pictures as without, found a difference",
+    FailsToDraw: "expected to draw itself, found draw: ZeroDivisionError",
     KeepsAPublisher: "after its end: expected no publisher, found one of /left",
     KeepsASubscription: "after its end: expected no subscription, found one of /left",
     IsRemembered: "after its end: expected no reference to the plugin, found one",

@@ -1,0 +1,65 @@
+"""What pictures of a world are drawn on, by the framework and by plugins."""
+
+from abc import ABC, abstractmethod
+from typing import Optional, Sequence, Tuple, Union
+
+from flatland_server.arrays import FloatArray, Segments
+from flatland_server.geometry import Point
+
+Rgba = Tuple[float, float, float, float]
+"""Red, green, blue and opacity, each from 0 to 1."""
+
+Points = Union[FloatArray, Sequence[Point]]
+"""Positions in the world [m]: shape (n, 2)."""
+
+
+class Canvas(ABC):
+    """A picture of the world, seen from above. What is drawn later covers what was drawn before.
+
+    Positions and lengths are in metres, in the frame of the world. Widths of lines and sizes of
+    dots are in pixels, and do not depend on the scale of the picture.
+    """
+
+    @abstractmethod
+    def area(
+        self,
+        corners: Points,
+        fill: Optional[Rgba] = None,
+        outline: Optional[Rgba] = None,
+        width: float = 1.0,
+    ) -> None:
+        """Draws a polygon.
+
+        Args:
+            corners: of a simple polygon, in either order.
+            fill: colour of the inside; None leaves it as it is.
+            outline: colour of the outline; None draws none.
+            width: of the outline.
+        """
+
+    @abstractmethod
+    def disc(
+        self,
+        center: Point,
+        radius: float,
+        fill: Optional[Rgba] = None,
+        outline: Optional[Rgba] = None,
+        width: float = 1.0,
+    ) -> None:
+        """Draws a disc; the other arguments are those of `area`."""
+
+    @abstractmethod
+    def lines(self, segments: Segments, color: Rgba, width: float = 1.0) -> None:
+        """Draws line segments: shape (n, 4), x1, y1, x2, y2."""
+
+    @abstractmethod
+    def path(self, points: Points, color: Rgba, width: float = 1.0) -> None:
+        """Draws a line from each point to the next."""
+
+    @abstractmethod
+    def dots(self, points: Points, color: Rgba, size: float = 3.0) -> None:
+        """Draws round dots of this diameter."""
+
+    @abstractmethod
+    def label(self, point: Point, text: str, color: Rgba) -> None:
+        """Writes a short text to the right of a point, and below it."""

@@ -1,0 +1,86 @@
+"""Arguments that several subcommands have."""
+
+import argparse
+import math
+import re
+from pathlib import Path
+from typing import Any, Callable, Tuple
+
+from flatland_server.library.simulation import Simulation
+
+Subparsers = Any
+"""argparse's class of them has no public name."""
+
+
+def add_world(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments that name a world and how it is simulated."""
+    parser.add_argument(
+        "world",
+        metavar="WORLD",
+        help="a world file, or the name of a world that `flatland worlds` lists",
+    )
+    parser.add_argument(
+        "--seed", type=_whole, default=0, help="of all random numbers (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--step-size",
+        type=positive,
+        default=0.005,
+        metavar="S",
+        help="simulated seconds per step (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--models",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="where models are looked up that are not beside the world file",
+    )
+
+
+def open_simulation(options: argparse.Namespace, **more: Any) -> Simulation:
+    """The simulation of the world that `add_world`'s arguments name.
+
+    Raises:
+        FlatlandError: there is no such world, or something in it is wrong.
+    """
+    return Simulation(
+        options.world,
+        seed=options.seed,
+        step_size=options.step_size,
+        model_folders=options.models,
+        **more,
+    )
+
+
+def positive(text: str) -> float:
+    """A number above zero."""
+    return _number(text, lambda value: 0.0 < value < math.inf, "a number above 0")
+
+
+def not_negative(text: str) -> float:
+    """A number of zero or more."""
+    return _number(text, lambda value: 0.0 <= value < math.inf, "a number of 0 or more")
+
+
+def size(text: str) -> Tuple[int, int]:
+    """A size such as 640x480 [px]."""
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f'expected a size such as 640x480, found "{text}"')
+    return int(found[1]), int(found[2])
+
+
+def _whole(text: str) -> int:
+    return int(_number(text, lambda value: value >= 0 and value == int(value), "a whole number"))
+
+
+def _number(text: str, holds: Callable[[float], bool], expected: str) -> float:
+    try:
+        value = float(text)
+        if holds(value):
+            return value
+    except (OverflowError, ValueError):
+        pass
+    raise argparse.ArgumentTypeError(f'expected {expected}, found "{text}"')

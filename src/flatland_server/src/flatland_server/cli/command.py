@@ -1,0 +1,53 @@
+"""The command line: which subcommand is run, and how its errors are told."""
+
+import argparse
+import logging
+import os
+import sys
+from typing import List, Optional
+
+from flatland_server.cli import check, render, run, view, worlds
+from flatland_server.exceptions import FlatlandError, YamlError
+
+SUBCOMMANDS = (check, render, run, view, worlds)
+
+_INTERRUPTED = 130
+"""The exit code of a program that Ctrl-C has ended, as shells have it."""
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    """Runs the command.
+
+    Args:
+        arguments: of the command line; by default those of the process.
+
+    Returns:
+        The exit code: 0, or 1 if something is wrong with files, models or the machine. Arguments
+        that the command does not know end the process with 2.
+    """
+    parser = argparse.ArgumentParser(
+        prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."
+    )
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for subcommand in SUBCOMMANDS:
+        subcommand.add_parser(commands)
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(message)s", level=logging.WARNING)
+    try:
+        code: int = options.execute(options)
+        sys.stdout.flush()
+    except YamlError as error:
+        code = _fail("\n".join(error.lines(lambda problem: problem.with_column)))
+    except FlatlandError as error:
+        code = _fail(f"flatland: {error}")
+    except BrokenPipeError:  # such as `flatland worlds | head -1`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 1
+    except KeyboardInterrupt:
+        code = _INTERRUPTED
+    return code
+
+
+def _fail(message: str) -> int:
+    print(message, file=sys.stderr)
+    return 1

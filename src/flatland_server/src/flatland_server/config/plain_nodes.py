@@ -1,0 +1,77 @@
+"""Worlds and models that a program describes, as dicts and lists, in the form of parsed files."""
+
+from os import PathLike, fspath
+from typing import Any, Dict, Mapping, Sequence
+
+import yaml
+
+from flatland_server.exceptions import FlatlandError, shortened
+
+_TAG = "tag:yaml.org,2002:"
+_MAX_DEPTH = 100
+
+NO_LINE = -2
+"""The line of a mark that is in no file."""
+
+
+def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
+    """A copy of a file's content that consists of Python's own types alone.
+
+    Args:
+        content: None, booleans, numbers, strings, paths, and lists, tuples, arrays and dicts of
+            these.
+        name: stands for the file in errors, such as "world".
+        path: the place within the content, such as `models[0]`.
+        depth: the number of lists and dicts around it.
+
+    Raises:
+        FlatlandError: something in it is none of these.
+    """
+    where = f"{name}: {path}" if path else name
+    if depth > _MAX_DEPTH:
+        raise FlatlandError(f"{name}: expected at most {_MAX_DEPTH} levels, found more")
+    if hasattr(content, "tolist"):  # arrays and numbers of NumPy
+        content = content.tolist()
+    if isinstance(content, PathLike):
+        content = fspath(content)
+    if content is None or isinstance(content, (bool, int, float, str)):
+        return content
+    if isinstance(content, Mapping):
+        copy: Dict[str, Any] = {}
+        for key, value in content.items():
+            if not isinstance(key, str):
+                raise FlatlandError(f"{where}: expected a string as a key, found {key!r}")
+            copy[key] = plain_copy(value, name, f"{path}.{key}" if path else key, depth + 1)
+        return copy
+    if isinstance(content, Sequence) and not isinstance(content, bytes):
+        return [
+            plain_copy(value, name, f"{path}[{index}]", depth + 1)
+            for index, value in enumerate(content)
+        ]
+    raise FlatlandError(
+        f"{where}: expected numbers, strings, and lists and dicts of these, "
+        f"found {shortened(repr(content))}"
+    )
+
+
+def to_node(content: Any, name: str) -> yaml.Node:
+    """The YAML node of what `plain_copy` has returned, for a `YamlReader`.
+
+    Args:
+        content: strings that begin with "$eval" or "$include" are evaluated later, as in a file.
+        name: stands for the file in errors.
+    """
+    return _node(content, yaml.Mark(name, 0, NO_LINE, 0, None, 0))
+
+
+def _node(value: Any, mark: yaml.Mark) -> yaml.Node:
+    if isinstance(value, dict):
+        pairs = [(_node(key, mark), _node(item, mark)) for key, item in value.items()]
+        return yaml.MappingNode(f"{_TAG}map", pairs, mark, mark)
+    if isinstance(value, list):
+        return yaml.SequenceNode(f"{_TAG}seq", [_node(item, mark) for item in value], mark, mark)
+    if value is None:
+        return yaml.ScalarNode(f"{_TAG}null", "null", mark, mark)
+    kind = {bool: "bool", int: "int", float: "float"}.get(type(value), "str")
+    text = str(value).lower() if kind == "bool" else str(value)
+    return yaml.ScalarNode(f"{_TAG}{kind}", text, mark, mark)

@@ -1,0 +1,50 @@
+"""The worlds that come with Flatland, by name: "office", "test_room".
+
+They are found beside the package that is running: in a source tree, in an install space of catkin,
+and in the package itself if pip has installed it.
+"""
+
+from pathlib import Path
+from typing import Dict, Union
+
+from flatland_server.config.file_names import to_path
+from flatland_server.config.input_files import is_file
+from flatland_server.config.packages import folders_beside
+from flatland_server.exceptions import FlatlandError, listed, shortened, suggestion
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_SUFFIXES = (".yaml", ".yml")
+
+
+def shipped_worlds() -> Dict[str, Path]:
+    """The worlds' files by the worlds' names, sorted."""
+    worlds: Dict[str, Path] = {}
+    for folder in folders_beside(_PACKAGE.name, [_PACKAGE]):
+        for file in folder.glob("worlds/*/world.yaml"):
+            worlds.setdefault(file.parent.name, file)
+    return dict(sorted(worlds.items()))
+
+
+def find_world(name: Union[str, Path]) -> Path:
+    """The file of a world.
+
+    Args:
+        name: of a shipped world; or a path, or a `package://` URI.
+
+    Returns:
+        The world's file. What a path names is not looked up.
+
+    Raises:
+        FlatlandError: there is neither a shipped world nor a file of this name, or no package.
+    """
+    path = to_path(name)
+    if isinstance(name, Path) or "/" in name or path.suffix in _SUFFIXES or is_file(path):
+        return path
+    worlds = shipped_worlds()
+    if name not in worlds:
+        hint = suggestion(name, worlds)
+        raise FlatlandError(
+            f'no world is named "{shortened(name)}"{hint}; there are: {listed(worlds)}, '
+            "and any file by its path"
+        )
+    return worlds[name]

@@ -1,0 +1,63 @@
+"""Checks of what a program passes to a simulation."""
+
+import math
+import operator
+from typing import Any, Sequence
+
+from flatland_server.exceptions import UsageError, shortened
+from flatland_server.geometry import Pose
+
+
+def whole_number(value: Any, what: str, minimum: int) -> int:
+    """A whole number, such as a seed or a count of steps; also one of NumPy.
+
+    Raises:
+        UsageError: it is none, or below the minimum.
+    """
+    if type(value) is int and value >= minimum:
+        return value
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = minimum - 1
+    if number < minimum or isinstance(value, bool):
+        raise UsageError(
+            f"expected {what} that is a whole number of {minimum} or more, found {shown(value)}"
+        )
+    return number
+
+
+def pose_of(value: Any) -> Pose:
+    """A pose out of three numbers: x, y [m] and yaw [rad].
+
+    Raises:
+        UsageError: it is something else, or not finite.
+    """
+    try:
+        x, y, yaw = value
+        pose = Pose(float(x), float(y), float(yaw))
+    except (TypeError, ValueError):
+        raise UsageError(f"expected a pose [x, y, yaw], found {shown(value)}") from None
+    if not pose.is_finite():
+        raise UsageError(f"expected a pose of finite numbers, found {shown(value)}")
+    return pose
+
+
+def finite(values: Sequence[Any], what: str) -> None:
+    """Checks that those values that are numbers are finite.
+
+    Raises:
+        UsageError: one is not.
+    """
+    for value in values:
+        try:
+            is_finite = math.isfinite(value)
+        except (TypeError, OverflowError):
+            continue  # no number; the plugin knows what it takes
+        if not is_finite:
+            raise UsageError(f"expected {what} of finite numbers, found {shown(values)}")
+
+
+def shown(value: Any) -> str:
+    """A value for a message, on one line."""
+    return shortened(repr(value))

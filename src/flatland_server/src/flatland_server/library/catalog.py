@@ -1,0 +1,53 @@
+"""Things that are looked up by name, with errors that name what there is."""
+
+from typing import Any, Callable, Collection, Iterator, Mapping, TypeVar
+
+from flatland_server.exceptions import FlatlandError
+
+T = TypeVar("T")
+
+
+class Catalog(Mapping[str, T]):
+    """A read-only mapping that is always up to date.
+
+    Args:
+        names: the present names, in their order.
+        make: the thing of a name that is there.
+        unknown: the error for a name that is not.
+    """
+
+    def __init__(
+        self,
+        names: Callable[[], Collection[str]],
+        make: Callable[[str], T],
+        unknown: Callable[[str], FlatlandError],
+    ) -> None:
+        self._names = names
+        self._make = make
+        self._unknown = unknown
+
+    def __getitem__(self, name: str) -> T:
+        """The thing of this name.
+
+        Raises:
+            FlatlandError: there is none.
+        """
+        if name not in self._names():
+            raise self._unknown(str(name))
+        return self._make(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(list(self._names()))
+
+    def __len__(self) -> int:
+        return len(self._names())
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The thing of this name, or the default."""
+        return self._make(name) if name in self._names() else default
+
+    def __repr__(self) -> str:
+        return f"{{{', '.join(self)}}}"

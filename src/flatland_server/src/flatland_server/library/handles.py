@@ -1,0 +1,226 @@
+"""What a simulation hands out for its models and their plugins."""
+
+import inspect
+from typing import TYPE_CHECKING, Any, List
+
+from flatland_server.exceptions import (
+    ModelError,
+    PluginError,
+    UsageError,
+    listed,
+    shortened,
+    suggestion,
+)
+from flatland_server.geometry import Pose, Velocity
+from flatland_server.library.arguments import finite, shown
+from flatland_server.library.catalog import Catalog
+from flatland_server.models.model import Model
+from flatland_server.plugins.model_plugin import ModelPlugin
+
+if TYPE_CHECKING:
+    from flatland_server.library.simulation import Simulation
+
+
+class ModelHandle:
+    """A model of a simulation, by its name.
+
+    It stays valid when the simulation is reset, or a state is loaded: it then means the new model
+    of this name. Once the model has been deleted, everything but `name` raises a ModelError.
+
+    Attributes:
+        name: of the model.
+        sensors: the plugins that measure something, by their names; see `ModelPlugin.read`.
+        drives: the plugins that take commands, by their names; see `ModelPlugin.command`.
+    """
+
+    def __init__(self, simulation: "Simulation", name: str) -> None:
+        self.name = name
+        self._simulation = simulation
+        self.sensors: Catalog[Sensor] = Catalog(
+            lambda: self._plugins_with("read"),
+            lambda plugin: Sensor(self, plugin),
+            lambda plugin: self._unknown("sensor", plugin, self._plugins_with("read")),
+        )
+        self.drives: Catalog[Drive] = Catalog(
+            lambda: self._plugins_with("command"),
+            lambda plugin: Drive(self, plugin),
+            lambda plugin: self._unknown("drive", plugin, self._plugins_with("command")),
+        )
+
+    @property
+    def model(self) -> Model:
+        """The model, with its bodies and joints; another object after each reset."""
+        return self._simulation.world.get_model(self.name)
+
+    @property
+    def namespace(self) -> str:
+        """The namespace of its topics and frames."""
+        return self.model.namespace
+
+    @property
+    def pose(self) -> Pose:
+        """The pose of its first body in the world: a row of `Simulation.poses`."""
+        return self.model.base.pose
+
+    @property
+    def velocity(self) -> Velocity:
+        """The velocity of its first body in the world's frame: a row of `Simulation.velocities`."""
+        return Velocity(*self.model.base.physics_body.velocity)
+
+    @property
+    def local_velocity(self) -> Velocity:
+        """The same in the frame of the body: forwards, to the left, counter-clockwise."""
+        return Velocity(*self.model.base.physics_body.local_velocity)
+
+    def command(self, *values: Any) -> None:
+        """Commands its drive; takes effect at the next step, and until the next command.
+
+        A DiffDrive takes a velocity and a yaw rate [m/s, rad/s], an OmniDrive vx, vy [m/s] and the
+        yaw rate, a TricycleDrive the speed of its front wheel [m/s] and its angle [rad]. A model
+        with several drives has one each in `drives`.
+
+        Raises:
+            UsageError: these are not as many values as the drive takes, or they are not finite.
+            ModelError: the model has no drive, or several ones.
+        """
+        names = self._plugins_with("command")
+        if len(names) != 1:
+            found = f"has {listed(names)}: use drives[...].command" if names else "has none"
+            raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
+        self.drives[names[0]].command(*values)
+
+    def __repr__(self) -> str:
+        return f'<model "{self.name}">'
+
+    def plugin(self, name: str) -> ModelPlugin:
+        """A running plugin; another object after each reset.
+
+        Raises:
+            ModelError: the model is gone, or has no plugin of this name.
+            PluginError: it has failed, and is switched off.
+            UsageError: the simulation is closed.
+        """
+        self._simulation.require_open()
+        world = self._simulation.world
+        world.get_model(self.name)
+        plugins = world.plugins_of(self.name)
+        if name not in plugins:
+            for failure in world.plugin_failures:
+                if (failure.owner, failure.name) == (self.name, name):
+                    raise PluginError(f'the plugin "{failure.label}" failed in {failure.reason}')
+            raise self._unknown("plugin", name, list(plugins))
+        plugin = plugins[name]
+        assert isinstance(plugin, ModelPlugin)
+        return plugin
+
+    def _plugins_with(self, hook: str) -> List[str]:
+        """The names of the plugins that override a hook, in their order."""
+        self._simulation.require_open()
+        world = self._simulation.world
+        world.get_model(self.name)
+        original = getattr(ModelPlugin, hook)
+        return [
+            name
+            for name, plugin in world.plugins_of(self.name).items()
+            if getattr(type(plugin), hook) is not original
+        ]
+
+    def _unknown(self, kind: str, name: str, known: List[str]) -> ModelError:
+        hint = suggestion(name, known)
+        return ModelError(
+            f'the model "{self.name}" has no {kind} "{shortened(name)}"{hint}; '
+            f"it has: {listed(known)}"
+        )
+
+
+class Sensor:
+    """A plugin that measures something, by its name; see `ModelPlugin.read`.
+
+    Attributes:
+        name: of the plugin.
+    """
+
+    def __init__(self, model: ModelHandle, name: str) -> None:
+        self.name = name
+        self._model = model
+
+    @property
+    def type(self) -> str:
+        """The type of the plugin, such as "Laser"."""
+        return self._model.plugin(self.name).type
+
+    @property
+    def quantities(self) -> List[str]:
+        """What `read` may be asked for besides what it gives by default."""
+        plugin = type(self._model.plugin(self.name))
+        return [name[len("read_") :] for name in dir(plugin) if name.startswith("read_")]
+
+    def read(self, quantity: str = "") -> Any:
+        """What it measures now, at the time of the simulation; computed in this call.
+
+        Equals what a message of this time says, its noise included, and changes nothing in the run.
+        docs/library.md says what the built-in ones return: a new object each time.
+
+        Args:
+            quantity: one of `quantities`; by default the main one, such as a laser's ranges.
+
+        Raises:
+            ModelError: the model or the plugin is gone.
+            PluginError: the plugin has failed, and is switched off.
+            UsageError: it does not measure this quantity, or the simulation is closed.
+        """
+        plugin = self._model.plugin(self.name)
+        method = getattr(plugin, f"read_{quantity}", None) if quantity else plugin.read
+        if method is None:
+            known = self.quantities
+            raise UsageError(
+                f'the sensor "{plugin.node.owner}" does not measure "{shortened(quantity)}"'
+                f"{suggestion(quantity, known)}; besides what read() gives: {listed(known)}"
+            )
+        return method(self._model._simulation.timekeeper)
+
+    def __repr__(self) -> str:
+        return f'<sensor "{self._model.name}/{self.name}">'
+
+
+class Drive:
+    """A plugin that takes commands, by its name; see `ModelPlugin.command`.
+
+    Attributes:
+        name: of the plugin.
+    """
+
+    def __init__(self, model: ModelHandle, name: str) -> None:
+        self.name = name
+        self._model = model
+
+    @property
+    def type(self) -> str:
+        """The type of the plugin, such as "DiffDrive"."""
+        return self._model.plugin(self.name).type
+
+    def command(self, *values: Any) -> None:
+        """Commands it; takes effect at the next step. See `ModelHandle.command`.
+
+        Raises:
+            UsageError: these are not as many values as it takes, or they are not finite.
+        """
+        plugin = self._model.plugin(self.name)
+        finite(values, "a command")
+        try:
+            plugin.command(*values)
+        except (TypeError, ValueError) as error:
+            parameters = inspect.signature(plugin.command).parameters
+            reason = ""
+            try:
+                inspect.signature(plugin.command).bind(*values)
+                reason = f": {error}"
+            except TypeError:
+                pass
+            raise UsageError(
+                f'the drive "{plugin.node.owner}" takes command({", ".join(parameters)}), '
+                f"found {shown(values)}{reason}"
+            ) from error
+
+    def __repr__(self) -> str:
+        return f'<drive "{self._model.name}/{self.name}">'

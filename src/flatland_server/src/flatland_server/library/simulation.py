@@ -1,0 +1,387 @@
+"""Worlds in a Python program, without ROS: `with Simulation("office") as sim: sim.step()`."""
+
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, Union
+
+from flatland_server import _core
+from flatland_server.arrays import FloatArray, UInt8Array
+from flatland_server.exceptions import ModelError, listed, shortened, suggestion
+from flatland_server.geometry import Pose
+from flatland_server.library.arguments import pose_of, whole_number
+from flatland_server.library.catalog import Catalog
+from flatland_server.library.handles import ModelHandle
+from flatland_server.library.recorder import Recorder
+from flatland_server.library.simulated_topics import SimulatedTopics
+from flatland_server.library.simulated_world import new_timekeeper
+from flatland_server.library.touch import Touch, touches
+from flatland_server.library.world_source import WorldSource, open_world
+from flatland_server.models.model import Model
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.rendering.plot import plot
+from flatland_server.rendering.renderer import Renderer, save, to_array, to_png
+from flatland_server.transport.local_transport import LocalTransport
+
+
+class Simulation(SimulatedTopics):
+    """A world whose time a program advances, without ROS.
+
+        with Simulation("office", seed=1) as sim:
+            robot = sim.models["turtlebot"]
+            robot.command(0.5, 0.2)
+            sim.step(20)
+            ranges = robot.sensors["laser"].read()
+
+    It is the code that the ROS server runs: equal worlds, seeds and commands give, bit for bit,
+    what the server gives in lockstep. Nothing is computed that is not read. Simulations do not
+    influence each other; each is used by one thread at a time.
+
+    Args:
+        world: the name of a shipped world such as "office", the path of a world file, or the
+            content of one as a dict.
+        seed: of all random numbers.
+        step_size: length of a step [s].
+        topics: those that are computed from the beginning; see `subscribe`.
+        params: parameters by absolute name, for expressions in the files and for plugins.
+        simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
+        model_folders: where model files are looked up that are not beside the world file.
+        loader: finds plugin classes; by default those that installed packages declare.
+        raise_failures: whether the exception of a plugin ends the step with a PluginError;
+            otherwise it is logged as by the server. In both cases the plugin is switched off.
+
+    Attributes:
+        models: the models by their names, in the order of their creation.
+
+    Raises:
+        FlatlandError: there is no such world, something in its files is wrong, or a plugin does not
+            start.
+    """
+
+    def __init__(
+        self,
+        world: WorldSource,
+        *,
+        seed: int = 0,
+        step_size: float = 0.005,
+        topics: Iterable[str] = (),
+        params: Mapping[str, Any] = {},
+        simplify_map: int = 0,
+        model_folders: Sequence[Union[str, "os.PathLike[str]"]] = (),
+        loader: Optional[PluginLoader] = None,
+        raise_failures: bool = True,
+    ) -> None:
+        self._seed = whole_number(seed, "a seed", 0)
+        new_timekeeper(step_size)  # refuses a wrong one before the files are read
+        transport = LocalTransport(dict(params), ())
+        opened = open_world(
+            world,
+            transport,
+            seed=self._seed,
+            simplify_map=simplify_map,
+            model_folders=[Path(folder) for folder in model_folders],
+            loader=loader,
+        )
+        super().__init__(opened, step_size)
+        self.subscribe(*topics)
+        self._recorders: List[Recorder] = []
+        self._renderer = Renderer(opened, self.timekeeper)
+        self._handles: Dict[str, ModelHandle] = {}
+        self._group_models: Tuple[Model, ...] = ()
+        self._group = _core.BodyGroup([])
+        self.models: Catalog[ModelHandle] = Catalog(
+            lambda: self.world.models, self._handle, self._unknown_model
+        )
+        if raise_failures:
+            opened.on_failure = self._note_failure
+
+    # Time
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.timekeeper.seconds
+
+    @property
+    def step_size(self) -> float:
+        """Length of a step [s]."""
+        return self.timekeeper.step_size
+
+    @property
+    def seed(self) -> int:
+        """The seed of all random numbers."""
+        return self._seed
+
+    def step(self, count: int = 1) -> "Simulation":
+        """Advances the time by some steps, and returns this simulation.
+
+        Raises:
+            UsageError: the count is no whole number of 1 or more, or the simulation is closed.
+            PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
+                it was raised in is complete, and those after it are not made.
+        """
+        self.require_open()
+        left = whole_number(count, "a number of steps", 1)
+        while left > 0:
+            left -= self._advance(1 if self._recorders else left)
+            if self._recorders:
+                self._write_recordings()
+            if self._failures:
+                self._raise_failures()
+        return self
+
+    def reset(self, seed: Optional[int] = None) -> "Simulation":
+        """Makes the world anew, as it was loaded, at time 0, and returns this simulation.
+
+        What follows equals, bit for bit, a run of a new simulation. Models that were spawned are
+        gone, and those that were deleted are back. Topics stay subscribed.
+
+        Args:
+            seed: from now on; None is the same as before.
+
+        Raises:
+            UsageError: the seed is no whole number of 0 or more, or the simulation is closed.
+        """
+        self.require_open()
+        if seed is not None:
+            seed = whole_number(seed, "a seed", 0)
+        self._reset(seed)
+        self._seed = self._seed if seed is None else seed
+        return self
+
+    def save_state(self) -> bytes:
+        """The state of the world and the time, for `load_state`: here, or in another process.
+
+        From here on, this simulation goes on, bit for bit, like each one that loads the state;
+        without the call it would differ in the last bits.
+
+        Raises:
+            StateError: a plugin's state cannot be saved.
+            UsageError: the simulation is closed.
+        """
+        self.require_open()
+        return super().save_state()
+
+    def load_state(self, state: bytes) -> "Simulation":
+        """Puts the world into a saved state, its time and seed included; returns this simulation.
+
+        Raises:
+            FlatlandError: it is no state of such a world. Nothing has changed.
+        """
+        self.require_open()
+        self._load_state(state)
+        self._seed = self.world.seed
+        return self
+
+    def close(self) -> None:
+        """Stops all plugins. What follows raises a UsageError; poses may still be read."""
+        if not self._is_closed:
+            self._is_closed = True
+            try:
+                self.world.close()
+            finally:
+                for recorder in self._recorders:
+                    recorder.close()
+
+    def __enter__(self) -> "Simulation":
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        traceback: Optional[TracebackType],
+    ) -> None:
+        self.close()
+
+    # Models
+
+    @property
+    def poses(self) -> FloatArray:
+        """The poses of all models, in the order of `models`: a new array of shape (models, 3).
+
+        Each row is x, y [m] and yaw in [-pi, pi] [rad] of the model's first body in the world.
+        """
+        return self._bodies().poses()
+
+    @property
+    def velocities(self) -> FloatArray:
+        """The velocities of all models, in the order of `models`: a new array (models, 3).
+
+        Each row is vx, vy [m/s] and omega [rad/s] of the origin of the model's first body, in the
+        world's frame.
+        """
+        return self._bodies().velocities()
+
+    @property
+    def contacts(self) -> List[Touch]:
+        """What touches what, as the last step has found it, in a fixed order."""
+        return touches(self.world)
+
+    def spawn(
+        self,
+        model: Union[str, "os.PathLike[str]", Mapping[str, Any]],
+        name: str,
+        pose: Sequence[float] = Pose(),
+        namespace: str = "",
+    ) -> ModelHandle:
+        """Adds a model: completely, or not at all.
+
+        Args:
+            model: the path of a model file, or the content of one as a dict.
+            name: unique in the world.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
+            namespace: of its topics and frames.
+
+        Raises:
+            FlatlandError: the file, the name, the namespace or the pose is not usable.
+        """
+        self.require_open()
+        source = model if isinstance(model, (str, Mapping)) else Path(model)
+        self.world.spawn_model(source, name, namespace, pose_of(pose))
+        return self.models[name]
+
+    def move(self, name: str, pose: Sequence[float]) -> None:
+        """Puts a model at another pose, at rest.
+
+        Args:
+            name: of the model.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
+
+        Raises:
+            FlatlandError: there is no such model, or the pose is not usable.
+        """
+        self.require_open()
+        self.world.move_model(name, pose_of(pose))
+
+    def delete(self, name: str) -> None:
+        """Removes a model, with its topics.
+
+        Raises:
+            ModelError: there is no such model.
+        """
+        self.require_open()
+        self.world.delete_model(name)
+        self._handles.pop(name, None)
+
+    # Recordings and pictures
+
+    def record(
+        self, path: Union[str, "os.PathLike[str]"], topics: Optional[Iterable[str]] = None
+    ) -> Recorder:
+        """Begins to record topics, the time and the transforms into a file.
+
+            with sim.record("run.bag", topics=["/scan"]):
+                sim.step(200)
+
+        Args:
+            path: of the file, which ends with .bag or .mcap.
+            topics: names of topics, or regular expressions that match whole names; by default all.
+                They are computed while they are recorded.
+
+        Returns:
+            A context manager; the recording ends with it, or with `close`, or with the simulation.
+
+        Raises:
+            RecordingError: the file cannot be written, or a package for it is not installed.
+        """
+        self.require_open()
+        recorder = Recorder(
+            self.transport, self.timekeeper, path, topics, lambda: self.world.odometry_frames
+        )
+        self._recorders.append(recorder)
+        return recorder
+
+    def render(
+        self,
+        size: Optional[Tuple[int, int]] = None,
+        *,
+        follow: Optional[str] = None,
+        width: float = 10.0,
+        sensors: bool = False,
+        names: bool = False,
+    ) -> UInt8Array:
+        """A picture of the world as it is now: a new array of shape (height, width, 3).
+
+        Args:
+            size: width and height [px]; by default the longer side has 1600 pixels, or both have
+                800 if a model is followed.
+            follow: the model in the middle of the picture; None shows the whole world.
+            width: of the section of the world that is shown around it [m].
+            sensors: whether plugins draw what they measure.
+            names: whether the names of the models are written beside them.
+
+        Raises:
+            FlatlandError: there is no such model, or the size or the width is not usable.
+        """
+        view = self._renderer.view(size, follow=follow, width=width)
+        return to_array(self._renderer.image(view, sensors=sensors, names=names))
+
+    def save_picture(
+        self,
+        path: Union[str, "os.PathLike[str]"],
+        size: Optional[Tuple[int, int]] = None,
+        *,
+        follow: Optional[str] = None,
+        width: float = 10.0,
+        sensors: bool = False,
+        names: bool = False,
+    ) -> None:
+        """Writes a picture into a file: SVG if its name ends in .svg, or else PNG, JPEG ...
+
+        Args: the path, and those of `render`.
+
+        Raises:
+            FlatlandError: as for `render`; or the file cannot be written, or its kind is not known.
+        """
+        view = self._renderer.view(size, follow=follow, width=width)
+        save(Path(path), self._renderer, view, sensors=sensors, names=names)
+
+    def plot(
+        self,
+        ax: Optional[Any] = None,
+        *,
+        follow: Optional[str] = None,
+        width: float = 10.0,
+        sensors: bool = False,
+        names: bool = False,
+    ) -> Any:
+        """Draws the world into Matplotlib axes, which are in metres, and returns them.
+
+        Args:
+            ax: the axes; by default those that pyplot has at present.
+            follow: as for `render`.
+            width: as for `render`.
+            sensors: as for `render`.
+            names: as for `render`.
+
+        Raises:
+            FlatlandError: as for `render`; or Matplotlib is not installed.
+        """
+        view = self._renderer.view(follow=follow, width=width)
+        return plot(self._renderer, ax, view, sensors=sensors, names=names)
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows of a simulation."""
+        return to_png(self._renderer.image(self._renderer.view()))
+
+    def _write_recordings(self) -> None:
+        """Writes the step to the recordings that are open."""
+        self._recorders = [each for each in self._recorders if each.is_open]
+        for recorder in self._recorders:
+            recorder.write_step()
+
+    def _handle(self, name: str) -> ModelHandle:
+        return self._handles.setdefault(name, ModelHandle(self, name))
+
+    def _unknown_model(self, name: str) -> ModelError:
+        hint, known = suggestion(name, self.world.models), listed(self.world.models)
+        return ModelError(f'there is no model "{shortened(name)}"{hint}; there are: {known}')
+
+    def _bodies(self) -> _core.BodyGroup:
+        """The first bodies of all models."""
+        models = tuple(self.world.models.values())
+        if models != self._group_models:
+            self._group = _core.BodyGroup([model.base.physics_body for model in models])
+            self._group_models = models
+        return self._group

@@ -1,0 +1,62 @@
+"""What a user names a world by: one that is shipped, a file, or its content."""
+
+import os
+from contextlib import closing
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Mapping, Optional, Sequence, Union
+
+from flatland_server.config.shipped_worlds import find_world
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.exceptions import UsageError, shortened
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.transport.transport import Transport
+
+WorldSource = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+"""The name of a shipped world, the path of a world file, or the content of one as a dict."""
+
+
+def open_world(
+    source: WorldSource,
+    transport: Transport,
+    *,
+    seed: int,
+    simplify_map: int,
+    model_folders: Sequence[Path],
+    loader: Optional[PluginLoader],
+) -> World:
+    """Loads a world.
+
+    Args:
+        source: what to load.
+        transport: as for `World`.
+        seed: as for `World`.
+        simplify_map: as for `World.from_file`.
+        model_folders: as for `World.from_file`.
+        loader: as for `World`.
+
+    Raises:
+        FlatlandError: there is no such world, or something in it is wrong.
+    """
+    with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
+        read: Any = WorldConfig.from_file
+        content: Any = source
+        if isinstance(source, Mapping):
+            read = WorldConfig.from_content
+        elif isinstance(source, (str, os.PathLike)):
+            content = find_world(source if isinstance(source, str) else Path(source))
+        else:
+            raise UsageError(
+                "expected the name of a world, the path of a world file or a dict, "
+                f"found {shortened(repr(source))}"
+            )
+        config = read(content, preprocessor, simplify_map=simplify_map, model_folders=model_folders)
+    return World(config, transport, seed=seed, loader=loader or exported_plugins())
+
+
+@lru_cache(maxsize=1)
+def exported_plugins() -> PluginLoader:
+    """Finds the plugins that packages export, looked up once in a process."""
+    return PluginLoader()

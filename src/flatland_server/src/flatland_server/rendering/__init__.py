@@ -1,0 +1,1 @@
+"""Pictures of a world: arrays, PNG and SVG files, and the notebook's inline pictures."""

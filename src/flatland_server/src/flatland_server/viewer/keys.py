@@ -1,0 +1,27 @@
+"""The keys and what they do, as the help shows them."""
+
+from typing import List
+
+KEYS = (
+    ("arrows, WASD", "drive the robot; with Shift twice as fast"),
+    ("Q E", "move sideways, if its drive can"),
+    ("Tab, click", "follow a robot: the next one, or a model that is clicked"),
+    ("F", "follow, or stop following"),
+    ("drag, wheel", "move and zoom the picture; Home: show all"),
+    ("space", "pause, go on"),
+    (".", "make a single step"),
+    ("+ -", "faster, slower"),
+    ("R", "reset the world"),
+    ("L", "lidars and other sensors"),
+    ("N T", "names of models; the trail of the robot"),
+    ("P", "save a picture"),
+    ("H", "this help"),
+    ("Esc", "quit"),
+)
+"""Keys, and what they do."""
+
+
+def help_lines() -> List[str]:
+    """A line for each entry of KEYS."""
+    width = max(len(keys) for keys, _ in KEYS)
+    return [f"{keys:{width}}  {action}" for keys, action in KEYS]

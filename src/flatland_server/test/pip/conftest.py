@@ -1,0 +1,131 @@
+"""A virtual environment without ROS in which pip has installed the library from this clone.
+
+The wheel is built in each run of the tests, from what is left of the last build in build/test/pip,
+so that only what has changed is compiled. The environment has the packages of PyPI that the wheel
+asks for, and keeps them for the next run.
+"""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from email.parser import BytesParser
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[4]
+FOLDER = ROOT / "build" / "test" / "pip"
+
+# What builds the wheel, and the example package. pip would install them anew for each build, in
+# another place, and everything would be compiled again.
+BUILD_REQUIREMENTS = (
+    "scikit-build-core==0.11.6",
+    "pybind11==2.13.6",
+    "setuptools==75.3.2",
+    "wheel==0.45.1",
+    "catkin_pkg==1.0.0",
+)
+
+LIMIT = 600.0  # s, for each command
+
+
+def run(*command, **variables):
+    """The output of a command; if it fails, so does the test, with its output.
+
+    Args:
+        command: its words.
+        variables: of its environment.
+    """
+    words = [str(word) for word in command]
+    result = subprocess.run(
+        words,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT,
+        cwd=FOLDER,
+        env={**environment(), **{name: str(value) for name, value in variables.items()}},
+    )
+    if result.returncode != 0:
+        pytest.fail(f"{' '.join(words)}: exit code {result.returncode}\n{result.stdout}", False)
+    return result.stdout
+
+
+def environment():
+    """Without ROS, and without what this Python finds besides the environment's packages."""
+    ros = ("ROS", "PYTHON", "CMAKE_PREFIX_PATH", "PKG_CONFIG_PATH", "LD_LIBRARY_PATH")
+    return {name: value for name, value in os.environ.items() if not name.startswith(ros)}
+
+
+class Environment:
+    """A virtual environment, which has the packages of these requirements."""
+
+    def __init__(self, name, requirements):
+        key = hashlib.sha256("\n".join([sys.version, *requirements]).encode()).hexdigest()[:16]
+        self.folder = FOLDER / f"{name}-{key}"
+        self.python = self.folder / "bin" / "python"
+        if not (self.folder / "complete").exists():
+            for former in FOLDER.glob(f"{name}-*"):
+                shutil.rmtree(former)
+            run(sys.executable, "-m", "venv", self.folder)
+            self.pip("install", *requirements)
+            (self.folder / "complete").touch()
+
+    def pip(self, command, *arguments):
+        run(self.python, "-m", "pip", "--disable-pip-version-check", command, "-q", *arguments)
+
+    def run(self, *arguments, **variables):
+        """The output of its Python."""
+        return run(self.python, *arguments, **variables)
+
+    def command(self, name, *arguments):
+        """The output of a command that a package has installed."""
+        return run(self.folder / "bin" / name, *arguments)
+
+    def wheel(self, folder, build, *settings):
+        """Builds the wheel of the clone.
+
+        Args:
+            folder: for the wheel.
+            build: name of a folder for what is compiled, which stays for the next time.
+            settings: of scikit-build-core.
+        """
+        settings = (f"build-dir={FOLDER / build}", *settings)
+        self.pip(
+            "wheel",
+            "--no-build-isolation",
+            "--no-deps",
+            f"--wheel-dir={folder}",
+            *(f"--config-settings={setting}" for setting in settings),
+            ROOT,
+        )
+        [wheel] = folder.glob("*.whl")
+        return wheel
+
+
+@pytest.fixture(scope="session")
+def builder():
+    """An environment with what builds wheels."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    return Environment("builder", BUILD_REQUIREMENTS)
+
+
+@pytest.fixture(scope="session")
+def wheel(builder, tmp_path_factory):
+    """The wheel of the clone."""
+    return builder.wheel(tmp_path_factory.mktemp("wheel"), "build")
+
+
+@pytest.fixture(scope="session")
+def library(wheel):
+    """An environment in which the wheel is installed."""
+    with zipfile.ZipFile(wheel) as archive:
+        [metadata] = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
+        required = BytesParser().parsebytes(archive.read(metadata)).get_all("Requires-Dist")
+    required = [requirement for requirement in required if "extra ==" not in requirement]
+    library = Environment("library", required)
+    library.pip("install", "--no-deps", "--no-index", "--force-reinstall", wheel)
+    return library

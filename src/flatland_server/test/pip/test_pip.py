@@ -1,0 +1,160 @@
+"""The library as pip installs it: in a virtual environment without ROS."""
+
+import json
+import os
+import shutil
+import subprocess
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[4]
+EXAMPLE = ROOT / "src" / "flatland_example_plugins"
+DRIVE_THE_OFFICE = Path(__file__).with_name("drive_the_office.py")
+
+pytestmark = pytest.mark.slow
+
+IMPORT_ALL = """
+import importlib, pkgutil, sys
+import flatland2d, flatland_plugins, flatland_server
+for package in (flatland_server, flatland_plugins):
+    for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+        if module.name.startswith("flatland_server.ros") or module.name.endswith("__main__"):
+            continue
+        try:
+            importlib.import_module(module.name)
+        except flatland2d.FlatlandError as error:
+            assert "pip install 'flatland2d[" in str(error), error  # it needs an extra
+ros = ("genpy", "genmsg", "rospy", "rosgraph", "roslib", "roslaunch", "rospkg", "catkin_pkg")
+found = {name.partition(".")[0] for name in sys.modules}
+print(sorted(name for name in found if name in ros or name.endswith("_msgs")))
+"""
+
+LOAD_PLUGINS = """
+import sys
+from flatland2d import ModelPlugin, PluginLoader, WorldPlugin
+bases = {"ModelPlugin": ModelPlugin, "WorldPlugin": WorldPlugin}
+for name, base in zip(sys.argv[1::2], sys.argv[2::2]):
+    found = PluginLoader().load(name, bases[base])
+    print(f"{found.__module__}.{found.__name__}")
+"""
+
+RUN_THE_CONVEYOR = """
+from flatland2d import Simulation
+path = "package://my_plugins/worlds/conveyor/world.yaml"
+with Simulation(path, step_size=0.01, topics=["/gate/contacts"]) as sim:
+    sim.step(3000)
+    print(sim.last("/gate/contacts").data > 0)
+"""
+
+
+def declared(xml):
+    """Name, base and class path of each plugin in an XML file."""
+    return [
+        (
+            element.get("name"),
+            element.get("base_class_type").rpartition(".")[2],
+            element.get("type"),
+        )
+        for element in ElementTree.parse(xml).iter("class")
+    ]
+
+
+BUILT_IN = declared(ROOT / "src" / "flatland_plugins" / "flatland_plugins.xml")
+
+
+def test_the_entry_points_are_the_plugins_that_the_ros_package_exports(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        [name] = [name for name in archive.namelist() if name.endswith("entry_points.txt")]
+        lines = archive.read(name).decode().partition("[flatland_server.plugins]\n")[2]
+    entry_points = [line for line in lines.partition("\n[")[0].splitlines() if line]
+
+    assert sorted(entry_points) == sorted(
+        f"{name} = {':'.join(path.rsplit('.', 1))}" for name, _, path in BUILT_IN
+    )
+
+
+def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+
+    assert {name.partition("/")[0].partition("-")[0] for name in names} == {
+        "flatland2d",
+        "flatland_plugins",
+        "flatland_server",
+    }
+    assert not [name for name in names if "__pycache__" in name or "/test/" in name]
+    server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}
+    assert {"py.typed", "_core.pyi", "worlds/office/office.png"} <= server
+
+
+def test_no_module_needs_ros(library):
+    assert library.run("-c", IMPORT_ALL).strip() == "[]"
+
+
+def test_the_plugins_are_found(library):
+    words = [word for name, base, _ in BUILT_IN for word in (name, base)]
+
+    assert library.run("-c", LOAD_PLUGINS, *words).split() == [path for _, _, path in BUILT_IN]
+
+
+def test_the_office_is_the_same_to_the_bit_as_by_catkin(library):
+    under_pip = json.loads(library.run(DRIVE_THE_OFFICE))
+    output = subprocess.check_output(["/usr/bin/python3", DRIVE_THE_OFFICE], text=True)
+    under_catkin = json.loads(output)
+
+    assert under_pip.pop("core").startswith(f"{library.folder}/")
+    assert under_catkin.pop("core").startswith(f"{ROOT}/devel/")
+    assert under_pip == under_catkin
+
+
+def test_the_office_is_the_same_to_the_bit_with_box2d_from_source(library, builder, tmp_path):
+    source = os.environ.get("FLATLAND_BOX2D_SOURCE")
+    if not source:
+        pytest.skip("FLATLAND_BOX2D_SOURCE names no folder with the source of Box2D 2.4.1")
+    wheel = builder.wheel(
+        tmp_path,
+        "box2d_source",
+        "cmake.define.FLATLAND_BOX2D=source",
+        f"cmake.define.FETCHCONTENT_SOURCE_DIR_BOX2D={source}",
+    )
+    library.pip("install", "--no-deps", "--no-index", f"--target={tmp_path / 'source'}", wheel)
+
+    from_source = json.loads(library.run(DRIVE_THE_OFFICE, PYTHONPATH=tmp_path / "source"))
+    of_system = json.loads(library.run(DRIVE_THE_OFFICE))
+
+    core = from_source.pop("core")
+    assert core.startswith(f"{tmp_path}/")
+    assert "box2d" not in subprocess.check_output(["ldd", core], text=True)
+    assert "box2d" in subprocess.check_output(["ldd", of_system.pop("core")], text=True)
+    assert from_source == of_system
+
+
+def test_a_plugin_package_of_a_ros_workspace_is_installed_by_pip_as_it_is(
+    library, builder, tmp_path
+):
+    """A copy of the example package, renamed as its README says."""
+    copy = tmp_path / "my_plugins"
+    shutil.copytree(EXAMPLE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "src" / EXAMPLE.name).rename(copy / "src" / copy.name)
+    for file in copy.rglob("*"):
+        if file.is_file():
+            file.write_text(file.read_text().replace(EXAMPLE.name, copy.name))
+    plugins = declared(copy / "flatland_plugins.xml")
+    target = tmp_path / "target"
+
+    builder.pip(
+        "install", "--no-build-isolation", "--no-deps", "--no-index", f"--target={target}", copy
+    )
+    words = [word for name, base, _ in plugins for word in (f"my_plugins::{name}", base)]
+    loaded = library.run("-c", LOAD_PLUGINS, *words, PYTHONPATH=target)
+    output = library.run("-c", RUN_THE_CONVEYOR, PYTHONPATH=target)
+
+    assert loaded.split() == [path for _, _, path in plugins]
+    assert output.splitlines()[-1] == "True"
+
+
+def test_the_command_is_there(library):
+    assert "usage: flatland" in library.command("flatland", "--help")

@@ -1,0 +1,205 @@
+"""The window of `flatland view` on a virtual screen, with real keys and a mouse.
+
+What happens is seen in screenshots, which stay in build/screenshots: where the red robot is.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import ImageGrab
+
+pytest.importorskip("pygame")
+pytestmark = pytest.mark.slow
+
+SHOTS = Path(__file__).resolve().parents[3] / "build" / "screenshots"
+LIMIT = 30.0  # s
+SCALE = 0.95 * 800 / 10  # px/m, of the whole world: 10 m in 800 px, with margins
+WORLD = """
+properties: {}
+layers: [{name: walls, map: walls.yaml, color: [0.3, 0.3, 0.3, 1]}]
+models: [{name: robot, model: robot.model.yaml}]
+"""
+ROBOT = """
+bodies:
+  - name: base
+    color: [1, 0, 0, 1]
+    footprints: [{type: circle, radius: 0.25, density: 1}]
+plugins:
+  - {type: DiffDrive, name: drive, body: base}
+  - {type: Laser, name: laser, body: base, range: 20, angle: {min: -1, max: 1, increment: 0.01}}
+"""
+
+
+def wait_until(holds, what):
+    """The first true value of `holds()`."""
+    deadline = time.monotonic() + LIMIT
+    while True:
+        value = holds()
+        if value:
+            return value
+        assert time.monotonic() < deadline, f"waited {LIMIT:g} s for {what}"
+        time.sleep(0.05)
+
+
+class View:
+    """`flatland view` in a folder, on a display."""
+
+    def __init__(self, display, folder):
+        self.environment = {**os.environ, "DISPLAY": display}
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "flatland_server", "view", "world.yaml", "--size", "800x800"],
+            cwd=folder,
+            env=self.environment,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        window = wait_until(self._window, "the window")
+        self.xdotool("windowfocus", window)
+        self.left, self.top = wait_until(lambda: self.robot(), "the robot in the window")
+
+    def _window(self):
+        assert self.process.poll() is None, self.process.stderr.read()
+        return " ".join(self.xdotool("search", "--onlyvisible", "--class", "^flatland$"))
+
+    def xdotool(self, *arguments):
+        command = ["xdotool", *map(str, arguments)]
+        result = subprocess.run(
+            command, env=self.environment, stdout=subprocess.PIPE, text=True, timeout=LIMIT
+        )
+        return result.stdout.split()
+
+    def key(self, *keys):
+        self.xdotool("key", "--delay", 40, *keys)
+
+    def picture(self, name=""):
+        picture = ImageGrab.grab(xdisplay=self.environment["DISPLAY"])
+        if name:
+            SHOTS.mkdir(parents=True, exist_ok=True)
+            picture.save(SHOTS / f"view_{name}.png", compress_level=1)
+        return np.asarray(picture).astype(int)
+
+    def red(self):
+        """The rows and columns of the robot's pixels on the screen."""
+        return np.argwhere((abs(self.picture() - (255, 0, 0)) <= 3).all(axis=2))
+
+    def robot(self):
+        """Column and row of the robot's middle; None if it is not there."""
+        red = self.red()
+        return (red[:, 1].mean(), red[:, 0].mean()) if len(red) > 50 else None
+
+    def moved(self):
+        """How far the robot is from its place at the start, to the right and downwards [px]."""
+        column, row = self.robot()
+        return np.array([column - self.left, row - self.top])
+
+    def hold(self, *keys, until):
+        """Holds keys until the robot has moved as a function of `moved()` says."""
+        self.xdotool("keydown", *keys)
+        try:
+            wait_until(lambda: until(*self.moved()), f"what {keys} do")
+        finally:
+            self.xdotool("keyup", *keys)
+
+    def has_beams(self):
+        """Whether the lidar's beams tint the floor before the robot."""
+        column, row = self.robot()
+        red, green, _ = self.picture()[round(row) + 4, round(column) + 60]
+        return red > green + 8
+
+
+@pytest.fixture
+def view(display, tmp_path):
+    walls = [(-5, -5, 5, -5), (5, -5, 5, 5), (5, 5, -5, 5), (-5, 5, -5, -5)]
+    (tmp_path / "walls.dat").write_text("".join(f"{a} {b} {c} {d}\n" for a, b, c, d in walls))
+    (tmp_path / "walls.yaml").write_text(
+        "{type: line_segments, data: walls.dat, scale: 1, origin: [0, 0, 0]}\n"
+    )
+    (tmp_path / "world.yaml").write_text(WORLD)
+    (tmp_path / "robot.model.yaml").write_text(ROBOT)
+    view = View(display, tmp_path)
+    yield view
+    if view.process.poll() is None:
+        view.process.kill()
+    view.process.communicate()
+
+
+def test_keys_drive_a_robot_and_r_puts_it_back(view):
+    view.hold("Up", until=lambda right, down: right > 0.5 * SCALE)
+    view.hold("w", "a", until=lambda right, down: down < -0.5 * SCALE)
+    view.picture("driven")
+
+    view.key("r")
+    wait_until(lambda: abs(view.moved()).max() < 2, "the robot to be back")
+
+    view.hold("Down", until=lambda right, down: right < -0.3 * SCALE)
+    assert abs(view.moved()[1]) < 3
+
+
+def test_a_pause_stops_the_robot_and_a_full_stop_makes_single_steps(view):
+    view.xdotool("keydown", "Up")
+    wait_until(lambda: view.moved()[0] > 10, "the robot to drive")
+    view.key("space")
+
+    def is_still():
+        before = view.moved()[0]
+        time.sleep(0.2)  # several frames
+        return view.moved()[0] == before
+
+    wait_until(is_still, "the pause")
+    paused = view.moved()[0]
+    view.key(*["period"] * 40)  # 0.2 s: 0.1 m
+    wait_until(lambda: view.moved()[0] > paused + 0.07 * SCALE, "the single steps")
+    view.xdotool("keyup", "Up")
+
+
+def test_what_the_mouse_does(view):
+    size = len(view.red())
+    column, row = view.robot()
+
+    view.xdotool("mousemove", round(column), round(row), "click", 4, "click", 4, "click", 4)
+    wait_until(lambda: len(view.red()) > 2 * size, "the wheel to enlarge the robot")
+    assert abs(view.moved()).max() < 3
+
+    view.xdotool("mousemove", round(column) - 100, round(row) + 100, "mousedown", 1)
+    for way in (20, 60, 90):
+        view.xdotool("mousemove", round(column) - 100 + way, round(row) + 100 - way)
+    view.xdotool("mouseup", 1)
+    wait_until(lambda: abs(view.moved() - (90, -90)).max() < 3, "the picture to be dragged")
+
+    column, row = view.robot()
+    view.xdotool("mousemove", round(column), round(row), "click", 1)
+    wait_until(lambda: abs(view.moved()).max() < 3, "the robot that is clicked to be followed")
+
+    view.key("Home")
+    wait_until(lambda: abs(len(view.red()) - size) < 20, "the whole world")
+
+
+def test_the_other_keys(view, tmp_path):
+    view.key("Tab")
+    view.xdotool("keydown", "Right", "Up")
+    view.picture("followed")
+    view.xdotool("keyup", "Right", "Up")
+    assert abs(view.moved()).max() < 3, "what is followed stays in the middle"
+    view.key("r", "Home")
+
+    wait_until(view.has_beams, "the lidar's beams")
+    view.key("l")
+    wait_until(lambda: not view.has_beams(), "the beams to go")
+
+    corner = (round(view.left) - 300, round(view.top) - 300)
+    view.key("h")
+    wait_until(lambda: view.picture()[corner[1], corner[0]].min() > 240, "the help")
+    view.picture("help")
+    view.key("h")
+
+    view.key("p")
+    wait_until((tmp_path / "flatland_1.png").is_file, "the picture")
+
+    view.key("Escape")
+    assert view.process.wait(LIMIT) == 0
+    assert view.process.stderr.read() == ""
