@@ -35,8 +35,12 @@ class Message:
         if args:
             self._check_arguments(args, fields)
             fields = {name: value for (name, _), value in zip(self._fields, args)}
+        if not fields:
+            for name, make_default in self._fields:
+                setattr(self, name, make_default())
+            return
         for name, make_default in self._fields:
-            value = fields.pop(name, None) if fields else None
+            value = fields.pop(name, None)
             setattr(self, name, make_default() if value is None else value)
         if fields:
             self._check_fields(fields)
