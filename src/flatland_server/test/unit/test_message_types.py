@@ -293,6 +293,7 @@ def test_with_ros_an_added_type_is_one_that_rospy_publishes():
         ("my_plugins/A", "int8 X=y", "my_plugins/A:1: expected the value of a int8 constant"),
         ("my_plugins/A", "A[] a", "my_plugins/A contains itself"),
         ("my_plugins/A", "geometry_msgs/Pont a", '(did you mean "geometry_msgs/Point"?)'),
+        ("my_plugins/A", 7, "my_plugins/A: expected a definition, found 7"),
         ("A", "int8 a", "expected the name of a message type"),
         ("std_msgs/Bool", "int8 data", "a message type std_msgs/Bool already, with other fields"),
     ],
@@ -307,6 +308,16 @@ def test_a_wrong_definition_changes_nothing(name, definition, message):
     if name == "my_plugins/A":
         with pytest.raises(MessageError, match="no message type"):
             types.get(name)
+
+
+def test_a_type_of_ones_own_uses_those_of_ros():
+    types = MessageTypes()
+
+    route = types.add("my_plugins/Route", "nav_msgs/Path path")
+
+    for name in ("nav_msgs/Path", "geometry_msgs/PoseStamped", "geometry_msgs/Point"):
+        assert types.get(name) is messages.get(name)
+    assert type(route().path) is messages.get("nav_msgs/Path")
 
 
 def test_adding_the_same_type_again_gives_the_same_class():
@@ -412,6 +423,7 @@ def test_the_definitions_of_flatland_msgs_are_packaged():
     assert packaged
 
 
+@pytest.mark.slow
 def test_without_ros_the_types_are_ours():
     print_types = """
 from flatland_server import header, messages, ros_time

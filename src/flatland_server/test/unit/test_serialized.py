@@ -95,6 +95,7 @@ print(markers_of_a_world(Path(sys.argv[1])))
 """
 
 
+@pytest.mark.slow
 def test_without_ros_markers_have_the_same_bytes(tmp_path):
     data = run_without_ros(MARKERS, tmp_path).strip()
 

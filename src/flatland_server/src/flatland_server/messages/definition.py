@@ -84,6 +84,8 @@ class Definition:
             MessageError: the name or a line is wrong.
         """
         check_type_name(name)
+        if not isinstance(text, str):
+            raise MessageError(f"{name}: expected a definition, found {shortened(repr(text))}")
         fields: List[Tuple[str, FieldType]] = []
         constants: List[Constant] = []
         names = set()

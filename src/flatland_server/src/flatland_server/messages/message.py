@@ -9,7 +9,8 @@ import numpy as np
 
 from flatland_server.exceptions import MessageError, listed, suggestion
 from flatland_server.messages.definition import NUMBERS, Definition, FieldType
-from flatland_server.messages.wire_form import WRONG_VALUE, Factory, Reader, WireForm, with_owner
+from flatland_server.messages.field_forms import Factory
+from flatland_server.messages.wire_form import WRONG_VALUE, Reader, WireForm, with_owner
 
 
 class Message:
