@@ -82,9 +82,6 @@ class Message:
         fields = ", ".join(f"{name}={getattr(self, name)!r}" for name, _ in self._fields)
         return f"{self._type.partition('/')[2]}({fields})"
 
-    def __str__(self) -> str:
-        return repr(self)
-
     def _get_types(self) -> List[str]:
         return self._slot_types
 
@@ -192,6 +189,6 @@ def _are_equal(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def base_class(genpy_message: Optional[type]) -> Tuple[type, ...]:
-    """The bases of message classes; with ROS, rospy publishes those of genpy's base alone."""
+def base_classes(genpy_message: Optional[type]) -> Tuple[type, ...]:
+    """The bases of message classes: rospy publishes only what is derived from `genpy.Message`."""
     return (Message,) if genpy_message is None else (Message, genpy_message)

@@ -24,7 +24,7 @@ from flatland_server.messages.definition import (
     split_full_text,
 )
 from flatland_server.messages.field_forms import wire_form
-from flatland_server.messages.message import base_class, make_class
+from flatland_server.messages.message import base_classes, make_class
 from flatland_server.messages.standard_definitions import standard_definitions
 from flatland_server.messages.wire_form import WireForm
 
@@ -46,7 +46,7 @@ class MessageTypes:
     def __init__(self, use_ros: bool = True) -> None:
         genpy = _import("genpy") if use_ros else None
         self._has_ros = genpy is not None
-        self._bases = base_class(genpy.Message if genpy else None)
+        self._bases = base_classes(genpy.Message if genpy else None)
         times_module = genpy or times
         self.Time: Callable[..., Any] = times_module.Time
         """The class of times in messages."""
