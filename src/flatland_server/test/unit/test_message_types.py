@@ -137,7 +137,7 @@ def test_a_message_is_made_of_all_fields_or_of_some_by_keyword():
 
     assert vector(1.0, 2.0, 3.0) == vector(x=1.0, y=2.0, z=3.0)
     assert vector(y=2.0) == vector(0.0, 2.0, 0.0) != vector()
-    assert repr(vector(y=2.0)) == "Vector3(x=0.0, y=2.0, z=0.0)"
+    assert str(vector(y=2.0)) == repr(vector(y=2.0)) == "Vector3(x=0.0, y=2.0, z=0.0)"
     assert dataclasses.asdict(vector(y=2.0)) == {"x": 0.0, "y": 2.0, "z": 0.0}
     assert dataclasses.replace(vector(y=2.0), x=1.0) == vector(1.0, 2.0, 0.0)
     assert list(inspect.signature(vector).parameters) == ["x", "y", "z"]
@@ -274,6 +274,7 @@ def test_with_ros_an_added_type_is_one_that_rospy_publishes():
     genpy.message.check_type("header", "std_msgs/Header", message.header)
     message.serialize(buffer)
     assert cls().deserialize(buffer.getvalue()) == message
+    assert str(message).endswith("mass: 3.0")  # as ROS's
 
 
 @pytest.mark.parametrize(
@@ -293,6 +294,8 @@ def test_with_ros_an_added_type_is_one_that_rospy_publishes():
         ("my_plugins/A", "int8 X=y", "my_plugins/A:1: expected the value of a int8 constant"),
         ("my_plugins/A", "A[] a", "my_plugins/A contains itself"),
         ("my_plugins/A", "geometry_msgs/Pont a", '(did you mean "geometry_msgs/Point"?)'),
+        ("my_plugins/A", "int8 from", 'that is no keyword of Python, found "from"'),
+        ("my_plugins/A", 7, "my_plugins/A: expected a definition, found 7"),
         ("A", "int8 a", "expected the name of a message type"),
         ("std_msgs/Bool", "int8 data", "a message type std_msgs/Bool already, with other fields"),
     ],
@@ -307,6 +310,16 @@ def test_a_wrong_definition_changes_nothing(name, definition, message):
     if name == "my_plugins/A":
         with pytest.raises(MessageError, match="no message type"):
             types.get(name)
+
+
+def test_a_type_of_ones_own_uses_those_of_ros():
+    types = MessageTypes()
+
+    route = types.add("my_plugins/Route", "nav_msgs/Path path")
+
+    for name in ("nav_msgs/Path", "geometry_msgs/PoseStamped", "geometry_msgs/Point"):
+        assert types.get(name) is messages.get(name)
+    assert type(route().path) is messages.get("nav_msgs/Path")
 
 
 def test_adding_the_same_type_again_gives_the_same_class():
@@ -412,6 +425,7 @@ def test_the_definitions_of_flatland_msgs_are_packaged():
     assert packaged
 
 
+@pytest.mark.slow
 def test_without_ros_the_types_are_ours():
     print_types = """
 from flatland_server import header, messages, ros_time

@@ -157,6 +157,7 @@ def test_transforms_of_one_time_are_one_message(tmp_path, files):
     assert static[0][0].transform.rotation.w == 1.0
 
 
+@pytest.mark.slow
 def test_rosbag_knows_all_types_as_they_are(tmp_path, files):
     path = tmp_path / "run.bag"
     record(path, files)
@@ -345,6 +346,7 @@ for name in ("run.bag", "run.mcap"):
 """
 
 
+@pytest.mark.slow
 def test_without_ros_the_same_is_recorded(tmp_path):
     for name in ("with", "without"):
         (tmp_path / name).mkdir()

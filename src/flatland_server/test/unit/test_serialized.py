@@ -3,9 +3,11 @@
 from io import BytesIO
 
 import pytest
+from markers_of_worlds import markers_of_a_world
 from std_msgs.msg import ColorRGBA
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
+from without_ros import run_without_ros
 
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.serialized_markers import MovingMarkers, array_of, serialized
@@ -84,3 +86,18 @@ def test_open_frames_send_the_same_as_single_transforms():
         plain.add(Transform(nanoseconds, "odom", "other", Pose()))
 
         assert quick.take() == plain.take()
+
+
+MARKERS = """
+from pathlib import Path
+from markers_of_worlds import markers_of_a_world
+print(markers_of_a_world(Path(sys.argv[1])))
+"""
+
+
+@pytest.mark.slow
+def test_without_ros_markers_have_the_same_bytes(tmp_path):
+    data = run_without_ros(MARKERS, tmp_path).strip()
+
+    assert data == markers_of_a_world(tmp_path)
+    assert len(MarkerArray().deserialize(bytes.fromhex(data)).markers) == 7

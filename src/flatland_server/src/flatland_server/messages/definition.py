@@ -7,6 +7,7 @@ https://wiki.ros.org/ROS/Technical%20Overview the sum.
 import hashlib
 import re
 from dataclasses import dataclass
+from keyword import iskeyword
 from typing import Callable, Iterable, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from flatland_server.exceptions import MessageError, shortened, suggestion
@@ -84,6 +85,8 @@ class Definition:
             MessageError: the name or a line is wrong.
         """
         check_type_name(name)
+        if not isinstance(text, str):
+            raise MessageError(f"{name}: expected a definition, found {shortened(repr(text))}")
         fields: List[Tuple[str, FieldType]] = []
         constants: List[Constant] = []
         names = set()
@@ -165,6 +168,8 @@ def _parse_line(line: str, package: str) -> Union[Constant, Tuple[str, FieldType
             "expected a type and a name, with a value if it is a constant, "
             f'found "{shortened(code)}"'
         )
+    if iskeyword(field["name"]):
+        raise ValueError(f'expected a name that is no keyword of Python, found "{field["name"]}"')
     length = int(field["length"]) if field["length"] else None
     base = _resolved(field["base"], package)
     return field["name"], FieldType(base, field["array"] is not None, length)

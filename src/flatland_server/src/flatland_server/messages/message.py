@@ -9,7 +9,8 @@ import numpy as np
 
 from flatland_server.exceptions import MessageError, listed, suggestion
 from flatland_server.messages.definition import NUMBERS, Definition, FieldType
-from flatland_server.messages.wire_form import WRONG_VALUE, Factory, Reader, WireForm, with_owner
+from flatland_server.messages.field_forms import Factory
+from flatland_server.messages.wire_form import WRONG_VALUE, Reader, WireForm, with_owner
 
 
 class Message:
@@ -35,8 +36,12 @@ class Message:
         if args:
             self._check_arguments(args, fields)
             fields = {name: value for (name, _), value in zip(self._fields, args)}
+        if not fields:
+            for name, make_default in self._fields:
+                setattr(self, name, make_default())
+            return
         for name, make_default in self._fields:
-            value = fields.pop(name, None) if fields else None
+            value = fields.pop(name, None)
             setattr(self, name, make_default() if value is None else value)
         if fields:
             self._check_fields(fields)
@@ -76,9 +81,6 @@ class Message:
     def __repr__(self) -> str:
         fields = ", ".join(f"{name}={getattr(self, name)!r}" for name, _ in self._fields)
         return f"{self._type.partition('/')[2]}({fields})"
-
-    def __str__(self) -> str:
-        return repr(self)
 
     def _get_types(self) -> List[str]:
         return self._slot_types
@@ -187,6 +189,6 @@ def _are_equal(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def base_class(genpy_message: Optional[type]) -> Tuple[type, ...]:
-    """The bases of message classes; with ROS, rospy publishes those of genpy's base alone."""
+def base_classes(genpy_message: Optional[type]) -> Tuple[type, ...]:
+    """The bases of message classes: rospy publishes only what is derived from `genpy.Message`."""
     return (Message,) if genpy_message is None else (Message, genpy_message)

@@ -23,9 +23,10 @@ from flatland_server.messages.definition import (
     full_text,
     split_full_text,
 )
-from flatland_server.messages.message import base_class, make_class
+from flatland_server.messages.field_forms import wire_form
+from flatland_server.messages.message import base_classes, make_class
 from flatland_server.messages.standard_definitions import standard_definitions
-from flatland_server.messages.wire_form import WireForm, wire_form
+from flatland_server.messages.wire_form import WireForm
 
 _DEFINITIONS = Path(__file__).parent / "definitions"
 """Folders of .msg files, by package: those of flatland_msgs."""
@@ -45,7 +46,7 @@ class MessageTypes:
     def __init__(self, use_ros: bool = True) -> None:
         genpy = _import("genpy") if use_ros else None
         self._has_ros = genpy is not None
-        self._bases = base_class(genpy.Message if genpy else None)
+        self._bases = base_classes(genpy.Message if genpy else None)
         times_module = genpy or times
         self.Time: Callable[..., Any] = times_module.Time
         """The class of times in messages."""
@@ -94,26 +95,24 @@ class MessageTypes:
             existing = self._existing_md5(name)
             if existing is None:
                 self._definitions[name] = parsed
+                self._added.add(name)
                 try:
-                    cls = self.get(name)
+                    return self.get(name)
                 except MessageError:
                     del self._definitions[name]
+                    self._added.remove(name)
                     raise
-                self._added.add(name)
-                return cls
             if existing != parsed.md5(self._md5):
                 raise MessageError(f"there is a message type {name} already, with other fields")
             return self.get(name)
 
     def _existing_md5(self, name: str) -> Optional[str]:
-        cls = self._classes.get(name) or self._ros_class(name)
-        if cls is not None:
-            return str(cls._md5sum)
-        return self._md5(name) if self._find(name) is not None else None
+        exists = self._ros_class(name) is not None or self._find(name) is not None
+        return str(self.get(name)._md5sum) if exists else None
 
     def _ros_class(self, name: str) -> Any:
         """ROS's class; None if there is no ROS or its package is not there."""
-        if not self._has_ros or name in self._definitions:
+        if not self._has_ros or name in self._added:
             return None
         package, _, bare = name.partition("/")
         cls = getattr(_import(f"{package}.msg"), bare, None)
