@@ -34,10 +34,16 @@ class SimulatedWorld:
         self.transport: LocalTransport = world.transport
         self._failures: List[Tuple[PluginFailure, BaseException]] = []
 
-    def _advance(self) -> None:
-        """Makes a step: first, messages that were sent are received."""
+    def _advance(self, limit: int = 1) -> int:
+        """Makes a step, or several that no plugin takes part in: see `World.step_up_to`.
+
+        First, messages that were sent are received.
+
+        Returns:
+            The number of steps, at most `limit`.
+        """
         self.world.transport.process()
-        self.world.step(self.timekeeper)
+        return self.world.step_up_to(self.timekeeper, limit)
 
     def _note_failure(self, failure: PluginFailure, error: BaseException) -> None:
         self._failures.append((failure, error))

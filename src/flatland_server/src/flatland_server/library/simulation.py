@@ -126,8 +126,9 @@ class Simulation(SimulatedWorld):
                 it was raised in is complete, and those after it are not made.
         """
         self.require_open()
-        for _ in range(whole_number(count, "a number of steps", 1)):
-            self._advance()
+        left = whole_number(count, "a number of steps", 1)
+        while left > 0:
+            left -= self._advance(left)
             self._raise_failures()
         return self
 

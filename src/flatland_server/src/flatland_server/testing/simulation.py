@@ -45,8 +45,8 @@ class Simulation(SimulatedWorld):
             AssertionError: a plugin has failed, and `allow_failures` is false.
         """
         steps = 1 if seconds is None else round(seconds / self.timekeeper.step_size)
-        for _ in range(steps):
-            self._advance()
+        while steps > 0:
+            steps -= self._advance(steps)
         failures = self.world.plugin_failures
         if failures and not self.allow_failures:
             raise AssertionError(
