@@ -20,12 +20,12 @@ from flatland_server import _core
 from flatland_server.geometry import Transform
 from flatland_server.messages.model_markers import ModelMarkers
 from flatland_server.messages.serialized_markers import array_of
-from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher
+from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
 
 PARTS = ("physics", "scans", "plugins", "publishing", "markers")
 

@@ -4,9 +4,9 @@ import logging
 from collections import Counter
 from typing import Dict
 
-from std_msgs.msg import Int32
+from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlReader, messages
 
-from flatland_server import Contact, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
+Int32 = messages.get("std_msgs/Int32")
 
 logger = logging.getLogger(__name__)
 
@@ -21,7 +21,7 @@ class ContactCounter(ModelPlugin):
         """Reads the topic and its rate [Hz]."""
         topic = config.get_topic("topic", "contacts")
         self.update_timer = UpdateTimer(config.get_rate("update_rate", 10.0))
-        self._publisher = self.node.advertise(topic, Int32)
+        self._publisher = self.node.advertise(topic, "std_msgs/Int32")
         self._counts: Counter[str] = Counter()
 
     def begin_contact(self, contact: Contact) -> None:

@@ -2,9 +2,9 @@
 
 from typing import Any, Dict, List
 
-from std_msgs.msg import Int32
+from flatland_server import Pose, Timekeeper, UpdateTimer, WorldPlugin, YamlReader, messages
 
-from flatland_server import Pose, Timekeeper, UpdateTimer, WorldPlugin, YamlReader
+Int32 = messages.get("std_msgs/Int32")
 
 
 class Feeder(WorldPlugin):
@@ -22,7 +22,7 @@ class Feeder(WorldPlugin):
         topic = config.get_topic("topic", f"{self.name}/count")
         if config.is_sound and not self._contains(self._pose):
             config.problem("expected [x_min, y_min, x_max, y_max] around the pose", "area")
-        self._publisher = self.node.advertise(topic, Int32, latch=True)
+        self._publisher = self.node.advertise(topic, "std_msgs/Int32", latch=True)
         self._names: List[str] = []
         self._spawned = 0
         self._published = -1

@@ -3,9 +3,17 @@
 import math
 from typing import Any, Dict, Set, Tuple
 
-from std_msgs.msg import Bool
+from flatland_server import (
+    Contact,
+    Fixture,
+    ModelPlugin,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+    messages,
+)
 
-from flatland_server import Contact, Fixture, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
+Bool = messages.get("std_msgs/Bool")
 
 
 class BoolSensor(ModelPlugin):
@@ -21,9 +29,10 @@ class BoolSensor(ModelPlugin):
         self._body = self.get_body(config, default=self.model.base.name)
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
         config.finish()
-        self._publisher = self.node.advertise(topic, Bool)
+        self._publisher = self.node.advertise(topic, "std_msgs/Bool")
         self._touching: Set[Tuple[Fixture, Fixture]] = set()
         self._is_unreported = False
+        self._value, self._value_time = False, -1  # of the last message
 
     def begin_contact(self, contact: Contact) -> None:
         """Records a touch."""
@@ -40,18 +49,32 @@ class BoolSensor(ModelPlugin):
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes, and forgets touches that have ended."""
+        self._value = self._is_unreported or bool(self._touching)
+        self._value_time = timekeeper.nanoseconds
         if self._publisher.has_subscribers:
-            self._publisher.publish(Bool(self._is_unreported or bool(self._touching)))
+            self._publisher.publish(Bool(self._value))
         self._is_unreported = False
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes what `read` returns."""
+        self._publisher.publish(Bool(self.read(timekeeper)))
+
+    def read(self, timekeeper: Timekeeper) -> bool:
+        """Whether something touches the body, or has since the last time that a message was due."""
+        if timekeeper.nanoseconds == self._value_time:
+            return self._value
+        return self._is_unreported or bool(self._touching)
 
     def get_state(self) -> Dict[str, Any]:
         """What touches the body, and whether that is still to be reported."""
         describe = self.model.entities.describe
         touching = [[describe(a), describe(b)] for a, b in self._touching]
-        return {"touching": touching, "is_unreported": self._is_unreported}
+        value = [self._value, self._value_time]
+        return {"touching": touching, "is_unreported": self._is_unreported, "value": value}
 
     def set_state(self, state: Dict[str, Any]) -> None:
         """Sets what `get_state` has returned."""
         find = self.model.entities.fixture
         self._touching = {(find(a), find(b)) for a, b in state["touching"]}
         self._is_unreported = state["is_unreported"]
+        self._value, self._value_time = state["value"]

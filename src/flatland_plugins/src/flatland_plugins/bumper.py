@@ -3,9 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from itertools import zip_longest
-from typing import Any, Dict, List, Tuple
-
-from flatland_msgs.msg import Collision, Collisions, Vector2
+from typing import Any, Dict, List, NamedTuple, Tuple
 
 from flatland_server import (
     Contact,
@@ -17,7 +15,12 @@ from flatland_server import (
     UpdateTimer,
     YamlReader,
     header,
+    messages,
 )
+
+Collision = messages.get("flatland_msgs/Collision")
+Collisions = messages.get("flatland_msgs/Collisions")
+Vector2 = messages.get("flatland_msgs/Vector2")
 
 Point = Tuple[float, float]
 
@@ -46,6 +49,21 @@ class Touch:
         return bool(self.impulses) or rests
 
 
+class Bump(NamedTuple):
+    """A collision of a body of the model with another body."""
+
+    body: str
+    other_model: str
+    """The model, or the layer of walls."""
+    other_body: str
+    points: Tuple[Point, ...]
+    """Up to two points where they touch, in the world [m]; none with a sensor."""
+    normal: Point
+    """Unit vector from the model to the other, in the world's frame."""
+    forces: Tuple[float, ...]
+    """At each point [N]."""
+
+
 class Bumper(ModelPlugin):
     """Publishes flatland_msgs/Collisions.
 
@@ -63,9 +81,11 @@ class Bumper(ModelPlugin):
         self._excluded = self.get_body_names(config, "exclude")
         config.finish()
         self._timer = UpdateTimer(update_rate)
-        self._publisher = self.node.advertise(topic, Collisions)
+        self._publisher = self.node.advertise(topic, "flatland_msgs/Collisions")
         self._touches: Dict[Tuple[Fixture, Fixture], Touch] = {}
         self._over: List[Touch] = []
+        self._last: List[Tuple[Touch, List[float], float]] = []  # impulses, and the step's length
+        self._restored: List[Bump] = []  # those of `_last` when the state was saved
 
     def begin_contact(self, contact: Contact) -> None:
         """Records a contact with a sensor; the solver does not see those."""
@@ -101,18 +121,28 @@ class Bumper(ModelPlugin):
         # Contacts that were disabled are no collisions until the solver sees them again.
         self._touches = {key: touch for key, touch in self._touches.items() if touch.is_collision()}
         touches = [*self._touches.values(), *self._over]
+        step_size = timekeeper.step_size
+        self._last = [(touch, touch.impulses, step_size) for touch in touches]
+        self._restored = []
         is_due = self._timer.check_update(timekeeper)
         if (is_due or (self._publish_all and touches)) and self._publisher.has_subscribers:
-            collisions = Collisions(header=header(timekeeper.nanoseconds, self._frame))
-            step_size = timekeeper.step_size
-            collisions.collisions = [self._collision(touch, step_size) for touch in touches]
-            self._publisher.publish(collisions)
+            self.publish_now(timekeeper)
         self._over.clear()
         for touch in self._touches.values():
             touch.impulses = []
 
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes the collisions of the last step."""
+        collisions = Collisions(header=header(timekeeper.nanoseconds, self._frame))
+        collisions.collisions = [self._collision(bump) for bump in self.read(timekeeper)]
+        self._publisher.publish(collisions)
+
+    def read(self, timekeeper: Timekeeper) -> List[Bump]:
+        """The collisions of the last step; without those of bodies that have been deleted since."""
+        return self._bumps()
+
     def get_state(self) -> Dict[str, Any]:
-        """The present touches, between steps: without impulses."""
+        """The present touches, between steps: without impulses; and what `read` returns."""
         describe = self.model.entities.describe
         touches = [
             {
@@ -124,7 +154,8 @@ class Bumper(ModelPlugin):
             }
             for (a, b), touch in self._touches.items()
         ]
-        return {"touches": touches, "timer": self._timer.get_state()}
+        bumps = [list(bump) for bump in self._bumps()]
+        return {"touches": touches, "timer": self._timer.get_state(), "bumps": bumps}
 
     def set_state(self, state: Dict[str, Any]) -> None:
         """Sets what `get_state` has returned."""
@@ -138,6 +169,11 @@ class Bumper(ModelPlugin):
             points = [(x, y) for x, y in each["points"]]
             touch = Touch(sides, each["has_sensor"], points, tuple(each["normal"]))
             self._touches[a, b] = touch
+        self._last = []
+        self._restored = [
+            Bump(body, model, other, tuple(map(tuple, points)), tuple(normal), tuple(forces))
+            for body, model, other, points, normal, forces in state["bumps"]
+        ]
 
     def _is_excluded(self, sides: ContactSides) -> bool:
         """Whether an excluded body takes part; between bodies of the model, on either side."""
@@ -146,18 +182,30 @@ class Bumper(ModelPlugin):
             fixtures.append(sides.other_fixture)
         return any(self.model.body_name(fixture) in self._excluded for fixture in fixtures)
 
-    def _collision(self, touch: Touch, step_size: float) -> Collision:
+    def _bumps(self) -> List[Bump]:
+        alive = [each for each in self._last if each[0].sides.other_fixture.body.alive]
+        return [*self._restored, *(self._bump(*each) for each in alive)]
+
+    def _bump(self, touch: Touch, impulses: List[float], step_size: float) -> Bump:
         entity, this_fixture, other_fixture = touch.sides
+        return Bump(
+            self.model.body_name(this_fixture),
+            entity.name,
+            entity.body_name(other_fixture),
+            tuple(touch.points),
+            touch.normal,
+            tuple(each / step_size for each in impulses or [0.0] * len(touch.points)),
+        )
+
+    def _collision(self, bump: Bump) -> Any:
         return Collision(
             entity_A=self.model.name,
-            body_A=self.model.body_name(this_fixture),
-            entity_B=entity.name,
-            body_B=entity.body_name(other_fixture),
-            magnitude_forces=[
-                impulse / step_size for impulse in touch.impulses or [0.0] * len(touch.points)
-            ],
-            contact_positions=[Vector2(x, y) for x, y in touch.points],
-            contact_normals=[Vector2(*touch.normal) for _ in touch.points],
+            body_A=bump.body,
+            entity_B=bump.other_model,
+            body_B=bump.other_body,
+            magnitude_forces=list(bump.forces),
+            contact_positions=[Vector2(x, y) for x, y in bump.points],
+            contact_normals=[Vector2(*bump.normal) for _ in bump.points],
         )
 
 

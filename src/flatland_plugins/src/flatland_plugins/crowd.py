@@ -3,8 +3,6 @@
 from typing import Any, Dict, Iterator, List, Tuple
 
 import numpy as np
-from geometry_msgs.msg import Pose as PoseMessage
-from geometry_msgs.msg import PoseArray
 
 from flatland_plugins.crowd_config import CrowdConfig
 from flatland_plugins.obstacles import Bodies, Walls, seen_from
@@ -19,7 +17,11 @@ from flatland_server import (
     YamlReader,
     fill_pose,
     header,
+    messages,
 )
+
+PoseMessage = messages.get("geometry_msgs/Pose")
+PoseArray = messages.get("geometry_msgs/PoseArray")
 
 _MOST_SPEED = 1.3
 """Maximum speed over desired speed (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
@@ -51,7 +53,7 @@ class Crowd(WorldPlugin):
 
         self.update_timer = UpdateTimer(crowd.update_rate)
         self._period = self.update_timer.period
-        self._publisher = self.node.advertise(crowd.poses_pub, PoseArray)
+        self._publisher = self.node.advertise(crowd.poses_pub, "geometry_msgs/PoseArray")
         self._people: List[Pedestrian] = []
         try:
             for person in crowd.pedestrians:
@@ -113,7 +115,7 @@ class Crowd(WorldPlugin):
         velocities += will * force.scatter(velocities.shape, dt, self.rng)
         return limit(velocities, _MOST_SPEED * speeds[:, 0])
 
-    def _poses(self, nanoseconds: int) -> PoseArray:
+    def _poses(self, nanoseconds: int) -> Any:
         poses = PoseArray(header=header(nanoseconds, self._frame_id))
         for person in self._people:
             poses.poses.append(PoseMessage())

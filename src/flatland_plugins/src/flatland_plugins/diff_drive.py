@@ -1,6 +1,6 @@
 """DiffDrive: a body that drives forwards and turns, as geometry_msgs/Twist commands."""
 
-from geometry_msgs.msg import Twist
+from typing import Any
 
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_server import ModelBody, YamlReader
@@ -14,7 +14,7 @@ class DiffDrive(TwistDrive):
         config.finish()
         self._drive = body.physics_body.add_drive(*limits)
 
-    def on_twist(self, twist: Twist) -> None:
+    def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)
 
     def command(self, speed: float, yaw_rate: float) -> None:

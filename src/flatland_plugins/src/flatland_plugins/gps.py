@@ -1,10 +1,21 @@
 """Gps: a perfectly accurate receiver of satellite navigation."""
 
-from sensor_msgs.msg import NavSatFix, NavSatStatus
+from typing import Any
 
-from flatland_plugins.geodesy import TangentPlane
+from flatland_plugins.geodesy import Geodetic, TangentPlane
 from flatland_plugins.sensor_frame import SensorFrame
-from flatland_server import ModelPlugin, Pose, Timekeeper, UpdateTimer, YamlReader, header
+from flatland_server import (
+    ModelPlugin,
+    Pose,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+    header,
+    messages,
+)
+
+NavSatFix = messages.get("sensor_msgs/NavSatFix")
+NavSatStatus = messages.get("sensor_msgs/NavSatStatus")
 
 
 class Gps(ModelPlugin):
@@ -32,7 +43,7 @@ class Gps(ModelPlugin):
         self._plane = TangentPlane(latitude, longitude)
         self._frame = SensorFrame(self, self._body, frame, broadcast_tf, self._origin)
         self.update_timer = UpdateTimer(update_rate)
-        self._publisher = self.node.advertise(topic, NavSatFix)
+        self._publisher = self.node.advertise(topic, "sensor_msgs/NavSatFix")
 
     def has_work(self) -> bool:
         """Whether the topic or the frame has a subscriber."""
@@ -45,9 +56,20 @@ class Gps(ModelPlugin):
         if self._publisher.has_subscribers:
             self._publisher.publish(self._fix(now))
 
-    def _fix(self, nanoseconds: int) -> NavSatFix:
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes a fix."""
+        self._publisher.publish(self._fix(timekeeper.nanoseconds))
+
+    def read(self, timekeeper: Timekeeper) -> Geodetic:
+        """The antenna's latitude and longitude [deg], and its altitude [m]."""
+        return self._place()
+
+    def _place(self) -> Geodetic:
         antenna = self._body.pose.compose(self._origin)
-        place = self._plane.to_geodetic(antenna.x, antenna.y)
+        return self._plane.to_geodetic(antenna.x, antenna.y)
+
+    def _fix(self, nanoseconds: int) -> Any:
+        place = self._place()
         return NavSatFix(
             header=header(nanoseconds, self._frame.name),
             status=NavSatStatus(NavSatStatus.STATUS_FIX, NavSatStatus.SERVICE_GPS),

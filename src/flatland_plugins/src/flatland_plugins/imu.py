@@ -1,24 +1,32 @@
 """Imu: what gyroscopes and accelerometers in a body measure, and its orientation."""
 
 import math
-from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
-from geometry_msgs.msg import Quaternion, Vector3
-from sensor_msgs.msg import Imu as ImuMessage
 
 from flatland_plugins.imu_config import QUANTITIES, ImuConfig
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
+    FloatArray,
     ModelPlugin,
     Timekeeper,
     UpdateTimer,
     YamlReader,
     header,
+    messages,
     quaternion,
     wrap_angle,
 )
+
+ImuMessage = messages.get("sensor_msgs/Imu")
+Quaternion = messages.get("geometry_msgs/Quaternion")
+Vector3 = messages.get("geometry_msgs/Vector3")
+
+
+_EXACT = np.zeros(9)
+"""No noise."""
 
 
 class Motion(NamedTuple):
@@ -29,6 +37,17 @@ class Motion(NamedTuple):
     vy: float
     omega: float
     yaw: float
+
+
+class ImuReading(NamedTuple):
+    """What an Imu measures, in the body's frame: x forwards, y to the left, z up."""
+
+    orientation: Tuple[float, float, float]
+    """Roll, pitch and yaw in the world [rad]."""
+    angular_velocity: Tuple[float, float, float]
+    """[rad/s]"""
+    linear_acceleration: Tuple[float, float, float]
+    """[m/s^2]"""
 
 
 class Imu(ModelPlugin):
@@ -58,10 +77,12 @@ class Imu(ModelPlugin):
         self.update_timer = UpdateTimer(imu.pub_rate)
         self._period = self.update_timer.period * 1e9  # ns
         topics = (imu.imu_pub, imu.ground_truth_pub) if imu.enable_imu_pub else ()
-        self._publishers = [self.node.advertise(topic, ImuMessage) for topic in topics]
+        self._publishers = [self.node.advertise(topic, "sensor_msgs/Imu") for topic in topics]
         self._start: Optional[Motion] = None
         self._end: Optional[Motion] = None  # of the time of the last message
         self._move_revision = self.model.move_revision
+        self._reading: Optional[Tuple[Motion, Motion]] = None  # the start and end of the last one
+        self._reading_revision = self._move_revision
 
     def has_work(self) -> bool:
         """Whether a topic or the frame has a subscriber."""
@@ -77,24 +98,74 @@ class Imu(ModelPlugin):
         self._frame.publish(now)
         if self._start is None:
             return
-        end = self._end = self._motion(now)
-        ax, ay = mean_acceleration(self._start, end)
-        truth = np.array([0, 0, end.yaw, 0, 0, end.omega, ax, ay, self._config.gravity])
-        for publisher, deviations in zip(self._publishers, (self._deviations, np.zeros(9))):
-            if publisher.has_subscribers:
-                values = truth
-                if deviations.any():
-                    values = truth + self._noise.at(now).standard_normal(9) * deviations
-                publisher.publish(self._message(now, values.tolist()))
+        self._end = self._motion(now)
+        self._publish(self._start, self._end)
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes what `read` returns."""
+        self._publish(*self._find_reading(timekeeper.nanoseconds))
+
+    def read(self, timekeeper: Timekeeper) -> ImuReading:
+        """What is measured now.
+
+        The acceleration is that of the message of this time, if there is one; or else the mean
+        since the last message or reading, and 0 in the first one and after the model was moved.
+        """
+        start, end = self._find_reading(timekeeper.nanoseconds)
+        return _reading(self._measure(start, end, self._deviations))
+
+    def read_ground_truth(self, timekeeper: Timekeeper) -> ImuReading:
+        """The same without noise."""
+        return _reading(self._measure(*self._find_reading(timekeeper.nanoseconds), _EXACT))
 
     def get_state(self) -> Dict[str, Any]:
-        """The motion at the last message."""
-        return {"end": self._end, "move_revision": self._move_revision}
+        """The motions at the last message and the last reading."""
+        return {
+            "end": self._end,
+            "move_revision": self._move_revision,
+            "start": self._start,
+            "reading": self._reading,
+            "reading_revision": self._reading_revision,
+        }
 
     def set_state(self, state: Dict[str, Any]) -> None:
         """Sets what `get_state` has returned."""
         self._end = Motion(*state["end"]) if state["end"] is not None else None
         self._move_revision = state["move_revision"]
+        self._start = Motion(*state["start"]) if state["start"] is not None else None
+        self._reading = None
+        if state["reading"] is not None:
+            start, end = state["reading"]
+            self._reading = Motion(*start), Motion(*end)
+        self._reading_revision = state["reading_revision"]
+
+    def _publish(self, start: Motion, end: Motion) -> None:
+        for publisher, deviations in zip(self._publishers, (self._deviations, _EXACT)):
+            if publisher.has_subscribers:
+                values = self._measure(start, end, deviations)
+                publisher.publish(self._message(end.nanoseconds, values))
+
+    def _measure(self, start: Motion, end: Motion, deviations: FloatArray) -> List[float]:
+        """Roll, pitch and yaw, three angular velocities and three accelerations."""
+        ax, ay = mean_acceleration(start, end)
+        values = np.array([0, 0, end.yaw, 0, 0, end.omega, ax, ay, self._config.gravity])
+        if deviations.any():
+            values += self._noise.at(end.nanoseconds).standard_normal(9) * deviations
+        measured: List[float] = values.tolist()
+        return measured
+
+    def _find_reading(self, now: int) -> Tuple[Motion, Motion]:
+        """The times between which a reading of now is measured; equal ones for none."""
+        if self._start is not None and self._end is not None and self._end.nanoseconds == now:
+            return self._start, self._end  # a message has been published
+        if self._reading is None or self._reading[1].nanoseconds != now:
+            start = end = self._motion(now)
+            before = [each for each in (self._reading and self._reading[1], self._end) if each]
+            revision = self.model.move_revision
+            if before and revision == self._reading_revision == self._move_revision:
+                start = max(before)
+            self._reading, self._reading_revision = (start, end), revision
+        return self._reading
 
     def _has_subscribers(self) -> bool:
         return any(publisher.has_subscribers for publisher in self._publishers)
@@ -112,7 +183,7 @@ class Imu(ModelPlugin):
         body = self._body
         return Motion(nanoseconds, *body.physics_body.velocity, body.pose.yaw)
 
-    def _message(self, nanoseconds: int, values: Sequence[float]) -> ImuMessage:
+    def _message(self, nanoseconds: int, values: Sequence[float]) -> Any:
         message = ImuMessage(header=header(nanoseconds, self._frame.name))
         roll, pitch, yaw = values[:3]
         message.orientation = Quaternion(*quaternion(yaw, roll, pitch))
@@ -123,12 +194,20 @@ class Imu(ModelPlugin):
         return message
 
 
+def _reading(values: Sequence[float]) -> ImuReading:
+    roll, pitch, yaw, wx, wy, wz, ax, ay, az = values
+    return ImuReading((roll, pitch, yaw), (wx, wy, wz), (ax, ay, az))
+
+
 def mean_acceleration(start: Motion, end: Motion) -> Tuple[float, float]:
     """Forwards and to the left [m/s^2], between two times, in the body's frame halfway through.
 
     On a circle the velocity turns by omega dt, and its change points inwards where the body was
     halfway; it is shorter than the arc by (omega dt)^2 / 24 of it. A body turns by less than pi.
+    Zero between equal times.
     """
+    if start.nanoseconds == end.nanoseconds:
+        return 0.0, 0.0
     dt = (end.nanoseconds - start.nanoseconds) * 1e-9
     halfway = start.yaw + wrap_angle(end.yaw - start.yaw) / 2
     cos, sin = math.cos(halfway), math.sin(halfway)

@@ -5,7 +5,6 @@ from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
-from sensor_msgs.msg import LaserScan
 
 from flatland_plugins.laser_config import LaserConfig
 from flatland_plugins.scan_writer import ScanWriter
@@ -54,7 +53,7 @@ class Laser(ModelPlugin):
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
         self.update_timer = UpdateTimer(laser.update_rate)
-        self._publisher = self.node.advertise(laser.topic, LaserScan)
+        self._publisher = self.node.advertise(laser.topic, "sensor_msgs/LaserScan")
         self._writer = ScanWriter(
             self._frame.name,
             angle_min=laser.angle_min,
@@ -78,8 +77,12 @@ class Laser(ModelPlugin):
         """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)
         if self._has_to_scan():
-            now = timekeeper.nanoseconds
-            self._publisher.write(self._writer, now, *self._scan(now))
+            self.publish_now(timekeeper)
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes a scan."""
+        now = timekeeper.nanoseconds
+        self._publisher.write(self._writer, now, *self._scan(now))
 
     def _has_to_scan(self) -> bool:
         return self._config.always_publish or self._publisher.has_subscribers

@@ -1,17 +1,24 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, NamedTuple, Optional
 
 import numpy as np
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from nav_msgs.msg import Odometry
 
 from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_plugins.odometry_drift import OdometryDrift
-from flatland_plugins.odometry_writer import OdometryWriter, Twist, TwistWriter
+from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise
-from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, wrap_angle
+from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, Velocity, wrap_angle
+
+
+class Odometry(NamedTuple):
+    """Where a body is, and how it moves."""
+
+    pose: Pose
+    """In the frame of odometry, or in the world."""
+    velocity: Velocity
+    """In the frame of the body."""
 
 
 class OdometryPublisher:
@@ -46,10 +53,12 @@ class OdometryPublisher:
         self._ground_truth: Optional[Publisher] = None
         self._twist: Optional[Publisher] = None
         if config.enable_odom_pub:
-            self._odom = self._node.advertise(config.odom_pub, Odometry)
-            self._ground_truth = self._node.advertise(config.ground_truth_pub, Odometry)
+            self._odom = self._node.advertise(config.odom_pub, "nav_msgs/Odometry")
+            self._ground_truth = self._node.advertise(config.ground_truth_pub, "nav_msgs/Odometry")
         if config.enable_twist_pub:
-            self._twist = self._node.advertise(config.twist_pub, TwistWithCovarianceStamped)
+            self._twist = self._node.advertise(
+                config.twist_pub, "geometry_msgs/TwistWithCovarianceStamped"
+            )
         self._odom_writer, self._ground_truth_writer = (
             OdometryWriter(
                 frame_id, self._base_frame, config.pose_covariance, config.twist_covariance
@@ -79,24 +88,51 @@ class OdometryPublisher:
             self._drift.advance(nanoseconds, pose, has_jumped=has_jumped)
             if not self._has_subscribers():
                 return
-        local: Twist = self._body.physics_body.local_velocity
-        estimated = pose if self._drift is None else self._drift.pose
-        measured = local
-        if self._is_noisy:
-            noise = self._noise_at(nanoseconds)
-            x, y, yaw = (value + error for value, error in zip(estimated, noise))
-            estimated = Pose(x, y, wrap_angle(yaw))
-            vx, vy, omega = (value + error for value, error in zip(local, noise[3:]))
-            measured = (vx, vy, omega)
-
-        if self._twist is not None and self._twist.has_subscribers:
-            self._twist.write(self._twist_writer, nanoseconds, measured)
-        if self._odom is not None and self._odom.has_subscribers:
-            self._write(self._odom, self._odom_writer, nanoseconds, estimated, measured)
-        if self._ground_truth is not None and self._ground_truth.has_subscribers:
-            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, pose, local)
+        estimate = self._publish(nanoseconds, pose if self._drift is None else self._drift.pose)
         if self._frame is not None and self._node.transforms_have_subscribers:
-            self._frame.send(nanoseconds, [estimated])
+            self._frame.send(nanoseconds, [estimate.pose])
+
+    def publish_now(self, nanoseconds: int) -> None:
+        """Publishes the present pose and velocity, without a drift that accumulates."""
+        self._publish(nanoseconds, self._drifted(nanoseconds))
+
+    def read(self, nanoseconds: int) -> Odometry:
+        """The estimated pose and the measured velocity of a time, which is now."""
+        return self._measured(nanoseconds, self._drifted(nanoseconds))
+
+    def read_ground_truth(self) -> Odometry:
+        """The true pose and velocity."""
+        return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
+
+    def _publish(self, nanoseconds: int, drifted: Pose) -> Odometry:
+        """Publishes on the topics that have subscribers, and returns the odometry with errors."""
+        estimate = self._measured(nanoseconds, drifted)
+        if self._twist is not None and self._twist.has_subscribers:
+            self._twist.write(self._twist_writer, nanoseconds, estimate.velocity)
+        if self._odom is not None and self._odom.has_subscribers:
+            self._write(self._odom, self._odom_writer, nanoseconds, estimate)
+        if self._ground_truth is not None and self._ground_truth.has_subscribers:
+            truth = self.read_ground_truth()
+            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, truth)
+        return estimate
+
+    def _measured(self, nanoseconds: int, drifted: Pose) -> Odometry:
+        """With the noise of a time."""
+        velocity = Velocity(*self._body.physics_body.local_velocity)
+        if not self._is_noisy:
+            return Odometry(drifted, velocity)
+        noise = self._noise_at(nanoseconds)
+        x, y, yaw = (value + error for value, error in zip(drifted, noise))
+        vx, vy, omega = (value + error for value, error in zip(velocity, noise[3:]))
+        return Odometry(Pose(x, y, wrap_angle(yaw)), Velocity(vx, vy, omega))
+
+    def _drifted(self, nanoseconds: int) -> Pose:
+        """The estimate that odometry of this time would have; the drift stays as it is."""
+        pose = self._body.pose
+        if self._drift is None:
+            return pose
+        has_jumped = self._model.move_revision != self._move_revision
+        return self._drift.preview(nanoseconds, pose, has_jumped=has_jumped)
 
     def get_state(self) -> Dict[str, Any]:
         """What it keeps from message to message, for a saved state."""
@@ -126,9 +162,9 @@ class OdometryPublisher:
         publisher: Publisher,
         writer: OdometryWriter,
         nanoseconds: int,
-        pose: Pose,
-        twist: Twist,
+        odometry: Odometry,
     ) -> None:
+        pose, twist = odometry.pose, tuple(odometry.velocity)
         if not self._config.twist_in_local_frame:
             vx, vy, omega = twist
             cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)

@@ -87,6 +87,14 @@ class OdometryDrift:
                 self.pose = self.pose.compose(half).compose(motion).compose(half).wrapped()
         self._last = (nanoseconds, truth)
 
+    def preview(self, nanoseconds: int, truth: Pose, *, has_jumped: bool = False) -> Pose:
+        """What `pose` would be after `advance` with the same arguments; nothing changes."""
+        before = self.get_state()
+        self.advance(nanoseconds, truth, has_jumped=has_jumped)
+        after = self.pose
+        self.set_state(before)
+        return after
+
     def get_state(self) -> Dict[str, Any]:
         """The estimate and the noise to come, for a saved state."""
         rng = self._rng.bit_generator.state

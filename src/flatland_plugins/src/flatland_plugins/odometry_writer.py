@@ -4,10 +4,18 @@ import struct
 from io import BytesIO
 from typing import Any, Sequence, Tuple
 
-from geometry_msgs.msg import TwistWithCovarianceStamped
-from nav_msgs.msg import Odometry
+from flatland_server import (
+    MessageWriter,
+    Pose,
+    fill_pose,
+    fill_twist,
+    header,
+    messages,
+    quaternion,
+)
 
-from flatland_server import MessageWriter, Pose, fill_pose, fill_twist, header, quaternion
+Odometry = messages.get("nav_msgs/Odometry")
+TwistWithCovarianceStamped = messages.get("geometry_msgs/TwistWithCovarianceStamped")
 
 Twist = Tuple[float, float, float]
 
@@ -39,9 +47,7 @@ class OdometryWriter(MessageWriter):
         self._pose_covariance = pose_covariance
         self._twist_covariance = twist_covariance
         self._sequence = 0
-        buffer = BytesIO()
-        self.message(0, Pose(), (0.0, 0.0, 0.0)).serialize(buffer)
-        self._data = bytearray(buffer.getvalue())
+        self._data = bytearray()  # of the last message
         # Each with its length before it, the frames' names come between the header and the pose.
         names = len(frame_id.encode()) + len(child_frame_id.encode())
         self._pose_at = _HEADER.size + 4 + 4 + names
@@ -62,6 +68,8 @@ class OdometryWriter(MessageWriter):
         """The message as bytes."""
         self._sequence += 1
         data = self._data
+        if not data:
+            data += _serialized(self.message(nanoseconds, pose, twist))
         _HEADER.pack_into(data, 0, self._sequence, *divmod(nanoseconds, 1_000_000_000))
         _POSE.pack_into(data, self._pose_at, pose.x, pose.y, 0.0, *quaternion(pose.yaw))
         vx, vy, omega = twist
@@ -81,9 +89,7 @@ class TwistWriter(MessageWriter):
         self._frame_id = frame_id
         self._covariance = covariance
         self._sequence = 0
-        buffer = BytesIO()
-        self.message(0, (0.0, 0.0, 0.0)).serialize(buffer)
-        self._data = bytearray(buffer.getvalue())
+        self._data = bytearray()  # of the last message
         self._twist_at = _HEADER.size + 4 + len(frame_id.encode())
 
     def message(self, nanoseconds: int, twist: Twist) -> Any:
@@ -97,7 +103,15 @@ class TwistWriter(MessageWriter):
         """The message as bytes."""
         self._sequence += 1
         data = self._data
+        if not data:
+            data += _serialized(self.message(nanoseconds, twist))
         _HEADER.pack_into(data, 0, self._sequence, *divmod(nanoseconds, 1_000_000_000))
         vx, vy, omega = twist
         _TWIST.pack_into(data, self._twist_at, vx, vy, 0.0, 0.0, 0.0, omega)
         return bytes(data)
+
+
+def _serialized(message: Any) -> bytes:
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()

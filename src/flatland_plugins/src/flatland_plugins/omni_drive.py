@@ -1,6 +1,6 @@
 """OmniDrive: a body that moves in any direction and turns, as geometry_msgs/Twist commands."""
 
-from geometry_msgs.msg import Twist
+from typing import Any
 
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
 from flatland_server import ModelBody, YamlReader
@@ -18,12 +18,12 @@ class OmniDrive(TwistDrive):
         config.finish()
         self._drive = body.physics_body.add_drive(*limits)
 
-    def on_twist(self, twist: Twist) -> None:
+    def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.linear.y, twist.angular.z)
 
     def command(self, vx: float, vy: float, yaw_rate: float) -> None:
         """Moves forwards and to the left [m/s, m/s], and turns [rad/s]."""
         self._drive.command(vx, vy, yaw_rate)
 
-    def describe(self, twist: Twist) -> str:
+    def describe(self, twist: Any) -> str:
         return f"linear.x={twist.linear.x} linear.y={twist.linear.y} angular.z={twist.angular.z}"

@@ -3,9 +3,9 @@
 import struct
 from typing import Any
 
-from sensor_msgs.msg import LaserScan
+from flatland_server import Float32Array, MessageWriter, header, messages
 
-from flatland_server import Float32Array, MessageWriter, header
+LaserScan = messages.get("sensor_msgs/LaserScan")
 
 
 class ScanWriter(MessageWriter):

@@ -2,9 +2,7 @@
 
 import logging
 import math
-from typing import Optional, Tuple
-
-from geometry_msgs.msg import Twist
+from typing import Any, Optional, Tuple
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
@@ -58,7 +56,7 @@ class TricycleDrive(TwistDrive):
             front[0].physics_joint, axle, max_steer_angle, linear, angular
         )
 
-    def on_twist(self, twist: Twist) -> None:
+    def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)
 
     def command(self, speed: float, steer_angle: float) -> None:

@@ -1,6 +1,6 @@
 """Tween: a body that moves between two poses by the clock."""
 
-from std_msgs.msg import Bool
+from typing import Any
 
 from flatland_server import EASINGS, TWEEN_MODES, ModelPlugin, YamlReader
 
@@ -23,9 +23,9 @@ class Tween(ModelPlugin):
 
         self._tween = body.physics_body.add_tween(delta, duration, mode, easing)
         if mode == "trigger":
-            self.node.subscribe(trigger_topic, Bool, self._on_trigger)
+            self.node.subscribe(trigger_topic, "std_msgs/Bool", self._on_trigger)
 
-    def _on_trigger(self, message: Bool) -> None:
+    def _on_trigger(self, message: Any) -> None:
         self._tween.trigger(message.data)
 
     def get_state(self) -> None:

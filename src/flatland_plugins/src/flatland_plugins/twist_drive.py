@@ -6,12 +6,20 @@ import math
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Tuple
 
-from geometry_msgs.msg import Twist
-
 from flatland_plugins.dynamics_limits import DynamicsLimits
-from flatland_plugins.odometry import OdometryPublisher
+from flatland_plugins.odometry import Odometry, OdometryPublisher
 from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
-from flatland_server import GoneError, ModelBody, ModelPlugin, Timekeeper, UpdateTimer, YamlReader
+from flatland_server import (
+    GoneError,
+    ModelBody,
+    ModelPlugin,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+    messages,
+)
+
+Twist = messages.get("geometry_msgs/Twist")
 
 logger = logging.getLogger(__name__)
 
@@ -46,25 +54,25 @@ class TwistDrive(ModelPlugin, ABC):
         self._topic = self.node.resolve(twist_sub)
         self._odometry = OdometryPublisher(self, body, frames, odometry)
         self.update_timer = UpdateTimer(pub_rate)
-        self.node.subscribe(twist_sub, Twist, self._receive)
+        self.node.subscribe(twist_sub, "geometry_msgs/Twist", self._receive)
 
     @abstractmethod
     def add_drive(self, config: YamlReader, body: ModelBody) -> None:
         """Reads the other keys, finishes the configuration, and adds a drive of the core."""
 
     @abstractmethod
-    def on_twist(self, twist: Twist) -> None:
+    def on_twist(self, twist: Any) -> None:
         """Passes a command to the drive of the core.
 
         Raises:
             ValueError: the command cannot be obeyed, for example because it is not finite.
         """
 
-    def describe(self, twist: Twist) -> str:
+    def describe(self, twist: Any) -> str:
         """The components that the drive obeys, for warnings."""
         return f"linear.x={twist.linear.x} angular.z={twist.angular.z}"
 
-    def _receive(self, twist: Twist) -> None:
+    def _receive(self, twist: Any) -> None:
         try:
             self.on_twist(twist)
         except ValueError as error:
@@ -77,6 +85,18 @@ class TwistDrive(ModelPlugin, ABC):
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry; the core drives."""
         self._odometry.publish(timekeeper.nanoseconds)
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes the odometry of now."""
+        self._odometry.publish_now(timekeeper.nanoseconds)
+
+    def read(self, timekeeper: Timekeeper) -> Odometry:
+        """The odometry of now, with its noise and drift: pose and velocity."""
+        return self._odometry.read(timekeeper.nanoseconds)
+
+    def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
+        """The true pose in the world, and the true velocity."""
+        return self._odometry.read_ground_truth()
 
     def get_state(self) -> Any:
         """What the odometry keeps; the core keeps the commands and velocities."""

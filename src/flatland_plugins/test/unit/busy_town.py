@@ -7,11 +7,14 @@ of its own, from the beginning or from a saved state.
 import hashlib
 import math
 import sys
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Container, Dict, List, Optional, Tuple
 
-from flatland_server import LocalTransport, Pose, World
+from flatland_server import LocalTransport, Pose, World, messages
 from flatland_server.testing import Simulation, WorldFiles
+
+Bool = messages.get("std_msgs/Bool")
 
 NOISE = "odom_pose_noise: [.01, .01, .01], odom_twist_noise: [.01, .01, .01]"
 DISC = "{type: circle, radius: 0.2, density: 5, friction: 0.5, restitution: 0.3}"
@@ -83,6 +86,13 @@ plugins:
 """
 
 
+def serialized(message: Any) -> bytes:
+    """A message as ROS would send it."""
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
 class Recorder(LocalTransport):
     """Digests all messages and transforms, and hears their senders' names."""
 
@@ -103,7 +113,12 @@ class Recorder(LocalTransport):
     def advertise(self, topic: str, message_type: Any, **options: Any) -> Any:
         publisher = super().advertise(topic, message_type, **options)
         publish = publisher.publish
-        publisher.publish = lambda message: (self.record(topic, str(message)), publish(message))
+
+        def record_and_publish(message: Any) -> None:
+            self.record(topic, serialized(message))
+            publish(message)
+
+        publisher.publish = record_and_publish
         return publisher
 
     def send_transform(self, transform: Any) -> None:
@@ -137,8 +152,6 @@ class Town:
 
     def act(self) -> None:
         """What happens before the next step; something only if its number is a multiple of 10."""
-        from std_msgs.msg import Bool
-
         world = self.simulation.world
         step = self.simulation.timekeeper.nanoseconds // 5_000_000
         if step % 40 == 0:

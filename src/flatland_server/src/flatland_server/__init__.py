@@ -8,7 +8,7 @@ Modules below are implementation: they may change. Everything but `flatland_serv
 without a ROS master.
 """
 
-from flatland_server import _deprecated
+from flatland_server import _deprecated, messages
 from flatland_server._core import (
     EASINGS,
     TWEEN_MODES,
@@ -32,16 +32,19 @@ from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
+    MessageError,
     ModelError,
     PluginError,
     Problem,
+    RecordingError,
     StateError,
     TopicError,
     UsageError,
     YamlError,
 )
-from flatland_server.geometry import Point, Pose, Transform, quaternion, wrap_angle
-from flatland_server.library.handles import ModelHandle, Sensor, Velocity
+from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
+from flatland_server.library.handles import ModelHandle, Sensor
+from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.touch import Touch
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
@@ -95,6 +98,7 @@ __all__ = [
     "Lidar",
     "LocalTransport",
     "Manifold",
+    "MessageError",
     "MessageWriter",
     "Model",
     "ModelBody",
@@ -112,6 +116,8 @@ __all__ = [
     "Pose",
     "Problem",
     "Publisher",
+    "Recorder",
+    "RecordingError",
     "RelativePoses",
     "Segments",
     "Sensor",
@@ -138,6 +144,7 @@ __all__ = [
     "fill_pose",
     "fill_twist",
     "header",
+    "messages",
     "quaternion",
     "ros_time",
     "wrap_angle",

@@ -4,7 +4,9 @@
     ├── YamlError      a file is missing, unreadable or wrong; has file, line and column
     ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
     ├── LayerError     a layer does not exist
+    ├── MessageError   a message type is unknown or wrongly defined, or a message has a wrong value
     ├── PluginError    a plugin is unknown or cannot be imported, or fails in a `Simulation`
+    ├── RecordingError a recording cannot be written
     ├── StateError     a world's state cannot be saved, or does not fit the world it is loaded into
     ├── TopicError     a topic or frame cannot have this name, or a topic not this type
     └── UsageError     a program calls something with a wrong value, or after `close`
@@ -122,8 +124,16 @@ class LayerError(FlatlandError):
     """A layer does not exist."""
 
 
+class MessageError(FlatlandError):
+    """A message type is unknown or wrongly defined, or a message has wrong or too little data."""
+
+
 class PluginError(FlatlandError):
     """A plugin is unknown or cannot be imported, or, in a `Simulation`, has raised an exception."""
+
+
+class RecordingError(FlatlandError):
+    """A recording cannot be written: to this file, or without a package that is not installed."""
 
 
 class StateError(FlatlandError):

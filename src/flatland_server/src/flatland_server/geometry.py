@@ -42,6 +42,17 @@ class Pose(NamedTuple):
         return all(math.isfinite(value) for value in self)
 
 
+class Velocity(NamedTuple):
+    """The velocity of a body's origin in the plane."""
+
+    vx: float = 0.0
+    """[m/s]"""
+    vy: float = 0.0
+    """[m/s]"""
+    omega: float = 0.0
+    """Counter-clockwise [rad/s]."""
+
+
 class Transform(NamedTuple):
     """The pose of a frame in its parent frame at one time, for TF.
 

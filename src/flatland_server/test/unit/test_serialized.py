@@ -9,7 +9,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.serialized_markers import MovingMarkers, array_of, serialized
-from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
+from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
 
 
 def sent(message) -> bytes:

@@ -1,7 +1,7 @@
 """What a simulation hands out for its models and their plugins."""
 
 import inspect
-from typing import TYPE_CHECKING, Any, List, NamedTuple
+from typing import TYPE_CHECKING, Any, List
 
 from flatland_server.exceptions import (
     ModelError,
@@ -11,7 +11,7 @@ from flatland_server.exceptions import (
     shortened,
     suggestion,
 )
-from flatland_server.geometry import Pose
+from flatland_server.geometry import Pose, Velocity
 from flatland_server.library.arguments import finite, shown
 from flatland_server.library.catalog import Catalog
 from flatland_server.models.model import Model
@@ -19,14 +19,6 @@ from flatland_server.plugins.model_plugin import ModelPlugin
 
 if TYPE_CHECKING:
     from flatland_server.library.simulation import Simulation
-
-
-class Velocity(NamedTuple):
-    """The velocity of a body's origin [m/s, m/s, rad/s]."""
-
-    vx: float
-    vy: float
-    omega: float
 
 
 class ModelHandle:

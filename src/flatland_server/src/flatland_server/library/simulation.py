@@ -6,31 +6,23 @@ from types import TracebackType
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 from flatland_server import _core
-from flatland_server.arrays import FloatArray
-from flatland_server.exceptions import (
-    ModelError,
-    TopicError,
-    UsageError,
-    listed,
-    shortened,
-    suggestion,
-)
-from flatland_server.geometry import Pose, Transform
+from flatland_server.arrays import FloatArray, UInt8Array
+from flatland_server.exceptions import ModelError, listed, shortened, suggestion
+from flatland_server.geometry import Pose
 from flatland_server.library.arguments import pose_of, whole_number
 from flatland_server.library.catalog import Catalog
 from flatland_server.library.handles import ModelHandle
-from flatland_server.library.simulated_world import SimulatedWorld, new_timekeeper
+from flatland_server.library.simulated_topics import SimulatedTopics
+from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.touch import Touch, touches
 from flatland_server.library.world_source import WorldSource, open_world
 from flatland_server.models.model import Model
 from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.rendering.renderer import Renderer, save, to_array, to_png
 from flatland_server.transport.local_transport import LocalTransport
-from flatland_server.transport.topic_registry import type_name
-
-TF = "/tf"
 
 
-class Simulation(SimulatedWorld):
+class Simulation(SimulatedTopics):
     """A world whose time a program advances, without ROS.
 
         with Simulation("office", seed=1) as sim:
@@ -79,8 +71,7 @@ class Simulation(SimulatedWorld):
     ) -> None:
         self._seed = whole_number(seed, "a seed", 0)
         new_timekeeper(step_size)  # refuses a wrong one before the files are read
-        self._subscribed: Dict[str, None] = {_absolute(topic): None for topic in topics}
-        transport = LocalTransport(dict(params), frozenset(self._subscribed))
+        transport = LocalTransport(dict(params), ())
         opened = open_world(
             world,
             transport,
@@ -90,7 +81,8 @@ class Simulation(SimulatedWorld):
             loader=loader,
         )
         super().__init__(opened, step_size)
-        self._is_closed = False
+        self.subscribe(*topics)
+        self._renderer = Renderer(opened, self.timekeeper)
         self._handles: Dict[str, ModelHandle] = {}
         self._group_models: Tuple[Model, ...] = ()
         self._group = _core.BodyGroup([])
@@ -167,12 +159,6 @@ class Simulation(SimulatedWorld):
         if not self._is_closed:
             self._is_closed = True
             self.world.close()
-            self._raise_failures()
-
-    def require_open(self) -> None:
-        """Raises a UsageError if the simulation is closed."""
-        if self._is_closed:
-            raise UsageError("the simulation is closed")
 
     def __enter__(self) -> "Simulation":
         return self
@@ -255,77 +241,56 @@ class Simulation(SimulatedWorld):
         self.world.delete_model(name)
         self._handles.pop(name, None)
 
-    # Topics
+    # Pictures
 
-    @property
-    def topics(self) -> Dict[str, str]:
-        """The types of all topics that plugins publish or subscribe to, by their names."""
-        return self.world.topics
-
-    def subscribe(self, *topics: str) -> None:
-        """Has topics computed from now on, for `last`; as with ROS, others cost nothing.
-
-        Args:
-            topics: their names; "/tf" for `transforms`. They need not exist yet.
-
-        Raises:
-            UsageError: the simulation is closed.
-        """
-        self.require_open()
-        new = {_absolute(topic): None for topic in topics}
-        if not new.keys() <= self._subscribed.keys():
-            self._subscribed.update(new)
-            self.transport.set_subscribed_topics(frozenset(self._subscribed))
-
-    def last(self, topic: str) -> Any:
-        """The newest message of a topic; None if there is none yet.
-
-        The first call for a topic subscribes to it.
-
-        Raises:
-            TopicError: no plugin publishes to this topic.
-            UsageError: the simulation is closed.
-        """
-        self.require_open()
-        name = _absolute(topic)
-        if name not in self._subscribed:
-            self._require_known(name, self.transport.topics, "publishes to")
-            self.subscribe(name)
-        return self.transport.last(name)
-
-    @property
-    def transforms(self) -> Dict[str, Transform]:
-        """The newest transform of each frame, by the name of the frame; needs `subscribe("/tf")`.
-
-        Raises:
-            TopicError: "/tf" was not subscribed to, so that no transforms are computed.
-        """
-        if TF not in self._subscribed:
-            raise TopicError('expected subscribe("/tf") before the steps', TF)
-        return dict(self.transport.transforms)
-
-    def publish(self, topic: str, message: Any) -> None:
-        """Publishes a message; its subscribers get it at once, and act on it in the next step.
+    def render(
+        self,
+        size: Optional[Tuple[int, int]] = None,
+        *,
+        follow: Optional[str] = None,
+        width: float = 10.0,
+        sensors: bool = False,
+        names: bool = False,
+    ) -> UInt8Array:
+        """A picture of the world as it is now: a new array of shape (height, width, 3).
 
         Args:
-            topic: its name.
-            message: of the topic's type; see `messages.get`.
+            size: width and height [px]; by default the longer side has 1600 pixels, or both have
+                800 if a model is followed.
+            follow: the model in the middle of the picture; None shows the whole world.
+            width: of the section of the world that is shown around it [m].
+            sensors: whether plugins draw what they measure.
+            names: whether the names of the models are written beside them.
 
         Raises:
-            TopicError: no plugin subscribes to this topic, or with messages of another type.
-            UsageError: the simulation is closed.
+            FlatlandError: there is no such model, or the size or the width is not usable.
         """
-        self.require_open()
-        name = _absolute(topic)
-        if name not in self.transport.subscribed:
-            self._require_known(name, self.transport.subscribed, "subscribes to")
-        expected, found = self.topics.get(name), type_name(type(message))
-        if expected is not None and expected != found:
-            raise TopicError(f'the topic "{name}" expects {expected}, found {found}', topic)
-        self.transport.send(name, message)
-        if self.world.is_between_steps:
-            self.transport.process()
-            self._raise_failures()
+        view = self._renderer.view(size, follow=follow, width=width)
+        return to_array(self._renderer.image(view, sensors=sensors, names=names))
+
+    def save_picture(
+        self,
+        path: Union[str, "os.PathLike[str]"],
+        size: Optional[Tuple[int, int]] = None,
+        *,
+        follow: Optional[str] = None,
+        width: float = 10.0,
+        sensors: bool = False,
+        names: bool = False,
+    ) -> None:
+        """Writes a picture into a file: SVG if its name ends in .svg, or else PNG, JPEG ...
+
+        Args: the path, and those of `render`.
+
+        Raises:
+            FlatlandError: as for `render`; or the file cannot be written, or its kind is not known.
+        """
+        view = self._renderer.view(size, follow=follow, width=width)
+        save(Path(path), self._renderer, view, sensors=sensors, names=names)
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows of a simulation."""
+        return to_png(self._renderer.image(self._renderer.view()))
 
     def _handle(self, name: str) -> ModelHandle:
         return self._handles.setdefault(name, ModelHandle(self, name))
@@ -334,15 +299,6 @@ class Simulation(SimulatedWorld):
         hint, known = suggestion(name, self.world.models), listed(self.world.models)
         return ModelError(f'there is no model "{shortened(name)}"{hint}; there are: {known}')
 
-    def _require_known(self, topic: str, known: Iterable[str], verb: str) -> None:
-        """Raises a TopicError unless a topic is among those that are known."""
-        names = sorted(known)
-        if topic not in names:
-            hint = suggestion(topic, names)
-            raise TopicError(
-                f'no plugin {verb} "{shortened(topic)}"{hint}; there are: {listed(names)}', topic
-            )
-
     def _bodies(self) -> _core.BodyGroup:
         """The first bodies of all models."""
         models = tuple(self.world.models.values())
@@ -350,7 +306,3 @@ class Simulation(SimulatedWorld):
             self._group = _core.BodyGroup([model.base.physics_body for model in models])
             self._group_models = models
         return self._group
-
-
-def _absolute(topic: str) -> str:
-    return topic if topic.startswith("/") else f"/{topic}"

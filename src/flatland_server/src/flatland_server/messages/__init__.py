@@ -1,5 +1,21 @@
-"""Makes ROS messages of Flatland's values, as objects or serialized. Needs no rospy."""
+"""Messages: their types by name, with ROS or without, and messages made of our values. No rospy.
+
+from flatland_server import messages
+
+Twist = messages.get("geometry_msgs/Twist")
+Load = messages.add("my_plugins/Load", "float64 mass")
+"""
 
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
+from flatland_server.messages.message_types import Duration, Time, add, get
 
-__all__ = ["fill_pose", "fill_twist", "header", "ros_time"]
+__all__ = [
+    "Duration",
+    "Time",
+    "add",
+    "fill_pose",
+    "fill_twist",
+    "get",
+    "header",
+    "ros_time",
+]

@@ -1,21 +1,22 @@
-"""Conversions of Flatland's values into ROS messages. No ROS master is needed."""
+"""Conversions of Flatland's values into messages."""
 
 from typing import Any
 
-from genpy import Time
-from std_msgs.msg import Header
-
 from flatland_server.geometry import Pose, quaternion
+from flatland_server.messages import message_types
+
+_Header = message_types.get("std_msgs/Header")
+_Time = message_types.Time
 
 
-def ros_time(nanoseconds: int) -> Time:
+def ros_time(nanoseconds: int) -> Any:
     """Simulated time as a ROS time."""
-    return Time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
+    return _Time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
 
 
-def header(nanoseconds: int, frame_id: str) -> Header:
+def header(nanoseconds: int, frame_id: str) -> Any:
     """A header with stamp and frame."""
-    return Header(stamp=ros_time(nanoseconds), frame_id=frame_id)
+    return _Header(stamp=ros_time(nanoseconds), frame_id=frame_id)
 
 
 def fill_pose(message: Any, pose: Pose) -> None:

@@ -1,18 +1,19 @@
 """The rviz markers of a model: its footprints, filled and outlined, and its joints."""
 
-from typing import List, Sequence, Tuple
-
-from geometry_msgs.msg import Point
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker
+from typing import Any, List, Sequence, Tuple
 
 from flatland_server.geometry import Pose
 from flatland_server.messages import fill_pose
+from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import MarkerBytes, MovingMarkers
 from flatland_server.models.footprint import Circle
 from flatland_server.models.joint import JointConfig
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.models.model_body import BodyConfig
+
+Marker = get("visualization_msgs/Marker")
+Point = get("geometry_msgs/Point")
+ColorRGBA = get("std_msgs/ColorRGBA")
 
 _OUTLINE_WIDTH = 0.01  # m
 _JOINT_WIDTH = 0.02  # m
@@ -54,7 +55,7 @@ class ModelMarkers:
         return self._markers.place(Pose(*self._poses[index]) for index in self._index)
 
 
-def preview(config: ModelConfig) -> List[Marker]:
+def preview(config: ModelConfig) -> List[Any]:
     """The markers of a model that is not in a world: in its own frame, with an empty frame_id."""
     poses = {body.name: body.pose for body in config.bodies}
     placed = _markers_of(config, "")
@@ -63,7 +64,7 @@ def preview(config: ModelConfig) -> List[Marker]:
     return [marker for marker, _ in placed]
 
 
-def _markers_of(config: ModelConfig, prefix: str) -> List[Tuple[Marker, str]]:
+def _markers_of(config: ModelConfig, prefix: str) -> List[Tuple[Any, str]]:
     """All markers of a model, each with the name of the body that has its frame.
 
     Args:
@@ -82,7 +83,7 @@ def _markers_of(config: ModelConfig, prefix: str) -> List[Tuple[Marker, str]]:
     return markers
 
 
-def body_markers(config: BodyConfig, namespace: str) -> List[Marker]:
+def body_markers(config: BodyConfig, namespace: str) -> List[Any]:
     """Markers in the body's own frame: footprints filled and outlined, sensors outlined only."""
     fill = _marker(namespace, 0, Marker.TRIANGLE_LIST, config.color)
     fill.scale.x = fill.scale.y = fill.scale.z = 1.0
@@ -103,7 +104,7 @@ def body_markers(config: BodyConfig, namespace: str) -> List[Marker]:
     return [marker for marker in (fill, outline) if marker.points]
 
 
-def joint_marker(config: JointConfig, namespace: str) -> Marker:
+def joint_marker(config: JointConfig, namespace: str) -> Any:
     """A cross at a joint's anchor, in the frame of its first body."""
     marker = _marker(namespace, 0, Marker.LINE_LIST, config.color)
     marker.scale.x = _JOINT_WIDTH
@@ -113,11 +114,11 @@ def joint_marker(config: JointConfig, namespace: str) -> Marker:
     return marker
 
 
-def _marker(namespace: str, id: int, type: int, color: Sequence[float]) -> Marker:
+def _marker(namespace: str, id: int, type: int, color: Sequence[float]) -> Any:
     marker = Marker(ns=namespace, id=id, type=type, action=Marker.ADD, color=ColorRGBA(*color))
     marker.pose.orientation.w = 1.0
     return marker
 
 
-def _points(corners: Corners, z: float) -> List[Point]:
+def _points(corners: Corners, z: float) -> List[Any]:
     return [Point(x, y, z) for x, y in corners]

@@ -4,20 +4,22 @@ import struct
 from io import BytesIO
 from typing import Any, Callable, Iterable, List, NamedTuple
 
-from std_msgs.msg import Header
-from visualization_msgs.msg import Marker, MarkerArray
-
 from flatland_server.geometry import Pose, quaternion
+from flatland_server.messages.message_types import get
 from flatland_server.messages.prepared_message import PreparedMessage
+
+Header = get("std_msgs/Header")
+Marker = get("visualization_msgs/Marker")
+MarkerArray = get("visualization_msgs/MarkerArray")
 
 _POSE = struct.Struct("<7d")
 
 
-class SerializedMarkerArray(PreparedMessage, MarkerArray):  # type: ignore[misc]
+class SerializedMarkerArray(PreparedMessage, MarkerArray):  # type: ignore[misc, valid-type]
     """A MarkerArray that is serialized already."""
 
 
-class LazyMarkerArray(MarkerArray):  # type: ignore[misc]
+class LazyMarkerArray(MarkerArray):  # type: ignore[misc, valid-type]
     """A MarkerArray that is made when it is sent: never if its topic has no subscribers.
 
     Args:
@@ -50,7 +52,7 @@ def array_of(parts: Iterable[MarkerBytes]) -> SerializedMarkerArray:
     return SerializedMarkerArray(length + b"".join(part.data for part in parts))
 
 
-def serialized(markers: List[Marker]) -> MarkerBytes:
+def serialized(markers: List[Any]) -> MarkerBytes:
     """Serializes markers."""
     buffer = BytesIO()
     for marker in markers:
@@ -75,7 +77,7 @@ class MovingMarkers:
         markers: the markers, with any pose.
     """
 
-    def __init__(self, markers: List[Marker]) -> None:
+    def __init__(self, markers: List[Any]) -> None:
         self._data = bytearray()
         self._offsets: List[int] = []  # of the poses
         for marker in markers:

@@ -1,15 +1,18 @@
 """The walls of a layer as one marker, serialized from an array of perhaps a million points."""
 
 import struct
+from typing import Any
 
 import numpy as np
-from geometry_msgs.msg import Point
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker
 
 from flatland_server.arrays import FloatArray, Segments
+from flatland_server.messages.message_types import get
 from flatland_server.messages.serialized_markers import MarkerBytes, serialized
 from flatland_server.models.layer import LayerConfig
+
+Marker = get("visualization_msgs/Marker")
+Point = get("geometry_msgs/Point")
+ColorRGBA = get("std_msgs/ColorRGBA")
 
 _WALL_WIDTH = 0.05  # m
 _NONE = MarkerBytes(0, b"")
@@ -52,7 +55,7 @@ def _lines(config: LayerConfig, segments: Segments, z: float, frame_id: str) -> 
     return _with_points(marker, _at_height(segments.reshape(-1, 2), z))
 
 
-def _marker(config: LayerConfig, type: int, frame_id: str) -> Marker:
+def _marker(config: LayerConfig, type: int, frame_id: str) -> Any:
     marker = Marker(ns=config.names[0], type=type, action=Marker.ADD)
     marker.header.frame_id = frame_id
     marker.color = ColorRGBA(*config.color)
@@ -65,7 +68,7 @@ def _at_height(points: FloatArray, z: float) -> FloatArray:
     return np.column_stack([points, np.full(len(points), z)])
 
 
-def _with_points(marker: Marker, points: FloatArray) -> MarkerBytes:
+def _with_points(marker: Any, points: FloatArray) -> MarkerBytes:
     """A serialized marker with these points, shape (n, 3); none if there are no points."""
     if len(points) == 0:
         return _NONE

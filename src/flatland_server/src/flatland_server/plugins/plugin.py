@@ -194,6 +194,13 @@ class Plugin:
         a run is the same with pictures and without.
         """
 
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes what the plugin measures now, to those of its topics that have subscribers.
+
+        To be overridden by sensors. Called between steps, when one of its topics is read for the
+        first time (`Simulation.last`). It changes nothing that the plugin publishes later.
+        """
+
     def on_shutdown(self) -> None:
         """Called once, at the end of the plugin; its topics are still open."""
 

@@ -1,7 +1,7 @@
 """Makes plugins out of their configuration."""
 
 import zlib
-from typing import Any, Callable, Dict, Set, Type, TypeVar
+from typing import Any, Callable, Dict, List, Set, Type, TypeVar
 
 import numpy as np
 
@@ -48,6 +48,10 @@ class PluginFactory:
     def topics(self) -> Dict[str, str]:
         """The types of the topics of the plugins, by their absolute names."""
         return self._root_node.topic_types
+
+    def owners_of(self, topic: str) -> List[str]:
+        """The plugins that have a topic, as `model/plugin`."""
+        return self._root_node.owners_of(topic)
 
     def make(
         self,

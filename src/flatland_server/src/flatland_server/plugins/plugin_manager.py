@@ -241,6 +241,21 @@ class PluginManager:
                 except PLUGIN_ERRORS:
                     self._fail(plugin, "draw")
 
+    def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
+        """Has the running plugins that have a topic publish to it; see `Plugin.publish_now`.
+
+        Args:
+            topic: its absolute name.
+            timekeeper: has the present time.
+        """
+        owners = self._factory.owners_of(topic)
+        for _, plugin in self.all_plugins():
+            if plugin.node.owner in owners and plugin not in self._failures:
+                try:
+                    plugin.publish_now(timekeeper)
+                except PLUGIN_ERRORS:
+                    self._fail(plugin, "publish_now")
+
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:
             if not scheduled.is_removed:

@@ -17,11 +17,11 @@ import rospy
 from tf2_msgs.msg import TFMessage
 
 from flatland_server.geometry import Transform
-from flatland_server.messages.serialized_transforms import SerializedFrames, TransformQueue
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.transport.arrivals import Arrival
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.node import Frames, Publisher, Subscription, Transport
+from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
 
 logger = logging.getLogger(__name__)
 

@@ -189,6 +189,15 @@ class World(Restartable):
         """The types of the topics that plugins publish or subscribe to, by their absolute names."""
         return self._plugins.topics
 
+    def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
+        """Has plugins publish to a topic, which has just got its first subscriber.
+
+        Args:
+            topic: its absolute name.
+            timekeeper: has the present time.
+        """
+        self._plugins.publish_now(topic, timekeeper)
+
     def plugins_of(self, model: str) -> Dict[str, Plugin]:
         """The plugins of a model that run, by name; of the world for an empty name."""
         return {

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any, List, Optional
 
 from flatland_server.library.simulated_world import SimulatedWorld
+from flatland_server.messages.message_types import get
 from flatland_server.models.model import Model
 from flatland_server.simulation.world import World
 
@@ -73,9 +74,7 @@ class Simulation(SimulatedWorld):
         self, forwards: float, turn: float = 0.0, *, left: float = 0.0, topic: str = "/cmd_vel"
     ) -> "Simulation":
         """Sends a `geometry_msgs/Twist` [m/s, rad/s]."""
-        from geometry_msgs.msg import Twist
-
-        twist = Twist()
+        twist = get("geometry_msgs/Twist")()
         twist.linear.x, twist.linear.y, twist.angular.z = forwards, left, turn
         return self.send(topic, twist)
 

@@ -15,6 +15,7 @@ from flatland_server._deprecated import warn_renamed
 from flatland_server.geometry import Transform
 from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
+from flatland_server.transport.tap import Tap
 from flatland_server.transport.transport import Publisher, Subscription, Transport
 
 
@@ -47,10 +48,14 @@ class LocalTransport(Transport):
         self._last: Dict[str, Tuple[_LocalPublisher, Any]] = {}
         self._inbox: Deque[Tuple[str, Any]] = deque()
         self._callbacks: Dict[str, List[Callable[[Any], None]]] = {}
+        self._taps: Tuple[Tap, ...] = ()
 
     def send(self, topic: str, message: Any) -> None:
         """Sends a message to the subscribers of a topic; `process` runs their callbacks."""
-        self._inbox.append((_absolute(topic), message))
+        name = _absolute(topic)
+        self._inbox.append((name, message))
+        if self._taps:
+            self._pass_on(name, message, is_latched=False)
 
     def last(self, topic: str) -> Any:
         """The last message published to a topic, or None."""
@@ -69,7 +74,7 @@ class LocalTransport(Transport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        return _LocalPublisher(self, _absolute(topic))
+        return _LocalPublisher(self, _absolute(topic), latch)
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
@@ -90,8 +95,23 @@ class LocalTransport(Transport):
 
     def has_subscribers(self, topic: str) -> bool:
         """Whether a topic counts as having a subscriber."""
-        topics = self._subscribed_topics
-        return topics is None or _absolute(topic) in topics
+        topics, name = self._subscribed_topics, _absolute(topic)
+        if topics is None or name in topics:
+            return True
+        return bool(self._taps) and any(tap.wants(name) for tap in self._taps)
+
+    def open_tap(self, tap: Tap) -> None:
+        """Passes on all messages from now on, and first the last ones of latched topics."""
+        self._taps = (*self._taps, tap)
+        self._subscriber_revision += 1
+        for topic, (publisher, message) in self._last.items():
+            if publisher.is_latched and tap.wants(topic):
+                tap.receive(topic, message, True)
+
+    def close_tap(self, tap: Tap) -> None:
+        """Passes nothing on to it any more."""
+        self._taps = tuple(each for each in self._taps if each is not tap)
+        self._subscriber_revision += 1
 
     @property
     def transforms_have_subscribers(self) -> bool:
@@ -103,6 +123,9 @@ class LocalTransport(Transport):
 
     def send_transform(self, transform: Transform) -> None:
         self.transforms[transform.child] = transform
+        for tap in self._taps:
+            if tap.wants("/tf"):
+                tap.receive_transform(transform)
 
     def get_param(self, name: str, default: Any = None) -> Any:
         return self._params.get(_absolute(name), default)
@@ -120,11 +143,17 @@ class LocalTransport(Transport):
     def discard(self) -> None:
         self._inbox.clear()
 
+    def _pass_on(self, topic: str, message: Any, is_latched: bool) -> None:
+        for tap in self._taps:
+            if tap.wants(topic):
+                tap.receive(topic, message, is_latched)
+
 
 class _LocalPublisher(Publisher):
-    def __init__(self, transport: LocalTransport, topic: str) -> None:
+    def __init__(self, transport: LocalTransport, topic: str, is_latched: bool) -> None:
         self._transport = transport
         self._topic = topic
+        self.is_latched = is_latched
         self._is_closed = False
         transport._publishers[topic] += 1
 
@@ -133,7 +162,10 @@ class _LocalPublisher(Publisher):
         return self._transport.has_subscribers(self._topic)
 
     def publish(self, message: Any) -> None:
-        self._transport._last[self._topic] = (self, message)
+        transport = self._transport
+        transport._last[self._topic] = (self, message)
+        if transport._taps:
+            transport._pass_on(self._topic, message, self.is_latched)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
         if self.has_subscribers:

@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 from flatland_server._deprecated import renamed
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
+from flatland_server.messages.message_types import get
 from flatland_server.transport.frame_registry import FrameRegistry
 from flatland_server.transport.topic_registry import TopicRegistry
 from flatland_server.transport.transport import Frames, Publisher, Subscription, Transport
@@ -66,14 +67,16 @@ class Node:
 
         Args:
             topic: its name within the namespace.
-            message_type: the ROS message class.
+            message_type: the name of the type, such as "sensor_msgs/LaserScan", or its class.
             latch: whether new subscribers get the last message.
             queue_size: how many messages wait for a slow subscriber before the oldest is dropped.
 
         Raises:
+            MessageError: there is no such message type.
             TopicError: ROS cannot have a topic of this name, it is one of the server's own, or
                 another plugin has it with another type.
         """
+        message_type = _class_of(message_type)
         name = self._named(topic, self._topics.claim_publisher, message_type)
         publisher = self._transport.advertise(
             name, message_type, latch=latch, queue_size=queue_size
@@ -88,12 +91,14 @@ class Node:
 
         Args:
             topic: its name within the namespace.
-            message_type: the ROS message class.
+            message_type: the name of the type, such as "sensor_msgs/LaserScan", or its class.
             callback: called with each message, between steps.
 
         Raises:
+            MessageError: there is no such message type.
             TopicError: ROS cannot have a topic of this name, or it has another type already.
         """
+        message_type = _class_of(message_type)
         name = self._named(topic, self._topics.claim_subscriber, message_type)
 
         def guarded(message: Any) -> None:
@@ -161,6 +166,10 @@ class Node:
         """The types of the topics of all plugins, by their absolute names."""
         return self._topics.types
 
+    def owners_of(self, topic: str) -> List[str]:
+        """The owners of the nodes that publish or subscribe to a topic, by its absolute name."""
+        return self._topics.owners_of(topic)
+
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
         """Claims frames, each given as (parent, child), and prepares to send their transforms.
 
@@ -191,3 +200,8 @@ class Node:
         self.on_failure = None  # it refers to the plugin, which refers to this node
         self._frames.release(self.owner)
         self._topics.release(self.owner)
+
+
+def _class_of(message_type: Any) -> Any:
+    """The class of a message type that is given by its name or as a class."""
+    return get(message_type) if isinstance(message_type, str) else message_type

@@ -66,6 +66,10 @@ class TopicRegistry:
         """The types of the topics by their absolute names, in the order of the names."""
         return {name: self._types[name][0] for name in sorted(self._types)}
 
+    def owners_of(self, topic: str) -> List[str]:
+        """The plugins that publish or subscribe to a topic, by its absolute name."""
+        return list(self._types[topic][1]) if topic in self._types else []
+
     def release(self, plugin: str) -> None:
         """Removes a plugin from all its topics."""
         for name in self._topics.pop(plugin, []):

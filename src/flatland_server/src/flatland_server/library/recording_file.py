@@ -1,0 +1,172 @@
+"""Files of recorded messages: .bag, as `rosbag record` writes them, and .mcap, as Foxglove does.
+
+Both have the definitions of the message types in them, so that a reader needs nothing else.
+"""
+
+import os
+from abc import ABC, abstractmethod
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Dict, Iterator, Tuple, Type, Union
+
+from flatland_server.exceptions import RecordingError, listed
+
+_INSTALL = 'pip install "flatland2d[record]"'
+
+
+class RecordingFile(ABC):
+    """A file that is being written, under its name with ".active" until it is closed.
+
+    Args:
+        path: of the file; one of this name is replaced when this one is closed.
+
+    Raises:
+        RecordingError: the file cannot be written, or a package is missing.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._active = path.with_name(f"{path.name}.active")
+        self._is_open = True
+        with _errors_of(path):
+            self._active.unlink(missing_ok=True)  # what a run that was ended has left
+            self._open(self._active)
+
+    def write(
+        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool = False
+    ) -> None:
+        """Appends a message.
+
+        Args:
+            topic: its absolute name.
+            message_type: the message's class.
+            nanoseconds: the simulated time [ns].
+            data: the serialized message.
+            is_latched: whether a player repeats it to subscribers that come later.
+
+        Raises:
+            RecordingError: the file cannot be written.
+        """
+        with _errors_of(self.path):
+            self._write(topic, message_type, nanoseconds, data, is_latched)
+
+    def close(self) -> None:
+        """Finishes the file."""
+        if self._is_open:
+            self._is_open = False
+            with _errors_of(self.path):
+                self._finish()
+                os.replace(self._active, self.path)
+
+    @abstractmethod
+    def _open(self, path: Path) -> None:
+        """Begins the file."""
+
+    @abstractmethod
+    def _write(
+        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
+    ) -> None:
+        """Appends a message."""
+
+    @abstractmethod
+    def _finish(self) -> None:
+        """Writes the file's end."""
+
+
+class BagFile(RecordingFile):
+    """A .bag of ROS 1, version 2.0."""
+
+    def _open(self, path: Path) -> None:
+        writer = _package("rosbags.rosbag1", ".bag").Writer
+        self._writer = writer(path)
+        self._writer.open()
+        self._connections: Dict[Tuple[str, str], Any] = {}
+
+    def _write(
+        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
+    ) -> None:
+        key = (topic, message_type._type)
+        if key not in self._connections:
+            self._connections[key] = self._writer.add_connection(
+                topic,
+                message_type._type.replace("/", "/msg/"),  # as rosbags names types
+                msgdef=message_type._full_text,
+                md5sum=message_type._md5sum,
+                callerid="/flatland_server",
+                latching=int(is_latched),
+            )
+        # To rosbag, the time 0 means none: such a message would not be played.
+        self._writer.write(self._connections[key], max(nanoseconds, 1), data)
+
+    def _finish(self) -> None:
+        self._writer.close()
+
+
+class McapFile(RecordingFile):
+    """An .mcap with the profile of ROS 1."""
+
+    def _open(self, path: Path) -> None:
+        writer = _package("mcap.writer", ".mcap").Writer
+        self._writer = writer(str(path))
+        self._writer.start(profile="ros1", library="flatland")
+        self._schemas: Dict[str, int] = {}
+        self._channels: Dict[Tuple[str, str], int] = {}
+
+    def _write(
+        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
+    ) -> None:
+        name = message_type._type
+        if name not in self._schemas:
+            definition = message_type._full_text.encode()
+            self._schemas[name] = self._writer.register_schema(name, "ros1msg", definition)
+        if (topic, name) not in self._channels:
+            metadata = {
+                "callerid": "/flatland_server",
+                "latching": str(int(is_latched)),
+                "md5sum": message_type._md5sum,
+            }
+            self._channels[topic, name] = self._writer.register_channel(
+                topic, "ros1", self._schemas[name], metadata
+            )
+        self._writer.add_message(self._channels[topic, name], nanoseconds, data, nanoseconds)
+
+    def _finish(self) -> None:
+        self._writer.finish()
+
+
+_KINDS: Dict[str, Type[RecordingFile]] = {".bag": BagFile, ".mcap": McapFile}
+
+
+def open_recording(path: Union[str, "os.PathLike[str]"]) -> RecordingFile:
+    """Begins a recording in the format that the file's name ends with.
+
+    Raises:
+        RecordingError: the format is unknown, the file cannot be written, or a package is missing.
+    """
+    file = Path(path)
+    kind = _KINDS.get(file.suffix.lower())
+    if kind is None:
+        raise RecordingError(f"{file}: expected a name that ends with {listed(_KINDS)}")
+    return kind(file)
+
+
+def _package(module: str, suffix: str) -> Any:
+    """A module of a package that is installed for recording alone."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        package = module.partition(".")[0]
+        raise RecordingError(
+            f"a {suffix} recording needs the Python package {package} ({error}): {_INSTALL}, "
+            f"or pip install {package}"
+        ) from None
+
+
+@contextmanager
+def _errors_of(path: Path) -> Iterator[None]:
+    """Turns errors of the operating system into those of a recording."""
+    try:
+        yield
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from error

@@ -1,0 +1,118 @@
+"""The topics of a simulation: which are computed, what was published, and what is sent."""
+
+from typing import Any, Dict, Iterable
+
+from flatland_server.exceptions import TopicError, UsageError, listed, shortened, suggestion
+from flatland_server.geometry import Transform
+from flatland_server.library.simulated_world import SimulatedWorld
+from flatland_server.simulation.world import World
+from flatland_server.transport.topic_registry import type_name
+
+TF = "/tf"
+
+
+class SimulatedTopics(SimulatedWorld):
+    """The part of a `Simulation` that has to do with topics.
+
+    Args: those of `SimulatedWorld`.
+    """
+
+    def __init__(self, world: World, step_size: float) -> None:
+        super().__init__(world, step_size)
+        self._is_closed = False
+        self._subscribed: Dict[str, None] = {}
+
+    def require_open(self) -> None:
+        """Raises a UsageError if the simulation is closed."""
+        if self._is_closed:
+            raise UsageError("the simulation is closed")
+
+    @property
+    def topics(self) -> Dict[str, str]:
+        """The types of all topics that plugins publish or subscribe to, by their names."""
+        return self.world.topics
+
+    def subscribe(self, *topics: str) -> None:
+        """Has topics computed from now on, for `last`; as with ROS, others cost nothing.
+
+        Args:
+            topics: their names; "/tf" for `transforms`. They need not exist yet.
+
+        Raises:
+            UsageError: the simulation is closed.
+        """
+        self.require_open()
+        new = {_absolute(topic): None for topic in topics}
+        if not new.keys() <= self._subscribed.keys():
+            self._subscribed.update(new)
+            self.transport.set_subscribed_topics(frozenset(self._subscribed))
+
+    def last(self, topic: str) -> Any:
+        """The newest message of a topic; None if there is none yet.
+
+        The first call for a topic subscribes to it, and has its plugin publish what it measures
+        now. Further messages come as they do with ROS, at the rate of the plugin: scans, fixes and
+        odometry are published at the begin of a step, so that after it they are a step older than
+        `poses`; what a Bumper, a BoolSensor and an Imu publish is of the end of a step. A sensor's
+        `read` is always of now.
+
+        Raises:
+            TopicError: no plugin publishes to this topic.
+            UsageError: the simulation is closed.
+        """
+        self.require_open()
+        name = _absolute(topic)
+        if name not in self._subscribed:
+            self._require_known(name, self.transport.topics, "publishes to")
+            self.subscribe(name)
+            if self.world.is_between_steps:
+                self.world.publish_now(name, self.timekeeper)
+                self._raise_failures()
+        return self.transport.last(name)
+
+    @property
+    def transforms(self) -> Dict[str, Transform]:
+        """The newest transform of each frame, by the name of the frame; needs `subscribe("/tf")`.
+
+        Raises:
+            TopicError: "/tf" was not subscribed to, so that no transforms are computed.
+        """
+        if TF not in self._subscribed:
+            raise TopicError('expected subscribe("/tf") before the steps', TF)
+        return dict(self.transport.transforms)
+
+    def publish(self, topic: str, message: Any) -> None:
+        """Publishes a message; its subscribers get it at once, and act on it in the next step.
+
+        Args:
+            topic: its name.
+            message: of the topic's type; see `messages.get`.
+
+        Raises:
+            TopicError: no plugin subscribes to this topic, or with messages of another type.
+            UsageError: the simulation is closed.
+        """
+        self.require_open()
+        name = _absolute(topic)
+        if name not in self.transport.subscribed:
+            self._require_known(name, self.transport.subscribed, "subscribes to")
+        expected, found = self.topics.get(name), type_name(type(message))
+        if expected is not None and expected != found:
+            raise TopicError(f'the topic "{name}" expects {expected}, found {found}', topic)
+        self.transport.send(name, message)
+        if self.world.is_between_steps:
+            self.transport.process()
+            self._raise_failures()
+
+    def _require_known(self, topic: str, known: Iterable[str], verb: str) -> None:
+        """Raises a TopicError unless a topic is among those that are known."""
+        names = sorted(known)
+        if topic not in names:
+            hint = suggestion(topic, names)
+            raise TopicError(
+                f'no plugin {verb} "{shortened(topic)}"{hint}; there are: {listed(names)}', topic
+            )
+
+
+def _absolute(topic: str) -> str:
+    return topic if topic.startswith("/") else f"/{topic}"

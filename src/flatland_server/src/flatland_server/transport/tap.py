@@ -1,0 +1,25 @@
+"""What receives all messages of a `LocalTransport`: a recorder."""
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+from flatland_server.geometry import Transform
+
+
+class Tap(ABC):
+    """Receives messages and transforms at once when they are published or sent.
+
+    It counts as a subscriber of the topics that it wants.
+    """
+
+    @abstractmethod
+    def wants(self, topic: str) -> bool:
+        """Whether to receive the messages of a topic, given by its absolute name; "/tf" too."""
+
+    @abstractmethod
+    def receive(self, topic: str, message: Any, is_latched: bool) -> None:
+        """Receives a message of a topic that it wants."""
+
+    @abstractmethod
+    def receive_transform(self, transform: Transform) -> None:
+        """Receives a transform, if it wants "/tf"."""

@@ -1,0 +1,33 @@
+"""Programs run in a Python in which there is no ROS."""
+
+import os
+import subprocess
+import sys
+
+BLOCK_ROS = """
+import sys
+
+class Blocker:
+    def find_spec(self, name, path=None, target=None):
+        package = name.partition(".")[0]
+        if package.endswith("_msgs") or package in BLOCKED:
+            raise ModuleNotFoundError(f"{name} is blocked", name=name)
+
+BLOCKED = (
+    "actionlib", "genmsg", "genpy", "rosgraph", "roslaunch", "roslib", "rospkg", "rospy",
+    "std_srvs", "tf2_ros",
+)
+sys.meta_path.insert(0, Blocker())
+"""
+
+
+def run_without_ros(program: str, *arguments: object) -> str:
+    """What a program prints in a Python in which no package of ROS can be imported."""
+    command = [sys.executable, "-c", BLOCK_ROS + program, *map(str, arguments)]
+    paths = [os.environ.get("PYTHONPATH", ""), *sys.path]  # the workspace's, then the tests' own
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    result = subprocess.run(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    assert result.returncode == 0, result.stdout
+    return result.stdout
