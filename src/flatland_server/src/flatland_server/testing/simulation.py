@@ -46,8 +46,8 @@ class Simulation(SimulatedWorld):
             AssertionError: a plugin has failed, and `allow_failures` is false.
         """
         steps = 1 if seconds is None else round(seconds / self.timekeeper.step_size)
-        while steps > 0:
-            steps -= self._advance(steps)
+        for _ in range(steps):
+            self._advance()
         failures = self.world.plugin_failures
         if failures and not self.allow_failures:
             raise AssertionError(
