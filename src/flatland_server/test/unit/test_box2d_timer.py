@@ -51,7 +51,9 @@ def run_busy_world(*libraries):
 def shared_box2d():
     """The shared library of Box2D that the core is linked with."""
     maps = Path("/proc/self/maps").read_text().splitlines()
-    paths = {line.split()[-1] for line in maps if Path(line.split()[-1]).name.startswith("libbox2d")}
+    paths = {
+        line.split()[-1] for line in maps if Path(line.split()[-1]).name.startswith("libbox2d")
+    }
     if not paths:
         pytest.skip("Box2D is a static library here")
     return paths.pop()

@@ -35,14 +35,11 @@ class SimulatedWorld:
         self._failures: List[Tuple[PluginFailure, BaseException]] = []
 
     def _advance(self, limit: int = 1) -> int:
-        """Makes a step, or several that no plugin takes part in: see `World.step_up_to`.
+        """Makes one step or several, and returns how many; see `World.step_up_to`.
 
         First, messages that were sent are received.
-
-        Returns:
-            The number of steps, at most `limit`.
         """
-        self.world.transport.process()
+        self.transport.process()
         return self.world.step_up_to(self.timekeeper, limit)
 
     def _note_failure(self, failure: PluginFailure, error: BaseException) -> None:
