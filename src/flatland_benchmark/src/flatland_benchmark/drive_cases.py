@@ -5,6 +5,7 @@ import tempfile
 import time
 from functools import partial
 from pathlib import Path
+from typing import List
 
 import numpy as np
 
@@ -29,7 +30,9 @@ def drive(worlds: Path, robots: int) -> Figures:
         path = write_world(Path(folder), worlds, robots, crowded=True)
         driving, resting = (Simulation(path, seed=1) for _ in range(2))
     rng = np.random.default_rng(1)
-    times, ratios, touches = [], [], []
+    times: List[float] = []
+    ratios: List[float] = []
+    touches: List[int] = []
     begin = time.perf_counter()
     while len(times) < _BLOCKS and time.perf_counter() < begin + _TIME_LIMIT:
         speeds = rng.uniform(-_SPEED / 2, _SPEED, robots)

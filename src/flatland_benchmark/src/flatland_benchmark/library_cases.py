@@ -1,5 +1,6 @@
 """The office in a Python program: what a step costs with what is read, and with threads."""
 
+import hashlib
 import statistics
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -21,7 +22,7 @@ _BLOCKS = 25
 _FIELD_OF_VIEW = 4.71238898038469
 """Of the lidar [rad]: 270 degrees."""
 _SIMULATIONS = 64
-_ROUNDS = 5
+_ROUNDS = 15
 
 
 def open_office(worlds: Path, beams: int = 1081, seed: int = 0) -> Simulation:
@@ -60,15 +61,10 @@ def time_step(sim: Simulation, read: Callable[[], Any], steps_per_reading: int) 
 def read_nothing(worlds: Path) -> Figures:
     """Steps alone: many in a call, one in a call, and those of the core."""
     with open_office(worlds) as sim:
-        physics = sim.world.physics
-
-        def step_core() -> None:
-            physics.step_until_contact(sim.step_size, _STEPS)
-
         core = []
         for _ in range(_BLOCKS):
             begin = time.perf_counter()
-            step_core()
+            sim.world.physics.step_until_contact(sim.step_size, _STEPS)
             core.append(time.perf_counter() - begin)
         return {
             "step(400) [us]": time_step(sim, lambda: None, _STEPS),
@@ -101,8 +97,12 @@ def read_scan(worlds: Path, beams: int) -> Figures:
 
 
 def run_threads(worlds: Path, scans: bool) -> Figures:
-    """Many simulations in one thread and in two: the GIL is released in steps and scans."""
+    """Many simulations in one thread and in two: the GIL is released in steps and scans.
+
+    Hashing, which releases the GIL, too, shows how much the machine gives to a second thread.
+    """
     sims = [open_office(worlds, seed=seed) for seed in range(_SIMULATIONS)]
+    hashed = bytes(_STEPS * 250)  # about as much work
 
     def run(sim: Simulation) -> None:
         laser = sim.models["turtlebot"].sensors["laser"]
@@ -111,24 +111,33 @@ def run_threads(worlds: Path, scans: bool) -> Figures:
             if scans:
                 laser.read()
 
-    def time_round(pool: ThreadPoolExecutor) -> float:
-        """Time of a step of each simulation, divided by their number [us]."""
+    def do_hash(sim: Simulation) -> None:
+        for _ in range(10):
+            hashlib.sha256(hashed).digest()
+
+    def time_round(pool: ThreadPoolExecutor, work: Callable[[Simulation], None]) -> float:
+        """Time of the work for all simulations [s]."""
         begin = time.perf_counter()
-        list(pool.map(run, sims))
-        return (time.perf_counter() - begin) / (_STEPS * len(sims)) * 1e6
+        list(pool.map(work, sims))
+        return time.perf_counter() - begin
 
     times: Dict[int, List[float]] = {1: [], 2: []}
+    ratios: List[float] = []
+    hashing: List[float] = []
     with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
-        for _ in range(_ROUNDS):  # by turns, so that other programs affect both
-            times[1].append(time_round(one))
-            times[2].append(time_round(two))
+        for _ in range(_ROUNDS):  # by turns, so that other programs affect all
+            times[1].append(time_round(one, run))
+            times[2].append(time_round(two, run))
+            ratios.append(times[1][-1] / times[2][-1])
+            hashing.append(time_round(one, do_hash) / time_round(two, do_hash))
     for sim in sims:
         sim.close()
-    ratios = [a / b for a, b in zip(times[1], times[2])]
+    steps = _STEPS * len(sims)
     return {
-        "1 thread [us]": statistics.median(times[1]),
-        "2 threads [us]": statistics.median(times[2]),
+        "1 thread [us]": statistics.median(times[1]) / steps * 1e6,
+        "2 threads [us]": statistics.median(times[2]) / steps * 1e6,
         "times as fast": statistics.median(ratios),
+        "hashing, times as fast": statistics.median(hashing),
     }
 
 

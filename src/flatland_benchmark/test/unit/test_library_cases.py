@@ -1,4 +1,4 @@
-"""The cases of robots in a Python program, with few steps: what they measure, not how fast it is."""
+"""The cases of robots in a Python program, run with few steps."""
 
 import math
 from pathlib import Path

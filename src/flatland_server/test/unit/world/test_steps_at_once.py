@@ -1,4 +1,4 @@
-"""World.step_up_to: several steps in one call of the core, which plugins cannot tell from single ones."""
+"""World.step_up_to: steps in one call of the core, which plugins cannot tell from single ones."""
 
 import math
 import random
@@ -73,7 +73,6 @@ class Witness(ModelPlugin):
     def end_contact(self, contact):
         run.log.append((run.timekeeper.nanoseconds, self.model.name, "end"))
         run.world.transport.send("/cue", self.model.name)
-
 
     def get_state(self):
         return self.count
