@@ -4,6 +4,8 @@ from typing import Dict
 
 from flatland_benchmark.case import Case
 from flatland_benchmark.contact_cases import CONTACT_CASES
+from flatland_benchmark.drive_cases import DRIVE_CASES
+from flatland_benchmark.library_cases import LIBRARY_CASES
 from flatland_benchmark.map_cases import MAP_CASES
 from flatland_benchmark.ray_cases import RAY_CASES
 from flatland_benchmark.robot_cases import ROBOT_CASES
@@ -11,5 +13,13 @@ from flatland_benchmark.server_cases import SERVER_CASES
 
 CASES: Dict[str, Case] = {
     case.name: case
-    for case in (*RAY_CASES, *ROBOT_CASES, *SERVER_CASES, *CONTACT_CASES, *MAP_CASES)
+    for case in (
+        *RAY_CASES,
+        *ROBOT_CASES,
+        *DRIVE_CASES,
+        *LIBRARY_CASES,
+        *SERVER_CASES,
+        *CONTACT_CASES,
+        *MAP_CASES,
+    )
 }

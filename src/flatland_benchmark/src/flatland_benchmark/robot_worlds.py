@@ -2,7 +2,7 @@
 
 Every robot has a drive, a transform publisher and a lidar of 1081 beams that scans at 10 Hz with or
 without subscribers; everything else has its default rate, which is every step. The robots stand
-still: driving costs the same, and robots at rest do not run into walls.
+still until they are commanded.
 """
 
 from pathlib import Path
@@ -64,13 +64,14 @@ _START = (0.0, 0.0)
 """A point inside the walls: the office's lobby [m]."""
 
 
-def write_world(folder: Path, worlds: Path, robots: int) -> Path:
+def write_world(folder: Path, worlds: Path, robots: int, *, crowded: bool = False) -> Path:
     """Writes a world of this many robots into a folder, and its model file.
 
     Args:
         folder: where the files go.
         worlds: the folder of flatland_server's worlds.
         robots: how many; robot `robot_7` has the namespace `robot_7`.
+        crowded: whether they begin close together in the lobby, instead of all over the office.
 
     Returns:
         The world file.
@@ -84,7 +85,7 @@ def write_world(folder: Path, worlds: Path, robots: int) -> Path:
         f"layers: [{{name: map, map: {worlds / 'office' / 'office.yaml'}}}]",
         "models:" if robots else "models: []",
     ]
-    for i, (x, y) in enumerate(free_places(worlds / "office" / "office.yaml", robots)):
+    for i, (x, y) in enumerate(free_places(worlds / "office" / "office.yaml", robots, crowded)):
         yaw = i * 2.4 % 6.28  # spread over all headings
         lines.append(
             f"  - {{name: robot_{i}, namespace: robot_{i}, model: robot.model.yaml, "
@@ -95,8 +96,13 @@ def write_world(folder: Path, worlds: Path, robots: int) -> Path:
     return path
 
 
-def free_places(map_file: Path, count: int) -> List[Tuple[float, float]]:
+def free_places(map_file: Path, count: int, crowded: bool = False) -> List[Tuple[float, float]]:
     """Places [m] all over a map, within its walls and clear of them and of each other.
+
+    Args:
+        map_file: of an image map whose origin is not rotated.
+        count: how many.
+        crowded: whether to choose those that are nearest to the lobby, as close as they may be.
 
     Raises:
         ValueError: there are not that many.
@@ -105,15 +111,20 @@ def free_places(map_file: Path, count: int) -> List[Tuple[float, float]]:
     cells = _coarsened(pixels, round(_CELL / resolution))
     column, row = ((np.array(_START) - origin) / _CELL).astype(int)
     roomy = _eroded(reachable(cells, row, column))
-    for pitch in range(min(roomy.shape), _CLOSEST - 1, -1):
+    widest = _CLOSEST if crowded else min(roomy.shape)
+    for pitch in range(widest, _CLOSEST - 1, -1):
         rows, columns = np.nonzero(roomy[pitch // 2 :: pitch, pitch // 2 :: pitch])
         if len(rows) >= count:
             break
     else:
         raise ValueError(f"{map_file}: {count} robots do not fit, only {len(rows)}")
-    chosen = np.linspace(0, len(rows) - 1, count).round().astype(int)
-    places = np.stack([columns[chosen], rows[chosen]], axis=1) * pitch + pitch // 2
-    return [(float(x), float(y)) for x, y in (places + 0.5) * _CELL + origin]
+    cells_of_places = np.stack([columns, rows], axis=1) * pitch + pitch // 2
+    places = (cells_of_places + 0.5) * _CELL + origin
+    if crowded:
+        chosen = np.argsort(np.linalg.norm(places - _START, axis=1), kind="stable")[:count]
+    else:
+        chosen = np.linspace(0, len(rows) - 1, count).round().astype(int)
+    return [(float(x), float(y)) for x, y in places[chosen]]
 
 
 def _coarsened(free: BoolArray, side: int) -> BoolArray:

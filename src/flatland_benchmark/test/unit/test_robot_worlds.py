@@ -43,6 +43,15 @@ def test_places_are_inside_and_all_over_the_office():
     assert np.ptp(places, axis=0) == pytest.approx([62, 23], abs=2)
 
 
+def test_a_crowd_is_in_the_lobby_clear_of_walls_and_of_each_other():
+    places = np.array(free_places(OFFICE, 100, crowded=True))
+
+    between = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
+    assert np.linalg.norm(places, axis=1).max() < 5.0
+    assert between[~np.eye(100, dtype=bool)].min() > 2 * RADIUS
+    assert distances_to_segments(places, read_map(OFFICE)).min() > RADIUS
+
+
 def test_places_are_the_same_each_time():
     assert free_places(OFFICE, 20) == free_places(OFFICE, 20)
 

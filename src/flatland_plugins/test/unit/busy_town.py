@@ -145,26 +145,30 @@ class Town:
 
     def run(self, seconds: float) -> "Town":
         """Advances the time, with commands that depend on it alone."""
-        timekeeper, world = self.simulation.timekeeper, self.simulation.world
         for _ in range(round(seconds / 0.005)):
-            step = timekeeper.nanoseconds // 5_000_000
-            if step % 40 == 0:
-                for index, robot in enumerate(("anna", "bert", "late")):
-                    if robot in world.models:
-                        speed, turn = math.sin(0.013 * step + index), math.cos(0.7 * step)
-                        self.simulation.drive(speed, turn, topic=f"/{robot}/cmd_vel")
-                self.simulation.send("/tween_trigger", Bool(step % 240 < 160))
-            if step == 100:
-                world.delete_model("gone")
-                world.spawn_model(self.files.folder / "robot.yaml", "late", "late", Pose(-2, 2, 0))
-            if step == 150:
-                world.add_walls("map", [[1.0, 1.0, 2.0, 1.5]])
-                world.spawn_model(self.files.folder / "box.yaml", "gone", "gone", Pose(3, -3, 1))
-                world.delete_model("emil")
-            if step == 220:
-                world.move_model("bert", Pose(1.5, -1.0, 2.0))
+            self.act()
             self.simulation.run()
         return self
+
+    def act(self) -> None:
+        """What happens before the next step; something only if its number is a multiple of 10."""
+        world = self.simulation.world
+        step = self.simulation.timekeeper.nanoseconds // 5_000_000
+        if step % 40 == 0:
+            for index, robot in enumerate(("anna", "bert", "late")):
+                if robot in world.models:
+                    speed, turn = math.sin(0.013 * step + index), math.cos(0.7 * step)
+                    self.simulation.drive(speed, turn, topic=f"/{robot}/cmd_vel")
+            self.simulation.send("/tween_trigger", Bool(step % 240 < 160))
+        if step == 100:
+            world.delete_model("gone")
+            world.spawn_model(self.files.folder / "robot.yaml", "late", "late", Pose(-2, 2, 0))
+        if step == 150:
+            world.add_walls("map", [[1.0, 1.0, 2.0, 1.5]])
+            world.spawn_model(self.files.folder / "box.yaml", "gone", "gone", Pose(3, -3, 1))
+            world.delete_model("emil")
+        if step == 220:
+            world.move_model("bert", Pose(1.5, -1.0, 2.0))
 
     def motion(self) -> Dict[str, List[Tuple[float, ...]]]:
         """Pose and velocity of each body, by model."""

@@ -51,6 +51,21 @@ class Listening : public ContactTest {
   World::Drive drive_;
 };
 
+TEST_F(Listening, StepsEndAfterOneWithAnEvent) {
+  int before = -1;
+  recorder_.action = [&](Contact&) { before = world_.completed_steps(); };
+
+  const int steps = world_.StepUntilContact(kStep, 1000);
+
+  EXPECT_GT(steps, 10);
+  EXPECT_EQ(before, steps - 1);
+  EXPECT_EQ(world_.completed_steps(), steps);
+  EXPECT_EQ(recorder_.Count(kBeginContact), 1);
+  world_.ListenToContacts(waiting_, kNoContactEvents);
+  EXPECT_EQ(world_.StepUntilContact(kStep, 50), 50);
+  EXPECT_THROW(world_.StepUntilContact(kStep, 0), std::invalid_argument);
+}
+
 TEST_F(Listening, MayLookAtTheWorld) {
   recorder_.action = [&](Contact& contact) {
     const double apart = world_.GetPose(waiting_).x - world_.GetPose(moving_).x;

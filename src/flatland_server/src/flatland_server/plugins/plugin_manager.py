@@ -35,6 +35,8 @@ logger = logging.getLogger(__name__)
 P = TypeVar("P", bound=Plugin)
 Hook = Callable[..., None]
 
+_NO_CALLS = StepCalls([])
+
 
 class PluginFailure(NamedTuple):
     """Why a plugin was switched off."""
@@ -81,7 +83,7 @@ class PluginManager:
         self._failures: Dict[Plugin, PluginFailure] = {}
         self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
         self._schedule = Schedule(self._has_work)
-        self._step_calls = StepCalls([])
+        self._step_calls = _NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
         """Called when a plugin has failed and is switched off; without it, that is logged."""
         self._starting = 0  # calls of `start` that are being made, each within the one before
@@ -193,7 +195,7 @@ class PluginManager:
         self._stop_calling([plugin for plugins in self._plugins.values() for plugin in plugins])
         for model_name in list(self._plugins):
             self.stop(model_name)
-        self._step_calls = StepCalls([])
+        self._step_calls = _NO_CALLS
 
     def steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
         """The number of steps from now on, up to a limit, that need no calls of step hooks.
@@ -203,7 +205,10 @@ class PluginManager:
         revision = self._transport.subscriber_revision
         if revision != self._transport.subscriber_revision:
             return 0
-        return self._schedule.steps_without_calls(timekeeper, revision, limit)
+        steps = self._schedule.steps_without_calls(timekeeper, revision, limit)
+        if steps > 0:
+            self._step_calls = _NO_CALLS  # or those of the last step would keep plugins alive
+        return steps
 
     def pass_over(self, nanoseconds: int) -> None:
         """Must be called when such steps were made, with the time of the last one [ns]."""

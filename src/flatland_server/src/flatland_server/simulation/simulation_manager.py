@@ -92,16 +92,20 @@ class SimulationManager:
         self.is_paused = not self.is_paused
 
     def step(self, count: int = 1) -> None:
-        """Makes steps, whether paused or not, and runs the pending callbacks before each of them.
+        """Makes steps, whether paused or not, and runs the pending callbacks between them.
 
         Raises:
             ValueError: the count is below 1.
         """
         if count < 1:
             raise ValueError(f"expected 1 step or more, found {count}")
-        for _ in range(count):
+        while count > 0:
             self.world.transport.process()
-            self._step()
+            if self.after_step:
+                self._step()
+                count -= 1
+            else:
+                count -= self.world.step_up_to(self.timekeeper, count)
 
     def request_steps(
         self, count: int = 1, expected: Sequence[str] = (), timeout: float = 10.0

@@ -1,0 +1,222 @@
+"""World.step_up_to: steps in one call of the core, which plugins cannot tell from single ones."""
+
+import math
+import random
+from typing import Any, List
+
+import pytest
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Pose
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.world import World
+from flatland_server.testing import WorldFiles
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.transport import Transport
+from flatland_server.update_timer import UpdateTimer
+
+WALLS = ("0 0 3 0", "3 0 3 3", "3 3 0 3", "0 3 0 0")
+DISC = "{type: circle, radius: 0.15, density: 1, restitution: 1}"
+
+
+class Run:
+    """A world with its time, and what its plugins have seen; they share it as `run`."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.timekeeper = Timekeeper(0.005)
+        self.log: List[Any] = []
+        self.calls = 0
+
+    def step(self, count: int, at_once: bool) -> "Run":
+        global run
+        run = self
+        while count > 0:
+            self.world.transport.process()
+            self.calls += 1
+            if at_once:
+                count -= self.world.step_up_to(self.timekeeper, count)
+            else:
+                self.world.step(self.timekeeper)
+                count -= 1
+        return self
+
+    def seen(self) -> Any:
+        poses = [model.base.pose for model in self.world.models.values()]
+        return self.log, poses, self.timekeeper.nanoseconds
+
+
+run: Run
+
+
+class Witness(ModelPlugin):
+    """Logs contacts and their times, and acts at some of them."""
+
+    def on_initialize(self, config):
+        self.count = 0
+
+    def begin_contact(self, contact):
+        run.log.append((run.timekeeper.nanoseconds, self.model.name, contact.normal))
+        self.count += 1
+        if self.count % 3 == 0:
+            run.world.move_model(self.model.name, Pose(*(0.5 + self.rng.random(2) * 2), 0.0))
+        if self.count % 4 == 0:
+            self.model.base.physics_body.velocity = (*self.rng.uniform(-3, 3, 2), 1.0)
+        if self.count % 5 == 0:
+            self.update_timer = UpdateTimer(self.rng.uniform(10, 100))
+        if self.count == 12:
+            raise ValueError("enough")
+
+    def end_contact(self, contact):
+        run.log.append((run.timekeeper.nanoseconds, self.model.name, "end"))
+        run.world.transport.send("/cue", self.model.name)
+
+    def get_state(self):
+        return self.count
+
+
+class Timed(ModelPlugin):
+    """Logs when it is due, and what it is told."""
+
+    def on_initialize(self, config):
+        self.update_timer = UpdateTimer(config.get_float("rate"))
+        self.node.subscribe("cue", str, self.hear)
+
+    def hear(self, cue):
+        run.log.append((run.timekeeper.nanoseconds, self.name, cue))
+
+    def before_physics_step(self, timekeeper):
+        run.log.append((timekeeper.nanoseconds, self.name, tuple(self.model.base.pose)))
+
+    def get_state(self):
+        return None
+
+
+class Announcer(Timed):
+    """Works for subscribers only."""
+
+    only_publishes = True
+
+    def on_initialize(self, config):
+        super().on_initialize(config)
+        self.publisher = self.node.advertise("news", str)
+
+    def has_work(self):
+        return self.publisher.has_subscribers
+
+
+class Fickle(Announcer):
+    """Has a `has_work` of its own that depends on something else."""
+
+    def has_work(self):
+        return int(run.timekeeper.nanoseconds / 1e8) % 2 == 1
+
+
+@pytest.fixture
+def files(tmp_path) -> WorldFiles:
+    plugins = (Witness, Timed, Announcer, Fickle)
+    return WorldFiles(tmp_path, PluginLoader(map(PluginDeclaration.of, plugins)))
+
+
+def make_run(files: WorldFiles, *plugins: str, transport: Any = None, seed: int = 0) -> Run:
+    """Discs that bounce in a room; the first has these plugins, the others none."""
+    files.model("plain", footprint=DISC)
+    files.model("first", *plugins, footprint=DISC)
+    models = {
+        f"m{i}": {"model": f"{'plain' if i else 'first'}.model.yaml", "pose": [0.5 + i / 3, 1.5, 0]}
+        for i in range(6)
+    }
+    layers = [{"name": "room", "map": files.walls("room", *WALLS)}]
+    transport = transport or LocalTransport(subscribed_topics=())
+    simulation = files.load_models(models, layers, transport=transport, seed=seed)
+    rng = random.Random(seed)
+    for model in simulation.world.models.values():
+        model.base.physics_body.velocity = (rng.uniform(-3, 3), rng.uniform(-3, 3), 0.0)
+    return Run(simulation.world)
+
+
+WITNESS = "type: Witness, name: witness"
+TIMED = "type: Timed, name: timed, rate: 7"
+ANNOUNCER = "type: Announcer, name: announcer, rate: 30"
+FICKLE = "type: Fickle, name: fickle, rate: 45"
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "plugins",
+    [(), (WITNESS,), (TIMED, ANNOUNCER), (FICKLE,), (WITNESS, TIMED, ANNOUNCER, FICKLE)],
+    ids=["none", "contacts", "timers", "fickle", "all"],
+)
+def test_they_are_as_many_single_steps(files, plugins, seed):
+    single, many = (make_run(files, *plugins, seed=seed) for _ in range(2))
+    rng = random.Random(seed)
+    steps = 0
+    for _ in range(40):
+        count = rng.choice([1, 2, 30, 150])
+        steps += count
+        topics = rng.choice([(), ("/news",)])
+        for each, at_once in ((single, False), (many, True)):
+            if count == 2:
+                each.world.transport.set_subscribed_topics(topics)
+            each.step(count, at_once)
+        assert many.seen() == single.seen()
+        assert many.world.save_state(many.timekeeper) == single.world.save_state(single.timekeeper)
+
+    assert many.calls < 0.7 * steps
+
+
+def test_without_plugins_there_are_few_calls(files):
+    assert make_run(files).step(1000, at_once=True).calls == 10
+
+
+def test_a_plugin_that_only_publishes_divides_no_steps_until_it_has_a_subscriber(files):
+    run = make_run(files, ANNOUNCER).step(1, at_once=True)
+    run.step(100, at_once=True)
+    assert run.calls == 2
+
+    run.world.transport.set_subscribed_topics(("/news",))
+    run.step(100, at_once=True)
+
+    # At 30 Hz from the first step on: the first steps after 533.3, 566.7, 600 ms ...
+    steps = [time // 5_000_000 for time, *_ in run.log]
+    assert steps == [math.ceil(i * 200 / 30) for i in range(31) if i * 200 / 30 > 100]
+
+
+def test_a_transport_that_does_not_know_its_subscribers_gets_single_steps(files):
+    class Unsure(LocalTransport):
+        subscriber_revision = Transport.subscriber_revision
+
+    assert make_run(files, ANNOUNCER, transport=Unsure()).step(50, at_once=True).calls == 50
+
+
+def test_the_manager_makes_steps_at_once_unless_each_is_followed_by_a_callback(files):
+    run = make_run(files)
+    manager = SimulationManager(run.world, run.timekeeper)
+    flushes: List[int] = []
+    run.world.transport.flush = lambda: flushes.append(run.timekeeper.nanoseconds)
+
+    manager.step(50)
+    assert flushes == [250_000_000]
+
+    manager.after_step.append(lambda: None)
+    manager.step(3)
+    assert flushes[1:] == [255_000_000, 260_000_000, 265_000_000]
+
+
+def test_a_hook_cannot_make_them(files, monkeypatch):
+    run = make_run(files, TIMED)
+    errors: List[str] = []
+
+    def try_it(plugin, timekeeper):
+        with pytest.raises(FlatlandError) as caught:
+            run.world.step_up_to(timekeeper, 5)
+        errors.append(str(caught.value))
+
+    monkeypatch.setattr(Timed, "before_physics_step", try_it)
+    run = make_run(files, TIMED)
+    run.step(1, at_once=True)
+
+    assert errors == ["a hook of a plugin cannot make a step"]
