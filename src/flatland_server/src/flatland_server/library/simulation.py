@@ -148,6 +148,19 @@ class Simulation(SimulatedTopics):
         self._seed = self._seed if seed is None else seed
         return self
 
+    def save_state(self) -> bytes:
+        """The state of the world and the time, for `load_state`: here, or in another process.
+
+        From here on, this simulation goes on, bit for bit, like each one that loads the state;
+        without the call it would differ in the last bits.
+
+        Raises:
+            StateError: a plugin's state cannot be saved.
+            UsageError: the simulation is closed.
+        """
+        self.require_open()
+        return super().save_state()
+
     def load_state(self, state: bytes) -> "Simulation":
         """Puts the world into a saved state, its time and seed included; returns this simulation.
 
