@@ -83,7 +83,7 @@ class Simulation(SimulatedTopics):
             loader=loader,
         )
         super().__init__(opened, step_size)
-        self.subscribe(*topics)
+        self.subscribe(*([topics] if isinstance(topics, str) else topics))
         self._recorders: List[Recorder] = []
         self._renderer = Renderer(opened, self.timekeeper)
         self._handles: Dict[str, ModelHandle] = {}
@@ -372,7 +372,9 @@ class Simulation(SimulatedTopics):
             recorder.write_step()
 
     def _handle(self, name: str) -> ModelHandle:
-        return self._handles.setdefault(name, ModelHandle(self, name))
+        if name not in self._handles:
+            self._handles[name] = ModelHandle(self, name)
+        return self._handles[name]
 
     def _unknown_model(self, name: str) -> ModelError:
         hint, known = suggestion(name, self.world.models), listed(self.world.models)

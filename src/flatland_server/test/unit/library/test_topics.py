@@ -50,6 +50,7 @@ def test_topics_can_be_subscribed_to_from_the_beginning(world):
     sim = Simulation(world, loader=LOADER, topics=["speed", "/later/speed"]).step()
     assert sim.last("/speed").data == 0.0
 
+    assert Simulation(world, loader=LOADER, topics="speed").step().last("/speed").data == 0.0
     sim.spawn(world["models"][0]["model"], "later", [-1, 0, 0], namespace="later")
     sim.step()
     assert sim.last("/later/speed").data == 0.0
