@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -88,6 +89,13 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
     assert not [name for name in names if "__pycache__" in name or "/test/" in name]
     server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}
     assert {"py.typed", "_core.pyi", "worlds/office/office.png"} <= server
+
+
+def test_the_script_of_the_guide_drives_and_scans(library):
+    guide = (ROOT / "docs" / "install.md").read_text()
+    [script] = re.findall(r"^```python\n(.*?)^```", guide, re.DOTALL | re.MULTILINE)
+
+    assert re.search(r"^2\.0 s, 1081 beams, the nearest \d", library.run("-c", script))
 
 
 def test_no_module_needs_ros(library):
