@@ -63,6 +63,8 @@ class Imu(ModelPlugin):
 
     only_publishes = True
 
+    quantities = ("ground_truth",)
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the keys and opens the topics."""
         self._body = self.get_body(config)

@@ -32,6 +32,8 @@ class Laser(ModelPlugin):
 
     only_publishes = True
 
+    quantities = ("intensities",)
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         body = self._body = self.get_body(config)

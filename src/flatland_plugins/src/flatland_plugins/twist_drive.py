@@ -35,6 +35,7 @@ class TwistDrive(ModelPlugin, ABC):
     """
 
     only_publishes = True
+    quantities = ("ground_truth",)
     publishes_twist: ClassVar[bool] = True
     publishes_transform: ClassVar[bool] = True
 

@@ -191,7 +191,7 @@ def test_arrays_and_lists_that_were_read_are_the_callers(load, name):
 def test_a_laser_gives_ranges_as_floats_and_intensities(load):
     laser = load().models["robot"].sensors["laser"]
 
-    assert laser.quantities == ["intensities"]
+    assert laser.quantities == ("intensities",)
     assert (laser.read().dtype, laser.read().shape) == (np.float32, (5,))
     assert set(laser.read("intensities").tolist()) == {0.0, 255.0}  # the box is on all layers
 

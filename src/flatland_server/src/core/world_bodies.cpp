@@ -1,5 +1,6 @@
 /// World: bodies and layers.
 
+#include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "to_box2d.hpp"
@@ -58,6 +59,8 @@ World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers)
     record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
   }
   layers_.push_back({SegmentTree::Share(walls), layers});
+  const bool has_layers_alone = body_count() == static_cast<int>(layers_.size());
+  if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*world_);
   ++revision_;
   return AddRecord(std::move(record));
 }

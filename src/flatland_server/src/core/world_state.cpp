@@ -287,6 +287,7 @@ void World::Rebuild(const WorldState& state) {
   rebuilt->SetDestructionListener(this);
   box2d::InverseStep(*rebuilt) = state.inverse_step;
   std::vector<BodyRecord*> records;
+  bool has_layers_alone = true;
   bodies_.ForEach([&](Body, BodyRecord& record) {
     const BodyState& of_body = state.bodies[records.size()];
     b2Body* body = CopyBody(*rebuilt, *record.body, of_body);
@@ -296,6 +297,8 @@ void World::Rebuild(const WorldState& state) {
     }
     record.body = body;
     records.push_back(&record);
+    has_layers_alone = has_layers_alone && record.is_layer;
+    if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*rebuilt);
   });
   const auto copy_of = [&](b2Body* old) {
     return bodies_.Get(bodies_.HandleAt(static_cast<uint32_t>(old->GetUserData().pointer))).body;

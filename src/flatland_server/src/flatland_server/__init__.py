@@ -43,7 +43,7 @@ from flatland_server.exceptions import (
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
-from flatland_server.library.handles import ModelHandle, Sensor
+from flatland_server.library.handles import DriveHandle, ModelHandle, SensorHandle
 from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.touch import Touch
@@ -83,6 +83,7 @@ __all__ = [
     "ContactImpulse",
     "ContactSides",
     "Drive",
+    "DriveHandle",
     "Entity",
     "Fixture",
     "FlatlandError",
@@ -120,7 +121,7 @@ __all__ = [
     "RecordingError",
     "RelativePoses",
     "Segments",
-    "Sensor",
+    "SensorHandle",
     "Simulation",
     "SimulationManager",
     "StateError",

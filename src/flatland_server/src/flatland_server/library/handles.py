@@ -1,7 +1,7 @@
 """What a simulation hands out for its models and their plugins."""
 
 import inspect
-from typing import TYPE_CHECKING, Any, List
+from typing import TYPE_CHECKING, Any, List, Tuple
 
 from flatland_server.exceptions import (
     ModelError,
@@ -36,14 +36,14 @@ class ModelHandle:
     def __init__(self, simulation: "Simulation", name: str) -> None:
         self.name = name
         self._simulation = simulation
-        self.sensors: Catalog[Sensor] = Catalog(
+        self.sensors: Catalog[SensorHandle] = Catalog(
             lambda: self._plugins_with("read"),
-            lambda plugin: Sensor(self, plugin),
+            lambda plugin: SensorHandle(self, plugin),
             lambda plugin: self._unknown("sensor", plugin, self._plugins_with("read")),
         )
-        self.drives: Catalog[Drive] = Catalog(
+        self.drives: Catalog[DriveHandle] = Catalog(
             lambda: self._plugins_with("command"),
-            lambda plugin: Drive(self, plugin),
+            lambda plugin: DriveHandle(self, plugin),
             lambda plugin: self._unknown("drive", plugin, self._plugins_with("command")),
         )
 
@@ -133,7 +133,7 @@ class ModelHandle:
         )
 
 
-class Sensor:
+class SensorHandle:
     """A plugin that measures something, by its name; see `ModelPlugin.read`.
 
     Attributes:
@@ -150,10 +150,9 @@ class Sensor:
         return self._model.plugin(self.name).type
 
     @property
-    def quantities(self) -> List[str]:
+    def quantities(self) -> Tuple[str, ...]:
         """What `read` may be asked for besides what it gives by default."""
-        plugin = type(self._model.plugin(self.name))
-        return [name[len("read_") :] for name in dir(plugin) if name.startswith("read_")]
+        return self._model.plugin(self.name).quantities
 
     def read(self, quantity: str = "") -> Any:
         """What it measures now, at the time of the simulation; computed in this call.
@@ -170,20 +169,20 @@ class Sensor:
             UsageError: it does not measure this quantity, or the simulation is closed.
         """
         plugin = self._model.plugin(self.name)
-        method = getattr(plugin, f"read_{quantity}", None) if quantity else plugin.read
-        if method is None:
-            known = self.quantities
+        known = plugin.quantities
+        if quantity and quantity not in known:
             raise UsageError(
                 f'the sensor "{plugin.node.owner}" does not measure "{shortened(quantity)}"'
                 f"{suggestion(quantity, known)}; besides what read() gives: {listed(known)}"
             )
+        method = getattr(plugin, f"read_{quantity}") if quantity else plugin.read
         return method(self._model._simulation.timekeeper)
 
     def __repr__(self) -> str:
         return f'<sensor "{self._model.name}/{self.name}">'
 
 
-class Drive:
+class DriveHandle:
     """A plugin that takes commands, by its name; see `ModelPlugin.command`.
 
     Attributes:

@@ -1,6 +1,6 @@
 """The base class of plugins that belong to a model, such as drives and sensors."""
 
-from typing import Any, NamedTuple, Optional, Set
+from typing import Any, ClassVar, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
@@ -31,7 +31,13 @@ class ModelPlugin(Plugin):
     """A plugin of one model; `self.model` is the model, `self.node` is in its namespace.
 
     `flatland_server.plugins.plugin` describes the life of a plugin.
+
+    Attributes:
+        quantities: what it measures besides what `read` returns: there is a method
+            `read_<quantity>` for each, with the same argument.
     """
+
+    quantities: ClassVar[Tuple[str, ...]] = ()
 
     def __init__(
         self, type: str, name: str, node: Node, rng: np.random.Generator, model: Model
@@ -42,10 +48,9 @@ class ModelPlugin(Plugin):
     def read(self, timekeeper: Timekeeper) -> Any:
         """What the plugin measures now: `simulation.models["robot"].sensors["name"].read()`.
 
-        To be overridden by sensors. Further methods `read_<quantity>`, with the same argument, are
-        for what else they measure: `read_intensities` is called by `read("intensities")`. Called
-        between steps, whether topics have subscribers or not. It changes nothing that the plugin
-        publishes later, and has the errors that a message of this time would have.
+        To be overridden by sensors. Called between steps, whether topics have subscribers or not.
+        It changes nothing that the plugin publishes later, and has the errors that a message of
+        this time would have.
 
         Args:
             timekeeper: has the time.

@@ -28,12 +28,12 @@ SECONDS = 0.5
 def check_messages(case: CheckedPlugin) -> Problems:
     """Equal seeds give equal messages, transforms and worlds; a writer's bytes are its message."""
     runs = [case.load(seed=7).go(SECONDS) for _ in range(2)]
-    first, second = (_content(run) for run in runs)
+    first, second = (content_of(run) for run in runs)
     if first != second:
         different = [f"{a[1]} in step {a[0]}" for a, b in zip(first, second) if a != b]
         where = (different or ["their number"])[0]
         yield f"expected equal messages from equal seeds, found a difference in {where}"
-    if _state(runs[0]) != _state(runs[1]):
+    if state_of(runs[0]) != state_of(runs[1]):
         yield "expected equal poses and walls from equal seeds, found a difference"
     for topic in sorted(set(runs[0].transport.wrong_data)):
         yield f"expected the MessageWriter of {topic} to make bytes that equal its message"
@@ -96,8 +96,8 @@ def _check_late_subscriber(case: CheckedPlugin, run: Run) -> Problems:
     seen = len(transport.events), len(transport.sent_transforms)
     transport.set_subscribed_topics(None)
     run.simulation.run(SECONDS)
-    late = _content(run, *seen)
-    expected = [each for each in _content(subscribed) if each[0] > late[0][0]] if late else []
+    late = content_of(run, *seen)
+    expected = [each for each in content_of(subscribed) if each[0] > late[0][0]] if late else []
     if [each for each in late if each[0] > late[0][0]] != expected:
         yield "expected the same messages, however late a topic gets its subscriber"
     topics = {event.topic for event in transport.events}
@@ -105,7 +105,7 @@ def _check_late_subscriber(case: CheckedPlugin, run: Run) -> Problems:
         yield f"expected a message on {topic} after it has got a subscriber, found none"
 
 
-def _content(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int, str, bytes]]:
+def content_of(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int, str, bytes]]:
     """Everything that was sent, in order: the step, the topic or frame, and the content."""
     sent = [(e.step, e.topic, e.data) for e in run.transport.events[events:]]
     for step, _, transform in run.transport.sent_transforms[transforms:]:
@@ -113,7 +113,7 @@ def _content(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int, 
     return sorted(sent, key=lambda each: each[:2])
 
 
-def _state(run: Run) -> Tuple[Any, ...]:
+def state_of(run: Run) -> Tuple[Any, ...]:
     """The poses of all models, and the walls of all layers."""
     world = run.simulation.world
     poses = {name: model.pose for name, model in world.models.items()}
@@ -123,7 +123,7 @@ def _state(run: Run) -> Tuple[Any, ...]:
 def check_states(case: CheckedPlugin) -> Problems:
     """A run goes on in another world from a saved state; after a reset, it begins again."""
     run = case.load(seed=7).go(SECONDS)
-    first, began_with = _content(run), _state(run)
+    first, began_with = content_of(run), state_of(run)
     state = run.simulation.save_state()
     other = case.load(seed=8)
     other.simulation.load_state(state)
@@ -132,14 +132,14 @@ def check_states(case: CheckedPlugin) -> Problems:
     for each in (run, other):
         each.simulation.allow_failures = True
         sent = len(each.transport.events), len(each.transport.sent_transforms)
-        ends.append((_content(each.go(SECONDS), *sent), _state(each)))
+        ends.append((content_of(each.go(SECONDS), *sent), state_of(each)))
     for failure in other.simulation.world.plugin_failures:
         yield f"expected no failure after its state was loaded, found {failure.reason}"
     yield from _check_same(ends[0], ends[1], "after its state was saved and loaded in a new world")
     run.simulation.reset()
     run.transport.step = 0
     sent = len(run.transport.events), len(run.transport.sent_transforms)
-    again = _content(run.go(SECONDS), *sent), _state(run)
+    again = content_of(run.go(SECONDS), *sent), state_of(run)
     yield from _check_same((first, began_with), again, "after a reset")
 
 

@@ -6,7 +6,12 @@ import yaml
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.testing import behaviour_checks, configuration_checks, name_checks
+from flatland_server.testing import (
+    behaviour_checks,
+    configuration_checks,
+    name_checks,
+    reading_checks,
+)
 from flatland_server.testing.checked_plugin import CheckedPlugin
 from flatland_server.testing.files import Entry
 
@@ -43,6 +48,8 @@ def check_plugin(
     - A run goes on with the same messages from a state that was saved and loaded in a new world; a
       reset world runs as it did first.
     - Pictures of the world change nothing in the run.
+    - What a program reads (`ModelPlugin.read`) is the same twice at one time, and without
+      subscribers; it changes nothing in the run.
     - An empty message, or one of NaN or infinities, does not make it fail.
     - Its end leaves no topic, subscription, transform, body or joint behind, and nothing refers to
       the plugin any more. A deleted model can be spawned again.
@@ -86,6 +93,7 @@ def check_plugin(
         *behaviour_checks.check_messages(case),
         *behaviour_checks.check_states(case),
         *behaviour_checks.check_drawing(case),
+        *reading_checks.check_readings(case),
         *behaviour_checks.check_bad_messages(case),
         *behaviour_checks.check_end(case),
     ]

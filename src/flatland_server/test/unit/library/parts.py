@@ -11,6 +11,8 @@ WALLS = "-2 -2 2 -2\n2 -2 2 2\n"
 class Pusher(ModelPlugin):
     """Drives its body, publishes its speed, and fails at a negative command."""
 
+    quantities = ("speed",)
+
     def on_initialize(self, config):
         self.speed = 0.0
         self.received = []

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from flatland_server import ModelHandle, Sensor, Simulation, Touch
+from flatland_server import DriveHandle, ModelHandle, SensorHandle, Simulation, Touch
 
 ROOT = Path(__file__).resolve().parents[5]
 PAGE = ROOT / "docs" / "library.md"
@@ -39,7 +39,7 @@ def test_the_program_has_all_blocks_at_the_lines_of_the_page(page):
     assert len(re.findall("```python", page)) == len(re.findall(r"```python\n(?!```)", page))
 
 
-@pytest.mark.parametrize("kind", [Simulation, ModelHandle, Sensor, Touch])
+@pytest.mark.parametrize("kind", [Simulation, ModelHandle, SensorHandle, DriveHandle, Touch])
 def test_each_public_name_is_on_the_page(page, kind):
     names = {name for each in kind.__mro__[:-1] for name in vars(each) if not name.startswith("_")}
     inner = {"require_open", "plugin", "type"}

@@ -314,6 +314,32 @@ class ChangesItsTopic(Beacon):
         return topic if self.body.physics_body.id < 2**33 else "another"  # its slot is used again
 
 
+class ReadsItsChance(Beacon):
+    def read(self, timekeeper):
+        return self.rng.random()
+
+
+class CountsReadings(Beacon):
+    def read(self, timekeeper):
+        self.low += 1e-3
+        return 0.0
+
+    def before_physics_step(self, timekeeper):
+        self.model.base.physics_body.velocity = (self.low, 0.0, 0.0)
+        super().before_physics_step(timekeeper)
+
+
+class ReadsItsMessage(Beacon):
+    published = 0
+
+    def before_physics_step(self, timekeeper):
+        super().before_physics_step(timekeeper)
+        self.published += self.publisher.has_subscribers
+
+    def read(self, timekeeper):
+        return self.published
+
+
 BROKEN: Dict[Type[Beacon], str] = {
     ReadsMore: 'the plugin reads the key "secret", which the entry does not show',
     IgnoresUnknownKeys: 'expected a refusal of "olw" in line',
@@ -335,6 +361,9 @@ BROKEN: Dict[Type[Beacon], str] = {
     KnowsOfTheLifeBefore: "expected the same messages after a reset, found a difference in /point",
     MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
     WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its message",
+    ReadsItsChance: "expected equal readings at one time, found 0.",
+    CountsReadings: "expected the same poses and walls after readings, found a difference",
+    ReadsItsMessage: "expected the same reading without subscribers, found 0",
     FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",
     MovesWhenDrawn: "expected the same run with pictures as without, found a difference",
     FailsToDraw: "expected to draw itself, found draw: ZeroDivisionError",

@@ -1,0 +1,44 @@
+"""Checks of what a plugin measures when a program reads it. Each yields what it finds wrong."""
+
+from typing import Any, List
+
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.testing.behaviour_checks import SECONDS, Problems, content_of, state_of
+from flatland_server.testing.checked_plugin import ROBOT, CheckedPlugin, Run
+
+
+def check_readings(case: CheckedPlugin) -> Problems:
+    """Readings change nothing in the run, are equal at one time, and need no subscribers."""
+    run = case.load(seed=7)
+    if not _readings(run):
+        return
+    silent = case.load(seed=7).go(SECONDS)
+    alone = case.load(seed=7, has_subscribers=False)
+    for each in (run, alone):
+        each.go(0.0)
+    step = run.simulation.timekeeper.step_size
+    for _ in range(round(SECONDS / step)):
+        first, second = _readings(run), _readings(run)
+        if first != second:
+            yield f"expected equal readings at one time, found {first[0]} and {second[0]}"
+            return
+        if _readings(alone) != first:
+            yield f"expected the same reading without subscribers, found {_readings(alone)[0]}"
+            return
+        run.simulation.run()
+        alone.simulation.run()
+    if content_of(run) != content_of(silent):
+        yield "expected the same messages after readings, found a difference"
+    if state_of(run) != state_of(silent):
+        yield "expected the same poses and walls after readings, found a difference"
+
+
+def _readings(run: Run) -> List[str]:
+    """What the plugin measures now, if it is a sensor; as strings, for comparison."""
+    plugins: List[Any] = list(run.simulation.world.plugins_of(ROBOT).values())
+    return [
+        repr(read(run.simulation.timekeeper))
+        for plugin in plugins
+        if type(plugin).read is not ModelPlugin.read
+        for read in (plugin.read, *(getattr(plugin, f"read_{each}") for each in plugin.quantities))
+    ]
