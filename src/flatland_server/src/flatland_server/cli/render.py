@@ -11,7 +11,6 @@ from flatland_server.cli.arguments import (
     positive,
     size,
 )
-from flatland_server.rendering.renderer import Renderer, save
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -60,7 +59,12 @@ def _execute(options: argparse.Namespace) -> int:
         steps = round(options.time / simulation.step_size)
         if steps:
             simulation.step(steps)
-        renderer = Renderer(simulation.world, simulation.timekeeper)
-        view = renderer.view(options.size, follow=options.follow, width=options.width)
-        save(options.output, renderer, view, sensors=options.sensors, names=options.names)
+        simulation.save_picture(
+            options.output,
+            options.size,
+            follow=options.follow,
+            width=options.width,
+            sensors=options.sensors,
+            names=options.names,
+        )
     return 0

@@ -49,9 +49,12 @@ def add_parser(commands: Subparsers) -> None:
     )
     parser.add_argument(
         "--progress",
-        action=argparse.BooleanOptionalAction if sys.version_info >= (3, 9) else "store_true",
+        action="store_true",
         default=None,
-        help="show a progress bar; by default if the output is a terminal",
+        help="show a progress bar, even if the output is no terminal",
+    )
+    parser.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="show no progress bar"
     )
     parser.set_defaults(execute=_execute, parser=parser)
 

@@ -20,7 +20,7 @@ BACKGROUND: Rgba = (238 / 255, 238 / 255, 236 / 255, 1.0)
 _GRID: Rgba = (223 / 255, 223 / 255, 222 / 255, 1.0)
 _NAME: Rgba = (32 / 255, 32 / 255, 32 / 255, 1.0)
 _TRAIL: Rgba = (0.2, 0.5, 0.8, 0.8)
-_PALE = 0.8  # a wall in which no part of the colour is below it cannot be seen well
+_PALE = 0.8  # walls with more of each colour than this hardly differ from the background
 
 _WALL_WIDTH = 0.05  # m
 _OUTLINE_WIDTH = 0.01  # m

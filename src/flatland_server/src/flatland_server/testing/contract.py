@@ -9,6 +9,7 @@ from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.testing import (
     behaviour_checks,
     configuration_checks,
+    drawing_checks,
     name_checks,
     reading_checks,
 )
@@ -92,7 +93,7 @@ def check_plugin(
         *behaviour_checks.check_rates(case),
         *behaviour_checks.check_messages(case),
         *behaviour_checks.check_states(case),
-        *behaviour_checks.check_drawing(case),
+        *drawing_checks.check_drawing(case),
         *reading_checks.check_readings(case),
         *behaviour_checks.check_bad_messages(case),
         *behaviour_checks.check_end(case),
