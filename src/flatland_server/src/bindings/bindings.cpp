@@ -149,8 +149,26 @@ void BindWorld(py::module_& m) {
 
 }  // namespace
 
+#if PYBIND11_VERSION_MAJOR > 2 || PYBIND11_VERSION_MINOR >= 12
+constexpr bool kSupportsNumPy2 = true;
+#else
+constexpr bool kSupportsNumPy2 = false;  // it would read the strides of arrays at a wrong place
+#endif
+
+void RequireNumPy() {
+  const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
+  if (std::stoi(version) < 2 || kSupportsNumPy2) return;
+  throw py::import_error("flatland_server was built with pybind11 " +
+                         std::to_string(PYBIND11_VERSION_MAJOR) + "." +
+                         std::to_string(PYBIND11_VERSION_MINOR) +
+                         ", which supports NumPy before 2, found NumPy " + version +
+                         ": install numpy<2, or build with pybind11 2.12 or newer");
+}
+
 PYBIND11_MODULE(_core, m) {
+  RequireNumPy();
   m.doc() = "Flatland's physics and ray casting on Box2D.";
+  m.attr("supports_numpy_2") = kSupportsNumPy2;
   py::register_exception<GoneError>(m, "GoneError", PyExc_ReferenceError);
 
   py::class_<BeamFan, std::shared_ptr<BeamFan>>(m, "BeamFan")

@@ -648,6 +648,10 @@ class Manifold(ContactImpulse):
     def local_points(self) -> list[_Pair]:
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
 
+supports_numpy_2: bool
+"""Whether this was built with a pybind11 that supports NumPy 2. Otherwise it cannot be imported with
+it, since scans would be wrong."""
+
 def box2d_reads_clock() -> bool:
     """Whether Box2D reads the clock while it steps, which makes small worlds slower.
 
