@@ -649,8 +649,10 @@ class Manifold(ContactImpulse):
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
 
 supports_numpy_2: bool
-"""Whether this was built with a pybind11 that supports NumPy 2. Otherwise it cannot be imported with
-it, since scans would be wrong."""
+"""Whether this was built with a pybind11 that supports NumPy 2, from 2.12 on.
+
+Otherwise it cannot be imported with NumPy 2: scans would be wrong.
+"""
 
 def box2d_reads_clock() -> bool:
     """Whether Box2D reads the clock while it steps, which makes small worlds slower.

@@ -6,7 +6,7 @@ import pytest
 import rospy
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer, MarkerContext
 from rospy import rostime
-from visualization_msgs.msg import InteractiveMarkerFeedback
+from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 
 from flatland_server.ros.rospy_patches.marker_server import MarkerServer
 
@@ -57,3 +57,30 @@ def test_a_drag_is_allowed_in_the_first_second_of_simulated_time(monkeypatch, is
     server.processFeedback(InteractiveMarkerFeedback(marker_name="box", client_id="rviz"))
 
     assert len(feedback) == received
+
+
+def test_a_pose_that_a_client_drags_to_is_not_sent_back_with_changes_of_other_markers(monkeypatch):
+    monkeypatch.setattr(rostime, "_rostime_initialized", True)
+    monkeypatch.setattr(rostime, "_rostime_current", rospy.Time(5))
+    monkeypatch.setattr(InteractiveMarkerServer, "__del__", lambda _: None)
+    server = MarkerServer.__new__(MarkerServer)
+    server.mutex, server.marker_contexts, server.pending_updates = threading.Lock(), {}, {}
+    server.seq_num, published = 0, []
+    server.publish, server.publishInit = published.append, lambda: None
+    for name in ("box", "robot"):
+        server.insert(InteractiveMarker(name=name), lambda feedback: None)
+    server.applyChanges()
+    server.allow_drag("box")
+    published.clear()
+
+    feedback = InteractiveMarkerFeedback(marker_name="box", client_id="rviz")
+    feedback.event_type = InteractiveMarkerFeedback.POSE_UPDATE
+    feedback.pose.position.x = 5.5
+    server.processFeedback(feedback)
+    moved = InteractiveMarker().pose
+    moved.position.x = 1.0
+    assert server.setPose("robot", moved)
+    server.applyChanges()
+
+    [update] = published
+    assert [(each.name, each.pose.position.x) for each in update.poses] == [("robot", 1.0)]

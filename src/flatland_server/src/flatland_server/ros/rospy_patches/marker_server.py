@@ -1,4 +1,7 @@
-"""Interactive markers without the library's thread, which wakes at every step of simulated time."""
+"""Interactive markers without the library's thread, which wakes at every step of simulated time.
+
+And without the poses that the library sends back to a client that drags.
+"""
 
 import threading
 from typing import Any, Dict
@@ -11,7 +14,12 @@ from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_al
 _SERVER = "interactive_markers.interactive_marker_server:InteractiveMarkerServer"
 
 REQUIREMENTS = (
-    Requirement(f"{_SERVER}.__init__", uses=("Timer", "keepAlive", "marker_contexts")),
+    Requirement(
+        f"{_SERVER}.__init__",
+        uses=("Timer", "keepAlive", "marker_contexts", "pending_updates", "mutex"),
+    ),
+    Requirement(f"{_SERVER}.processFeedback", ("self", "feedback"), uses=("doSetPose",)),
+    Requirement(f"{_SERVER}.doSetPose", ("self", "update", "name", "pose", "header")),
     Requirement(f"{_SERVER}.keepAlive", ("self", "msg")),
     Requirement(
         "interactive_markers.interactive_marker_server:MarkerContext.__init__",
@@ -54,3 +62,20 @@ class MarkerServer(public_rospy.MarkerServer):
         context = self.marker_contexts.get(name)
         if context is not None:
             context.last_feedback = _LONG_AGO
+
+    def setPose(self, name: str, pose: Any, header: Any = None) -> bool:  # noqa: N802
+        """As the library's, with the marker's own header."""
+        with self.mutex:
+            context = self.marker_contexts.get(name)
+            if context is None:
+                return False
+            header = header or context.int_marker.header
+            super().doSetPose(self.pending_updates.get(name), name, pose, header)
+        return True
+
+    def doSetPose(self, update: Any, name: str, pose: Any, header: Any) -> None:  # noqa: N802
+        """Ignores the pose of a feedback, which the library calls this with.
+
+        The library would send it with the next change of any marker. rviz keeps it for the end of
+        the drag, and puts the model back there.
+        """
