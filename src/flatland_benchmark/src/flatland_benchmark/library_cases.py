@@ -96,9 +96,10 @@ def read_scan(worlds: Path, beams: int) -> Figures:
         }
 
 
-def run_threads(worlds: Path, scans: bool) -> Figures:
+def run_threads(worlds: Path, scans: bool, steps_per_call: int) -> Figures:
     """Many simulations in one thread and in two: the GIL is released in steps and scans.
 
+    Two threads hand the GIL over at each call, so that calls of few steps gain less.
     Hashing, which releases the GIL, too, shows how much the machine gives to a second thread.
     """
     sims = [open_office(worlds, seed=seed) for seed in range(_SIMULATIONS)]
@@ -106,8 +107,8 @@ def run_threads(worlds: Path, scans: bool) -> Figures:
 
     def run(sim: Simulation) -> None:
         laser = sim.models["turtlebot"].sensors["laser"]
-        for _ in range(_STEPS // _SELDOM):
-            sim.step(_SELDOM)
+        for _ in range(_STEPS // steps_per_call):
+            sim.step(steps_per_call)
             if scans:
                 laser.read()
 
@@ -153,11 +154,16 @@ LIBRARY_CASES = (
     Case(
         "library_threads_step",
         f"{_SIMULATIONS} offices in threads, nothing read",
-        partial(run_threads, scans=False),
+        partial(run_threads, scans=False, steps_per_call=_SELDOM),
     ),
     Case(
         "library_threads_scan",
         f"{_SIMULATIONS} offices in threads, 1081 beams at each 20th step",
-        partial(run_threads, scans=True),
+        partial(run_threads, scans=True, steps_per_call=_SELDOM),
+    ),
+    Case(
+        "library_threads_scan_100",
+        "the same, at each 100th step",
+        partial(run_threads, scans=True, steps_per_call=100),
     ),
 )
