@@ -39,6 +39,7 @@ from flatland_server.plugins.plugin_manager import FailureHandler, PluginFailure
 from flatland_server.simulation.additions import Additions
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.simulation.restartable import Restartable
+from flatland_server.simulation.stepping import Stepping
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
@@ -47,14 +48,11 @@ from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)
 
-_MAX_STEPS_PER_CALL = 100
-"""Python handles signals, such as Ctrl-C, between two calls of the core."""
-
 ModelSource = Union[str, Path, Mapping[str, Any]]
 """A model's file, or its content."""
 
 
-class World(Restartable):
+class World(Restartable, Stepping):
     """The layers, models and plugins of a simulation, and the physics that moves them.
 
     Args:
@@ -415,78 +413,6 @@ class World(Restartable):
             hint = suggestion(name, self.models)
             raise ModelError(f'there is no model "{shortened(name)}"{hint}')
         return self.models[name]
-
-    def step(self, timekeeper: Timekeeper) -> None:
-        """Advances the world and the timekeeper by one step.
-
-        Runs no callbacks of subscriptions: `transport.process()` does, and `SimulationManager.step`
-        does both.
-
-        Raises:
-            FlatlandError: this is called by a hook of a plugin.
-        """
-        if not self._deferred.is_free:
-            raise FlatlandError("a hook of a plugin cannot make a step")
-        with self._deferred.lock:
-            self._plugins.before_physics_step(timekeeper)
-            self.physics.step(timekeeper.step_size)
-            timekeeper.step()
-            self._plugins.after_physics_step(timekeeper)
-        if self._deferred.pending:
-            self._deferred.run_pending()
-        self.transport.flush()
-
-    def step_up_to(self, timekeeper: Timekeeper, limit: int) -> int:
-        """Makes as many steps as are possible in one call of the core, and at least one.
-
-        The result, and what the hooks of plugins see, is that of so many calls of `step`. It ends
-        before a step in which a plugin is due, and after one in which a contact hook was called,
-        so that `transport.process()` may be called between any two steps that affect each other:
-
-            while count > 0:
-                world.transport.process()
-                count -= world.step_up_to(timekeeper, count)
-
-        Args:
-            timekeeper: advances with the world.
-            limit: of the number of steps, 1 or more.
-
-        Returns:
-            The number of steps made.
-
-        Raises:
-            FlatlandError: this is called by a hook of a plugin.
-        """
-        steps = 0
-        if limit > 1 and self._deferred.is_free and not self._deferred.pending:
-            steps = self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
-        if steps > 1:
-            return self._step_without_hooks(timekeeper, steps)
-        self.step(timekeeper)
-        return 1
-
-    def _step_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
-        """Makes steps in which no step hook is called; ends after one with a contact event."""
-        physics = self.physics
-        counted = 0
-
-        def count_steps() -> None:
-            nonlocal counted
-            timekeeper.step(physics.completed_steps - counted)
-            counted = physics.completed_steps
-
-        self._plugins.before_contact_hooks = count_steps  # they are told the time of their step
-        try:
-            with self._deferred.lock:
-                physics.step_until_contact(timekeeper.step_size, limit)
-                count_steps()
-        finally:
-            self._plugins.before_contact_hooks = None
-            self._plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
-        if self._deferred.pending:
-            self._deferred.run_pending()
-        self.transport.flush()
-        return counted
 
     def close(self) -> None:
         """Stops all plugins. Changes that they request meanwhile are dropped."""
