@@ -69,6 +69,19 @@ const Lidar& World::Scan(LidarHandle handle, const AccessGuard&) {
   return requested;
 }
 
+int World::GetBeamCount(LidarHandle lidar) const {
+  RequireAccess();
+  return lidars_.Get(lidar).mechanism.settings.fan->size();
+}
+
+void World::ScanInto(LidarHandle handle, float* ranges, const AccessGuard&) const {
+  const Mounted<Lidar>& mounted = lidars_.Get(handle);
+  const LidarSettings& settings = mounted.mechanism.settings;
+  RefreshVisibleFixtures();
+  ScanInto(*settings.fan, LidarPose(*bodies_.Get(mounted.body).body, settings.pose), settings.scan,
+           ranges, nullptr);
+}
+
 void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
                  float* intensities, const AccessGuard&) const {
   Require(IsUsable(pose), "a lidar's pose must be finite");
