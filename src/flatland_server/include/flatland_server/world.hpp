@@ -38,10 +38,10 @@
 #include "flatland_server/geometry.hpp"
 #include "flatland_server/joint.hpp"
 #include "flatland_server/lidar.hpp"
-#include "flatland_server/segment_tree.hpp"
 #include "flatland_server/slot_map.hpp"
 #include "flatland_server/tricycle_drive.hpp"
 #include "flatland_server/visible_fixture.hpp"
+#include "flatland_server/visible_walls.hpp"
 
 namespace flatland {
 
@@ -275,7 +275,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   friend class SharedWorld;
 
   struct Layer {
-    std::shared_ptr<const SegmentTree> walls;
+    std::shared_ptr<const VisibleWalls> walls;
     LayerBits bits;
   };
 

@@ -127,10 +127,11 @@ void World::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& s
 template <class Choose>
 void World::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
                    Choose choose) const {
-  for (const Layer& layer : layers_) {
-    if ((layer.bits & settings.layers) != 0 && choose(layer.bits)) buffer.Draw(*layer.walls, pose);
-  }
   const Vec2 origin{pose.x, pose.y};
+  for (const Layer& layer : layers_) {
+    if ((layer.bits & settings.layers) == 0 || !choose(layer.bits)) continue;
+    buffer.Draw(layer.walls->SeenFrom(origin), pose);
+  }
   const Rotation rotation(pose.yaw);
   for (const int index : buffer.FindVisible(bounding_circles_, pose)) {
     const VisibleFixture& fixture = visible_fixtures_[index];
