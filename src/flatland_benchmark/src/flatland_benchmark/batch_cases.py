@@ -68,7 +68,7 @@ def office(worlds: Path, beams: int) -> Dict[str, Any]:
 
 
 def run_batch(worlds: Path, count: int, beams: int, pace: Pace, threads: int) -> Figures:
-    """Environments with robots all over the office that drive at random, and are reset if they hit."""
+    """Environments with robots all over the office that drive at random until they collide."""
     before = proportional_memory()
     rng = np.random.default_rng(0)
     with SimulationBatch(
