@@ -150,7 +150,7 @@ def proportional_memory() -> float:
 
 
 def _case(count: int, beams: int, pace: Pace, threads: int) -> Case:
-    name = f"batch_{count}_{beams}_{pace.name}" + ("_2threads" if threads > 1 else "")
+    name = f"batch_{count}_{beams}_{pace.name}" + ("_x2" if threads > 1 else "")
     environments = "1 environment" if count == 1 else f"{count} environments"
     on = "2 threads" if threads > 1 else "1 thread"
     return Case(
