@@ -2,6 +2,7 @@
 
 from typing import Dict
 
+from flatland_benchmark.batch_cases import BATCH_CASES
 from flatland_benchmark.case import Case
 from flatland_benchmark.contact_cases import CONTACT_CASES
 from flatland_benchmark.drive_cases import DRIVE_CASES
@@ -18,6 +19,7 @@ CASES: Dict[str, Case] = {
         *ROBOT_CASES,
         *DRIVE_CASES,
         *LIBRARY_CASES,
+        *BATCH_CASES,
         *SERVER_CASES,
         *CONTACT_CASES,
         *MAP_CASES,

@@ -62,6 +62,7 @@ class Imu(ModelPlugin):
     """
 
     only_publishes = True
+    is_passive = True
 
     quantities = ("ground_truth",)
 

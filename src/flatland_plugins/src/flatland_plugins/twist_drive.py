@@ -36,6 +36,7 @@ class TwistDrive(ModelPlugin, ABC):
 
     only_publishes = True
     quantities = ("ground_truth",)
+    is_passive = True
     publishes_twist: ClassVar[bool] = True
     publishes_transform: ClassVar[bool] = True
 
@@ -119,3 +120,9 @@ def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:
         DynamicsLimits.read(config, "linear_dynamics"),
         DynamicsLimits.read(config, "angular_dynamics"),
     )
+
+
+def velocity_limits(dynamics: Tuple[DynamicsLimits, DynamicsLimits]) -> Tuple[float, float]:
+    """The limits of the linear and of the angular velocity; 0 is no limit."""
+    linear, angular = dynamics
+    return linear.velocity_limit, angular.velocity_limit

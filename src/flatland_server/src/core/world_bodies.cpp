@@ -58,7 +58,7 @@ World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers)
     fixture.userData.pointer = record.fixtures.size();
     record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
   }
-  layers_.push_back({SegmentTree::Share(walls), layers});
+  layers_.push_back({VisibleWalls::Share(walls), layers});
   const bool has_layers_alone = body_count() == static_cast<int>(layers_.size());
   if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*world_);
   ++revision_;
