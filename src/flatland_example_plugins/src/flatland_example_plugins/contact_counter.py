@@ -33,7 +33,15 @@ class ContactCounter(ModelPlugin):
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Called when the `update_timer` is due."""
         if self._publisher.has_subscribers:
-            self._publisher.publish(Int32(sum(self._counts.values())))
+            self.publish_now(timekeeper)
+
+    def read(self, timekeeper: Timekeeper) -> int:
+        """What a program reads: the sum until now."""
+        return sum(self._counts.values())
+
+    def publish_now(self, timekeeper: Timekeeper) -> None:
+        """Publishes it: when the time has come, or when a program reads the topic first."""
+        self._publisher.publish(Int32(self.read(timekeeper)))
 
     def get_state(self) -> Dict[str, int]:
         """What a saved state has to keep: plain data."""

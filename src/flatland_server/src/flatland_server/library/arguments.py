@@ -14,6 +14,8 @@ def whole_number(value: Any, what: str, minimum: int) -> int:
     Raises:
         UsageError: it is none, or below the minimum.
     """
+    if type(value) is int and value >= minimum:
+        return value
     try:
         number = operator.index(value)
     except TypeError:

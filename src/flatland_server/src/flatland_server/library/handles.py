@@ -159,7 +159,7 @@ class Sensor:
         """What it measures now, at the time of the simulation; computed in this call.
 
         Equals what a message of this time says, its noise included, and changes nothing in the run.
-        The plugin's section in docs/plugins.md says what is returned: a new object each time.
+        docs/library.md says what the built-in ones return: a new object each time.
 
         Args:
             quantity: one of `quantities`; by default the main one, such as a laser's ranges.

@@ -97,6 +97,11 @@ class Recorder(Tap):
             self.close()
             raise
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the recording goes on: until `close`."""
+        return self._is_open
+
     def wants(self, topic: str) -> bool:
         wanted = self._wanted.get(topic)
         if wanted is None:

@@ -3,9 +3,10 @@
 from typing import Any, List, Optional, Tuple
 
 from flatland_server.exceptions import PluginError, UsageError
+from flatland_server.library.arguments import shown
 from flatland_server.plugins.plugin_manager import PluginFailure
 from flatland_server.simulation.world import World
-from flatland_server.timekeeper import Timekeeper
+from flatland_server.timekeeper import LONGEST_STEP, Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
 
@@ -31,13 +32,21 @@ class SimulatedWorld:
             )
         self.world = world
         self.timekeeper = new_timekeeper(step_size)
-        self.transport: LocalTransport = world.transport
+        self._transport = world.transport
         self._failures: List[Tuple[PluginFailure, BaseException]] = []
 
-    def _advance(self) -> None:
-        """Makes a step: first, messages that were sent are received."""
-        self.world.transport.process()
-        self.world.step(self.timekeeper)
+    @property
+    def transport(self) -> LocalTransport:
+        """The topics and transforms of the world."""
+        return self._transport
+
+    def _advance(self, limit: int = 1) -> int:
+        """Makes one step or several, and returns how many; see `World.step_up_to`.
+
+        First, messages that were sent are received.
+        """
+        self._transport.process()
+        return self.world.step_up_to(self.timekeeper, limit)
 
     def _note_failure(self, failure: PluginFailure, error: BaseException) -> None:
         self._failures.append((failure, error))
@@ -78,6 +87,7 @@ def new_timekeeper(step_size: float) -> Timekeeper:
         UsageError: the step is no length of time.
     """
     try:
-        return Timekeeper(step_size)
-    except (TypeError, ValueError) as error:
-        raise UsageError(str(error)) from None
+        return Timekeeper(float(step_size))
+    except (TypeError, ValueError):
+        expected = f"expected a step of 1e-9 to {LONGEST_STEP:g} s"
+        raise UsageError(f"{expected}, found {shown(step_size)}") from None

@@ -12,6 +12,7 @@ from flatland_server.geometry import Pose
 from flatland_server.library.arguments import pose_of, whole_number
 from flatland_server.library.catalog import Catalog
 from flatland_server.library.handles import ModelHandle
+from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulated_topics import SimulatedTopics
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.touch import Touch, touches
@@ -82,6 +83,7 @@ class Simulation(SimulatedTopics):
         )
         super().__init__(opened, step_size)
         self.subscribe(*topics)
+        self._recorders: List[Recorder] = []
         self._renderer = Renderer(opened, self.timekeeper)
         self._handles: Dict[str, ModelHandle] = {}
         self._group_models: Tuple[Model, ...] = ()
@@ -118,9 +120,13 @@ class Simulation(SimulatedTopics):
                 it was raised in is complete, and those after it are not made.
         """
         self.require_open()
-        for _ in range(whole_number(count, "a number of steps", 1)):
-            self._advance()
-            self._raise_failures()
+        left = whole_number(count, "a number of steps", 1)
+        while left > 0:
+            left -= self._advance(1 if self._recorders else left)
+            if self._recorders:
+                self._write_recordings()
+            if self._failures:
+                self._raise_failures()
         return self
 
     def reset(self, seed: Optional[int] = None) -> "Simulation":
@@ -142,6 +148,19 @@ class Simulation(SimulatedTopics):
         self._seed = self._seed if seed is None else seed
         return self
 
+    def save_state(self) -> bytes:
+        """The state of the world and the time, for `load_state`: here, or in another process.
+
+        From here on, this simulation goes on, bit for bit, like each one that loads the state;
+        without the call it would differ in the last bits.
+
+        Raises:
+            StateError: a plugin's state cannot be saved.
+            UsageError: the simulation is closed.
+        """
+        self.require_open()
+        return super().save_state()
+
     def load_state(self, state: bytes) -> "Simulation":
         """Puts the world into a saved state, its time and seed included; returns this simulation.
 
@@ -157,7 +176,11 @@ class Simulation(SimulatedTopics):
         """Stops all plugins. What follows raises a UsageError; poses may still be read."""
         if not self._is_closed:
             self._is_closed = True
-            self.world.close()
+            try:
+                self.world.close()
+            finally:
+                for recorder in self._recorders:
+                    recorder.close()
 
     def __enter__(self) -> "Simulation":
         return self
@@ -240,7 +263,33 @@ class Simulation(SimulatedTopics):
         self.world.delete_model(name)
         self._handles.pop(name, None)
 
-    # Pictures
+    # Recordings and pictures
+
+    def record(
+        self, path: Union[str, "os.PathLike[str]"], topics: Optional[Iterable[str]] = None
+    ) -> Recorder:
+        """Begins to record topics, the time and the transforms into a file.
+
+            with sim.record("run.bag", topics=["/scan"]):
+                sim.step(200)
+
+        Args:
+            path: of the file, which ends with .bag or .mcap.
+            topics: names of topics, or regular expressions that match whole names; by default all.
+                They are computed while they are recorded.
+
+        Returns:
+            A context manager; the recording ends with it, or with `close`, or with the simulation.
+
+        Raises:
+            RecordingError: the file cannot be written, or a package for it is not installed.
+        """
+        self.require_open()
+        recorder = Recorder(
+            self.transport, self.timekeeper, path, topics, lambda: self.world.odometry_frames
+        )
+        self._recorders.append(recorder)
+        return recorder
 
     def render(
         self,
@@ -290,6 +339,12 @@ class Simulation(SimulatedTopics):
     def _repr_png_(self) -> bytes:
         """The picture that a notebook shows of a simulation."""
         return to_png(self._renderer.image(self._renderer.view()))
+
+    def _write_recordings(self) -> None:
+        """Writes the step to the recordings that are open."""
+        self._recorders = [each for each in self._recorders if each.is_open]
+        for recorder in self._recorders:
+            recorder.write_step()
 
     def _handle(self, name: str) -> ModelHandle:
         return self._handles.setdefault(name, ModelHandle(self, name))

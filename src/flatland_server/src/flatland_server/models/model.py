@@ -252,11 +252,13 @@ class Model(Entity):
         before = [
             (body.physics_body, Pose(*body.physics_body.pose)) for body in self.bodies.values()
         ]
+        moved = []
         try:
             for body, old in before:
                 body.pose = displacement.compose(old)
+                moved.append((body, old))
         except ValueError as error:
-            for body, old in before:
+            for body, old in moved:
                 body.pose = old
             raise ModelError(f'the model "{self.name}" cannot be there: {error}') from None
         for body, _ in before:

@@ -206,7 +206,7 @@ class PluginManager:
         return self._schedule.steps_without_calls(timekeeper, revision, limit)
 
     def pass_over(self, nanoseconds: int) -> None:
-        """Must be called when such steps were made, with the simulated time of the last one [ns]."""
+        """Must be called when such steps were made, with the time of the last one [ns]."""
         self._schedule.pass_over(nanoseconds)
 
     @property

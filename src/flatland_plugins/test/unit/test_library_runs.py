@@ -1,0 +1,192 @@
+"""The same run through `Simulation`, and as the server makes it: equal to the last bit."""
+
+import hashlib
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from busy_town import Town, serialized
+
+from flatland_server import Simulation, SimulationManager
+from flatland_server.transport.tap import Tap
+
+
+class Digest(Tap):
+    """A digest of the messages and transforms of some topics."""
+
+    def __init__(self, topics=None):
+        self.topics = topics
+        self.sha = hashlib.sha256()
+        self.count = 0
+
+    def wants(self, topic):
+        return self.topics is None or topic in self.topics
+
+    def receive(self, topic, message, is_latched):
+        if not topic.endswith(("cmd_vel", "tween_trigger")):  # what is sent to the world
+            self.add(topic, serialized(message))
+
+    def receive_transform(self, transform):
+        self.add(transform)
+
+    def add(self, *what):
+        self.count += 1
+        self.sha.update(repr(what).encode())
+
+
+class Library(Simulation):
+    """A `Simulation` for the timetable of `Town`."""
+
+    def drive(self, speed, turn, topic):
+        name = topic.split("/")[1]
+        self.models[name].drives["drive"].command(speed, turn)
+
+    def send(self, topic, message):
+        self.publish(topic, message)
+
+    def run(self):
+        self.step()
+
+
+class LibraryTown(Town):
+    """The town, stepped by a `Simulation`, with commands that are no messages."""
+
+    def __init__(self, folder, seed=4):
+        super().__init__(folder, seed)
+        self.simulation.world.close()
+        loader = self.files.loader
+        self.simulation = Library(folder / "world.yaml", seed=seed, loader=loader)
+
+    def run_and_digest(self, seconds, topics=None):
+        """Advances the time; a digest of what was published, and of the world at the end."""
+        transport, digest = self.simulation.transport, Digest(topics)
+        transport.open_tap(digest)
+        self.run(seconds)
+        transport.close_tap(digest)
+        digest.add(self.motion())
+        assert topics is not None or digest.count > 100 * seconds
+        return digest.sha.hexdigest()
+
+
+class Server:
+    """Steps a world as the server does, for the timetable of `Town`."""
+
+    def __init__(self, simulation):
+        self._simulation = simulation
+        self._manager = SimulationManager(simulation.world, simulation.timekeeper)
+
+    def run(self):
+        self._manager.step()
+
+    def __getattr__(self, name):
+        return getattr(self._simulation, name)
+
+
+class ServerTown(Town):
+    """The town, stepped by a `SimulationManager`, with messages as commands."""
+
+    run_and_digest = LibraryTown.run_and_digest
+
+    def __init__(self, folder, seed=4):
+        super().__init__(folder, seed)
+        self.simulation = Server(self.simulation)
+
+
+@pytest.mark.slow
+def test_a_simulation_makes_the_run_of_the_server(tmp_path):
+    assert LibraryTown(tmp_path).run_and_digest(2.0) == ServerTown(tmp_path).run_and_digest(2.0)
+
+
+@pytest.mark.slow
+def test_after_a_reset_and_from_a_state_runs_are_equal(tmp_path):
+    town = LibraryTown(tmp_path)
+    first = town.run_and_digest(1.5)
+    state = town.simulation.save_state()
+    second = town.run_and_digest(1.0)
+
+    town.simulation.reset()
+    assert town.run_and_digest(1.5) == first
+    other = LibraryTown(tmp_path, seed=99)
+    other.simulation.load_state(state)
+    assert other.simulation.seed == 4
+    assert other.simulation.time == 1.5
+    assert other.run_and_digest(1.0) == second
+
+
+def read_everything(simulation):
+    for model in simulation.models.values():
+        for sensor in model.sensors.values():
+            sensor.read()
+            for quantity in sensor.quantities:
+                sensor.read(quantity)
+    _ = simulation.poses, simulation.velocities, simulation.contacts, simulation.topics
+
+
+@pytest.mark.slow
+def test_reading_changes_nothing(tmp_path, monkeypatch):
+    silent = LibraryTown(tmp_path).run_and_digest(2.0)
+
+    monkeypatch.setattr(Library, "run", lambda self: read_everything(self.step()))
+
+    assert LibraryTown(tmp_path).run_and_digest(2.0) == silent
+
+
+def test_simulations_do_not_influence_each_other():
+    alone = [short_run(seed) for seed in range(3)]
+
+    in_turns = [simulation(seed) for seed in range(3)]
+    for _ in range(200):
+        for each in in_turns:
+            each.step()
+
+    assert [content(each) for each in in_turns] == alone
+
+
+def test_64_simulations_in_threads_are_those_made_one_after_the_other():
+    alone = [short_run(seed) for seed in range(64)]
+
+    with ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(lambda seed: short_run(seed), range(64)))
+
+    assert together == alone
+    assert len(set(alone)) == 64
+
+
+def simulation(seed):
+    """Two robots and a box between them; nothing is subscribed to."""
+    body = {"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 5}]}
+    model = {
+        "bodies": [body],
+        "plugins": [
+            {"type": "DiffDrive", "name": "drive", "body": "base", "odom_drift": [0.1, 0.1, 0.1]},
+            {
+                "type": "Laser",
+                "name": "laser",
+                "body": "base",
+                "range": 9,
+                "noise_std_dev": 0.1,
+                "angle": {"min": -2, "max": 2, "increment": 0.1},
+            },
+        ],
+    }
+    world = {
+        "properties": {},
+        "layers": [],
+        "models": [
+            {"name": "a", "namespace": "a", "pose": [-1, 0, 0], "model": model},
+            {"name": "b", "namespace": "b", "pose": [1, 0.05, 3], "model": model},
+            {"name": "box", "model": {"bodies": [body]}},
+        ],
+    }
+    made = Simulation(world, seed=seed)
+    for name in "ab":
+        made.models[name].command(0.5, 0.01 * seed)
+    return made
+
+
+def short_run(seed):
+    return content(simulation(seed).step(200))
+
+
+def content(made):
+    sensors = [sensor.read() for name in "ab" for sensor in made.models[name].sensors.values()]
+    return repr([made.poses.tobytes(), made.velocities.tobytes(), made.contacts, sensors])
