@@ -25,7 +25,7 @@ FORWARDS = np.float32([0.8, 0.0])
 def test_it_passes_gymnasiums_check(arguments):
     with warnings.catch_warnings():
         warnings.filterwarnings("error")
-        # The actions have units, so that a policy drives a robot as it is; RescaleAction takes them away.
+        # The actions have units: a policy drives a robot as it is. RescaleAction takes them away.
         warnings.filterwarnings("ignore", message=".*symmetric and normalized space.*")
         env = make(**arguments)
         check_env(env, skip_render_check=True)
@@ -123,8 +123,9 @@ def test_reward_and_termination_can_be_replaced():
 
 
 def test_frames_are_skipped():
-    slow, quick = make(world="empty_room", step_size=0.01), make(
-        world="empty_room", step_size=0.01, frame_skip=5
+    slow, quick = (
+        make(world="empty_room", step_size=0.01),
+        make(world="empty_room", step_size=0.01, frame_skip=5),
     )
     slow.reset(seed=1)
     quick.reset(seed=1)
@@ -237,7 +238,7 @@ def test_there_is_an_error_if_there_is_no_room():
         env.reset(seed=1)
     env.close()
     env = make(world="empty_room", margin=6.0)
-    with pytest.raises(UsageError, match="has no room for a robot of 0.2 m radius"):
+    with pytest.raises(UsageError, match=r"has no room for a robot of 0\.2 m radius"):
         env.reset(seed=1)
     env.close()
 

@@ -32,15 +32,15 @@ class Episode:
     Attributes:
         world: index of the world.
         seed: of the simulation.
-        start: of the robot's origin, in the world.
-        goal: x, y [m] in the world.
+        starts: of the robots' origins, in the world.
+        goals: x, y [m] in the world, for each robot.
         places: poses of other models, by name.
     """
 
     world: int
     seed: int
-    start: Pose
-    goal: Point
+    starts: Tuple[Pose, ...]
+    goals: Tuple[Point, ...]
     places: Mapping[str, Pose]
 
 
@@ -57,7 +57,9 @@ class EpisodeSampler:
         self._settings = settings
         self._cells: Dict[Tuple[int, float], IntArray] = {}
 
-    def draw(self, rng: np.random.Generator, options: Optional[Mapping[str, Any]] = None) -> Episode:
+    def draw(
+        self, rng: np.random.Generator, options: Optional[Mapping[str, Any]] = None
+    ) -> Episode:
         """An episode.
 
         Args:
@@ -81,10 +83,17 @@ class EpisodeSampler:
                 f'the world "{world.name}" has no room for a robot of {world.radius:g} m radius '
                 f"and a margin of {self._settings.margin:g} m"
             )
-        start, goal = self._ends(index, chosen, standing, rng)
-        discs = [*standing, (*start[:2], world.radius), (*goal, world.radius)]
-        places = self._places(index, discs, rng)
-        return Episode(index, seed, start, goal, places)
+        starts, goals = list(standing), list(standing)
+        ends: List[Tuple[Pose, Point]] = []
+        for _ in world.robots:
+            start, goal = self._ends(index, chosen, starts, goals, rng)
+            ends.append((start, goal))
+            starts.append((start.x, start.y, world.radius))
+            goals.append((*goal, world.radius))
+        places = self._places(index, starts + goals, rng)
+        return Episode(
+            index, seed, tuple(end[0] for end in ends), tuple(end[1] for end in ends), places
+        )
 
     def _world(self, rng: np.random.Generator, name: Any) -> int:
         """The index of a world: any, or any of this name."""
@@ -95,16 +104,22 @@ class EpisodeSampler:
         return indices[int(rng.integers(len(indices)))] if len(indices) > 1 else indices[0]
 
     def _ends(
-        self, index: int, chosen: Mapping[str, Any], standing: Circles, rng: np.random.Generator
+        self,
+        index: int,
+        chosen: Mapping[str, Any],
+        starts: Circles,
+        goals: Circles,
+        rng: np.random.Generator,
     ) -> Tuple[Pose, Point]:
-        """The start and the goal."""
+        """A start and a goal, which overlap none of the other ones."""
         world, settings = self._worlds[index], self._settings
         room = world.radius + settings.margin
         cells = self._room(index, room)
         given_start, given_goal = chosen.get("start"), chosen.get("goal")
-        for name, given in (("start", given_start), ("goal", given_goal)):
-            if given is not None:
-                self._require_free(index, name, given[:2], standing)
+        if given_start is not None:
+            self._require_free(index, "start", given_start[:2], starts)
+        if given_goal is not None:
+            self._require_free(index, "goal", given_goal, goals)
         least, largest = settings.goal_distance
         for _ in range(_TRIES):
             start = given_start[:2] if given_start else world.space.draw_point(cells, rng)
@@ -114,9 +129,9 @@ class EpisodeSampler:
                 distance = math.hypot(goal[0] - start[0], goal[1] - start[1])
                 if not least <= distance <= largest:
                     continue
-                if not (given_start or _is_clear(start, room, standing)):
+                if not (given_start or _is_clear(start, room, starts)):
                     continue
-                if not (given_goal or _is_clear(goal, room, standing)):
+                if not (given_goal or _is_clear(goal, room, goals)):
                     continue
             if given_start and len(given_start) > 2:
                 yaw = given_start[2]

@@ -15,6 +15,7 @@ from flatland_gym.fleet import Fleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import as_dict, bounds, goal_distances, observe
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
+from flatland_gym.robot import Robot
 from flatland_gym.settings import NavigationSettings
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, UsageError
 
@@ -32,6 +33,8 @@ class Navigation:
 
     Attributes:
         robot: what is driven.
+        action_space: of one environment.
+        observation_space: of one environment.
         goals: x, y [m] in the world, shape (n, 2).
         distances: of the robots from their goals [m], shape (n,).
         successes: whether the last step has reached the goal, shape (n,).
@@ -52,6 +55,8 @@ class Navigation:
             _require_alike(self._worlds[0], world)
         self._sampler = EpisodeSampler(self._worlds, settings)
         self.fleet: Fleet = SimulationFleet(self._worlds, settings, count, threads)
+        self.action_space = self.robot.action_space()
+        self.observation_space = observation_space(self.robot, settings)
         self._limits = self.robot.actions
         self._velocity_limits = np.array(self.robot.velocity_limits)
         self.world_of = np.zeros(count, dtype=int)
@@ -59,22 +64,6 @@ class Navigation:
         self.distances = np.zeros(count)
         self.successes = np.zeros(count, dtype=bool)
         self.steps = np.zeros(count, dtype=int)
-
-    @property
-    def action_space(self) -> spaces.Box:
-        """The commands of the drive, in its own units, within its limits."""
-        high = self._limits.astype(np.float32)
-        return spaces.Box(-high, high, dtype=np.float32)
-
-    @property
-    def observation_space(self) -> "spaces.Space[Any]":
-        """See `observations`."""
-        parts = int(np.count_nonzero(self._velocity_limits))
-        low, high = bounds(self.robot.beams, parts)
-        if self.settings.flatten:
-            ends = [np.concatenate(list(each.values())) for each in (low, high)]
-            return spaces.Box(ends[0], ends[1], dtype=np.float32)
-        return spaces.Dict({key: spaces.Box(low[key], high[key], dtype=np.float32) for key in low})
 
     def reset(
         self,
@@ -94,7 +83,7 @@ class Navigation:
         """
         episodes = [self._sampler.draw(generator, options) for generator in generators]
         self.fleet.reset(indices, episodes)
-        self.goals[indices] = [episode.goal for episode in episodes]
+        self.goals[indices] = [episode.goals[0] for episode in episodes]
         self.world_of[indices] = [episode.world for episode in episodes]
         self.steps[indices] = 0
         self.successes[indices] = False
@@ -117,18 +106,18 @@ class Navigation:
         distances = goal_distances(fleet.poses, self.goals)
         successes = (distances < settings.goal_radius) & ~fleet.collided
         transition = Transition(
-            _frozen(self.distances),
-            _frozen(distances),
-            _frozen(successes),
-            _frozen(fleet.collided),
-            _frozen(actions),
-            _frozen(fleet.poses),
-            _frozen(fleet.velocities),
-            _frozen(self.goals),
-            _frozen(fleet.ranges),
+            self.distances,
+            distances,
+            successes,
+            fleet.collided,
+            actions,
+            fleet.poses,
+            fleet.velocities,
+            self.goals,
+            fleet.ranges,
             settings.period,
         )
-        rewards, terminated = self._judge(transition)
+        rewards, terminated = judge(transition, settings)
         rows = np.zeros(len(distances), dtype=bool)
         rows[indices] = True
         truncated = rows & ~terminated & (self.steps >= settings.longest_episode)
@@ -173,17 +162,34 @@ class Navigation:
         """Ends all simulations."""
         self.fleet.close()
 
-    def _judge(self, transition: Transition) -> Tuple[FloatArray, BoolArray]:
-        settings, count = self.settings, len(transition.distance)
-        if settings.reward is None:
-            rewards = navigation_reward(transition, settings.rewards)
-        else:
-            rewards = _result("reward", settings.reward(transition), np.float64, count)
-        if settings.terminated is None:
-            terminated = navigation_termination(transition, settings.collision_ends)
-        else:
-            terminated = _result("terminated", settings.terminated(transition), np.bool_, count)
-        return rewards, terminated
+
+def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatArray, BoolArray]:
+    """Rewards and terminations of n environments, by the settings' functions if there are any.
+
+    Raises:
+        UsageError: such a function has returned another shape.
+    """
+    count = len(transition.distance)
+    arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-1]}
+    step = transition._replace(**arrays)
+    if settings.reward is None:
+        rewards = navigation_reward(step, settings.rewards)
+    else:
+        rewards = _result("reward", settings.reward(step), np.float64, count)
+    if settings.terminated is None:
+        terminated = navigation_termination(step, settings.collision_ends)
+    else:
+        terminated = _result("terminated", settings.terminated(step), np.bool_, count)
+    return rewards, terminated
+
+
+def observation_space(robot: Robot, settings: NavigationSettings) -> "spaces.Space[Any]":
+    """The space of a robot's observations; see `observations`."""
+    low, high = bounds(robot.beams, sum(limit > 0.0 for limit in robot.velocity_limits))
+    if settings.flatten:
+        ends = [np.concatenate(list(each.values())) for each in (low, high)]
+        return spaces.Box(ends[0], ends[1], dtype=np.float32)
+    return spaces.Dict({key: spaces.Box(low[key], high[key], dtype=np.float32) for key in low})
 
 
 def checked_actions(actions: Any, shape: Tuple[int, ...], limits: FloatArray) -> FloatArray:
@@ -225,4 +231,3 @@ def _result(name: str, value: Any, kind: Any, count: int) -> Any:
     if result.shape != (count,):
         raise UsageError(f"expected {name} to return shape ({count},), found {result.shape}")
     return result.astype(kind)
-

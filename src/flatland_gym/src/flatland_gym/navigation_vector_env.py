@@ -60,7 +60,6 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.single_observation_space = self.navigation.observation_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self._all = np.arange(self.num_envs)
         self._generators: List[Optional[np.random.Generator]] = [None] * self.num_envs
         self._seeds: List[int] = [-1] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=bool)
@@ -146,7 +145,9 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     @property
     def np_random_seed(self) -> Any:
         """The seeds of these."""
-        return tuple(self._seeds[self._all[i]] for i in range(self.num_envs) if self._generator(i))
+        for index in range(self.num_envs):
+            self._generator(index)
+        return tuple(self._seeds)
 
     def close_extras(self, **_: Any) -> None:
         """Ends all simulations."""
@@ -223,12 +224,13 @@ def _seeds(seed: Seeds, count: int) -> Sequence[Optional[int]]:
     if seed is None:
         return [None] * count
     is_list = isinstance(seed, (list, tuple, np.ndarray))
-    seeds = list(seed) if is_list else [seed]  # type: ignore[arg-type]
+    seeds: List[Any] = list(seed) if is_list else [seed]  # type: ignore[arg-type]
     is_right = all(each is None or (is_whole(each) and each >= 0) for each in seeds)
     if not is_right or (is_list and len(seeds) != count):
         raise UsageError(
-            f"expected seed to be None, a number of 0 or more, or {count} of these; found {seed!r:.80}"
+            f"expected seed to be None, a number of 0 or more, or {count} of these; "
+            f"found {seed!r:.80}"
         )
     if is_list:
         return [None if each is None else int(each) for each in seeds]
-    return [int(seeds[0]) + index for index in range(count)]  # type: ignore[arg-type]
+    return [int(seeds[0]) + index for index in range(count)]

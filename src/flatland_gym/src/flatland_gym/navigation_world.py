@@ -57,6 +57,7 @@ class NavigationWorld:
         name: as the settings name it; "world" for a dict.
         config: what its simulations are made of.
         robot: what is driven.
+        robots: the names of the models: that of the robot, or of so many robots like it.
         radius: of the robot [m].
         space: where it can stand.
         standing: the models that stay where the world file puts them.
@@ -67,6 +68,7 @@ class NavigationWorld:
     name: str
     config: WorldConfig
     robot: Robot
+    robots: Tuple[str, ...]
     radius: float
     space: FreeSpace
     standing: Tuple[Disc, ...]
@@ -74,13 +76,17 @@ class NavigationWorld:
     obstacles: Tuple[Disc, ...]
 
     @classmethod
-    def load(cls, world: WorldName, settings: NavigationSettings, scale: float) -> "NavigationWorld":
+    def load(
+        cls, world: WorldName, settings: NavigationSettings, scale: float = 1.0, robots: int = 1
+    ) -> "NavigationWorld":
         """Loads a world.
 
         Args:
             world: an entry of `settings.worlds`.
             settings: of the environment.
             scale: of the robot, from `settings.robot_scales`.
+            robots: with more than one, its robot is replaced by so many like it, which each have a
+                namespace of their own.
 
         Raises:
             FlatlandError: there is no such world, something in its files is wrong, or it has no
@@ -89,6 +95,8 @@ class NavigationWorld:
         scenario = SCENARIOS.get(world) if isinstance(world, str) else None
         content = world_content(scenario.world if scenario else world, params=settings.params)
         robot = _prepared(content, settings, scale)
+        inside = next(entry for entry in content["models"] if entry["name"] == robot.name)
+        names = _multiplied(content, inside, robots)
         config = WorldConfig.from_content(content)
         with Simulation(config, params=settings.params) as simulation:
             patterns = settings.scatter
@@ -96,12 +104,12 @@ class NavigationWorld:
                 patterns = scenario.scatter if scenario else ()
             discs = _discs(simulation)
             _require_matches(patterns, discs)
-            driven = discs.pop(robot.name)
+            driven = [discs.pop(name) for name in names].pop()
             walls = [layer.segments for layer in simulation.world.layers]
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
             space = FreeSpace(
                 np.concatenate([np.empty((0, 4)), *walls]),
-                (driven.x, driven.y),
+                tuple(inside.get("pose") or (0.0, 0.0))[:2],
                 largest + 2 * driven.radius + 2 * settings.margin,
             )
         added = {name for name in discs if name.startswith(_OBSTACLE)}
@@ -112,6 +120,7 @@ class NavigationWorld:
             world if isinstance(world, str) else getattr(world, "name", "world"),
             config,
             robot,
+            names,
             driven.radius,
             space,
             tuple(disc for disc in discs.values() if disc.name not in moved | added),
@@ -149,6 +158,19 @@ def _prepared(content: Content, settings: NavigationSettings, scale: float) -> R
     return describe_robot(entry, drive, lidar, settings)
 
 
+def _multiplied(content: Content, robot: Content, count: int) -> Tuple[str, ...]:
+    """Replaces a robot by several ones, which wait at the parking; returns the names."""
+    name = robot["name"]
+    if count == 1:
+        return (name,)
+    names = tuple(f"{name}_{number}" for number in range(count))
+    content["models"].remove(robot)
+    for number, each in enumerate(names):
+        pose = list(parking_place(-1 - number))
+        content["models"].append({**robot, "name": each, "namespace": each, "pose": pose})
+    return names
+
+
 def _discs(simulation: Simulation) -> Dict[str, Disc]:
     """The models, by their names."""
     discs: Dict[str, Disc] = {}
@@ -163,4 +185,6 @@ def _require_matches(patterns: Sequence[Any], names: Dict[str, Disc]) -> None:
     unused: List[Any] = [p for p in patterns if not any(fnmatchcase(n, p) for n in names)]
     if unused:
         known = ", ".join(names)
-        raise UsageError(f"expected scatter to match models, found {unused[0]!r}; there are: {known}")
+        raise UsageError(
+            f"expected scatter to match models, found {unused[0]!r}; there are: {known}"
+        )

@@ -1,6 +1,6 @@
 """What a person sees of an environment: pictures, a window, and a line of text."""
 
-from typing import Any, Optional
+from typing import Any, Optional, Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -50,10 +50,11 @@ def status_line(time: float, pose: Any, goal: Any, distance: float) -> str:
     )
 
 
-def check_render_mode(mode: Optional[str]) -> None:
+def check_render_mode(mode: Optional[str], modes: Sequence[str] = RENDER_MODES) -> None:
     """Raises a UsageError for a mode that there is not."""
-    if mode is not None and mode not in RENDER_MODES:
-        raise UsageError(f"expected render_mode None or one of {RENDER_MODES}, found {mode!r}")
+    if mode is not None and mode not in modes:
+        known = ", ".join(map(repr, modes))
+        raise UsageError(f"expected render_mode None or one of {known}, found {mode!r}")
 
 
 class Window:
@@ -96,5 +97,3 @@ class Window:
     def close(self) -> None:
         """Closes the window."""
         self._pygame.display.quit()
-
-

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from flatland_server import BoolArray, FloatArray
+from flatland_server import BoolArray, Float32Array, FloatArray
 
 
 class Transition(NamedTuple):
@@ -28,7 +28,7 @@ class Transition(NamedTuple):
     """Of the robots, forwards, to the left and turning [m/s, m/s, rad/s], shape (n, 3)."""
     goals: FloatArray
     """x, y [m] in the world, shape (n, 2)."""
-    ranges: FloatArray
+    ranges: Float32Array
     """Of the lidar [m], +inf for no return: float32, shape (n, beams)."""
     period: float
     """Length of the step [s]."""

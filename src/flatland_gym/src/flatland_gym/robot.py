@@ -3,9 +3,10 @@
 import copy
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
+from gymnasium import spaces
 
 from flatland_gym.settings import NavigationSettings
 from flatland_server import FloatArray, UsageError
@@ -43,6 +44,11 @@ class Robot:
     def actions(self) -> FloatArray:
         """`action_limits` as an array."""
         return np.array(self.action_limits)
+
+    def action_space(self) -> spaces.Box:
+        """The commands of the drive in its own units, within its limits: a new space."""
+        high = self.actions.astype(np.float32)
+        return spaces.Box(-high, high, dtype=np.float32)
 
 
 def find_robot(content: Content, settings: NavigationSettings) -> Tuple[Content, Content, Content]:
@@ -165,5 +171,5 @@ def _kinds(entry: Content) -> str:
 
 
 def _names(entries: Any) -> str:
-    names: List[Optional[str]] = [each if isinstance(each, str) else each["name"] for each in entries]
-    return ", ".join(str(name) for name in names) or "none"
+    names = [each if isinstance(each, str) else str(each["name"]) for each in entries]
+    return ", ".join(names) or "none"

@@ -99,7 +99,7 @@ class NavigationSettings:
     def obstacle_counts(self) -> Tuple[int, int]:
         """The least and the largest number of obstacles."""
         if isinstance(self.obstacles, (tuple, list)):
-            return tuple(_pair("obstacles", self.obstacles))  # type: ignore[return-value]
+            return _pair("obstacles", self.obstacles)
         return (self.obstacles, self.obstacles)
 
     @property

@@ -1,7 +1,7 @@
 """Worlds and models that a program describes, as dicts and lists, in the form of parsed files."""
 
 from os import PathLike, fspath
-from typing import Any, Dict, Mapping, Sequence
+from typing import Any, Callable, Dict, Mapping, Sequence
 
 import yaml
 
@@ -11,7 +11,7 @@ _TAG = "tag:yaml.org,2002:"
 _MAX_DEPTH = 100
 
 _YAML = yaml.constructor.SafeConstructor()
-_CONVERTERS = {
+_CONVERTERS: Dict[str, Callable[[Any], Any]] = {
     "bool": _YAML.construct_yaml_bool,
     "float": _YAML.construct_yaml_float,
     "int": _YAML.construct_yaml_int,

@@ -2,6 +2,7 @@
 
 import os
 from contextlib import closing
+from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
 from flatland_server.config.shipped_worlds import find_world
@@ -43,7 +44,8 @@ def world_content(
         if isinstance(world, Mapping):
             reader = YamlReader.from_content(world, "world", preprocessor)
         else:
-            reader = YamlReader.from_file(find_world(world), preprocessor)
+            name = world if isinstance(world, str) else Path(world)
+            reader = YamlReader.from_file(find_world(name), preprocessor)
 
         def model(section: YamlReader) -> Optional[Dict[str, Any]]:
             return _model_entry(section, preprocessor, model_folders)
