@@ -8,6 +8,7 @@ import yaml
 from PIL import Image
 
 from flatland_server.arrays import BoolArray, FloatArray
+from flatland_server.library.free_space import connected
 from flatland_server.maps.wall_outlines import bright_pixels
 
 
@@ -34,20 +35,4 @@ def read_free_space(map_file: Path) -> FreeSpace:
 
 def reachable(free: BoolArray, row: int, column: int) -> BoolArray:
     """The free pixels connected with a given one (4-connectivity)."""
-    reached = np.zeros_like(free)
-    reached[row, column] = free[row, column]
-    before = 0
-    while np.count_nonzero(reached) > before:
-        before = np.count_nonzero(reached)
-        reached = _spread(reached, free)
-        reached = _spread(reached.T, free.T).T
-    return reached
-
-
-def _spread(reached: BoolArray, free: BoolArray) -> BoolArray:
-    """Extends the reached pixels along the rows."""
-    breaks = ~free
-    breaks[:, 0] = True
-    run = np.cumsum(breaks.ravel())  # the free pixels of a run share a number
-    is_reached = np.bincount(run, weights=reached.ravel()) > 0
-    return np.asarray(is_reached[run].reshape(free.shape) & free)
+    return connected(free, (row, column))

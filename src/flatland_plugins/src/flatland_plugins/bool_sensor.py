@@ -23,6 +23,8 @@ class BoolSensor(ModelPlugin):
     or a sensor. Only solid footprints of other models, and walls, count as touching it.
     """
 
+    is_passive = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         topic = config.get_topic("topic", "bool_sensor")

@@ -72,6 +72,8 @@ class Bumper(ModelPlugin):
     points: Box2D computes none.
     """
 
+    is_passive = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
         self._frame = self.get_frame_id(config, "world_frame_id", "map")

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from flatland_plugins.twist_drive import TwistDrive, read_dynamics
-from flatland_server import ModelBody, YamlReader
+from flatland_plugins.twist_drive import TwistDrive, read_dynamics, velocity_limits
+from flatland_server import CoreDrive, ModelBody, YamlReader
 
 
 class DiffDrive(TwistDrive):
@@ -13,6 +13,7 @@ class DiffDrive(TwistDrive):
         limits = read_dynamics(config)
         config.finish()
         self._drive = body.physics_body.add_drive(*limits)
+        self.core_drive = CoreDrive(self._drive, (0, 2), velocity_limits(limits))
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

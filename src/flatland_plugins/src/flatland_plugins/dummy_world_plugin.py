@@ -6,6 +6,8 @@ from flatland_server import WorldPlugin, YamlReader
 class DummyWorldPlugin(WorldPlugin):
     """Accepts any keys: a placeholder, as for a plugin that is not there yet."""
 
+    is_passive = True
+
     def on_initialize(self, config: YamlReader) -> None:
         config.accept_other_keys()
 

@@ -27,6 +27,7 @@ class Gps(ModelPlugin):
     """
 
     only_publishes = True
+    is_passive = True
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""

@@ -62,6 +62,7 @@ class Imu(ModelPlugin):
     """
 
     only_publishes = True
+    is_passive = True
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the keys and opens the topics."""

@@ -1,8 +1,8 @@
 """Laser: a planar lidar on a body."""
 
 import math
-from functools import lru_cache
-from typing import Tuple
+from functools import lru_cache, partial
+from typing import Callable, Tuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
     BeamFan,
     Canvas,
+    CoreLidar,
     Float32Array,
     ModelPlugin,
     Timekeeper,
@@ -23,6 +24,9 @@ from flatland_server import (
 REFLECTANCE_LAYER = "reflectance"
 """What is on the layer of this name returns an intensity of 255."""
 
+RangeNoise = Callable[[Float32Array, int], Float32Array]
+"""Ranges with noise, of ranges without it and the simulated time [ns]."""
+
 _BEAMS = (0.8, 0.0, 0.0, 0.08)
 _RETURNS = (0.8, 0.0, 0.0, 1.0)
 
@@ -31,6 +35,7 @@ class Laser(ModelPlugin):
     """Publishes sensor_msgs/LaserScan; scans only if the topic has a subscriber."""
 
     only_publishes = True
+    is_passive = True
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""
@@ -43,12 +48,17 @@ class Laser(ModelPlugin):
             raise config.error(str(error), "layers") from None
         has_reflectance = REFLECTANCE_LAYER in registry.names
         reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
-        self._noise = TimedNoise(self.rng)
+        make_noise = partial(_range_noise, laser)
+        self._add_noise = make_noise(self.rng)
+        self._is_noisy = laser.noise_std_dev > 0.0
         # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
         handedness = self._handedness = -1.0 if laser.upside_down else 1.0
         fan = _fan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
         self._lidar = body.physics_body.add_lidar(
             fan, laser.origin, laser.range, layers, reflectance
+        )
+        self.core_lidar = CoreLidar(
+            self._lidar, laser.range, make_noise if self._is_noisy else None
         )
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
@@ -88,11 +98,9 @@ class Laser(ModelPlugin):
         return self._config.always_publish or self._publisher.has_subscribers
 
     def _scan(self, nanoseconds: int) -> Tuple[Float32Array, Float32Array]:
-        laser = self._config
         ranges, intensities = self._lidar.scan()
-        if laser.noise_std_dev > 0.0:
-            noise = self._noise.at(nanoseconds)
-            ranges = add_noise(ranges, laser.noise_std_dev, laser.range, noise)
+        if self._is_noisy:
+            ranges = self._add_noise(ranges, nanoseconds)
         return ranges, intensities
 
     def read(self, timekeeper: Timekeeper) -> Float32Array:
@@ -126,6 +134,16 @@ class Laser(ModelPlugin):
 def _fan(angle_min: float, increment: float, count: int) -> BeamFan:
     """A fan, shared by equal lidars, so that its tables stay in the processor's cache."""
     return BeamFan(angle_min, increment, count)
+
+
+def _range_noise(laser: LaserConfig, rng: np.random.Generator) -> RangeNoise:
+    """The noise of a laser with these random numbers."""
+    noise = TimedNoise(rng)
+
+    def add(ranges: Float32Array, nanoseconds: int) -> Float32Array:
+        return add_noise(ranges, laser.noise_std_dev, laser.range, noise.at(nanoseconds))
+
+    return add
 
 
 def add_noise(

@@ -9,6 +9,7 @@ class ModelTfPublisher(ModelPlugin):
     """Publishes reference -> body for each body, and world -> reference if asked to."""
 
     only_publishes = True
+    is_passive = True
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys."""

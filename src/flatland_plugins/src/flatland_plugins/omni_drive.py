@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from flatland_plugins.twist_drive import TwistDrive, read_dynamics
-from flatland_server import ModelBody, YamlReader
+from flatland_plugins.twist_drive import TwistDrive, read_dynamics, velocity_limits
+from flatland_server import CoreDrive, ModelBody, YamlReader
 
 
 class OmniDrive(TwistDrive):
@@ -17,6 +17,8 @@ class OmniDrive(TwistDrive):
         limits = read_dynamics(config)
         config.finish()
         self._drive = body.physics_body.add_drive(*limits)
+        planar, angular = velocity_limits(limits)
+        self.core_drive = CoreDrive(self._drive, (0, 1, 2), (planar, planar, angular))
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.linear.y, twist.angular.z)

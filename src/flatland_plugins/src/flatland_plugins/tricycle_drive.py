@@ -6,7 +6,7 @@ from typing import Any, Optional, Tuple
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.twist_drive import TwistDrive, read_dynamics
-from flatland_server import Joint, ModelBody, YamlReader
+from flatland_server import CoreDrive, Joint, ModelBody, YamlReader
 
 logger = logging.getLogger(__name__)
 
@@ -55,6 +55,8 @@ class TricycleDrive(TwistDrive):
         self._tricycle = body.physics_body.add_tricycle(
             front[0].physics_joint, axle, max_steer_angle, linear, angular
         )
+        limits = (linear.velocity_limit, max_steer_angle)
+        self.core_drive = CoreDrive(self._tricycle, (0, 1), limits)
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

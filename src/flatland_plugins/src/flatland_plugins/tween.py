@@ -11,6 +11,8 @@ class Tween(ModelPlugin):
     In mode trigger, std_msgs/Bool says whether towards the end (true) or the start.
     """
 
+    is_passive = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys; opens the topic if the mode needs it."""
         trigger_topic = config.get_topic("trigger_topic", "tween_trigger")

@@ -35,6 +35,7 @@ class TwistDrive(ModelPlugin, ABC):
     """
 
     only_publishes = True
+    is_passive = True
     publishes_twist: ClassVar[bool] = True
     publishes_transform: ClassVar[bool] = True
 
@@ -118,3 +119,9 @@ def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:
         DynamicsLimits.read(config, "linear_dynamics"),
         DynamicsLimits.read(config, "angular_dynamics"),
     )
+
+
+def velocity_limits(dynamics: Tuple[DynamicsLimits, DynamicsLimits]) -> Tuple[float, float]:
+    """The limits of the linear and of the angular velocity; 0 is no limit."""
+    linear, angular = dynamics
+    return linear.velocity_limit, angular.velocity_limit

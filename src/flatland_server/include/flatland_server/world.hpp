@@ -38,10 +38,10 @@
 #include "flatland_server/geometry.hpp"
 #include "flatland_server/joint.hpp"
 #include "flatland_server/lidar.hpp"
-#include "flatland_server/segment_tree.hpp"
 #include "flatland_server/slot_map.hpp"
 #include "flatland_server/tricycle_drive.hpp"
 #include "flatland_server/visible_fixture.hpp"
+#include "flatland_server/visible_walls.hpp"
 
 namespace flatland {
 
@@ -53,6 +53,9 @@ struct Mounted {
 };
 
 struct WorldState;
+
+/// See shared_world.hpp.
+class SharedWorld;
 
 class World : private b2DestructionListener, private b2ContactListener {
  public:
@@ -67,6 +70,11 @@ class World : private b2DestructionListener, private b2ContactListener {
   World(int velocity_iterations, int position_iterations);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
+
+  /// A world that makes the same steps, bit for bit, of one that has made none yet. Handles name
+  /// the same things in both. It has no contact listener, and nothing has chosen events. Throws
+  /// std::invalid_argument if a step was made. No body may have been removed before.
+  std::unique_ptr<World> Copy() const;
 
   /// Marks the world as in use while it exists; throws std::logic_error if it is in use already.
   /// Functions that change the structure of the world, step or scan create one themselves. Callers
@@ -199,6 +207,10 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// The lidar with its scan of the present world. Its arrays are valid until the world changes.
   const Lidar& Scan(LidarHandle lidar) { return Scan(lidar, AccessGuard(*this)); }
   const Lidar& Scan(LidarHandle lidar, const AccessGuard& guard);
+  /// The number of beams of a lidar.
+  int GetBeamCount(LidarHandle lidar) const;
+  /// Writes a lidar's scan of the present world to an array of GetBeamCount values.
+  void ScanInto(LidarHandle lidar, float* ranges, const AccessGuard& guard) const;
   /// Scans from a pose in the world [m, m, rad]. Writes fan.size() values to each array: the
   /// distance [m] to what each beam meets first, or +infinity (REP 117), and its intensity, 0 or
   /// 255. Shapes that contain the lidar are not seen.
@@ -220,6 +232,9 @@ class World : private b2DestructionListener, private b2ContactListener {
   void ListenToContacts(Body body, ContactEvents events);
   /// The fixtures that touch, as the last step has found them, ordered by their bodies and indices.
   std::vector<Touch> GetTouches() const;
+  /// Whether a solid fixture of one of these bodies touches a solid fixture of another body, as the
+  /// last step has found it.
+  bool Touches(const std::vector<Body>& bodies) const;
 
   // ---- Stepping ----
 
@@ -257,8 +272,10 @@ class World : private b2DestructionListener, private b2ContactListener {
   void RestoreState(std::string_view bytes);
 
  private:
+  friend class SharedWorld;
+
   struct Layer {
-    std::shared_ptr<const SegmentTree> walls;
+    std::shared_ptr<const VisibleWalls> walls;
     LayerBits bits;
   };
 

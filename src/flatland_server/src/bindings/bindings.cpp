@@ -171,6 +171,7 @@ PYBIND11_MODULE(_core, m) {
   BindBodyGroup(m);
   BindContacts(m);
   BindWorld(m);
+  BindWorldBatch(m);
   m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);
 }

@@ -107,5 +107,6 @@ void BindFixtureChecker(py::module_& m);
 void BindMechanisms(py::module_& m);
 void BindContacts(py::module_& m);
 void BindPriorityGuard(py::module_& m);
+void BindWorldBatch(py::module_& m);
 
 }  // namespace flatland

@@ -1,7 +1,8 @@
 #pragma once
 
 /// Access to what Box2D keeps from step to step and has no functions for: pending forces, the time
-/// that a body has been at rest, and the impulses with which the solver starts the next step.
+/// that a body has been at rest, the impulses with which the solver starts the next step, and the
+/// tree of bounding boxes.
 ///
 /// Protected members are reached by pointers to members, formed in a derived class that is never
 /// instantiated; private ones by explicit instantiation of a template, in which the language does
@@ -21,6 +22,9 @@ struct ContactInternals : b2Contact {
 struct FixtureInternals : b2Fixture {
   static b2FixtureProxy* Proxies(b2Fixture& fixture) {
     return fixture.*(&FixtureInternals::m_proxies);
+  }
+  static int32 ProxyCount(const b2Fixture& fixture) {
+    return fixture.*(&FixtureInternals::m_proxyCount);
   }
 };
 
@@ -72,11 +76,65 @@ struct WorldInverseStep {
 };
 template struct DefineMember<WorldInverseStep, &b2World::m_inv_dt0>;
 
+struct WorldNewContacts {
+  using Pointer = bool b2World::*;
+  friend constexpr Pointer Member(WorldNewContacts);
+};
+template struct DefineMember<WorldNewContacts, &b2World::m_newContacts>;
+
+struct BroadPhaseTree {
+  using Pointer = b2DynamicTree b2BroadPhase::*;
+  friend constexpr Pointer Member(BroadPhaseTree);
+};
+template struct DefineMember<BroadPhaseTree, &b2BroadPhase::m_tree>;
+
+struct BroadPhaseMoves {
+  using Pointer = int32* b2BroadPhase::*;
+  friend constexpr Pointer Member(BroadPhaseMoves);
+};
+template struct DefineMember<BroadPhaseMoves, &b2BroadPhase::m_moveBuffer>;
+
+struct BroadPhaseMoveCount {
+  using Pointer = int32 b2BroadPhase::*;
+  friend constexpr Pointer Member(BroadPhaseMoveCount);
+};
+template struct DefineMember<BroadPhaseMoveCount, &b2BroadPhase::m_moveCount>;
+
+struct TreeNodes {
+  using Pointer = b2TreeNode* b2DynamicTree::*;
+  friend constexpr Pointer Member(TreeNodes);
+};
+template struct DefineMember<TreeNodes, &b2DynamicTree::m_nodes>;
+
+struct TreeNodeCapacity {
+  using Pointer = int32 b2DynamicTree::*;
+  friend constexpr Pointer Member(TreeNodeCapacity);
+};
+template struct DefineMember<TreeNodeCapacity, &b2DynamicTree::m_nodeCapacity>;
+
 inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
 inline b2Sweep& Sweep(b2Body& body) { return body.*Member(BodySweep()); }
 /// One over the length of the last step [1/s], 0 before the first.
 inline float& InverseStep(b2World& world) { return world.*Member(WorldInverseStep()); }
+/// Whether fixtures or bodies were moved since the last step, which may have new contacts.
+inline bool& NewContacts(b2World& world) { return world.*Member(WorldNewContacts()); }
+inline b2ContactManager& Contacts(b2World& world) {
+  return const_cast<b2ContactManager&>(world.GetContactManager());
+}
+inline b2DynamicTree& Tree(b2World& world) {
+  return Contacts(world).m_broadPhase.*Member(BroadPhaseTree());
+}
+/// The ids of the proxies that may have new contacts, and their number.
+inline int32*& Moves(b2World& world) {
+  return Contacts(world).m_broadPhase.*Member(BroadPhaseMoves());
+}
+inline int32& MoveCount(b2World& world) {
+  return Contacts(world).m_broadPhase.*Member(BroadPhaseMoveCount());
+}
+/// The nodes of the tree; the index of a leaf is the id of its proxy.
+inline b2TreeNode*& Nodes(b2World& world) { return Tree(world).*Member(TreeNodes()); }
+inline int32 NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
 
 }  // namespace flatland::box2d

@@ -1,6 +1,7 @@
 #include "flatland_server/parallel.hpp"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -103,6 +104,68 @@ void ForEachInParallel(int count, const std::function<void(int)>& work) {
     return;
   }
   for (int i = 0; i < count; ++i) work(i);
+}
+
+ThreadTeam::~ThreadTeam() {
+  if (shared_ != nullptr && process_ == getpid()) Stop();
+}
+
+void ThreadTeam::Run(const std::function<void(int)>& work) {
+  if (size_ == 1) {
+    work(0);
+    return;
+  }
+  if (shared_ == nullptr || process_ != getpid()) Start();
+  {
+    const std::lock_guard<std::mutex> lock(shared_->mutex);
+    shared_->work = &work;
+    shared_->working = size_ - 1;
+    ++shared_->run;
+  }
+  shared_->wake.notify_all();
+  work(0);
+  std::unique_lock<std::mutex> lock(shared_->mutex);
+  shared_->done.wait(lock, [this] { return shared_->working == 0; });
+}
+
+void ThreadTeam::Start() {
+  shared_ = new Shared();
+  process_ = getpid();
+  try {
+    for (int i = 1; i < size_; ++i) {
+      Shared* const shared = shared_;
+      shared_->threads.emplace_back([shared, i] { Help(*shared, i); });
+    }
+  } catch (...) {
+    Stop();
+    throw;
+  }
+}
+
+void ThreadTeam::Stop() {
+  {
+    const std::lock_guard<std::mutex> lock(shared_->mutex);
+    shared_->ends = true;
+  }
+  shared_->wake.notify_all();
+  for (std::thread& thread : shared_->threads) thread.join();
+  delete shared_;
+  shared_ = nullptr;
+}
+
+void ThreadTeam::Help(Shared& shared, int i) {
+  std::unique_lock<std::mutex> lock(shared.mutex);
+  int run = 0;
+  while (true) {
+    shared.wake.wait(lock, [&] { return shared.ends || shared.run != run; });
+    if (shared.ends) return;
+    const std::function<void(int)>& work = *shared.work;
+    run = shared.run;
+    lock.unlock();
+    work(i);
+    lock.lock();
+    if (--shared.working == 0) shared.done.notify_one();
+  }
 }
 
 }  // namespace flatland

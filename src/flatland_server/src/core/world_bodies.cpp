@@ -57,7 +57,7 @@ World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers)
     fixture.userData.pointer = record.fixtures.size();
     record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
   }
-  layers_.push_back({SegmentTree::Share(walls), layers});
+  layers_.push_back({VisibleWalls::Share(walls), layers});
   ++revision_;
   return AddRecord(std::move(record));
 }

@@ -71,6 +71,25 @@ std::vector<Touch> World::GetTouches() const {
   return touches;
 }
 
+bool World::Touches(const std::vector<Body>& bodies) const {
+  RequireAccess();
+  const auto is_own = [&](b2Body& other) {
+    const uint32_t index = static_cast<uint32_t>(other.GetUserData().pointer);
+    return std::any_of(bodies.begin(), bodies.end(),
+                       [&](Body body) { return body.index == index; });
+  };
+  for (const Body& body : bodies) {
+    b2Body& found = *bodies_.Get(body).body;
+    for (b2ContactEdge* edge = found.GetContactList(); edge != nullptr; edge = edge->next) {
+      b2Contact& contact = *edge->contact;
+      const bool is_solid =
+          !contact.GetFixtureA()->IsSensor() && !contact.GetFixtureB()->IsSensor();
+      if (contact.IsTouching() && is_solid && !is_own(*edge->other)) return true;
+    }
+  }
+  return false;
+}
+
 void World::CallListener(Contact& contact) {
   has_called_listener_ = true;
   listener_thread_ = std::this_thread::get_id();

@@ -69,6 +69,19 @@ const Lidar& World::Scan(LidarHandle handle, const AccessGuard&) {
   return requested;
 }
 
+int World::GetBeamCount(LidarHandle lidar) const {
+  RequireAccess();
+  return lidars_.Get(lidar).mechanism.settings.fan->size();
+}
+
+void World::ScanInto(LidarHandle handle, float* ranges, const AccessGuard&) const {
+  const Mounted<Lidar>& mounted = lidars_.Get(handle);
+  const LidarSettings& settings = mounted.mechanism.settings;
+  RefreshVisibleFixtures();
+  ScanInto(*settings.fan, LidarPose(*bodies_.Get(mounted.body).body, settings.pose), settings.scan,
+           ranges, nullptr);
+}
+
 void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
                  float* intensities, const AccessGuard&) const {
   Require(IsUsable(pose), "a lidar's pose must be finite");
@@ -114,10 +127,11 @@ void World::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& s
 template <class Choose>
 void World::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
                    Choose choose) const {
-  for (const Layer& layer : layers_) {
-    if ((layer.bits & settings.layers) != 0 && choose(layer.bits)) buffer.Draw(*layer.walls, pose);
-  }
   const Vec2 origin{pose.x, pose.y};
+  for (const Layer& layer : layers_) {
+    if ((layer.bits & settings.layers) == 0 || !choose(layer.bits)) continue;
+    buffer.Draw(layer.walls->SeenFrom(origin), pose);
+  }
   const Rotation rotation(pose.yaw);
   for (const int index : buffer.FindVisible(bounding_circles_, pose)) {
     const VisibleFixture& fixture = visible_fixtures_[index];

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "archive.hpp"
+#include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
@@ -75,54 +76,17 @@ void SetImpulses(b2Joint& joint, const std::array<float, 5>& impulses) {
 // ---- Making Box2D's objects again ----
 
 b2Body* CopyBody(b2World& world, b2Body& old, const BodyState& state) {
-  b2BodyDef definition;
-  definition.type = old.GetType();
+  b2BodyDef definition = box2d::DefinitionOf(old);
   definition.position = state.position;
   definition.angle = state.sweep.a;
-  definition.linearDamping = old.GetLinearDamping();
-  definition.angularDamping = old.GetAngularDamping();
-  definition.userData = old.GetUserData();
   return world.CreateBody(&definition);
 }
 
 b2Fixture* CopyFixture(b2Body& body, b2Fixture& old, const Material& material) {
-  b2FixtureDef definition;
-  definition.shape = old.GetShape();
-  definition.userData = old.GetUserData();
-  definition.density = old.GetDensity();
+  b2FixtureDef definition = box2d::DefinitionOf(old);
   definition.friction = material.friction;
   definition.restitution = material.restitution;
-  definition.isSensor = old.IsSensor();
-  definition.filter = old.GetFilterData();
   return body.CreateFixture(&definition);
-}
-
-b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b) {
-  if (old.GetType() == e_weldJoint) {
-    const auto& weld = static_cast<b2WeldJoint&>(old);
-    b2WeldJointDef definition;
-    definition.bodyA = a;
-    definition.bodyB = b;
-    definition.collideConnected = old.GetCollideConnected();
-    definition.localAnchorA = weld.GetLocalAnchorA();
-    definition.localAnchorB = weld.GetLocalAnchorB();
-    definition.referenceAngle = weld.GetReferenceAngle();
-    definition.stiffness = weld.GetStiffness();
-    definition.damping = weld.GetDamping();
-    return world.CreateJoint(&definition);
-  }
-  const auto& hinge = static_cast<b2RevoluteJoint&>(old);
-  b2RevoluteJointDef definition;
-  definition.bodyA = a;
-  definition.bodyB = b;
-  definition.collideConnected = old.GetCollideConnected();
-  definition.localAnchorA = hinge.GetLocalAnchorA();
-  definition.localAnchorB = hinge.GetLocalAnchorB();
-  definition.referenceAngle = hinge.GetReferenceAngle();
-  definition.enableLimit = hinge.IsLimitEnabled();
-  definition.lowerAngle = hinge.GetLowerLimit();
-  definition.upperAngle = hinge.GetUpperLimit();
-  return world.CreateJoint(&definition);
 }
 
 /// Makes a contact that is in a state, unless the two cannot collide. It becomes Box2D's newest.
@@ -310,7 +274,7 @@ void World::Rebuild(const WorldState& state) {
   size_t joint_index = 0;
   joints_.ForEach([&](Joint, b2Joint*& joint) {
     b2Joint* old = joint;
-    joint = CopyJoint(*rebuilt, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
+    joint = box2d::CopyJoint(*rebuilt, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
     SetImpulses(*joint, state.joints[joint_index++]);
     tricycles_.ForEach(
         [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Replace(old, joint); });

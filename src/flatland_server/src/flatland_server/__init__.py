@@ -43,9 +43,12 @@ from flatland_server.exceptions import (
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
+from flatland_server.library.batch_observation import BatchObservation
+from flatland_server.library.free_space import FreeSpace
 from flatland_server.library.handles import ModelHandle, Sensor
 from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulation import Simulation
+from flatland_server.library.simulation_batch import SimulationBatch
 from flatland_server.library.touch import Touch
 from flatland_server.library.world_content import world_content
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
@@ -56,6 +59,7 @@ from flatland_server.models.joint import Joint
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.models.model_body import BodyConfig, ModelBody
+from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -72,6 +76,7 @@ __all__ = [
     "EASINGS",
     "REQUIRED",
     "TWEEN_MODES",
+    "BatchObservation",
     "BeamFan",
     "Body",
     "BodyConfig",
@@ -83,6 +88,8 @@ __all__ = [
     "Contact",
     "ContactImpulse",
     "ContactSides",
+    "CoreDrive",
+    "CoreLidar",
     "Drive",
     "Entity",
     "Fixture",
@@ -91,6 +98,7 @@ __all__ = [
     "FloatArray",
     "Footprint",
     "Frames",
+    "FreeSpace",
     "GoneError",
     "IntArray",
     "Joint",
@@ -123,6 +131,7 @@ __all__ = [
     "Segments",
     "Sensor",
     "Simulation",
+    "SimulationBatch",
     "SimulationManager",
     "StateError",
     "Subscription",

@@ -13,9 +13,9 @@ properties raise, unless it is said otherwise:
         something.
 """
 
-from typing import Callable, NoReturn, Sequence, overload
+from typing import Any, Callable, NoReturn, Sequence, overload
 
-from flatland_server.arrays import Float32Array, FloatArray, Segments
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, Segments
 
 _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
@@ -153,6 +153,53 @@ class World(metaclass=_Metaclass):
     @property
     def joint_count(self) -> int:
         """Number of joints."""
+
+class WorldBatch(metaclass=_Metaclass):
+    """Environments that begin as the same world, with a robot each; see world_batch.hpp.
+
+    `out` are arrays of n rows, which are written to in place: ranges (n, beams) float32, poses,
+    velocities and local velocities (n, 3) float64, collided (n,) bool, steps (n,) int64.
+
+    Args:
+        world: that has made no step; it is copied.
+        bodies: of the robot, the one that is observed first.
+        base: pose of the first body in the robot's frame.
+        drive: of the robot.
+        columns: which number of the drive each number of an action is.
+        lidar: of the robot.
+        count: number of environments, n.
+        threads: that share them.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        *,
+        bodies: Sequence[Body],
+        base: _Triple,
+        drive: Drive | Tricycle,
+        columns: Sequence[int],
+        lidar: Lidar,
+        count: int,
+        threads: int,
+    ) -> None: ...
+    @property
+    def beams(self) -> int:
+        """The number of beams of the lidar."""
+    def step(self, actions: FloatArray, substeps: int, dt: float, out: tuple[Any, ...]) -> None:
+        """Commands the robots, makes steps of `dt` [s], and writes all rows. Releases the GIL.
+
+        Raises:
+            ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
+    def reset(self, mask: BoolArray | None, poses: FloatArray | None, out: tuple[Any, ...]) -> None:
+        """Puts environments back to the beginning, moves their robots, and writes their rows.
+
+        Raises:
+            ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
+    def observe(self, out: tuple[Any, ...]) -> None:
+        """Writes all rows."""
 
 class Body(_WithoutConstructor):
     """A handle of a body. Handles of the same body are equal."""

@@ -11,6 +11,7 @@ from flatland_server.models.entity import Entity
 from flatland_server.models.joint import Joint
 from flatland_server.models.model import Model
 from flatland_server.models.model_body import ModelBody
+from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
@@ -31,7 +32,15 @@ class ModelPlugin(Plugin):
     """A plugin of one model; `self.model` is the model, `self.node` is in its namespace.
 
     `flatland_server.plugins.plugin` describes the life of a plugin.
+
+    Attributes:
+        core_drive: the drive of the core that `command` controls; set by `on_initialize`. A
+            `SimulationBatch` needs it.
+        core_lidar: the lidar of the core that `read` reads; likewise.
     """
+
+    core_drive: Optional[CoreDrive] = None
+    core_lidar: Optional[CoreLidar] = None
 
     def __init__(
         self, type: str, name: str, node: Node, rng: np.random.Generator, model: Model

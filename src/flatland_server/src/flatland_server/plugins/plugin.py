@@ -84,9 +84,14 @@ class Plugin:
         only_publishes: whether the step hooks do nothing but publish, so that `has_work` depends on
             nothing but subscribers. With an `update_timer`, the plugin is then not asked each time
             this is due, and while it has no work, the world makes many steps at once.
+        is_passive: whether the plugin changes nothing in the world by itself: all of its hooks only
+            observe, and what it adds to the core when it starts does not depend on chance. It may
+            obey messages and commands. A `SimulationBatch` runs no other plugins. A derived class
+            that overrides a hook has to say so again.
     """
 
     only_publishes: ClassVar[bool] = False
+    is_passive: ClassVar[bool] = False
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
         self.type = type

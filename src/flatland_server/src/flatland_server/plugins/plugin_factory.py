@@ -82,7 +82,7 @@ class PluginFactory:
         except PluginError as error:
             raise reader.error(str(error), "type") from error.__cause__
         label = f"{model_name}/{config.name}" if model_name else config.name
-        rng = np.random.default_rng([self._seed, _stream(model_name, config.name)])
+        rng = plugin_rng(self._seed, model_name, config.name)
         node = self._root_node.scoped(namespace, label)
         try:
             plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
@@ -100,6 +100,17 @@ class PluginFactory:
             key = reader.key_of(error.name) if isinstance(error, TopicError) else None
             raise reader.error(reason, key) from error
         return plugin
+
+
+def plugin_rng(seed: int, model_name: str, plugin_name: str) -> np.random.Generator:
+    """The random numbers of a plugin.
+
+    Args:
+        seed: of the world.
+        model_name: of its model; empty for a plugin of the world.
+        plugin_name: its own.
+    """
+    return np.random.default_rng([seed, _stream(model_name, plugin_name)])
 
 
 def _stream(model_name: str, plugin_name: str) -> int:

@@ -1,0 +1,65 @@
+#pragma once
+
+/// The walls of a layer that can be seen from a place, for lidars.
+///
+/// Need. A lidar in an office sees a hundred walls of thousands. Drawing front to back, DepthBuffer
+/// skips most of those that are hidden, but finds out anew in each scan that they are.
+///
+/// Method. The floor is divided into square cells. For a cell where many scans are made, the walls
+/// that can be seen from any point of it are found once, and later scans draw only these. A wall is
+/// left out if it is proven that all lines from the cell to it are blocked: if a single wall
+/// crosses them all, or, after the cell or the wall has been halved, walls that do so for each
+/// half. To be on the safe side, a wall for which this does not succeed soon counts as seen. So a
+/// scan is the same with these walls as with all.
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "flatland_server/geometry.hpp"
+#include "flatland_server/segment_tree.hpp"
+
+namespace flatland {
+
+class VisibleWalls {
+ public:
+  explicit VisibleWalls(std::shared_ptr<const SegmentTree> walls);
+
+  /// Those of an equal layer, or new ones. So all worlds with the same map share them.
+  static std::shared_ptr<const VisibleWalls> Share(const std::vector<Segment>& segments);
+
+  const SegmentTree& all() const { return *walls_; }
+  /// Walls among which are all those that a lidar at a point can see; valid as long as this object.
+  /// Several threads may call it at a time.
+  const SegmentTree& SeenFrom(Vec2 point) const;
+
+  /// As many scans are made from a cell before its walls are found: that takes as long as they do.
+  static constexpr int kScansBefore = 128;
+
+ private:
+  struct Cell {
+    std::atomic<int> scans{0};
+    std::atomic<const SegmentTree*> seen{nullptr};  // null before it is known
+  };
+
+  /// The index of a point's cell, or -1.
+  int CellAt(Vec2 point) const;
+  const SegmentTree& Find(int cell) const;
+
+  std::shared_ptr<const SegmentTree> walls_;
+  Vec2 origin_;             // the bottom left corner of the cells [m]
+  double cell_size_ = 1.0;  // [m]
+  int columns_ = 0;
+  int rows_ = 0;
+  std::unique_ptr<Cell[]> cells_;
+  mutable std::mutex mutex_;  // guards the members below
+  mutable std::vector<std::unique_ptr<const SegmentTree>> found_;
+  mutable size_t found_walls_ = 0;  // in all of them
+};
+
+/// Those walls of a tree that can be seen from a point of a box, and perhaps more.
+std::vector<Segment> WallsSeenFrom(const SegmentTree& walls, const Box& box);
+
+}  // namespace flatland

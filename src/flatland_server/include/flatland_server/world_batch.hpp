@@ -1,0 +1,89 @@
+#pragma once
+
+/// Many environments, each with a state of the same world and one robot, stepped in one call.
+///
+/// Environments do not influence each other, and each makes the steps that a World of its own
+/// makes: whatever their number, and on however many threads.
+///
+/// The functions are for one thread at a time. They write to arrays of the caller, and keep none.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include "flatland_server/parallel.hpp"
+#include "flatland_server/shared_world.hpp"
+#include "flatland_server/world.hpp"
+
+namespace flatland {
+
+/// The robot of each environment, named by handles of the world.
+struct BatchRobot {
+  std::vector<World::Body> bodies;  ///< all of its bodies; poses and velocities are of the first
+  Pose base;                        ///< pose of the first body in the robot's frame [m, m, rad]
+  std::variant<World::Drive, World::Tricycle> drive;
+  /// Which number of an action is each one of the drive's: vx, vy and omega, or speed and steering
+  /// angle; -1 is none, which commands 0.
+  std::array<int, 3> columns{0, -1, 1};
+  int action_size = 2;  ///< number of numbers in an action
+  World::LidarHandle lidar;
+};
+
+/// Where observations are written to: an array each, with a row for each environment.
+struct BatchRows {
+  float* ranges;             ///< [m], or +infinity; as many as the lidar has beams
+  double* poses;             ///< x, y [m] and yaw in [-pi, pi] [rad], in the world
+  double* velocities;        ///< vx, vy [m/s] and omega [rad/s] of the origin, in the world's frame
+  double* local_velocities;  ///< the same in the body's frame
+  bool* collided;            ///< whether the robot has touched something solid since the last row
+  int64_t* steps;            ///< made since the beginning or the last reset
+};
+
+class WorldBatch {
+ public:
+  /// Environments that begin as a world which has made no step, and which is copied. Throws
+  /// std::invalid_argument if there is no environment or thread, and GoneError for a wrong handle.
+  WorldBatch(const World& world, const BatchRobot& robot, int count, int threads);
+  ~WorldBatch();
+
+  int count() const { return static_cast<int>(environments_.size()); }
+  int beams() const { return beams_; }
+  const BatchRobot& robot() const { return robot_; }
+
+  /// In each environment: commands the drive with its row of `actions` (count x action_size), makes
+  /// `substeps` steps of `dt` [s], and writes its row. Throws std::invalid_argument, and changes
+  /// nothing, if an action is not finite.
+  void Step(const double* actions, int substeps, double dt, const BatchRows& rows);
+  /// Puts the environments that `mask` chooses (null: all) back to the beginning, moves their
+  /// robots to `poses` (count x 3: x, y [m], yaw [rad]; null: they stay), and writes their rows.
+  /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
+  void Reset(const bool* mask, const double* poses, const BatchRows& rows);
+  /// Writes all rows; `collided` as in the last row.
+  void Observe(const BatchRows& rows);
+
+ private:
+  struct Environment {
+    std::unique_ptr<SharedWorld::State> state;
+    int64_t steps = 0;
+    bool collided = false;
+  };
+
+  /// Calls `visit(world, environment, row)` for the environments that `mask` chooses, on all
+  /// threads, each of which has a world and some of the environments.
+  template <class Visit>
+  void ForEach(const bool* mask, Visit visit);
+  void Command(World& world, const double* action) const;
+  /// Moves the robot as Model.move does: with the same arithmetic.
+  void Move(World& world, const Pose& pose) const;
+  void Write(World& world, const Environment& environment, int row, const BatchRows& rows) const;
+
+  BatchRobot robot_;
+  int beams_ = 0;
+  std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
+  std::vector<Environment> environments_;             // destroyed before the worlds
+  ThreadTeam team_;
+};
+
+}  // namespace flatland

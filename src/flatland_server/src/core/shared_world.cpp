@@ -1,0 +1,155 @@
+#include "flatland_server/shared_world.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "box2d_internals.hpp"
+#include "page_copies.hpp"
+
+namespace flatland {
+namespace {
+
+template <class Mechanism>
+std::vector<Mechanism> MechanismsOf(const SlotMap<Mounted<Mechanism>>& map) {
+  std::vector<Mechanism> mechanisms;
+  map.ForEach([&](auto, const Mounted<Mechanism>& each) { mechanisms.push_back(each.mechanism); });
+  return mechanisms;
+}
+
+template <class Mechanism>
+void SwapWith(SlotMap<Mounted<Mechanism>>& map, std::vector<Mechanism>& mechanisms) {
+  size_t i = 0;
+  map.ForEach([&](auto, Mounted<Mechanism>& each) { std::swap(each.mechanism, mechanisms[i++]); });
+}
+
+}  // namespace
+
+SharedWorld::State::State() = default;
+SharedWorld::State::~State() = default;
+
+SharedWorld::SharedWorld(std::unique_ptr<World> world) : world_(std::move(world)) {
+  b2World& box2d_world = *world_->world_;
+  SkipWalls();
+  CollectRanges();
+  nodes_ = box2d::Nodes(box2d_world);
+  image_ = std::make_unique<PageImage>(nodes_,
+                                       box2d::NodeCapacity(box2d_world) * sizeof(b2TreeNode));
+  beginning_.reset(new State());
+  beginning_->bytes_.resize(size_);
+  beginning_->drives_ = MechanismsOf(world_->drives_);
+  beginning_->tricycles_ = MechanismsOf(world_->tricycles_);
+  beginning_->tweens_ = MechanismsOf(world_->tweens_);
+  Leave(*beginning_);
+}
+
+// Box2D frees the nodes that it has allocated, and contacts with the memory that they are in.
+SharedWorld::~SharedWorld() { box2d::Nodes(*world_->world_) = nodes_; }
+
+/// At first each fixture is to be tested for contacts with the others. Box2D finds a pair when it
+/// tests the later one of two such fixtures. So a wall finds nothing if all fixtures before it are
+/// walls: two walls have no contact.
+void SharedWorld::SkipWalls() {
+  b2World& box2d_world = *world_->world_;
+  b2TreeNode* const nodes = box2d::Nodes(box2d_world);
+  const auto is_wall = [&](int32 proxy) {
+    const auto* data = static_cast<const b2FixtureProxy*>(nodes[proxy].userData);
+    return data->fixture->GetType() == b2Shape::e_edge;
+  };
+  int32* const begin = box2d::Moves(box2d_world);
+  int32* const end = begin + box2d::MoveCount(box2d_world);
+  int32 first_body = INT32_MAX;
+  for (const int32* proxy = begin; proxy != end; ++proxy) {
+    if (*proxy >= 0 && !is_wall(*proxy)) first_body = std::min(first_body, *proxy);
+  }
+  int32* const kept = std::stable_partition(begin, end, [&](int32 proxy) {
+    return proxy < 0 || !is_wall(proxy) || proxy > first_body;
+  });
+  for (const int32* proxy = kept; proxy != end; ++proxy) nodes[*proxy].moved = false;
+  box2d::MoveCount(box2d_world) = static_cast<int32>(kept - begin);
+}
+
+void SharedWorld::CollectRanges() {
+  b2World& box2d_world = *world_->world_;
+  b2ContactManager& contacts = box2d::Contacts(box2d_world);
+  AddRange(contacts.m_contactList);
+  AddRange(contacts.m_contactCount);
+  AddRange(box2d::NewContacts(box2d_world));
+  AddRange(box2d::InverseStep(box2d_world));
+  AddRange(box2d::Tree(box2d_world));
+  world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
+    AddRange(*record.body);
+    if (record.is_layer) return;
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+      b2FixtureProxy* proxies = box2d::FixtureInternals::Proxies(*each.fixture);
+      const int32 count = box2d::FixtureInternals::ProxyCount(*each.fixture);
+      for (int32 i = 0; i < count; ++i) AddRange(proxies[i].aabb);
+    }
+  });
+  world_->joints_.ForEach([this](World::Joint, b2Joint* joint) {
+    if (joint->GetType() == e_weldJoint) {
+      AddRange(static_cast<b2WeldJoint&>(*joint));
+    } else {
+      AddRange(static_cast<b2RevoluteJoint&>(*joint));
+    }
+  });
+  for (const Range& range : ranges_) size_ += range.size;
+}
+
+std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
+  std::unique_ptr<State> state(new State());
+  state->tree_ = std::make_unique<PageCopy>(*image_);
+  state->bytes_ = beginning_->bytes_;
+  state->moves_ = beginning_->moves_;
+  state->drives_ = beginning_->drives_;
+  state->tricycles_ = beginning_->tricycles_;
+  state->tweens_ = beginning_->tweens_;
+  return state;
+}
+
+World& SharedWorld::Enter(State& state) {
+  b2World& box2d_world = *world_->world_;
+  const std::byte* from = state.bytes_.data();
+  for (const Range& range : ranges_) {
+    std::memcpy(range.address, from, range.size);
+    from += range.size;
+  }
+  box2d::Nodes(box2d_world) = static_cast<b2TreeNode*>(state.tree_->data());
+  std::copy(state.moves_.begin(), state.moves_.end(), box2d::Moves(box2d_world));
+  box2d::MoveCount(box2d_world) = static_cast<int32>(state.moves_.size());
+  SwapMechanisms(state);
+  ++world_->revision_;
+  return *world_;
+}
+
+void SharedWorld::Leave(State& state) {
+  b2World& box2d_world = *world_->world_;
+  std::byte* to = state.bytes_.data();
+  for (const Range& range : ranges_) {
+    std::memcpy(to, range.address, range.size);
+    to += range.size;
+  }
+  const int32* moves = box2d::Moves(box2d_world);
+  state.moves_.assign(moves, moves + box2d::MoveCount(box2d_world));
+  SwapMechanisms(state);
+}
+
+void SharedWorld::Restart(State& state) {
+  b2ContactManager& contacts = box2d::Contacts(*world_->world_);
+  Enter(state);
+  while (contacts.m_contactList != nullptr) contacts.Destroy(contacts.m_contactList);
+  SwapMechanisms(state);
+  state.tree_->Restore();
+  state.bytes_ = beginning_->bytes_;
+  state.moves_ = beginning_->moves_;
+  state.drives_ = beginning_->drives_;
+  state.tricycles_ = beginning_->tricycles_;
+  state.tweens_ = beginning_->tweens_;
+}
+
+void SharedWorld::SwapMechanisms(State& state) {
+  SwapWith(world_->drives_, state.drives_);
+  SwapWith(world_->tricycles_, state.tricycles_);
+  SwapWith(world_->tweens_, state.tweens_);
+}
+
+}  // namespace flatland

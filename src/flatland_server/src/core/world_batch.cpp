@@ -1,0 +1,148 @@
+#include "flatland_server/world_batch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "box2d_limits.hpp"
+
+namespace flatland {
+namespace {
+
+Pose Compose(const Pose& outer, const Pose& inner) {
+  const double cos = std::cos(outer.yaw), sin = std::sin(outer.yaw);
+  return {outer.x + cos * inner.x - sin * inner.y, outer.y + sin * inner.x + cos * inner.y,
+          outer.yaw + inner.yaw};
+}
+
+Pose Inverse(const Pose& pose) {
+  const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
+  return {-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.yaw};
+}
+
+Pose Wrapped(const Pose& pose) {
+  return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
+}
+
+void Put(double* row, double a, double b, double c) {
+  row[0] = a;
+  row[1] = b;
+  row[2] = c;
+}
+
+}  // namespace
+
+WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, int threads)
+    : robot_(robot), team_(std::min(threads, count)) {
+  Require(count >= 1, "a batch needs an environment");
+  Require(threads >= 1, "a batch needs a thread");
+  Require(!robot.bodies.empty(), "a robot needs a body");
+  for (int i = 0; i < team_.size(); ++i) {
+    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy()));
+  }
+  environments_.resize(count);
+  for (int i = 0; i < team_.size(); ++i) {
+    for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
+      environments_[row].state = worlds_[i]->MakeState();
+    }
+  }
+  World& first = worlds_[0]->Enter(*environments_[0].state);
+  beams_ = first.GetBeamCount(robot.lidar);
+  for (const World::Body& body : robot.bodies) first.GetPose(body);
+  std::visit([&](auto drive) { first.Get(drive); }, robot.drive);
+  worlds_[0]->Leave(*environments_[0].state);
+}
+
+WorldBatch::~WorldBatch() = default;
+
+template <class Visit>
+void WorldBatch::ForEach(const bool* mask, Visit visit) {
+  team_.Run([&](int i) noexcept {
+    for (int row = team_.Begin(i, count()); row < team_.Begin(i + 1, count()); ++row) {
+      if (mask == nullptr || mask[row]) visit(*worlds_[i], environments_[row], row);
+    }
+  });
+}
+
+void WorldBatch::Step(const double* actions, int substeps, double dt, const BatchRows& rows) {
+  Require(substeps >= 1, "expected 1 step or more");
+  Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
+  const int64_t numbers = int64_t{count()} * robot_.action_size;
+  for (int64_t i = 0; i < numbers; ++i) {
+    Require(IsUsable(actions[i]), "a commanded velocity must be finite");
+  }
+  ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
+    World& world = shared.Enter(*environment.state);
+    Command(world, actions + int64_t{row} * robot_.action_size);
+    environment.collided = false;
+    for (int i = 0; i < substeps; ++i) {
+      world.Step(dt);
+      environment.collided = environment.collided || world.Touches(robot_.bodies);
+    }
+    environment.steps += substeps;
+    Write(world, environment, row, rows);
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows) {
+  if (poses != nullptr) {
+    for (int row = 0; row < count(); ++row) {
+      if (mask != nullptr && !mask[row]) continue;
+      // Twice as far as it may be: its bodies are beside its origin.
+      RequirePosition({2.0 * poses[3 * row], 2.0 * poses[3 * row + 1]});
+      Require(IsUsable(poses[3 * row + 2]), "a heading must be finite");
+    }
+  }
+  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+    shared.Restart(*environment.state);
+    World& world = shared.Enter(*environment.state);
+    if (poses != nullptr) Move(world, {poses[3 * row], poses[3 * row + 1], poses[3 * row + 2]});
+    environment.steps = 0;
+    environment.collided = false;
+    Write(world, environment, row, rows);
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::Observe(const BatchRows& rows) {
+  ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
+    Write(shared.Enter(*environment.state), environment, row, rows);
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::Command(World& world, const double* action) const {
+  double values[3];
+  for (int i = 0; i < 3; ++i) values[i] = robot_.columns[i] < 0 ? 0.0 : action[robot_.columns[i]];
+  if (const auto* drive = std::get_if<World::Drive>(&robot_.drive)) {
+    world.Get(*drive).Command({values[0], values[1], values[2]});
+  } else {
+    world.Get(std::get<World::Tricycle>(robot_.drive)).Command(values[0], values[1]);
+  }
+}
+
+void WorldBatch::Move(World& world, const Pose& pose) const {
+  const Pose base = Wrapped(world.GetPose(robot_.bodies.front()));
+  const Pose present = Wrapped(Compose(base, Inverse(robot_.base)));
+  const Pose displacement = Wrapped(Compose(pose, Inverse(present)));
+  for (const World::Body& body : robot_.bodies) {
+    world.SetPose(body, Compose(displacement, world.GetPose(body)));
+  }
+  for (const World::Body& body : robot_.bodies) world.Halt(body);
+}
+
+void WorldBatch::Write(World& world, const Environment& environment, int row,
+                       const BatchRows& rows) const {
+  const World::Body body = robot_.bodies.front();
+  const Pose pose = Wrapped(world.GetPose(body));
+  const Twist velocity = world.GetVelocity(body);
+  const Twist local = world.GetLocalVelocity(body);
+  world.ScanInto(robot_.lidar, rows.ranges + int64_t{row} * beams_, World::AccessGuard(world));
+  Put(rows.poses + 3 * row, pose.x, pose.y, pose.yaw);
+  Put(rows.velocities + 3 * row, velocity.vx, velocity.vy, velocity.omega);
+  Put(rows.local_velocities + 3 * row, local.vx, local.vy, local.omega);
+  rows.collided[row] = environment.collided;
+  rows.steps[row] = environment.steps;
+}
+
+}  // namespace flatland

@@ -1,0 +1,63 @@
+/// World: copies of a world that has made no step yet.
+
+#include "box2d_copies.hpp"
+#include "box2d_internals.hpp"
+#include "box2d_limits.hpp"
+#include "flatland_server/world.hpp"
+
+namespace flatland {
+namespace {
+
+/// Makes a fixture as World::AddFixture and World::AddLayer do; the body gets its mass later.
+b2Fixture* CopyFixture(b2Body& body, b2Fixture& old) {
+  b2FixtureDef definition = box2d::DefinitionOf(old);
+  const float density = definition.density;
+  definition.density = 0.0f;
+  b2Fixture* fixture = body.CreateFixture(&definition);
+  fixture->SetDensity(density);
+  return fixture;
+}
+
+}  // namespace
+
+std::unique_ptr<World> World::Copy() const {
+  const AccessGuard guard(*this);
+  Require(box2d::InverseStep(*world_) == 0.0f, "a world that has made a step is not copied");
+  auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_);
+  copy->bodies_ = bodies_;
+  copy->layers_ = layers_;
+  copy->joints_ = joints_;
+  copy->drives_ = drives_;
+  copy->tricycles_ = tricycles_;
+  copy->tweens_ = tweens_;
+  copy->lidars_ = lidars_;
+  // In the order in which they were added, which determines the tree of bounding boxes.
+  copy->bodies_.ForEach([&](Body, BodyRecord& record) {
+    b2BodyDef definition = box2d::DefinitionOf(*record.body);
+    record.body = copy->world_->CreateBody(&definition);
+    record.contact_events = kNoContactEvents;
+    bool has_mass = false;
+    for (BodyRecord::FixtureRecord& each : record.fixtures) {
+      each.fixture = CopyFixture(*record.body, *each.fixture);
+      has_mass = has_mass || each.fixture->GetDensity() != 0.0f;
+    }
+    if (has_mass && record.body->GetType() == b2_dynamicBody) {
+      const b2MassData mass = record.mass.ToBox2D();
+      record.body->SetMassData(&mass);
+    }
+  });
+  const auto copy_of = [&](b2Body* old) {
+    const auto index = static_cast<uint32_t>(old->GetUserData().pointer);
+    return copy->bodies_.Get(copy->bodies_.HandleAt(index)).body;
+  };
+  copy->joints_.ForEach([&](Joint, b2Joint*& joint) {
+    b2Joint* const old = joint;
+    joint = box2d::CopyJoint(*copy->world_, *old, copy_of(old->GetBodyA()),
+                             copy_of(old->GetBodyB()));
+    copy->tricycles_.ForEach(
+        [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Replace(old, joint); });
+  });
+  return copy;
+}
+
+}  // namespace flatland

@@ -1,0 +1,115 @@
+"""Checks of the arrays that a program passes to a batch."""
+
+from typing import Any, Optional, Sequence, Tuple
+
+import numpy as np
+
+from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.exceptions import UsageError
+from flatland_server.library.arguments import shown, whole_number
+
+MAX_COMMAND = 1e9
+"""The greatest magnitude of a number of an action."""
+
+MAX_COORDINATE = 5e4
+"""The greatest distance of a pose from the origin along x and y [m]."""
+
+_MAX_SEED = 2**63 - 1
+
+
+def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> FloatArray:
+    """Actions out of an array of float32 or float64, or of nested lists of numbers.
+
+    Args:
+        value: what a program has passed.
+        shape: that they must have.
+        names: of the numbers of an action.
+
+    Raises:
+        UsageError: they have another shape or type, or one is not finite.
+    """
+    array = _array(value, "actions", f"shape {shape}: {', '.join(names)}", shape)
+    if array.dtype.kind not in "fiu":
+        raise UsageError(f"expected actions of float32 or float64, found {array.dtype}")
+    actions = np.ascontiguousarray(array, dtype=np.float64)
+    # False for NaN too.
+    wrong = ~(np.abs(actions) <= MAX_COMMAND).all(axis=1)
+    if wrong.any():
+        row = int(wrong.argmax())
+        raise UsageError(
+            f"expected actions of finite numbers, found {actions[row].tolist()} for "
+            f"environment {row}"
+        )
+    return actions
+
+
+def poses_of(value: Any, count: int, mask: Optional[BoolArray]) -> FloatArray:
+    """Poses, of shape (count, 3).
+
+    Args:
+        value: what a program has passed.
+        count: number of environments.
+        mask: which of them matter; None: all.
+
+    Raises:
+        UsageError: they have another shape or type, or one that matters is not finite.
+    """
+    shape = (count, 3)
+    array = _array(value, "poses", f"shape {shape}: x, y, yaw", shape)
+    if array.dtype.kind not in "fiu":
+        raise UsageError(f"expected poses of float64, found {array.dtype}")
+    poses = np.ascontiguousarray(array, dtype=np.float64)
+    wrong = ~(np.abs(poses) <= MAX_COORDINATE).all(axis=1)
+    if mask is not None:
+        wrong &= mask
+    if wrong.any():
+        row = int(wrong.argmax())
+        raise UsageError(
+            f"expected poses of finite numbers up to {MAX_COORDINATE:g}, found "
+            f"{poses[row].tolist()} for environment {row}"
+        )
+    return poses
+
+
+def mask_of(value: Any, count: int) -> BoolArray:
+    """Which environments are meant: an array of bool.
+
+    Raises:
+        UsageError: it has another shape or type.
+    """
+    array = _array(value, "a mask", f"shape ({count},) of bool", (count,))
+    if array.dtype != bool:
+        raise UsageError(f"expected a mask of bool, found {array.dtype}")
+    return np.ascontiguousarray(array)
+
+
+def seeds_of(value: Any, count: int) -> IntArray:
+    """A seed for each environment, out of the first one or of all.
+
+    Raises:
+        UsageError: they are no whole numbers of 0 or more, or not as many as environments.
+    """
+    if np.ndim(value) == 0:
+        first = whole_number(value, "a seed", 0)
+        if first > _MAX_SEED - count:
+            raise UsageError(f"expected a seed below 2^63 - {count}, found {first}")
+        return np.arange(first, first + count)
+    array = _array(value, "seeds", f"{count} whole numbers", (count,))
+    if array.dtype.kind not in "iu" or (array < 0).any() or (array > _MAX_SEED).any():
+        raise UsageError(f"expected seeds of 0 to 2^63 - 1, found {shown(array)}")
+    return np.array(array, np.intp)
+
+
+def _array(value: Any, what: str, form: str, shape: Tuple[int, ...]) -> Any:
+    """An array of a shape.
+
+    Raises:
+        UsageError: it is none.
+    """
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of unequal lengths
+        raise UsageError(f"expected {what} of {form}, found {shown(value)}") from None
+    if array.shape != shape:
+        raise UsageError(f"expected {what} of {form}, found shape {array.shape}")
+    return array

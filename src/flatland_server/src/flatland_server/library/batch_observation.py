@@ -1,0 +1,63 @@
+"""What a batch of environments observes."""
+
+from typing import List, NamedTuple, Tuple
+
+import numpy as np
+
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray
+from flatland_server.exceptions import UsageError
+
+
+class BatchObservation(NamedTuple):
+    """Arrays with a row for each of n environments, C-contiguous."""
+
+    ranges: Float32Array
+    """(n, beams), float32: of each beam [m]; one that hits nothing is +inf (REP 117)."""
+    poses: FloatArray
+    """(n, 3), float64: x, y [m] and yaw in [-pi, pi] [rad] of the robot's first body."""
+    velocities: FloatArray
+    """(n, 3), float64: vx, vy [m/s] and omega [rad/s] of its origin, in the world's frame."""
+    local_velocities: FloatArray
+    """(n, 3), float64: the same in the body's frame: forwards, to the left, counter-clockwise."""
+    collided: BoolArray
+    """(n,), bool: whether the robot touched something solid during the last call of `step`."""
+    times: FloatArray
+    """(n,), float64: simulated time since the last reset [s]."""
+
+    @classmethod
+    def empty(cls, count: int, beams: int) -> "BatchObservation":
+        """New arrays, with any content, for `count` environments."""
+        return cls._make(np.empty(shape, dtype) for shape, dtype in _forms(count, beams))
+
+    def copy(self) -> "BatchObservation":
+        """A copy with arrays of its own."""
+        return BatchObservation._make(array.copy() for array in self)
+
+    def check(self, count: int, beams: int) -> None:
+        """Checks that a batch of `count` environments can write to the arrays.
+
+        Raises:
+            UsageError: one has another shape or type, or cannot be written to in place.
+        """
+        for name, array, (shape, dtype) in zip(self._fields, self, _forms(count, beams)):
+            found = type(array).__name__
+            if isinstance(array, np.ndarray):
+                found = f"{array.dtype} of shape {array.shape}"
+                if array.shape == shape and array.dtype == dtype:
+                    if array.flags.c_contiguous and array.flags.writeable and array.flags.aligned:
+                        continue
+                    found += ", not writeable in C's order"
+            raise UsageError(f"expected out.{name} as {dtype} of shape {shape}, found {found}")
+
+
+def _forms(count: int, beams: int) -> List[Tuple[Tuple[int, ...], "np.dtype[np.generic]"]]:
+    """The shape and type of each array."""
+    number = np.dtype(np.float64)
+    return [
+        ((count, beams), np.dtype(np.float32)),
+        ((count, 3), number),
+        ((count, 3), number),
+        ((count, 3), number),
+        ((count,), np.dtype(bool)),
+        ((count,), number),
+    ]

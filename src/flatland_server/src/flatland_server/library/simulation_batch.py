@@ -1,0 +1,347 @@
+"""Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
+
+import inspect
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type, Union
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.exceptions import UsageError
+from flatland_server.library.arguments import shown, whole_number
+from flatland_server.library.batch_arguments import actions_of, mask_of, poses_of, seeds_of
+from flatland_server.library.batch_observation import BatchObservation
+from flatland_server.library.batch_robot import find_robot, require_passive
+from flatland_server.library.free_space import FreeSpace, discs_of
+from flatland_server.library.simulated_world import new_timekeeper
+from flatland_server.library.world_source import WorldSource, open_world
+from flatland_server.plugins.core_parts import RangeNoise
+from flatland_server.plugins.plugin_factory import plugin_rng
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.transport.local_transport import LocalTransport
+
+
+class SimulationBatch:
+    """Environments that begin as the same world, each with one robot, stepped in one C++ call.
+
+        with SimulationBatch("office", 1024, threads=2) as batch:
+            actions = np.zeros((1024, 2))                # m/s and rad/s of a DiffDrive
+            observation = batch.step(actions, substeps=20)
+            observation.ranges, observation.poses, observation.collided
+            observation = batch.reset(observation.collided)
+
+    An environment is a `Simulation` of the same world and seed: it has the same poses, velocities
+    and ranges, bit for bit, whatever the number of environments and threads, and whatever happens
+    in the others. Robots of different environments do not see each other.
+
+    Python runs no plugins: the core drives, steps and scans. Drives, lidars and tweens work, and
+    plugins that only observe are left out. Noise of the lidar is added in Python, 20 us for each
+    scan; poses and velocities are the true ones, whatever the noise of odometry.
+
+    The arrays of an observation are new ones in each call, unless the caller passes some as `out`.
+    The batch keeps no reference to them and never writes to them later. A batch is used by one
+    thread at a time; `step` and `reset` release the GIL.
+
+    Args:
+        world: the name of a shipped world such as "office", the path of a world file, or the
+            content of one as a dict.
+        num_envs: number of environments, n.
+        robot: name of the model that is commanded and observed; None: the only one with a drive and
+            a lidar.
+        lidar: name of the plugin that is read; None: the robot's only lidar.
+        threads: of the processor, that share the environments in equal parts.
+        step_size: length of a step [s].
+        seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
+        params: parameters by absolute name, for expressions in the files and for plugins.
+        simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
+        model_folders: where model files are looked up that are not beside the world file.
+        loader: finds plugin classes; by default those that installed packages declare.
+
+    Raises:
+        FlatlandError: there is no such world, something in its files is wrong, it has no such robot
+            or lidar, or a plugin that acts by itself (`Plugin.is_passive`).
+    """
+
+    def __init__(
+        self,
+        world: WorldSource,
+        num_envs: int,
+        *,
+        robot: Optional[str] = None,
+        lidar: Optional[str] = None,
+        threads: int = 1,
+        step_size: float = 0.005,
+        seed: Union[int, Sequence[int], IntArray] = 0,
+        params: Mapping[str, Any] = {},
+        simplify_map: int = 0,
+        model_folders: Sequence[Union[str, "os.PathLike[str]"]] = (),
+        loader: Optional[PluginLoader] = None,
+    ) -> None:
+        self._num_envs = whole_number(num_envs, "a number of environments", 1)
+        self._threads = whole_number(threads, "a number of threads", 1)
+        self._step_nanoseconds = new_timekeeper(step_size).step_nanoseconds
+        self._seeds = seeds_of(seed, self._num_envs)
+        self._world = open_world(
+            world,
+            LocalTransport(dict(params), ()),
+            seed=int(self._seeds[0]),
+            simplify_map=simplify_map,
+            model_folders=[Path(folder) for folder in model_folders],
+            loader=loader,
+        )
+        require_passive(self._world)
+        self._robot = find_robot(self._world, robot, lidar)
+        core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
+        self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
+            self._world.physics,
+            bodies=self._robot.model.physics_bodies,
+            base=self._robot.model.base.config.pose,
+            drive=core_drive.drive,
+            columns=list(core_drive.columns),
+            lidar=core_lidar.lidar,
+            count=self._num_envs,
+            threads=self._threads,
+        )
+        self._beams = self._core.beams
+        self._steps = np.zeros(self._num_envs, np.int64)
+        self._noises: Dict[int, RangeNoise] = {}
+        self._spaces: Dict[float, FreeSpace] = {}
+
+    # Facts
+
+    @property
+    def num_envs(self) -> int:
+        """The number of environments, n."""
+        return self._num_envs
+
+    @property
+    def threads(self) -> int:
+        """The number of threads."""
+        return self._threads
+
+    @property
+    def step_size(self) -> float:
+        """Length of a step [s]."""
+        return self._step_nanoseconds * 1e-9
+
+    @property
+    def seeds(self) -> IntArray:
+        """The seeds of the environments: a new array (n,)."""
+        return self._seeds.copy()
+
+    @property
+    def robot(self) -> str:
+        """The name of the model that is commanded and observed."""
+        return self._robot.model.name
+
+    @property
+    def beams(self) -> int:
+        """The number of beams of the lidar."""
+        return self._beams
+
+    @property
+    def max_range(self) -> float:
+        """The largest distance that the lidar measures [m]."""
+        return self._robot.core_lidar.range
+
+    @property
+    def action_names(self) -> Tuple[str, ...]:
+        """What the numbers of an action are: the parameters of the drive's `command`."""
+        return tuple(inspect.signature(self._robot.drive.command).parameters)
+
+    @property
+    def action_limits(self) -> FloatArray:
+        """The least and the greatest value of each number of an action: a new array (2, k).
+
+        Infinite if the drive has no limit. The drive obeys a command beyond them as far as it can.
+        """
+        limits = np.array([limit or np.inf for limit in self._robot.core_drive.limits])
+        return np.stack([-limits, limits])
+
+    # Steps
+
+    def step(
+        self, actions: Any, substeps: int = 20, out: Optional[BatchObservation] = None
+    ) -> BatchObservation:
+        """Commands all robots, makes steps in all environments, and observes them.
+
+        Args:
+            actions: shape (n, k), of float32 or float64: a row for each environment, as its
+                `Simulation` would pass to `command`.
+            substeps: number of steps, during which the commands hold.
+            out: arrays that the observation is written to; by default new ones.
+
+        Returns:
+            `out`, or new arrays.
+
+        Raises:
+            UsageError: the actions are no finite numbers of this shape, `out` does not fit, or the
+                batch is closed. Nothing has changed.
+        """
+        core = self._require_open()
+        size = len(self._robot.core_drive.columns)
+        commands = actions_of(actions, (self._num_envs, size), self.action_names)
+        substeps = whole_number(substeps, "a number of steps", 1)
+        observation = self._rows(out)
+        core.step(commands, substeps, self.step_size, self._arrays(observation))
+        self._finish(observation, None)
+        return observation
+
+    def reset(
+        self,
+        mask: Optional[Any] = None,
+        seeds: Union[int, Sequence[int], IntArray, None] = None,
+        poses: Optional[Any] = None,
+        out: Optional[BatchObservation] = None,
+    ) -> BatchObservation:
+        """Puts environments back to the beginning of the world, at time 0, and observes.
+
+        Args:
+            mask: shape (n,), bool: which environments; None: all.
+            seeds: as for the class, from now on; None: as before. Only those of environments that
+                are reset count.
+            poses: shape (n, 3): where the robots are put, x, y [m] and yaw [rad], as by
+                `Simulation.move`; None: as in the world file. Only those of environments that are
+                reset count; see `free_poses`.
+            out: arrays that the observation is written to: only the rows of those environments that
+                are reset. By default new arrays, with all rows.
+
+        Returns:
+            `out`, or new arrays.
+
+        Raises:
+            UsageError: an argument has a wrong shape or value, or the batch is closed. Nothing has
+                changed.
+        """
+        core = self._require_open()
+        chosen = None if mask is None else mask_of(mask, self._num_envs)
+        placed = None if poses is None else poses_of(poses, self._num_envs, chosen)
+        new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
+        observation = self._rows(out)
+        core.reset(chosen, placed, self._arrays(observation))
+        self._change_seeds(new_seeds, chosen)
+        if out is None and chosen is not None:
+            core.observe(self._arrays(observation))
+            chosen = None
+        self._finish(observation, chosen)
+        return observation
+
+    def observe(self, out: Optional[BatchObservation] = None) -> BatchObservation:
+        """Observes all environments as they are.
+
+        Args:
+            out: arrays that the observation is written to; by default new ones.
+
+        Raises:
+            UsageError: `out` does not fit, or the batch is closed.
+        """
+        core = self._require_open()
+        observation = self._rows(out)
+        core.observe(self._arrays(observation))
+        self._finish(observation, None)
+        return observation
+
+    # Places
+
+    def free_space(self, clearance: float) -> FreeSpace:
+        """Where the robot may be put at the beginning; computed once for each clearance.
+
+        Args:
+            clearance: distance [m] of the robot's origin from all walls that it collides with, and
+                from the circles around all other models.
+
+        Raises:
+            UsageError: the clearance is not usable, or leaves no place.
+        """
+        if clearance not in self._spaces:
+            robot = self._robot.model
+            others = [each for each in self._world.models.values() if each is not robot]
+            discs = discs_of((each.pose, each.radius) for each in others)
+            self._spaces[clearance] = FreeSpace(self._walls(), discs, robot.pose[:2], clearance)
+        return self._spaces[clearance]
+
+    def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:
+        """Random poses for `reset`, uniformly distributed over `free_space` and all headings.
+
+        Args:
+            count: of the poses.
+            clearance: as for `free_space`.
+            rng: the random numbers.
+
+        Returns:
+            Shape (count, 3): x, y [m] and yaw [rad] of the robot's origin.
+        """
+        return self.free_space(clearance).poses(count, rng)
+
+    # Its end
+
+    def close(self) -> None:
+        """Frees all environments. What follows raises a UsageError, except for facts."""
+        if self._core is not None:
+            self._core = None
+            self._world.close()
+
+    def __enter__(self) -> "SimulationBatch":
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        traceback: Optional[TracebackType],
+    ) -> None:
+        self.close()
+
+    def _require_open(self) -> _core.WorldBatch:
+        if self._core is None:
+            raise UsageError("the batch is closed")
+        return self._core
+
+    def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
+        if out is None:
+            return BatchObservation.empty(self._num_envs, self._beams)
+        if not isinstance(out, BatchObservation):
+            raise UsageError(f"expected a BatchObservation as out, found {shown(out)}")
+        out.check(self._num_envs, self._beams)
+        return out
+
+    def _arrays(self, rows: BatchObservation) -> Tuple[Any, ...]:
+        """What the core writes to."""
+        return (*rows[:5], self._steps)
+
+    def _finish(self, rows: BatchObservation, mask: Optional[BoolArray]) -> None:
+        """Writes the times of the environments that the mask chooses, and adds noise."""
+        nanoseconds = self._steps * self._step_nanoseconds
+        chosen = np.ones(self._num_envs, bool) if mask is None else mask
+        rows.times[chosen] = nanoseconds[chosen] * 1e-9
+        if self._robot.core_lidar.make_noise is not None:
+            for k in np.flatnonzero(chosen).tolist():
+                rows.ranges[k] = self._noise(k)(rows.ranges[k], int(nanoseconds[k]))
+
+    def _noise(self, k: int) -> RangeNoise:
+        """The noise of the lidar of an environment."""
+        if k not in self._noises:
+            make_noise = self._robot.core_lidar.make_noise
+            assert make_noise is not None
+            rng = plugin_rng(int(self._seeds[k]), self.robot, self._robot.lidar.name)
+            self._noises[k] = make_noise(rng)
+        return self._noises[k]
+
+    def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
+        if seeds is None:
+            return
+        for k in range(self._num_envs) if mask is None else np.flatnonzero(mask).tolist():
+            self._seeds[k] = seeds[k]
+            self._noises.pop(k, None)
+
+    def _walls(self) -> FloatArray:
+        """The walls that the robot collides with: shape (n, 4)."""
+        bits = 0
+        for body in self._robot.model.physics_bodies:
+            for fixture in body.fixtures:
+                bits |= fixture.layers
+        walls = [layer.segments for layer in self._world.layers if layer.config.bits & bits]
+        return np.concatenate([np.empty((0, 4)), *walls])

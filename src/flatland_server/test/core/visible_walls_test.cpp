@@ -1,0 +1,146 @@
+/// VisibleWalls: fewer walls, the same scans.
+
+#include "flatland_server/visible_walls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "flatland_server/depth_buffer.hpp"
+
+namespace flatland {
+namespace {
+
+class Dice {
+ public:
+  explicit Dice(int seed) : engine_(seed) {}
+  double operator()(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine_);
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// The outline of a rectangle.
+void AddOutline(std::vector<Segment>& walls, Vec2 low, Vec2 high) {
+  const Vec2 right{high.x, low.y}, left{low.x, high.y};
+  for (const Segment& wall :
+       {Segment{low, right}, Segment{right, high}, Segment{high, left}, Segment{left, low}}) {
+    walls.push_back(wall);
+  }
+}
+
+/// Pillars, blocks side by side and walls in all directions, in a hall.
+std::vector<Segment> Hall(int seed) {
+  Dice dice(seed);
+  std::vector<Segment> walls;
+  AddOutline(walls, {0, 0}, {20, 20});
+  for (int i = 0; i < 40; ++i) {
+    const Vec2 low{std::floor(dice(1, 18)), std::floor(dice(1, 18))};
+    AddOutline(walls, low, low + Vec2{dice(0.1, 2), i % 2 == 0 ? 1.0 : dice(0.1, 1)});
+    const Vec2 end{dice(0, 20), dice(0, 20)};
+    walls.push_back({end, end + Vec2{dice(-2, 2), dice(-2, 2)}});
+  }
+  return walls;
+}
+
+/// A hall, and beside it four rooms without doors.
+std::vector<Segment> HallAndRooms(int seed) {
+  std::vector<Segment> walls = Hall(seed);
+  for (int room = 0; room < 4; ++room) {
+    const Vec2 low{21, 5.0 * room};
+    AddOutline(walls, low, low + Vec2{4, 4});
+    for (int i = 0; i < 9; ++i) {
+      for (int k = 0; k < 9; ++k) {
+        const Vec2 pillar = low + Vec2{0.3 + 0.4 * i, 0.3 + 0.4 * k};
+        AddOutline(walls, pillar, pillar + Vec2{0.05, 0.05});
+      }
+    }
+  }
+  return walls;
+}
+
+std::vector<float> Scan(const BeamFan& fan, const SegmentTree& walls, const Pose& pose) {
+  DepthBuffer buffer;
+  buffer.Begin(fan, 30.0);
+  buffer.Draw(walls, pose);
+  std::vector<float> ranges(fan.size());
+  buffer.GetRanges(ranges.data());
+  return ranges;
+}
+
+TEST(VisibleWallsTest, ScansAreTheSameFromEveryPointOfACell) {
+  const BeamFan fan(-3.1, 0.01, 620);
+  for (int seed = 0; seed < 4; ++seed) {
+    Dice dice(100 + seed);
+    const SegmentTree all(Hall(seed));
+    for (int cell = 0; cell < 40; ++cell) {
+      const Vec2 low{std::floor(dice(0, 20)), std::floor(dice(0, 20))};
+      Box box;
+      box.Add(Segment{low, low + Vec2{1, 1}});
+      const SegmentTree seen(WallsSeenFrom(all, box));
+      for (int i = 0; i < 12; ++i) {
+        // Some at the corners and on the edges of the cell, where walls are too.
+        const double x = i < 4 ? i % 2 : dice(0, 1), y = i < 6 ? i / 2 % 2 : dice(0, 1);
+        const Pose pose{low.x + x, low.y + y, i < 6 ? 0.0 : dice(-3, 3)};
+        ASSERT_EQ(Scan(fan, seen, pose), Scan(fan, all, pose)) << seed << " " << cell << " " << i;
+      }
+    }
+  }
+}
+
+TEST(VisibleWallsTest, WallsBehindOthersAreLeftOut) {
+  std::vector<Segment> walls;
+  AddOutline(walls, {0, 0}, {10, 10});
+  walls.push_back({{4, 0}, {4, 10}});
+  for (int i = 0; i < 20; ++i) AddOutline(walls, {7, 0.5 * i}, {7.2, 0.5 * i + 0.2});
+  Box box;
+  box.Add(Segment{{1, 4}, {2, 6}});
+  const std::vector<Segment> seen = WallsSeenFrom(SegmentTree(walls), box);
+  EXPECT_EQ(seen.size(), 4u);  // that wall, and those of the outline but the right one
+  EXPECT_TRUE(WallsSeenFrom(SegmentTree({}), box).empty());
+}
+
+TEST(VisibleWallsTest, AreFoundWhereManyScansAreMade) {
+  const auto walls = std::make_shared<const SegmentTree>(HallAndRooms(1));
+  const VisibleWalls visible(walls);
+  const Vec2 place{10.5, 10.5};
+  for (int i = 1; i < VisibleWalls::kScansBefore; ++i) {
+    ASSERT_EQ(&visible.SeenFrom(place), walls.get());
+  }
+  const SegmentTree& seen = visible.SeenFrom(place);
+  EXPECT_LT(seen.segment_count(), walls->segment_count());
+  EXPECT_EQ(&visible.SeenFrom(place), &seen);
+  EXPECT_EQ(&visible.SeenFrom({100, 100}), walls.get());
+  EXPECT_EQ(&visible.SeenFrom({std::nan(""), 0}), walls.get());
+}
+
+TEST(VisibleWallsTest, ManyThreadsMayAsk) {
+  const VisibleWalls visible(std::make_shared<const SegmentTree>(HallAndRooms(2)));
+  const BeamFan fan(-3.0, 0.1, 60);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&, i] {
+      Dice dice(i);
+      for (int k = 0; k < 2000; ++k) {
+        const Pose pose{dice(3, 6), dice(3, 6), 0.0};
+        const SegmentTree& seen = visible.SeenFrom({pose.x, pose.y});
+        if (k % 20 != 0) continue;
+        EXPECT_EQ(Scan(fan, seen, pose), Scan(fan, visible.all(), pose));
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST(VisibleWallsTest, EqualLayersShareThem) {
+  const auto first = VisibleWalls::Share(Hall(3));
+  EXPECT_EQ(VisibleWalls::Share(Hall(3)), first);
+  EXPECT_NE(VisibleWalls::Share(Hall(4)), first);
+}
+
+}  // namespace
+}  // namespace flatland

@@ -1,0 +1,154 @@
+/// WorldBatch: each environment is a world of its own, bit for bit.
+
+#include "flatland_server/world_batch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "test_bodies.hpp"
+
+namespace flatland {
+namespace {
+
+constexpr int kBeams = 30;
+
+/// Arrays for the rows of a batch.
+struct Rows {
+  explicit Rows(int count)
+      : ranges(count * kBeams),
+        poses(3 * count),
+        velocities(3 * count),
+        local_velocities(3 * count),
+        collided(std::make_unique<bool[]>(count)),
+        steps(count) {}
+
+  BatchRows rows() {
+    return {ranges.data(),           poses.data(),   velocities.data(),
+            local_velocities.data(), collided.get(), steps.data()};
+  }
+
+  std::vector<float> ranges;
+  std::vector<double> poses, velocities, local_velocities;
+  std::unique_ptr<bool[]> collided;
+  std::vector<int64_t> steps;
+};
+
+class WorldBatchTest : public WorldTest {
+ protected:
+  void SetUp() override {
+    std::vector<Segment> walls;
+    for (int i = 0; i < 40; ++i) {  // a wavy corridor
+      const double x = i - 20.0, y = std::sin(x), next = std::sin(x + 1);
+      walls.push_back({{x, y - 1}, {x + 1, next - 1}});
+      walls.push_back({{x, y + 1}, {x + 1, next + 1}});
+    }
+    world_.AddLayer(walls, kAllLayers);
+    for (int i = 0; i < 6; ++i) AddBox(world_, {3.0 * i - 8, std::sin(3.0 * i - 8), 0.1 * i}, 0.3);
+    const World::Body base = AddBox(world_, {0, 0, 0.5}, 0.4);
+    const World::Body tail = AddBox(world_, {-0.3, -0.1, 0}, 0.1);
+    world_.AddWeld(base, tail, WeldSettings());
+    robot_.bodies = {base, tail};
+    robot_.drive = world_.AddDrive(base, {2, 2, 3}, {});
+    LidarSettings lidar;
+    lidar.fan = std::make_shared<BeamFan>(-2.0, 0.13, kBeams);
+    lidar.scan.range = 5.0;
+    robot_.lidar = world_.AddLidar(base, lidar);
+  }
+
+  /// The action of an environment in a round: two numbers.
+  static std::vector<double> ActionsOf(int round, int count) {
+    std::vector<double> actions;
+    for (int k = 0; k < count; ++k) {
+      actions.push_back(1.5 + 0.1 * (k % 7));
+      actions.push_back(std::sin(0.3 * round + k));
+    }
+    return actions;
+  }
+
+  BatchRobot robot_;
+};
+
+TEST_F(WorldBatchTest, AnEnvironmentIsAWorld) {
+  for (const int threads : {1, 3}) {
+    WorldBatch batch(world_, robot_, 9, threads);
+    Rows rows(9);
+    for (const int k : {0, 4, 8}) {
+      batch.Reset(nullptr, nullptr, rows.rows());
+      const std::unique_ptr<World> alone = world_.Copy();
+      for (int round = 0; round < 60; ++round) {
+        const std::vector<double> actions = ActionsOf(round, 9);
+        batch.Step(actions.data(), 7, kStep, rows.rows());
+        alone->Get(std::get<World::Drive>(robot_.drive))
+            .Command({actions[2 * k], 0.0, actions[2 * k + 1]});
+        bool touches = false;
+        for (int i = 0; i < 7; ++i) {
+          alone->Step(kStep);
+          touches = touches || alone->Touches(robot_.bodies);
+        }
+        const Pose pose = alone->GetPose(robot_.bodies[0]);
+        ASSERT_EQ(rows.poses[3 * k], pose.x);
+        ASSERT_EQ(rows.poses[3 * k + 1], pose.y);
+        ASSERT_EQ(rows.collided[k], touches);
+        const Lidar& lidar = alone->Scan(robot_.lidar);
+        for (int i = 0; i < kBeams; ++i) {
+          ASSERT_EQ(rows.ranges[k * kBeams + i], lidar.ranges[i]);
+        }
+      }
+      EXPECT_EQ(rows.steps[k], 420);
+    }
+  }
+}
+
+TEST_F(WorldBatchTest, EnvironmentsThatAreNotResetGoOn) {
+  WorldBatch batch(world_, robot_, 2, 2), other(world_, robot_, 2, 1);
+  Rows rows(2), expected(2);
+  const std::vector<double> poses{1, 1, 1, -3, -0.4, 2};
+  for (int round = 0; round < 80; ++round) {
+    const std::vector<double> actions = ActionsOf(round, 2);
+    batch.Step(actions.data(), 5, kStep, rows.rows());
+    other.Step(actions.data(), 5, kStep, expected.rows());
+    ASSERT_EQ(rows.poses[0], expected.poses[0]);
+    if (round == 20 || round == 37) {
+      const bool mask[] = {false, true};
+      batch.Reset(mask, poses.data(), rows.rows());
+      EXPECT_FLOAT_EQ(rows.poses[3], -3);
+      EXPECT_FLOAT_EQ(rows.poses[4], -0.4);
+      EXPECT_EQ(rows.steps[1], 0);
+    }
+  }
+}
+
+TEST_F(WorldBatchTest, RefusesWhatBox2DCannotComputeWith) {
+  WorldBatch batch(world_, robot_, 2, 1);
+  Rows before(2), rows(2);
+  batch.Observe(before.rows());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> actions{1, 0, 1, nan}, poses{0, 0, 0, 1e9, 0, 0}, good(6, 0.0);
+  EXPECT_THROW(batch.Step(actions.data(), 1, kStep, rows.rows()), std::invalid_argument);
+  EXPECT_THROW(batch.Step(good.data(), 0, kStep, rows.rows()), std::invalid_argument);
+  EXPECT_THROW(batch.Step(good.data(), 1, 0.0, rows.rows()), std::invalid_argument);
+  EXPECT_THROW(batch.Reset(nullptr, poses.data(), rows.rows()), std::invalid_argument);
+  batch.Observe(rows.rows());
+  EXPECT_EQ(rows.poses, before.poses);
+  EXPECT_EQ(rows.steps, before.steps);
+  EXPECT_THROW(WorldBatch(world_, robot_, 0, 1), std::invalid_argument);
+  EXPECT_THROW(WorldBatch(world_, robot_, 1, 0), std::invalid_argument);
+}
+
+TEST(ThreadTeamTest, SharesWorkInEqualParts) {
+  ThreadTeam team(3);
+  for (int run = 0; run < 50; ++run) {
+    std::vector<int> done(10, 0);
+    team.Run([&](int i) {
+      for (int item = team.Begin(i, 10); item < team.Begin(i + 1, 10); ++item) ++done[item];
+    });
+    EXPECT_EQ(done, std::vector<int>(10, 1));
+  }
+  EXPECT_EQ(ThreadTeam(0).size(), 1);
+}
+
+}  // namespace
+}  // namespace flatland
