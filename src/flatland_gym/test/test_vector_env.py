@@ -8,6 +8,8 @@ import pytest
 from environments import assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from flatland_gym.batch_fleet import BatchFleet
+from flatland_gym.fleet import SimulationFleet
 from flatland_server import UsageError
 
 CROWDED = {"time_limit": 2.0, "goal_distance": (0.5, 2.0), "beams": 16}
@@ -38,13 +40,15 @@ def drive(env, mode, steps, seed=11):
 
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
 @pytest.mark.parametrize("count", [1, 7])
-def test_it_equals_so_many_single_environments(mode, count):
-    arguments = {"world": "discs", **CROWDED}
+@pytest.mark.parametrize(("scatter", "fleet"), [(None, SimulationFleet), ((), BatchFleet)])
+def test_it_equals_so_many_single_environments(mode, count, scatter, fleet):
+    arguments = {"world": "discs", "scatter": scatter, **CROWDED}
     single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
     expected, ends = drive(single, mode, 120)
 
     for threads in (1, 2, 4):
         vector = make_vector(count, threads=threads, autoreset_mode=mode, **arguments)
+        assert type(vector.unwrapped.navigation.fleet) is fleet
         found, _ = drive(vector.unwrapped, mode, 120)
         assert_same(expected, found)
 
@@ -57,9 +61,10 @@ def test_it_equals_so_many_single_environments(mode, count):
     [
         {"world": "corridor", "frame_skip": 2, "step_size": 0.025},
         {"world": "doors", "flatten": False, "lidar_noise": 0.02},
+        {"world": "office", "frame_skip": 3, "step_size": 0.01},
         {"world": ("empty_room", "doors"), "obstacles": (0, 4), "robot_scales": (0.8, 1.2)},
     ],
-    ids=["crowd", "dicts and noise", "worlds, obstacles and sizes"],
+    ids=["crowd", "dicts and noise", "boxes", "worlds, obstacles and sizes"],
 )
 def test_it_does_so_for_each_kind_of_chance(arguments):
     arguments = {**CROWDED, **arguments}
@@ -69,11 +74,12 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
-def test_an_environment_is_the_same_among_others():
-    few, many = make_vector(2, world="discs", **CROWDED), make_vector(64, world="discs", **CROWDED)
+@pytest.mark.parametrize(("world", "count"), [("discs", 64), ("empty_room", 1024)])
+def test_an_environment_is_the_same_among_others(world, count):
+    few, many = make_vector(2, world=world, **CROWDED), make_vector(count, world=world, **CROWDED)
     a, b = few.reset(seed=3), many.reset(seed=3)
     for _ in range(50):
-        actions = np.tile(np.float32([0.6, 0.3]), (64, 1))
+        actions = np.tile(np.float32([0.6, 0.3]), (count, 1))
         assert_same(a[0], b[0][:2])
         a, b = few.step(actions[:2]), many.step(actions)
     few.close()

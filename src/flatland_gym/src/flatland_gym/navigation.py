@@ -10,6 +10,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from gymnasium import spaces
 
+from flatland_gym.batch_fleet import batch_fleet
 from flatland_gym.episodes import EpisodeSampler
 from flatland_gym.fleet import Fleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
@@ -30,6 +31,8 @@ class Navigation:
         settings: what the environments are.
         count: how many there are, n.
         threads: how many are stepped at a time; results do not depend on it.
+        in_python: whether each has a `Simulation`, also where a batch would do. Results do not
+            depend on it.
 
     Attributes:
         robot: what is driven.
@@ -44,7 +47,14 @@ class Navigation:
         FlatlandError: a world cannot be used.
     """
 
-    def __init__(self, settings: NavigationSettings, count: int, threads: int = 1) -> None:
+    def __init__(
+        self,
+        settings: NavigationSettings,
+        count: int,
+        threads: int = 1,
+        *,
+        in_python: bool = False,
+    ) -> None:
         self.settings = settings
         self._worlds = [
             NavigationWorld.load(world, settings, scale)
@@ -54,7 +64,8 @@ class Navigation:
         for world in self._worlds[1:]:
             _require_alike(self._worlds[0], world)
         self._sampler = EpisodeSampler(self._worlds, settings)
-        self.fleet: Fleet = SimulationFleet(self._worlds, settings, count, threads)
+        batch = None if in_python else batch_fleet(self._worlds, settings, count, threads)
+        self.fleet: Fleet = batch or SimulationFleet(self._worlds, settings, count, threads)
         self.action_space = self.robot.action_space()
         self.observation_space = observation_space(self.robot, settings)
         self._limits = self.robot.actions

@@ -33,7 +33,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         settings = NavigationSettings.of(arguments)
         self.metadata = metadata(settings)  # type: ignore[misc]
         self.render_mode = render_mode
-        self.navigation = Navigation(settings, 1)
+        self.navigation = Navigation(settings, 1, in_python=True)
         self.action_space = self.navigation.action_space
         self.observation_space = self.navigation.observation_space
         self._window: Optional[Window] = None
