@@ -1,6 +1,6 @@
 """A fleet in one call of the core: for worlds in which Python has nothing to do at each step."""
 
-from typing import Any, List, Optional, Sequence
+from typing import Any, Optional, Sequence
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class BatchFleet(Fleet):
     """A `SimulationBatch`. It gives the same numbers as a `SimulationFleet`, bit for bit.
 
     Args:
-        world: that of all episodes, without scattered models and obstacles.
+        world: that of all episodes.
         settings: of the environment.
         count: of places.
         threads: of the batch.
@@ -37,15 +37,18 @@ class BatchFleet(Fleet):
     ) -> None:
         self._world = world
         self._settings = settings
+        self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
         self._batch = SimulationBatch(
             world.config,
             count,
             robot=world.robot.name,
             lidar=world.robot.lidar,
             threads=min(threads, count),
+            moved=self._moved,
             step_size=settings.step_size,
             params=settings.params,
         )
+        self._places = np.zeros((count, len(self._moved), 3))
         self._rows = BatchObservation.empty(count, world.robot.beams)
         self.ranges = self._rows.ranges
         self.poses = self._rows.poses
@@ -59,14 +62,20 @@ class BatchFleet(Fleet):
         mask[indices] = True
         seeds[indices] = [episode.seed for episode in episodes]
         poses[indices] = [episode.starts[0] for episode in episodes]
-        self._batch.reset(mask, seeds, poses, out=self._rows)
+        places = self._places
+        for index, episode in zip(indices.tolist(), episodes):
+            places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
+        self._batch.reset(mask, seeds, poses, out=self._rows, model_poses=places)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         """Steps all places: those that are left out are reset before they are used again."""
         self._batch.step(actions, self._settings.frame_skip, out=self._rows)
 
     def simulation(self, index: int) -> Simulation:
-        """A simulation with the robot where it is; other models are where they began."""
+        """A simulation with the robot where it is; other models are where they began.
+
+        It is the same one for all places.
+        """
         if self._stage is None:
             settings = self._settings
             self._stage = Simulation(
@@ -75,6 +84,8 @@ class BatchFleet(Fleet):
         x, y, yaw = self.poses[index].tolist()
         base: Any = self._stage.models[self._world.robot.name].model.base.config.pose
         self._stage.move(self._world.robot.name, Pose(x, y, yaw).compose(base.inverse()))
+        for name, place in zip(self._moved, self._places[index].tolist()):
+            self._stage.move(name, Pose(*place))
         return self._stage
 
     def close(self) -> None:
@@ -87,11 +98,9 @@ def batch_fleet(
     worlds: Sequence[NavigationWorld], settings: NavigationSettings, count: int, threads: int
 ) -> Optional[BatchFleet]:
     """A `BatchFleet`, or None if these worlds need simulations of their own."""
-    [*others, world] = worlds
-    moved: List[Any] = [*world.scattered, *world.obstacles]
-    if others or moved:
+    if len(worlds) > 1:
         return None
     try:
-        return BatchFleet(world, settings, count, threads)
+        return BatchFleet(worlds[0], settings, count, threads)
     except PluginError:
         return None

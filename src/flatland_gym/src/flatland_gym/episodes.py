@@ -120,26 +120,46 @@ class EpisodeSampler:
             self._require_free(index, "start", given_start[:2], starts)
         if given_goal is not None:
             self._require_free(index, "goal", given_goal, goals)
-        least, largest = settings.goal_distance
         for _ in range(_TRIES):
-            start = given_start[:2] if given_start else world.space.draw_point(cells, rng)
-            goal = given_goal if given_goal else world.space.draw_point(cells, rng)
             yaw = math.tau * float(rng.random()) - math.pi
-            if not (given_start and given_goal):
-                distance = math.hypot(goal[0] - start[0], goal[1] - start[1])
-                if not least <= distance <= largest:
-                    continue
-                if not (given_start or _is_clear(start, room, starts)):
-                    continue
-                if not (given_goal or _is_clear(goal, room, goals)):
-                    continue
+            start = given_start or self._start(index, given_goal, cells, rng)
+            goal = given_goal or self._around(world, start, rng)
+            if not given_start and not self._fits(world, cells, start, starts):
+                continue
+            if not given_goal and not self._fits(world, cells, goal, goals):
+                continue
             if given_start and len(given_start) > 2:
                 yaw = given_start[2]
             return Pose(start[0], start[1], yaw), (goal[0], goal[1])
+        least, largest = settings.goal_distance
         raise UsageError(
             f'the world "{world.name}" has no free start and goal {least:g} to {largest:g} m apart '
             f"(tried {_TRIES} times)"
         )
+
+    def _start(
+        self, index: int, goal: Optional[List[float]], cells: IntArray, rng: np.random.Generator
+    ) -> Sequence[float]:
+        """A place for the start, which may turn out not to be free."""
+        world = self._worlds[index]
+        return self._around(world, goal, rng) if goal else world.space.draw_point(cells, rng)
+
+    def _around(
+        self, world: NavigationWorld, middle: Sequence[float], rng: np.random.Generator
+    ) -> Point:
+        """A place at a distance between the least and the largest one, uniform over the area."""
+        least, largest = self._settings.goal_distance
+        largest = max(least, min(largest, world.space.diagonal))
+        distance = math.sqrt(least**2 + float(rng.random()) * (largest**2 - least**2))
+        bearing = math.tau * float(rng.random())
+        return middle[0] + distance * math.cos(bearing), middle[1] + distance * math.sin(bearing)
+
+    def _fits(
+        self, world: NavigationWorld, cells: IntArray, place: Sequence[float], others: Circles
+    ) -> bool:
+        """Whether a place is free and can be reached."""
+        room = world.radius + self._settings.margin
+        return world.space.contains(cells, *place[:2]) and _is_clear(place[:2], room, others)
 
     def _require_free(
         self, index: int, name: str, place: Sequence[float], standing: Circles
@@ -196,7 +216,7 @@ class EpisodeSampler:
         return self._cells[key]
 
 
-def _is_clear(place: Point, radius: float, discs: Circles) -> bool:
+def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
     """Whether a disc overlaps no other one."""
     x, y = place
     return all(math.hypot(x - a, y - b) > radius + r for a, b, r in discs)

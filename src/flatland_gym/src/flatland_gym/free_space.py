@@ -1,5 +1,6 @@
 """Where a robot can stand: a grid of distances from walls, and what is connected on it."""
 
+import math
 from typing import Tuple
 
 import numpy as np
@@ -65,6 +66,11 @@ class FreeSpace:
         distances: FloatArray = (np.sqrt(nearest) - np.sqrt(2.0) - 0.5) * self._cell
         return np.maximum(distances, 0.0)
 
+    @property
+    def diagonal(self) -> float:
+        """No two places are farther apart than this [m]."""
+        return math.hypot(*self._is_wall.shape) * self._cell
+
     def clearance(self, x: float, y: float) -> float:
         """A lower bound of a place's distance from the walls [m]; 0 outside of the grid."""
         column, row = ((np.array((x, y)) - self._low) // self._cell).astype(int)
@@ -89,7 +95,8 @@ class FreeSpace:
 
     def contains(self, cells: IntArray, x: float, y: float) -> bool:
         """Whether a point lies in one of the cells, which are sorted."""
-        column, row = ((np.array((x, y)) - self._low) // self._cell).astype(int)
+        column = math.floor((x - self._low[0]) / self._cell)
+        row = math.floor((y - self._low[1]) / self._cell)
         rows, columns = self._is_wall.shape
         if not (0 <= row < rows and 0 <= column < columns):
             return False
