@@ -68,7 +68,7 @@ def observe(
     beams, used = ranges.shape[1], np.flatnonzero(velocity_limits)
     result = np.empty((len(ranges), beams + 3 + len(used)), np.float32)
     np.divide(ranges, np.float32(max_range), out=result[:, :beams])
-    np.clip(result[:, :beams], 0.0, 1.0, out=result[:, :beams])
+    np.minimum(result[:, :beams], np.float32(1.0), out=result[:, :beams])
     x, y = goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1]
     yaw = np.ascontiguousarray(poses[:, 2])
     cosine, sine = np.cos(yaw), np.sin(yaw)
@@ -79,7 +79,7 @@ def observe(
     result[:, beams + 2] = (cosine * y - sine * x) / safe
     parts = velocities[:, used] / velocity_limits[used]
     result[:, beams + 3 :] = np.clip(parts, -FASTEST, FASTEST)
-    np.clip(result[:, beams + 1 : beams + 3], -1.0, 1.0, out=result[:, beams + 1 : beams + 3])
+    result[:, beams + 1 : beams + 3] = np.clip(result[:, beams + 1 : beams + 3], -1.0, 1.0)
     return result
 
 
