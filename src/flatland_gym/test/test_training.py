@@ -171,9 +171,9 @@ def test_a_policy_is_written_and_read(tmp_path):
 def test_other_files_are_named(tmp_path):
     (tmp_path / "text.npz").write_text("policy")
     np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    with pytest.raises(FlatlandError, match="expected a file of a policy, but .*text.npz"):
+    with pytest.raises(FlatlandError, match=r"expected a file of a policy, but .*text\.npz"):
         Policy.load(tmp_path / "text.npz")
-    with pytest.raises(FlatlandError, match="expected a file of a policy, but .*other.npz"):
+    with pytest.raises(FlatlandError, match=r"expected a file of a policy, but .*other\.npz"):
         Policy.load(tmp_path / "other.npz")
     with pytest.raises(FlatlandError, match="cannot be read: No such file"):
         Policy.load(tmp_path / "none.npz")
