@@ -2,6 +2,7 @@
 
 from typing import Dict
 
+from flatland_benchmark.batch_cases import BATCH_CASES
 from flatland_benchmark.case import Case
 from flatland_benchmark.contact_cases import CONTACT_CASES
 from flatland_benchmark.map_cases import MAP_CASES
@@ -11,5 +12,5 @@ from flatland_benchmark.server_cases import SERVER_CASES
 
 CASES: Dict[str, Case] = {
     case.name: case
-    for case in (*RAY_CASES, *ROBOT_CASES, *SERVER_CASES, *CONTACT_CASES, *MAP_CASES)
+    for case in (*RAY_CASES, *ROBOT_CASES, *BATCH_CASES, *SERVER_CASES, *CONTACT_CASES, *MAP_CASES)
 }

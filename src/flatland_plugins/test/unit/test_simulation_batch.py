@@ -203,7 +203,7 @@ def test_scans_with_the_walls_of_a_cell_are_those_with_all(world_of):
     # So many scans from one place that the core has looked up which walls are seen from there.
     with SimulationBatch(OFFICE, 1) as batch:
         first = batch.observe().ranges
-        for _ in range(200):
+        for _ in range(600):
             last = batch.observe().ranges
 
     assert np.array_equal(first, last)

@@ -36,7 +36,7 @@ class VisibleWalls {
   const SegmentTree& SeenFrom(Vec2 point) const;
 
   /// As many scans are made from a cell before its walls are found: that takes as long as they do.
-  static constexpr int kScansBefore = 128;
+  static constexpr int kScansBefore = 512;
 
  private:
   struct Cell {

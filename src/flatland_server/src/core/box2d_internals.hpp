@@ -112,6 +112,12 @@ struct TreeNodeCapacity {
 };
 template struct DefineMember<TreeNodeCapacity, &b2DynamicTree::m_nodeCapacity>;
 
+struct TreeRoot {
+  using Pointer = int32 b2DynamicTree::*;
+  friend constexpr Pointer Member(TreeRoot);
+};
+template struct DefineMember<TreeRoot, &b2DynamicTree::m_root>;
+
 inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
@@ -135,6 +141,7 @@ inline int32& MoveCount(b2World& world) {
 }
 /// The nodes of the tree; the index of a leaf is the id of its proxy.
 inline b2TreeNode*& Nodes(b2World& world) { return Tree(world).*Member(TreeNodes()); }
+inline int32& Root(b2World& world) { return Tree(world).*Member(TreeRoot()); }
 inline int32 NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
 
 }  // namespace flatland::box2d

@@ -5,6 +5,7 @@
 
 #include "box2d_internals.hpp"
 #include "page_copies.hpp"
+#include "tree_order.hpp"
 
 namespace flatland {
 namespace {
@@ -30,10 +31,11 @@ SharedWorld::State::~State() = default;
 SharedWorld::SharedWorld(std::unique_ptr<World> world) : world_(std::move(world)) {
   b2World& box2d_world = *world_->world_;
   SkipWalls();
+  box2d::OrderNodes(box2d_world);
   CollectRanges();
   nodes_ = box2d::Nodes(box2d_world);
-  image_ = std::make_unique<PageImage>(nodes_,
-                                       box2d::NodeCapacity(box2d_world) * sizeof(b2TreeNode));
+  image_ =
+      std::make_unique<PageImage>(nodes_, box2d::NodeCapacity(box2d_world) * sizeof(b2TreeNode));
   beginning_.reset(new State());
   beginning_->bytes_.resize(size_);
   beginning_->drives_ = MechanismsOf(world_->drives_);
@@ -51,19 +53,15 @@ SharedWorld::~SharedWorld() { box2d::Nodes(*world_->world_) = nodes_; }
 void SharedWorld::SkipWalls() {
   b2World& box2d_world = *world_->world_;
   b2TreeNode* const nodes = box2d::Nodes(box2d_world);
-  const auto is_wall = [&](int32 proxy) {
-    const auto* data = static_cast<const b2FixtureProxy*>(nodes[proxy].userData);
-    return data->fixture->GetType() == b2Shape::e_edge;
-  };
+  const auto is_wall = [&](int32 proxy) { return box2d::IsWall(nodes[proxy]); };
   int32* const begin = box2d::Moves(box2d_world);
   int32* const end = begin + box2d::MoveCount(box2d_world);
   int32 first_body = INT32_MAX;
   for (const int32* proxy = begin; proxy != end; ++proxy) {
     if (*proxy >= 0 && !is_wall(*proxy)) first_body = std::min(first_body, *proxy);
   }
-  int32* const kept = std::stable_partition(begin, end, [&](int32 proxy) {
-    return proxy < 0 || !is_wall(proxy) || proxy > first_body;
-  });
+  int32* const kept = std::stable_partition(
+      begin, end, [&](int32 proxy) { return proxy < 0 || !is_wall(proxy) || proxy > first_body; });
   for (const int32* proxy = kept; proxy != end; ++proxy) nodes[*proxy].moved = false;
   box2d::MoveCount(box2d_world) = static_cast<int32>(kept - begin);
 }

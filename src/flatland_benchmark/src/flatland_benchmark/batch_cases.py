@@ -1,0 +1,172 @@
+"""Batches of environments: SimulationBatch, in this process, without ROS."""
+
+import math
+import time
+from functools import partial
+from pathlib import Path
+from typing import Any, Dict, NamedTuple
+
+import numpy as np
+
+from flatland_benchmark.case import Case, Figures
+from flatland_server.library.simulation_batch import SimulationBatch
+
+_CLEARANCE = 0.3
+"""Of the places where robots begin [m]."""
+_WARM_UP = 700
+"""Scans for each square metre before the measurement, so that all that is done once is done."""
+_SCANS_FROM_A_POSE = 10
+_MEASURED = 2.0
+"""Least duration of a measurement [s of real time]."""
+_BLOCKS = 10
+"""Parts of the measurement; the fastest one is reported too, which other programs slow least."""
+
+
+class Pace(NamedTuple):
+    """How an environment's step is divided."""
+
+    substeps: int
+    step_size: float  # [s]
+
+    @property
+    def name(self) -> str:
+        return f"{self.substeps}x{self.step_size * 1e3:g}ms"
+
+
+_PACES = (Pace(1, 0.05), Pace(20, 0.005))
+
+
+def office(worlds: Path, beams: int) -> Dict[str, Any]:
+    """The content of the office's world file, with a lidar of so many beams all around."""
+    folder = worlds / "office"
+    increment = 2 * math.pi / beams
+    plugins = [
+        {"type": "DiffDrive", "name": "drive", "body": "base_link"},
+        {
+            "type": "Laser",
+            "name": "laser",
+            "body": "base_link",
+            "origin": [0.05, 0, 0],
+            "range": 20,
+            "angle": {"min": -math.pi, "max": math.pi - increment, "increment": increment},
+        },
+    ]
+    footprint = {"type": "circle", "radius": 0.18, "density": 38}
+    robot = {"bodies": [{"name": "base_link", "footprints": [footprint]}], "plugins": plugins}
+    boxes = [[6.0, -0.2, 0.3], [-4.5, 0.4, -0.5], [0.2, -5.0, 0.8], [-14.2, -6.8, 0.2]]
+    return {
+        "properties": {},
+        "layers": [{"name": "map", "map": str(folder / "office.yaml")}],
+        "models": [
+            {"name": "robot", "model": robot},
+            *(
+                {"name": f"box{i}", "pose": pose, "model": str(folder / "box.model.yaml")}
+                for i, pose in enumerate(boxes)
+            ),
+        ],
+    }
+
+
+def run_batch(worlds: Path, count: int, beams: int, pace: Pace, threads: int) -> Figures:
+    """Environments with robots all over the office that drive at random until they collide."""
+    before = proportional_memory()
+    rng = np.random.default_rng(0)
+    with SimulationBatch(
+        office(worlds, beams), count, threads=threads, step_size=pace.step_size
+    ) as batch:
+        spread(batch, rng)
+        warm_up(batch, rng)
+        spread(batch, rng)
+        memory = proportional_memory() - before
+        figures = measure(batch, pace.substeps, rng)
+        return {**figures, "memory [MB]": memory, **time_resets(batch, rng)}
+
+
+def spread(batch: SimulationBatch, rng: np.random.Generator) -> None:
+    """Puts all robots at random poses."""
+    batch.reset(poses=batch.free_poses(batch.num_envs, _CLEARANCE, rng))
+
+
+def warm_up(batch: SimulationBatch, rng: np.random.Generator) -> None:
+    """Scans everywhere until the core has found out which walls are seen from where."""
+    scans = int(_WARM_UP * batch.free_space(_CLEARANCE).area)
+    out = batch.observe()
+    for _ in range(0, scans, _SCANS_FROM_A_POSE * batch.num_envs):
+        poses = batch.free_poses(batch.num_envs, _CLEARANCE, rng)
+        batch.reset(poses=poses, out=out)
+        for _ in range(_SCANS_FROM_A_POSE - 1):
+            batch.observe(out=out)
+
+
+def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator) -> Figures:
+    """Steps all environments for a while."""
+    out = batch.observe()
+    actions = rng.uniform([0.0, -1.0], [0.6, 1.0], (batch.num_envs, 2))
+    count, fastest = 0, math.inf
+    begin, cpu = time.perf_counter(), time.process_time()
+    while time.perf_counter() < begin + _MEASURED:
+        block, steps = time.process_time(), 0
+        while time.process_time() < block + _MEASURED / _BLOCKS / 4:
+            batch.step(actions, substeps, out=out)
+            steps += 1
+        fastest = min(fastest, (time.process_time() - block) / steps)
+        count += steps
+        actions = rng.uniform([0.0, -1.0], [0.6, 1.0], (batch.num_envs, 2))
+        if out.collided.any():
+            poses = batch.free_poses(batch.num_envs, _CLEARANCE, rng)
+            batch.reset(out.collided, poses=poses, out=out)
+    seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
+    steps = count * batch.num_envs
+    return {
+        "env steps/s": steps / seconds,
+        "env step [us]": seconds / steps * 1e6,
+        "CPU per env step [us]": cpu / steps * 1e6,
+        "fastest CPU per env step [us]": fastest / batch.num_envs * 1e6,
+    }
+
+
+def time_resets(batch: SimulationBatch, rng: np.random.Generator) -> Figures:
+    """Processor time of resets, without the scans that they observe."""
+    out = batch.observe()
+    rounds = max(1, 2000 // batch.num_envs)
+    poses = [batch.free_poses(batch.num_envs, _CLEARANCE, rng) for _ in range(rounds)]
+    resets = observations = 0.0
+    for each in poses:
+        batch.step(np.full((batch.num_envs, 2), 0.3), 20, out=out)
+        begin = time.process_time()
+        batch.reset(poses=each, out=out)
+        middle = time.process_time()
+        batch.observe(out=out)
+        resets += middle - begin
+        observations += time.process_time() - middle
+    return {"reset [us]": (resets - observations) / rounds / batch.num_envs * 1e6}
+
+
+def proportional_memory() -> float:
+    """Memory of this process [MB], pages that are mapped several times counted once."""
+    for line in Path("/proc/self/smaps_rollup").read_text().splitlines():
+        if line.startswith("Pss:"):
+            return int(line.split()[1]) / 1024
+    raise RuntimeError("/proc/self/smaps_rollup has no Pss")
+
+
+def _case(count: int, beams: int, pace: Pace, threads: int) -> Case:
+    name = f"batch_{count}_{beams}_{pace.name}" + ("_2threads" if threads > 1 else "")
+    environments = "1 environment" if count == 1 else f"{count} environments"
+    on = "2 threads" if threads > 1 else "1 thread"
+    return Case(
+        name,
+        f"{environments} of the office, {beams} beams, steps of {pace.name}, {on}",
+        partial(run_batch, count=count, beams=beams, pace=pace, threads=threads),
+    )
+
+
+BATCH_CASES = (
+    *(
+        _case(count, beams, pace, 1)
+        for count in (1, 64, 1024)
+        for beams in (64, 360)
+        for pace in _PACES
+    ),
+    *(_case(1024, 360, pace, 2) for pace in _PACES),
+)

@@ -1,0 +1,21 @@
+#pragma once
+
+/// The order in memory of the nodes of Box2D's tree of bounding boxes.
+///
+/// Box2D numbers nodes as it needs them, so the path from the root to a leaf is all over the array.
+/// Where pages of memory are copied when they are first written to (page_copies.hpp), it is better
+/// if a path is in few pages: the upper levels in one or two, and each subtree below in another
+/// one.
+
+#include <box2d/box2d.h>
+
+namespace flatland::box2d {
+
+/// Renumbers those nodes of the tree that are before all leaves of bodies, which keep their
+/// numbers, since Box2D orders pairs of fixtures by them. So no step changes.
+void OrderNodes(b2World& world);
+
+/// Whether a leaf is a wall, rather than a fixture of a body.
+bool IsWall(const b2TreeNode& leaf);
+
+}  // namespace flatland::box2d
