@@ -165,5 +165,16 @@ def test_environments_say_which_extra_they_need(library):
     assert library.run("-c", code).strip() == message
 
 
+def test_expressions_are_evaluated(library, tmp_path):
+    world = tmp_path / "world.yaml"
+    world.write_text(
+        "properties: {}\nlayers: []\nmodels:\n- name: $eval string.rep('a', 3)\n"
+        "  model: {bodies: [{name: b, footprints: []}]}\n"
+    )
+    code = "import sys, flatland2d; print(flatland2d.Simulation(sys.argv[1]).models)"
+
+    assert library.run("-c", code, world).strip() == "{aaa}"
+
+
 def test_the_command_is_there(library):
     assert "usage: flatland" in library.command("flatland", "--help")
