@@ -17,5 +17,5 @@ def load(monkeypatch, numpy_version):
 
 
 def test_numpy_2_is_refused_with_debians_pybind11(monkeypatch):
-    with pytest.raises(ImportError, match="expected NumPy 1, found NumPy 2.1.0: .*pybind11 2.10"):
+    with pytest.raises(ImportError, match=r"expected NumPy 1, found NumPy 2\.1\.0: .*pybind11 2"):
         load(monkeypatch, "2.1.0")
