@@ -149,28 +149,8 @@ void BindWorld(py::module_& m) {
 
 }  // namespace
 
-namespace {
-
-/// pybind11 before 2.12 makes arrays with wrong strides for NumPy 2: all numbers would be the
-/// first.
-void RequireNumpy() {
-#if PYBIND11_VERSION_MAJOR == 2 && PYBIND11_VERSION_MINOR < 12
-  const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
-  if (std::stoi(version) >= 2) {
-    throw py::import_error("expected NumPy 1, found NumPy " + version +
-                           ": Flatland was compiled with pybind11 " +
-                           PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
-                               PYBIND11_VERSION_MINOR) ", which works with NumPy 1 only "
-                           "(pip install 'numpy<2'); Flatland as pip installs it works with both");
-  }
-#endif
-}
-
-}  // namespace
-
 PYBIND11_MODULE(_core, m) {
   m.doc() = "Flatland's physics and ray casting on Box2D.";
-  RequireNumpy();
   py::register_exception<GoneError>(m, "GoneError", PyExc_ReferenceError);
 
   py::class_<BeamFan, std::shared_ptr<BeamFan>>(m, "BeamFan")
