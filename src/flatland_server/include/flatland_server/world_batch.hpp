@@ -31,6 +31,12 @@ struct BatchRobot {
   World::LidarHandle lidar;
 };
 
+/// A model that Reset puts elsewhere.
+struct BatchModel {
+  std::vector<World::Body> bodies;  ///< all of its bodies
+  Pose base;                        ///< pose of the first body in the model's frame [m, m, rad]
+};
+
 /// Where observations are written to: an array each, with a row for each environment.
 struct BatchRows {
   float* ranges;             ///< [m], or +infinity; as many as the lidar has beams
@@ -45,21 +51,26 @@ class WorldBatch {
  public:
   /// Environments that begin as a world which has made no step, and which is copied. Throws
   /// std::invalid_argument if there is no environment or thread, and GoneError for a wrong handle.
-  WorldBatch(const World& world, const BatchRobot& robot, int count, int threads);
+  /// `models` are those that Reset may put elsewhere.
+  WorldBatch(const World& world, const BatchRobot& robot, int count, int threads,
+             const std::vector<BatchModel>& models = {});
   ~WorldBatch();
 
   int count() const { return static_cast<int>(environments_.size()); }
   int beams() const { return beams_; }
   const BatchRobot& robot() const { return robot_; }
+  int model_count() const { return static_cast<int>(models_.size()); }
 
   /// In each environment: commands the drive with its row of `actions` (count x action_size), makes
   /// `substeps` steps of `dt` [s], and writes its row. Throws std::invalid_argument, and changes
   /// nothing, if an action is not finite.
   void Step(const double* actions, int substeps, double dt, const BatchRows& rows);
   /// Puts the environments that `mask` chooses (null: all) back to the beginning, moves their
-  /// robots to `poses` (count x 3: x, y [m], yaw [rad]; null: they stay), and writes their rows.
+  /// robots to `poses` (count x 3: x, y [m], yaw [rad]; null: they stay) and then the models to
+  /// `model_poses` (count x models x 3; null: they stay), and writes their rows.
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
-  void Reset(const bool* mask, const double* poses, const BatchRows& rows);
+  void Reset(const bool* mask, const double* poses, const BatchRows& rows,
+             const double* model_poses = nullptr);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
@@ -75,11 +86,13 @@ class WorldBatch {
   template <class Visit>
   void ForEach(const bool* mask, Visit visit);
   void Command(World& world, const double* action) const;
-  /// Moves the robot as Model.move does: with the same arithmetic.
-  void Move(World& world, const Pose& pose) const;
+  /// Moves a model as Model.move does: with the same arithmetic.
+  static void Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,
+                   const double* pose);
   void Write(World& world, const Environment& environment, int row, const BatchRows& rows) const;
 
   BatchRobot robot_;
+  std::vector<BatchModel> models_;
   int beams_ = 0;
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds

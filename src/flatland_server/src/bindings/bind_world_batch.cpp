@@ -31,9 +31,9 @@ class Use {
 
 template <class T>
 void RequireShape(const Array<T>& array, const char* name, py::ssize_t rows, py::ssize_t columns) {
-  const bool fits = columns == 0 ? array.ndim() == 1 && array.shape(0) == rows
-                                 : array.ndim() == 2 && array.shape(0) == rows &&
-                                       array.shape(1) == columns;
+  const bool fits = columns == 0
+                        ? array.ndim() == 1 && array.shape(0) == rows
+                        : array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
   if (!fits) throw std::invalid_argument(std::string("an array has the wrong shape: ") + name);
 }
 
@@ -68,13 +68,18 @@ void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double
 }
 
 void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
-           const std::optional<Array<double>>& poses, const py::tuple& out) {
+           const std::optional<Array<double>>& poses, const py::tuple& out,
+           const std::optional<Array<double>>& model_poses) {
   if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
   if (poses) RequireShape(*poses, "poses", self.batch.count(), 3);
+  if (model_poses) {
+    RequireShape(*model_poses, "model_poses", self.batch.count(), 3 * self.batch.model_count());
+  }
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows);
+  self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
+                   model_poses ? model_poses->data() : nullptr);
 }
 
 void Observe(PyWorldBatch& self, const py::tuple& out) {
@@ -104,24 +109,38 @@ BatchRobot ToRobot(const std::vector<PyBody>& bodies, const Triple& base, const 
   return robot;
 }
 
+std::vector<BatchModel> ToModels(
+    const std::vector<std::pair<std::vector<PyBody>, Triple>>& models) {
+  std::vector<BatchModel> converted;
+  for (const auto& [bodies, base] : models) {
+    BatchModel& model = converted.emplace_back();
+    for (const PyBody& body : bodies) model.bodies.push_back(body.handle);
+    model.base = ToPose(base);
+  }
+  return converted;
+}
+
 }  // namespace
 
 void BindWorldBatch(py::module_& m) {
   py::class_<PyWorldBatch>(m, "WorldBatch")
       .def(py::init([](const PyWorld& world, const std::vector<PyBody>& bodies, const Triple& base,
                        const py::object& drive, const std::vector<int>& columns,
-                       const PyLidar& lidar, int count, int threads) {
+                       const PyLidar& lidar, int count, int threads,
+                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models) {
              const BatchRobot robot = ToRobot(bodies, base, drive, columns, lidar);
              return std::unique_ptr<PyWorldBatch>(
-                 new PyWorldBatch{{*world.world, robot, count, threads}});
+                 new PyWorldBatch{{*world.world, robot, count, threads, ToModels(models)}});
            }),
            py::arg("world"), py::kw_only(), py::arg("bodies"), py::arg("base"), py::arg("drive"),
-           py::arg("columns"), py::arg("lidar"), py::arg("count"), py::arg("threads"))
+           py::arg("columns"), py::arg("lidar"), py::arg("count"), py::arg("threads"),
+           py::arg("models"))
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("step", &Step, py::arg("actions").noconvert(), py::arg("substeps"), py::arg("dt"),
            py::arg("out"))
       .def("reset", &Reset, py::arg("mask").noconvert().none(true),
-           py::arg("poses").noconvert().none(true), py::arg("out"))
+           py::arg("poses").noconvert().none(true), py::arg("out"),
+           py::arg("model_poses").noconvert().none(true))
       .def("observe", &Observe, py::arg("out"));
 }
 

@@ -19,8 +19,12 @@ Pose Inverse(const Pose& pose) {
   return {-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.yaw};
 }
 
-Pose Wrapped(const Pose& pose) {
-  return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
+Pose Wrapped(const Pose& pose) { return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)}; }
+
+/// Twice as far as it may be: bodies are beside their model's origin.
+void RequirePose(const double* pose) {
+  RequirePosition({2.0 * pose[0], 2.0 * pose[1]});
+  Require(IsUsable(pose[2]), "a heading must be finite");
 }
 
 void Put(double* row, double a, double b, double c) {
@@ -31,11 +35,13 @@ void Put(double* row, double a, double b, double c) {
 
 }  // namespace
 
-WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, int threads)
-    : robot_(robot), team_(std::min(threads, count)) {
+WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, int threads,
+                       const std::vector<BatchModel>& models)
+    : robot_(robot), models_(models), team_(std::min(threads, count)) {
   Require(count >= 1, "a batch needs an environment");
   Require(threads >= 1, "a batch needs a thread");
   Require(!robot.bodies.empty(), "a robot needs a body");
+  for (const BatchModel& model : models) Require(!model.bodies.empty(), "a model needs a body");
   for (int i = 0; i < team_.size(); ++i) {
     worlds_.push_back(std::make_unique<SharedWorld>(world.Copy()));
   }
@@ -48,6 +54,9 @@ WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, i
   World& first = worlds_[0]->Enter(*environments_[0].state);
   beams_ = first.GetBeamCount(robot.lidar);
   for (const World::Body& body : robot.bodies) first.GetPose(body);
+  for (const BatchModel& model : models) {
+    for (const World::Body& body : model.bodies) first.GetPose(body);
+  }
   std::visit([&](auto drive) { first.Get(drive); }, robot.drive);
   worlds_[0]->Leave(*environments_[0].state);
 }
@@ -84,19 +93,23 @@ void WorldBatch::Step(const double* actions, int substeps, double dt, const Batc
   });
 }
 
-void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows) {
-  if (poses != nullptr) {
-    for (int row = 0; row < count(); ++row) {
-      if (mask != nullptr && !mask[row]) continue;
-      // Twice as far as it may be: its bodies are beside its origin.
-      RequirePosition({2.0 * poses[3 * row], 2.0 * poses[3 * row + 1]});
-      Require(IsUsable(poses[3 * row + 2]), "a heading must be finite");
+void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows,
+                       const double* model_poses) {
+  const int64_t numbers = 3 * int64_t{model_count()};  // of a row of model_poses
+  for (int row = 0; row < count(); ++row) {
+    if (mask != nullptr && !mask[row]) continue;
+    if (poses != nullptr) RequirePose(poses + 3 * int64_t{row});
+    for (int64_t i = 0; model_poses != nullptr && i < numbers; i += 3) {
+      RequirePose(model_poses + numbers * row + i);
     }
   }
   ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
     shared.Restart(*environment.state);
     World& world = shared.Enter(*environment.state);
-    if (poses != nullptr) Move(world, {poses[3 * row], poses[3 * row + 1], poses[3 * row + 2]});
+    if (poses != nullptr) Move(world, robot_.bodies, robot_.base, poses + 3 * int64_t{row});
+    for (int i = 0; model_poses != nullptr && i < model_count(); ++i) {
+      Move(world, models_[i].bodies, models_[i].base, model_poses + numbers * row + 3 * i);
+    }
     environment.steps = 0;
     environment.collided = false;
     Write(world, environment, row, rows);
@@ -121,14 +134,15 @@ void WorldBatch::Command(World& world, const double* action) const {
   }
 }
 
-void WorldBatch::Move(World& world, const Pose& pose) const {
-  const Pose base = Wrapped(world.GetPose(robot_.bodies.front()));
-  const Pose present = Wrapped(Compose(base, Inverse(robot_.base)));
-  const Pose displacement = Wrapped(Compose(pose, Inverse(present)));
-  for (const World::Body& body : robot_.bodies) {
+void WorldBatch::Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,
+                      const double* pose) {
+  const Pose first = Wrapped(world.GetPose(bodies.front()));
+  const Pose present = Wrapped(Compose(first, Inverse(base)));
+  const Pose displacement = Wrapped(Compose({pose[0], pose[1], pose[2]}, Inverse(present)));
+  for (const World::Body& body : bodies) {
     world.SetPose(body, Compose(displacement, world.GetPose(body)));
   }
-  for (const World::Body& body : robot_.bodies) world.Halt(body);
+  for (const World::Body& body : bodies) world.Halt(body);
 }
 
 void WorldBatch::Write(World& world, const Environment& environment, int row,

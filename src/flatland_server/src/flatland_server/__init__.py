@@ -50,6 +50,7 @@ from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.simulation_batch import SimulationBatch
 from flatland_server.library.touch import Touch
+from flatland_server.library.world_content import world_content
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entity
@@ -157,6 +158,7 @@ __all__ = [
     "messages",
     "quaternion",
     "ros_time",
+    "world_content",
     "wrap_angle",
 ]
 

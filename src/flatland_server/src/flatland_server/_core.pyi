@@ -169,6 +169,8 @@ class WorldBatch(metaclass=_Metaclass):
         lidar: of the robot.
         count: number of environments, n.
         threads: that share them.
+        models: that `reset` may put elsewhere: the bodies of each, and the pose of the first body
+            in the model's frame.
     """
 
     def __init__(
@@ -182,6 +184,7 @@ class WorldBatch(metaclass=_Metaclass):
         lidar: Lidar,
         count: int,
         threads: int,
+        models: Sequence[tuple[Sequence[Body], _Triple]],
     ) -> None: ...
     @property
     def beams(self) -> int:
@@ -192,8 +195,16 @@ class WorldBatch(metaclass=_Metaclass):
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
         """
-    def reset(self, mask: BoolArray | None, poses: FloatArray | None, out: tuple[Any, ...]) -> None:
+    def reset(
+        self,
+        mask: BoolArray | None,
+        poses: FloatArray | None,
+        out: tuple[Any, ...],
+        model_poses: FloatArray | None,
+    ) -> None:
         """Puts environments back to the beginning, moves their robots, and writes their rows.
+
+        `model_poses` of shape (n, 3 * models) are for the models, which are moved after the robots.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.

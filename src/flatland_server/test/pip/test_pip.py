@@ -83,12 +83,14 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
 
     assert {name.partition("/")[0].partition("-")[0] for name in names} == {
         "flatland2d",
+        "flatland_gym",
         "flatland_plugins",
         "flatland_server",
     }
     assert not [name for name in names if "__pycache__" in name or "/test/" in name]
     server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}
     assert {"py.typed", "_core.pyi", "worlds/office/office.png"} <= server
+    assert "flatland_gym/worlds/discs.yaml" in names
 
 
 def test_the_script_of_the_guide_drives_and_scans(library):
@@ -162,6 +164,24 @@ def test_a_plugin_package_of_a_ros_workspace_is_installed_by_pip_as_it_is(
 
     assert loaded.split() == [path for _, _, path in plugins]
     assert output.splitlines()[-1] == "True"
+
+
+def test_environments_say_which_extra_they_need(library):
+    code = "import flatland_gym\ntry: flatland_gym.NavigationEnv\nexcept Exception as e: print(e)"
+
+    message = "NavigationEnv needs Gymnasium: pip install 'flatland2d[gym]'"
+    assert library.run("-c", code).strip() == message
+
+
+def test_expressions_are_evaluated(library, tmp_path):
+    world = tmp_path / "world.yaml"
+    world.write_text(
+        "properties: {}\nlayers: []\nmodels:\n- name: $eval string.rep('a', 3)\n"
+        "  model: {bodies: [{name: b, footprints: []}]}\n"
+    )
+    code = "import sys, flatland2d; print(flatland2d.Simulation(sys.argv[1]).models)"
+
+    assert library.run("-c", code, world).strip() == "{aaa}"
 
 
 def test_the_command_is_there(library):

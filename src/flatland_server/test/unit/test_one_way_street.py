@@ -135,6 +135,7 @@ def test_messages_are_asked_for_by_name():
         ("flatland_server", ("flatland_benchmark", "flatland_plugins", "flatland_viz")),
         ("flatland_plugins", ("flatland_benchmark", "flatland_viz", *ROSPY)),
         ("flatland_viz", ("flatland_benchmark", "flatland_plugins", "flatland_server")),
+        ("flatland_gym", ("flatland_benchmark", "flatland_plugins", "flatland_viz", *ROSPY)),
     ],
 )
 def test_packages_import_one_way(package, forbidden):

@@ -26,7 +26,10 @@ import time
 from pathlib import Path
 from typing import Any, Dict, List
 
-import lupa
+try:
+    from lupa import lua51 as lupa  # PyPI's has several Luas; the sandbox is for ROS's, 5.1
+except ImportError:
+    import lupa
 
 MEMORY_LIMIT = 256 * 1024 * 1024  # bytes of address space, in addition to the interpreter's own
 CPU_LIMIT = 2  # s of processor time, at most, per expression; the parent limits its real time

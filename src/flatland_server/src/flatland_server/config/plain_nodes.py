@@ -1,7 +1,7 @@
 """Worlds and models that a program describes, as dicts and lists, in the form of parsed files."""
 
 from os import PathLike, fspath
-from typing import Any, Dict, Mapping, Sequence
+from typing import Any, Callable, Dict, Mapping, Sequence
 
 import yaml
 
@@ -9,6 +9,13 @@ from flatland_server.exceptions import FlatlandError, shortened
 
 _TAG = "tag:yaml.org,2002:"
 _MAX_DEPTH = 100
+
+_YAML = yaml.constructor.SafeConstructor()
+_CONVERTERS: Dict[str, Callable[[Any], Any]] = {
+    "bool": _YAML.construct_yaml_bool,
+    "float": _YAML.construct_yaml_float,
+    "int": _YAML.construct_yaml_int,
+}
 
 NO_LINE = -2
 """The line of a mark that is in no file."""
@@ -62,6 +69,22 @@ def to_node(content: Any, name: str) -> yaml.Node:
         name: stands for the file in errors.
     """
     return _node(content, yaml.Mark(name, 0, NO_LINE, 0, None, 0))
+
+
+def to_content(node: yaml.Node) -> Any:
+    """What `to_node` makes a node of: None, booleans, numbers, strings, lists and dicts.
+
+    Args:
+        node: with its expressions and includes resolved.
+    """
+    if isinstance(node, yaml.MappingNode):
+        return {key.value: to_content(value) for key, value in node.value}
+    if isinstance(node, yaml.SequenceNode):
+        return [to_content(item) for item in node.value]
+    kind = node.tag[len(_TAG) :]
+    if kind == "null":
+        return None
+    return _CONVERTERS[kind](node) if kind in _CONVERTERS else node.value
 
 
 def _node(value: Any, mark: yaml.Mark) -> yaml.Node:

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Set
 
 import yaml
 
-from flatland_server.config.plain_nodes import NO_LINE
+from flatland_server.config.plain_nodes import NO_LINE, to_content
 from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.yaml_values import ConversionError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
@@ -64,6 +64,11 @@ class YamlMap:
     def is_map(self, key: str) -> bool:
         """Whether the value of a key is a map, for keys that take a map or something else."""
         return isinstance(self._values.get(key), yaml.MappingNode)
+
+    def content(self) -> Dict[str, Any]:
+        """The map as plain data, as `YamlReader.from_content` takes it."""
+        content: Dict[str, Any] = to_content(self._node)
+        return content
 
     def key_of(self, value: str) -> Optional[str]:
         """The first key with this scalar as its value, or None."""

@@ -71,6 +71,25 @@ def poses_of(value: Any, count: int, mask: Optional[BoolArray]) -> FloatArray:
     return poses
 
 
+def model_poses_of(value: Any, count: int, models: int, mask: Optional[BoolArray]) -> FloatArray:
+    """Poses of several models in each environment, as rows: shape (count, 3 * models).
+
+    Args:
+        value: what a program has passed: of shape (count, models, 3).
+        count: number of environments.
+        models: number of models.
+        mask: which environments matter; None: all.
+
+    Raises:
+        UsageError: they have another shape or type, or one that matters is not finite.
+    """
+    shape = (count, models, 3)
+    array = _array(value, "model_poses", f"shape {shape}: x, y, yaw", shape)
+    rows = None if mask is None else np.repeat(mask, models)
+    poses = poses_of(array.reshape(-1, 3), count * models, rows)
+    return poses.reshape(count, 3 * models)
+
+
 def mask_of(value: Any, count: int) -> BoolArray:
     """Which environments are meant: an array of bool.
 

@@ -38,8 +38,8 @@ class Simulation(SimulatedTopics):
     influence each other; each is used by one thread at a time.
 
     Args:
-        world: the name of a shipped world such as "office", the path of a world file, or the
-            content of one as a dict.
+        world: the name of a shipped world such as "office", the path of a world file, the content
+            of one as a dict, or a `WorldConfig`: what was read once for many simulations.
         seed: of all random numbers.
         step_size: length of a step [s].
         topics: those that are computed from the beginning; see `subscribe`.

@@ -12,7 +12,13 @@ from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import UsageError
 from flatland_server.library.arguments import shown, whole_number
-from flatland_server.library.batch_arguments import actions_of, mask_of, poses_of, seeds_of
+from flatland_server.library.batch_arguments import (
+    actions_of,
+    mask_of,
+    model_poses_of,
+    poses_of,
+    seeds_of,
+)
 from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.batch_robot import find_robot, require_passive
 from flatland_server.library.free_space import FreeSpace, discs_of
@@ -54,6 +60,7 @@ class SimulationBatch:
         lidar: name of the plugin that is read; None: the robot's only lidar.
         threads: of the processor, that share the environments in equal parts.
         step_size: length of a step [s].
+        moved: names of other models that `reset` may put elsewhere.
         seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
         params: parameters by absolute name, for expressions in the files and for plugins.
         simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
@@ -73,6 +80,7 @@ class SimulationBatch:
         robot: Optional[str] = None,
         lidar: Optional[str] = None,
         threads: int = 1,
+        moved: Sequence[str] = (),
         step_size: float = 0.005,
         seed: Union[int, Sequence[int], IntArray] = 0,
         params: Mapping[str, Any] = {},
@@ -94,6 +102,9 @@ class SimulationBatch:
         )
         require_passive(self._world)
         self._robot = find_robot(self._world, robot, lidar)
+        self._moved = [self._world.get_model(name) for name in moved]
+        if self._robot.model in self._moved:
+            raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
         core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
         self._action_names = tuple(inspect.signature(self._robot.drive.command).parameters)
         self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
@@ -105,6 +116,7 @@ class SimulationBatch:
             lidar=core_lidar.lidar,
             count=self._num_envs,
             threads=self._threads,
+            models=[(each.physics_bodies, each.base.config.pose) for each in self._moved],
         )
         self._beams = self._core.beams
         self._steps = np.zeros(self._num_envs, np.int64)
@@ -198,6 +210,7 @@ class SimulationBatch:
         seeds: Union[int, Sequence[int], IntArray, None] = None,
         poses: Optional[Any] = None,
         out: Optional[BatchObservation] = None,
+        model_poses: Optional[Any] = None,
     ) -> BatchObservation:
         """Puts environments back to the beginning of the world, at time 0, and observes.
 
@@ -210,6 +223,8 @@ class SimulationBatch:
                 reset count; see `free_poses`.
             out: arrays that the observation is written to: only the rows of those environments that
                 are reset. By default new arrays, with all rows.
+            model_poses: shape (n, m, 3): where the m models of `moved` are put after that; None: as
+                in the world file.
 
         Returns:
             `out`, or new arrays.
@@ -221,9 +236,13 @@ class SimulationBatch:
         core = self._require_open()
         chosen = None if mask is None else mask_of(mask, self._num_envs)
         placed = None if poses is None else poses_of(poses, self._num_envs, chosen)
+        others = None
+        if model_poses is not None:
+            others = model_poses_of(model_poses, self._num_envs, len(self._moved), chosen)
+            others = others if self._moved else None
         new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
         observation = self._rows(out)
-        core.reset(chosen, placed, self._arrays(observation))
+        core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
         if out is None and chosen is not None:
             core.observe(self._arrays(observation))

@@ -14,8 +14,10 @@ from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.transport.transport import Transport
 
-WorldSource = Union[str, "os.PathLike[str]", Mapping[str, Any]]
-"""The name of a shipped world, the path of a world file, or the content of one as a dict."""
+WorldSource = Union[str, "os.PathLike[str]", Mapping[str, Any], WorldConfig]
+"""The name of a shipped world, the path of a world file, the content of one as a dict, or what was
+read already (`WorldConfig.from_content`), for many simulations of the same world.
+"""
 
 
 def open_world(
@@ -40,6 +42,8 @@ def open_world(
     Raises:
         FlatlandError: there is no such world, or something in it is wrong.
     """
+    if isinstance(source, WorldConfig):
+        return World(source, transport, seed=seed, loader=loader or exported_plugins())
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
         read: Any = WorldConfig.from_file
         content: Any = source

@@ -1,0 +1,51 @@
+"""Flatland's worlds for reinforcement learning: Gymnasium, PettingZoo and Stable-Baselines3.
+
+    import gymnasium as gym
+    import flatland_gym
+
+    env = gym.make("flatland/Navigation-v0", world="office")
+    envs = gym.make_vec("flatland/Navigation-v0", num_envs=64, world="discs")
+
+Importing it registers the environments. docs/learning.md describes them. Policies can be used
+without Gymnasium.
+"""
+
+import importlib.util
+from typing import Any
+
+from flatland_gym.policy import Policy
+from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
+from flatland_gym.scenarios import SCENARIOS, Scenario
+from flatland_gym.settings import NavigationSettings
+from flatland_server import FlatlandError
+
+__all__ = [
+    "SCENARIOS",
+    "NavigationEnv",
+    "NavigationSettings",
+    "NavigationVectorEnv",
+    "Policy",
+    "RewardWeights",
+    "Scenario",
+    "Transition",
+    "navigation_reward",
+]
+
+if importlib.util.find_spec("gymnasium") is not None:
+    import gymnasium
+
+    from flatland_gym.navigation_env import NavigationEnv
+    from flatland_gym.navigation_vector_env import NavigationVectorEnv
+
+    gymnasium.register(
+        id="flatland/Navigation-v0",
+        entry_point="flatland_gym.navigation_env:NavigationEnv",
+        vector_entry_point="flatland_gym.navigation_vector_env:NavigationVectorEnv",
+    )
+else:
+
+    def __getattr__(name: str) -> Any:
+        """The error for the environments, which need Gymnasium."""
+        if name in __all__:
+            raise FlatlandError(f"{name} needs Gymnasium: pip install 'flatland2d[gym]'")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,106 @@
+"""A fleet in one call of the core: for worlds in which Python has nothing to do at each step."""
+
+from typing import Any, Optional, Sequence
+
+import numpy as np
+
+from flatland_gym.episodes import Episode
+from flatland_gym.fleet import Fleet
+from flatland_gym.navigation_world import NavigationWorld
+from flatland_gym.settings import NavigationSettings
+from flatland_server import (
+    BatchObservation,
+    FloatArray,
+    IntArray,
+    PluginError,
+    Pose,
+    Simulation,
+    SimulationBatch,
+)
+
+
+class BatchFleet(Fleet):
+    """A `SimulationBatch`. It gives the same numbers as a `SimulationFleet`, bit for bit.
+
+    Args:
+        world: that of all episodes.
+        settings: of the environment.
+        count: of places.
+        threads: of the batch.
+
+    Raises:
+        PluginError: a plugin of the world runs in Python at each step.
+    """
+
+    def __init__(
+        self, world: NavigationWorld, settings: NavigationSettings, count: int, threads: int = 1
+    ) -> None:
+        self._world = world
+        self._settings = settings
+        self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
+        self._batch = SimulationBatch(
+            world.config,
+            count,
+            robot=world.robot.name,
+            lidar=world.robot.lidar,
+            threads=min(threads, count),
+            moved=self._moved,
+            step_size=settings.step_size,
+            params=settings.params,
+        )
+        self._places = np.zeros((count, len(self._moved), 3))
+        self._rows = BatchObservation.empty(count, world.robot.beams)
+        self.ranges = self._rows.ranges
+        self.poses = self._rows.poses
+        self.velocities = self._rows.local_velocities
+        self.collided = self._rows.collided
+        self._stage: Optional[Simulation] = None
+
+    def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
+        count = len(self.poses)
+        mask, seeds, poses = np.zeros(count, bool), np.zeros(count, np.int64), np.zeros((count, 3))
+        mask[indices] = True
+        seeds[indices] = [episode.seed for episode in episodes]
+        poses[indices] = [episode.starts[0] for episode in episodes]
+        places = self._places
+        for index, episode in zip(indices.tolist(), episodes):
+            places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
+        self._batch.reset(mask, seeds, poses, out=self._rows, model_poses=places)
+
+    def step(self, actions: FloatArray, indices: IntArray) -> None:
+        """Steps all places: those that are left out are reset before they are used again."""
+        self._batch.step(actions, self._settings.frame_skip, out=self._rows)
+
+    def simulation(self, index: int) -> Simulation:
+        """A simulation with the robot where it is; other models are where they began.
+
+        It is the same one for all places.
+        """
+        if self._stage is None:
+            settings = self._settings
+            self._stage = Simulation(
+                self._world.config, step_size=settings.step_size, params=settings.params
+            )
+        x, y, yaw = self.poses[index].tolist()
+        base: Any = self._stage.models[self._world.robot.name].model.base.config.pose
+        self._stage.move(self._world.robot.name, Pose(x, y, yaw).compose(base.inverse()))
+        for name, place in zip(self._moved, self._places[index].tolist()):
+            self._stage.move(name, Pose(*place))
+        return self._stage
+
+    def close(self) -> None:
+        self._batch.close()
+        if self._stage is not None:
+            self._stage.close()
+
+
+def batch_fleet(
+    worlds: Sequence[NavigationWorld], settings: NavigationSettings, count: int, threads: int
+) -> Optional[BatchFleet]:
+    """A `BatchFleet`, or None if these worlds need simulations of their own."""
+    if len(worlds) > 1:
+        return None
+    try:
+        return BatchFleet(worlds[0], settings, count, threads)
+    except PluginError:
+        return None

@@ -1,0 +1,69 @@
+"""A simulation with its robots: what is driven and measured in one world."""
+
+from typing import List, Sequence
+
+import numpy as np
+
+from flatland_gym.episodes import Episode
+from flatland_gym.navigation_world import NavigationWorld
+from flatland_gym.robot_rows import RobotRows
+from flatland_gym.settings import NavigationSettings
+from flatland_server import BoolArray, ModelPlugin, Pose, Simulation
+
+
+class Berth:
+    """A simulation of a world, with one robot or several.
+
+    Args:
+        world: that is simulated.
+        settings: of the environment.
+    """
+
+    def __init__(self, world: NavigationWorld, settings: NavigationSettings) -> None:
+        self._world = world
+        self.simulation = Simulation(
+            world.config, step_size=settings.step_size, params=settings.params
+        )
+        self._handles = [self.simulation.models[name] for name in world.robots]
+        self._numbers = {name: number for number, name in enumerate(world.robots)}
+        self._drives: List[ModelPlugin] = []
+        self._lidars: List[ModelPlugin] = []
+
+    def begin(self, episode: Episode) -> None:
+        """Makes the world anew, and puts everything to its place."""
+        self.simulation.reset(episode.seed)
+        for name, start in zip(self._world.robots, episode.starts):
+            self.simulation.move(name, start)
+        for name, pose in episode.places.items():
+            self.simulation.move(name, pose)
+        robot = self._world.robot
+        self._drives = [handle.plugin(robot.drive) for handle in self._handles]
+        self._lidars = [handle.plugin(robot.lidar) for handle in self._handles]
+
+    def command(self, number: int, values: Sequence[float]) -> None:
+        """Commands the drive of a robot."""
+        self._drives[number].command(*values)
+
+    def step(self, count: int) -> BoolArray:
+        """Makes some steps; returns whether each robot has touched something solid meanwhile."""
+        collided = np.zeros(len(self._handles), dtype=bool)
+        for _ in range(count):
+            self.simulation.step()
+            for touch in self.simulation.contacts:
+                if touch.points and touch.model_a != touch.model_b:
+                    for name in (touch.model_a, touch.model_b):
+                        if name in self._numbers:
+                            collided[self._numbers[name]] = True
+        return collided
+
+    def look(self, rows: RobotRows, row: int, number: int = 0) -> None:
+        """Writes what is measured of a robot into a row."""
+        handle = self._handles[number]
+        rows.ranges[row] = self._lidars[number].read(self.simulation.timekeeper)
+        rows.poses[row] = handle.pose
+        rows.velocities[row] = handle.local_velocity
+
+    def remove(self, number: int, place: Pose) -> None:
+        """Takes a robot out of the way, and stops it."""
+        self.command(number, [0.0] * len(self._world.robot.action_limits))
+        self.simulation.move(self._world.robots[number], place)

@@ -1,0 +1,247 @@
+"""What an episode begins with, drawn from the random numbers of its environment.
+
+The start and the goal lie in free space that is connected, away from walls and from other models.
+Scattered models stay so far from walls, from each other, from the start and from the goal that the
+robot fits through; one that finds no place takes no part in the episode.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+
+from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
+from flatland_gym.settings import NavigationSettings
+from flatland_server import IntArray, Point, Pose, UsageError
+
+_TRIES = 500
+_TRIES_OF_MODELS = 60
+
+OPTIONS = ("start", "goal", "world")
+"""What `reset(options=...)` may say."""
+
+Circles = List[Tuple[float, float, float]]
+"""x, y and radius [m] of what must not be overlapped."""
+
+
+@dataclass(frozen=True)
+class Episode:
+    """The beginning of an episode.
+
+    Attributes:
+        world: index of the world.
+        seed: of the simulation.
+        starts: of the robots' origins, in the world.
+        goals: x, y [m] in the world, for each robot.
+        places: poses of other models, by name.
+    """
+
+    world: int
+    seed: int
+    starts: Tuple[Pose, ...]
+    goals: Tuple[Point, ...]
+    places: Mapping[str, Pose]
+
+
+class EpisodeSampler:
+    """Draws episodes.
+
+    Args:
+        worlds: those that an episode may be in.
+        settings: of the environment.
+    """
+
+    def __init__(self, worlds: Sequence[NavigationWorld], settings: NavigationSettings) -> None:
+        self._worlds = worlds
+        self._settings = settings
+        self._cells: Dict[Tuple[int, float], IntArray] = {}
+
+    def draw(
+        self, rng: np.random.Generator, options: Optional[Mapping[str, Any]] = None
+    ) -> Episode:
+        """An episode.
+
+        Args:
+            rng: the environment's random numbers.
+            options: `start` ([x, y] or [x, y, yaw]), `goal` ([x, y]) and `world` (a name), which
+                are otherwise drawn.
+
+        Raises:
+            UsageError: an option is wrong, such as a goal in a wall; or there is no room. The
+                random numbers may have advanced, but nothing else has changed.
+        """
+        chosen = _checked(options)
+        index = self._world(rng, chosen.get("world"))
+        world = self._worlds[index]
+        seed = int(rng.integers(2**31))
+        room = world.radius + self._settings.margin
+        standing: Circles = [(disc.x, disc.y, disc.radius) for disc in world.standing]
+        cells = self._room(index, room)
+        if len(cells) == 0:
+            raise UsageError(
+                f'the world "{world.name}" has no room for a robot of {world.radius:g} m radius '
+                f"and a margin of {self._settings.margin:g} m"
+            )
+        starts, goals = list(standing), list(standing)
+        ends: List[Tuple[Pose, Point]] = []
+        for _ in world.robots:
+            start, goal = self._ends(index, chosen, starts, goals, rng)
+            ends.append((start, goal))
+            starts.append((start.x, start.y, world.radius))
+            goals.append((*goal, world.radius))
+        places = self._places(index, starts + goals, rng)
+        return Episode(
+            index, seed, tuple(end[0] for end in ends), tuple(end[1] for end in ends), places
+        )
+
+    def _world(self, rng: np.random.Generator, name: Any) -> int:
+        """The index of a world: any, or any of this name."""
+        indices = [i for i, world in enumerate(self._worlds) if name in (None, world.name)]
+        if not indices:
+            known = ", ".join(dict.fromkeys(world.name for world in self._worlds))
+            raise UsageError(f"expected the option world to be one of: {known}; found {name!r}")
+        return indices[int(rng.integers(len(indices)))] if len(indices) > 1 else indices[0]
+
+    def _ends(
+        self,
+        index: int,
+        chosen: Mapping[str, Any],
+        starts: Circles,
+        goals: Circles,
+        rng: np.random.Generator,
+    ) -> Tuple[Pose, Point]:
+        """A start and a goal, which overlap none of the other ones."""
+        world, settings = self._worlds[index], self._settings
+        room = world.radius + settings.margin
+        cells = self._room(index, room)
+        given_start, given_goal = chosen.get("start"), chosen.get("goal")
+        if given_start is not None:
+            self._require_free(index, "start", given_start[:2], starts)
+        if given_goal is not None:
+            self._require_free(index, "goal", given_goal, goals)
+        for _ in range(_TRIES):
+            yaw = math.tau * float(rng.random()) - math.pi
+            start = given_start or self._start(index, given_goal, cells, rng)
+            goal = given_goal or self._around(world, start, rng)
+            if not given_start and not self._fits(world, cells, start, starts):
+                continue
+            if not given_goal and not self._fits(world, cells, goal, goals):
+                continue
+            if given_start and len(given_start) > 2:
+                yaw = given_start[2]
+            return Pose(start[0], start[1], yaw), (goal[0], goal[1])
+        least, largest = settings.goal_distance
+        raise UsageError(
+            f'the world "{world.name}" has no free start and goal {least:g} to {largest:g} m apart '
+            f"(tried {_TRIES} times)"
+        )
+
+    def _start(
+        self, index: int, goal: Optional[List[float]], cells: IntArray, rng: np.random.Generator
+    ) -> Sequence[float]:
+        """A place for the start, which may turn out not to be free."""
+        world = self._worlds[index]
+        return self._around(world, goal, rng) if goal else world.space.draw_point(cells, rng)
+
+    def _around(
+        self, world: NavigationWorld, middle: Sequence[float], rng: np.random.Generator
+    ) -> Point:
+        """A place at a distance between the least and the largest one, uniform over the area."""
+        least, largest = self._settings.goal_distance
+        largest = max(least, min(largest, world.space.diagonal))
+        distance = math.sqrt(least**2 + float(rng.random()) * (largest**2 - least**2))
+        bearing = math.tau * float(rng.random())
+        return middle[0] + distance * math.cos(bearing), middle[1] + distance * math.sin(bearing)
+
+    def _fits(
+        self, world: NavigationWorld, cells: IntArray, place: Sequence[float], others: Circles
+    ) -> bool:
+        """Whether a place is free and can be reached."""
+        room = world.radius + self._settings.margin
+        return world.space.contains(cells, *place[:2]) and _is_clear(place[:2], room, others)
+
+    def _require_free(
+        self, index: int, name: str, place: Sequence[float], standing: Circles
+    ) -> None:
+        """Raises a UsageError if the robot cannot stand at a place, or cannot get there."""
+        world = self._worlds[index]
+        x, y = place
+        expected = f"expected a {name} that is free and can be reached, found [{x:g}, {y:g}]"
+        clearance = world.space.clearance(x, y)
+        if clearance <= world.radius:
+            raise UsageError(
+                f"{expected}, at most {clearance:g} m from a wall or outside of the world; the "
+                f"robot has a radius of {world.radius:g} m"
+            )
+        if not world.space.contains(self._room(index, world.radius), x, y):
+            raise UsageError(f"{expected}, which walls separate from the robot")
+        if not _is_clear((x, y), world.radius, standing):
+            raise UsageError(f"{expected}, where another model stands")
+
+    def _places(self, index: int, taken: Circles, rng: np.random.Generator) -> Dict[str, Pose]:
+        """Where the scattered models and the obstacles are."""
+        world = self._worlds[index]
+        low, high = self._settings.obstacle_counts
+        count = int(rng.integers(low, high + 1)) if high else 0
+        chosen = [*world.scattered, *world.obstacles[:count]]
+        places: Dict[str, Pose] = {}
+        for number, disc in enumerate([*world.scattered, *world.obstacles]):
+            place = self._place(index, disc, taken, rng) if disc in chosen else None
+            places[disc.name] = place if place is not None else parking_place(number)
+            if place is not None:
+                taken.append((place.x, place.y, disc.radius))
+        return places
+
+    def _place(
+        self, index: int, disc: Disc, taken: Circles, rng: np.random.Generator
+    ) -> Optional[Pose]:
+        """A free place for a model; None if none was found."""
+        world = self._worlds[index]
+        passage = disc.radius + 2 * (world.radius + self._settings.margin)
+        cells = self._room(index, passage)
+        if len(cells) == 0:  # too narrow to leave a passage: the model may be beside a wall
+            cells = self._room(index, disc.radius + self._settings.margin)
+        for _ in range(_TRIES_OF_MODELS if len(cells) else 0):
+            x, y = world.space.draw_point(cells, rng)
+            if _is_clear((x, y), passage, taken):
+                return Pose(x, y, math.tau * float(rng.random()) - math.pi)
+        return None
+
+    def _room(self, index: int, radius: float) -> IntArray:
+        """The cells where a disc can stand, computed once."""
+        key = (index, radius)
+        if key not in self._cells:
+            self._cells[key] = self._worlds[index].space.cells(radius)
+        return self._cells[key]
+
+
+def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
+    """Whether a disc overlaps no other one."""
+    x, y = place
+    return all(math.hypot(x - a, y - b) > radius + r for a, b, r in discs)
+
+
+def _checked(options: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
+    """Options with lists of finite floats for `start` and `goal`.
+
+    Raises:
+        UsageError: one is unknown or wrong.
+    """
+    chosen = dict(options or {})
+    for name in chosen:
+        if name not in OPTIONS:
+            raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")
+    for name, sizes in (("start", (2, 3)), ("goal", (2,))):
+        value = chosen.get(name)
+        if value is None:
+            continue
+        try:
+            numbers = [float(number) for number in value]
+        except (TypeError, ValueError):
+            numbers = []
+        if len(numbers) not in sizes or not all(map(math.isfinite, numbers)):
+            form = "[x, y] or [x, y, yaw]" if name == "start" else "[x, y]"
+            raise UsageError(f"expected the option {name} as {form}, found {value!r}")
+        chosen[name] = numbers
+    return chosen

@@ -1,0 +1,50 @@
+"""How often a policy reaches its goal."""
+
+from typing import Any, NamedTuple, Sequence
+
+import numpy as np
+
+from flatland_gym.navigation_vector_env import NavigationVectorEnv
+from flatland_gym.policy import Policy
+from flatland_server import BoolArray, FloatArray
+
+
+class Evaluation(NamedTuple):
+    """The results of an episode for each seed."""
+
+    success: BoolArray
+    """Whether the goal was reached."""
+    collision: BoolArray
+    """Whether the robot has collided."""
+    seconds: FloatArray
+    """How long it took [s]."""
+
+
+def evaluate(
+    policy: Policy, seeds: Sequence[int], threads: int = 1, **arguments: Any
+) -> Evaluation:
+    """Runs an episode of each seed; what it gives does not depend on the others.
+
+    Args:
+        policy: drives the robot.
+        seeds: of the environments.
+        threads: how many are stepped at a time.
+        arguments: of the environment; see `NavigationSettings`.
+    """
+    env = NavigationVectorEnv(len(seeds), threads, autoreset_mode="Disabled", **arguments)
+    try:
+        observations, _ = env.reset(seed=list(seeds))
+        navigation = env.navigation
+        running = np.arange(len(seeds))
+        success, collision = (np.zeros(len(seeds), bool) for _ in range(2))
+        while len(running):
+            limits = env.action_space.shape or ()
+            actions = navigation.checked_actions(policy.act(observations), limits)
+            _, terminated, truncated = navigation.step(actions, running)
+            observations = navigation.observe()
+            success |= navigation.successes
+            collision[running] |= navigation.fleet.collided[running]
+            running = running[~(terminated | truncated)[running]]
+        return Evaluation(success, collision, navigation.steps * navigation.settings.period)
+    finally:
+        env.close()

@@ -1,0 +1,126 @@
+"""Simulations side by side: what a navigation environment drives and looks at.
+
+A `Fleet` has n places; each has a robot in a world. Its arrays are overwritten by its next call;
+what is handed to learners is always a copy.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Callable, Dict, List, Optional, Sequence
+
+from flatland_gym.berth import Berth
+from flatland_gym.episodes import Episode
+from flatland_gym.navigation_world import NavigationWorld
+from flatland_gym.robot_rows import RobotRows
+from flatland_gym.settings import NavigationSettings
+from flatland_server import FloatArray, IntArray, Simulation
+
+
+class Fleet(RobotRows):
+    """The state of n robots, one in each of n simulations."""
+
+    def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
+        """Begins an episode at each of these places."""
+        raise NotImplementedError
+
+    def step(self, actions: FloatArray, indices: IntArray) -> None:
+        """Makes a step of the environment at each of these places.
+
+        Args:
+            actions: shape (n, size of an action); finite.
+            indices: of the places, in increasing order.
+        """
+        raise NotImplementedError
+
+    def simulation(self, index: int) -> Simulation:
+        """The simulation at a place, to be looked at: for pictures."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Ends all simulations."""
+        raise NotImplementedError
+
+
+class SimulationFleet(Fleet):
+    """A `Simulation` for each place and each world that was needed there.
+
+    Works with every plugin, and with models that move.
+
+    Args:
+        worlds: what episodes are in.
+        settings: of the environment.
+        count: of places.
+        threads: how many of them are stepped at a time.
+    """
+
+    def __init__(
+        self,
+        worlds: Sequence[NavigationWorld],
+        settings: NavigationSettings,
+        count: int,
+        threads: int = 1,
+    ) -> None:
+        super().__init__(count, worlds[0].robot.beams)
+        self._worlds = worlds
+        self._settings = settings
+        self._berths: List[Dict[int, Berth]] = [{} for _ in range(count)]
+        self._current: List[Berth] = []
+        self._pool: Optional[ThreadPoolExecutor] = None
+        self._threads = min(threads, count)
+        if self._threads > 1:
+            self._pool = ThreadPoolExecutor(self._threads, thread_name_prefix="flatland_gym")
+
+    def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
+        chosen = dict(zip(indices.tolist(), episodes))
+        if not self._current:
+            self._current = [self._berth(i, chosen[i].world) for i in range(len(self._berths))]
+
+        def begin(index: int) -> None:
+            berth = self._current[index] = self._berth(index, chosen[index].world)
+            berth.begin(chosen[index])
+            berth.look(self, index)
+
+        self._each(begin, list(chosen))
+        self.collided[indices] = False
+
+    def step(self, actions: FloatArray, indices: IntArray) -> None:
+        commands = actions.tolist()
+
+        def advance(index: int) -> None:
+            berth = self._current[index]
+            berth.command(0, commands[index])
+            self.collided[index] = berth.step(self._settings.frame_skip)[0]
+            berth.look(self, index)
+
+        self._each(advance, indices.tolist())
+
+    def simulation(self, index: int) -> Simulation:
+        return self._current[index].simulation
+
+    def close(self) -> None:
+        for berths in self._berths:
+            for berth in berths.values():
+                berth.simulation.close()
+        if self._pool is not None:
+            self._pool.shutdown()
+
+    def _berth(self, index: int, world: int) -> Berth:
+        """The simulation of a world at a place; made when it is first needed."""
+        berths = self._berths[index]
+        if world not in berths:
+            berths[world] = Berth(self._worlds[world], self._settings)
+        return berths[world]
+
+    def _each(self, do: Callable[[int], None], indices: List[int]) -> None:
+        """Calls a function with each index, on all threads."""
+        if self._pool is None or len(indices) < 2:
+            for index in indices:
+                do(index)
+            return
+
+        def do_all(part: List[int]) -> None:
+            for index in part:
+                do(index)
+
+        parts = [indices[start :: self._threads] for start in range(self._threads)]
+        for _ in self._pool.map(do_all, parts):  # raises what a part has raised
+            pass

@@ -1,0 +1,138 @@
+"""`flatland/Navigation-v0` for one robot: Gymnasium's Env."""
+
+from typing import Any, ClassVar, Dict, Optional, Tuple
+
+import gymnasium
+import numpy as np
+
+from flatland_gym.navigation import Navigation
+from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode, picture, status_line
+from flatland_gym.settings import NavigationSettings
+from flatland_server import UsageError
+
+_ONE = np.array([0])
+
+
+class NavigationEnv(gymnasium.Env[Any, Any]):
+    """A robot drives to a goal that it knows the direction of, past what its lidar sees.
+
+    docs/learning.md describes observations, actions and rewards.
+
+    Args:
+        render_mode: None, "human" (a window), "rgb_array" or "ansi" (a line of text).
+        arguments: the attributes of `NavigationSettings`.
+
+    Raises:
+        FlatlandError: an argument is wrong, or the world cannot be used.
+    """
+
+    metadata: ClassVar[Dict[str, Any]] = {"render_modes": list(RENDER_MODES)}  # and render_fps
+
+    def __init__(self, render_mode: Optional[str] = None, **arguments: Any) -> None:
+        check_render_mode(render_mode)
+        settings = NavigationSettings.of(arguments)
+        self.metadata = metadata(settings)  # type: ignore[misc]
+        self.render_mode = render_mode
+        self.navigation = Navigation(settings, 1, in_python=True)
+        self.action_space = self.navigation.action_space
+        self.observation_space = self.navigation.observation_space
+        self._window: Optional[Window] = None
+        self._is_running = False
+
+    def reset(
+        self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
+    ) -> Tuple[Any, Dict[str, Any]]:
+        """Begins an episode.
+
+        Args:
+            seed: of the random numbers from now on; None goes on with those there are.
+            options: `start` ([x, y] or [x, y, yaw]), `goal` ([x, y]) and `world` (one of those of
+                the argument), which are otherwise drawn.
+
+        Raises:
+            UsageError: an option is wrong, such as a goal in a wall. The environment is as before.
+        """
+        super().reset(seed=seed)
+        self.navigation.reset(_ONE, [self.np_random], options)
+        self._is_running = True
+        if self.render_mode == "human":
+            self.render()
+        return self._observation(), self._info()
+
+    def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
+        """Drives for `frame_skip` steps.
+
+        Args:
+            action: within `action_space`; what is beyond its limits is cut to them.
+
+        Raises:
+            UsageError: the action has another shape, is no number or not finite, or there was no
+                reset. The environment is as before.
+        """
+        if not self._is_running:
+            raise UsageError("expected reset before step")
+        shape = self.action_space.shape or ()
+        actions = self.navigation.checked_actions(action, shape)[None]
+        rewards, terminated, truncated = self.navigation.step(actions, _ONE)
+        if self.render_mode == "human":
+            self.render()
+        ends = bool(terminated[0]), bool(truncated[0])
+        return (self._observation(), float(rewards[0]), *ends, self._info())
+
+    def render(self) -> Any:
+        """A picture or a line of text, as the render mode says."""
+        if self.render_mode is None or not self._is_running:
+            return None
+        if self.render_mode == "ansi":
+            return status_of(self.navigation, 0)
+        frame = picture_of(self.navigation, 0)
+        if self.render_mode == "rgb_array":
+            return frame
+        if self._window is None:
+            self._window = Window("Flatland", self.navigation.settings.period)
+        self._window.show(frame)
+        return None
+
+    def close(self) -> None:
+        """Ends the simulation, and closes the window."""
+        self._is_running = False
+        self.navigation.close()
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+
+    def _observation(self) -> Any:
+        return self.navigation.formed(self.navigation.observe()[0])
+
+    def _info(self) -> Dict[str, Any]:
+        info = self.navigation.info()
+        return {
+            name: values[0].item() if values.ndim == 1 else values[0]
+            for name, values in info.items()
+        }
+
+
+def metadata(settings: NavigationSettings) -> Dict[str, Any]:
+    """The metadata of environments with these settings."""
+    return {"render_modes": list(RENDER_MODES), "render_fps": round(1.0 / settings.period, 3)}
+
+
+def picture_of(navigation: Navigation, index: int) -> Any:
+    """The picture of one of n environments."""
+    goal = navigation.goals[index]
+    return picture(
+        navigation.fleet.simulation(index),
+        navigation.robot.name,
+        (float(goal[0]), float(goal[1])),
+        navigation.settings.goal_radius,
+    )
+
+
+def status_of(navigation: Navigation, index: int) -> str:
+    """One of n environments in a line of text."""
+    return status_line(
+        float(navigation.steps[index]) * navigation.settings.period,
+        navigation.fleet.poses[index],
+        navigation.goals[index],
+        float(navigation.distances[index]),
+    )

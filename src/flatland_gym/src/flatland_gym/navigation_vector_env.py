@@ -1,0 +1,236 @@
+"""`flatland/Navigation-v0` for many robots at a time, each in a world of its own: a VectorEnv.
+
+It gives, bit for bit, what `gymnasium.vector.SyncVectorEnv` gives for so many single environments:
+observations, rewards, ends and infos, in each autoreset mode.
+"""
+
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from flatland_gym.navigation import Navigation
+from flatland_gym.navigation_env import metadata, picture_of, status_of
+from flatland_gym.pictures import check_render_mode
+from flatland_gym.settings import NavigationSettings, is_whole
+from flatland_server import BoolArray, UsageError
+
+Seeds = Union[None, int, Sequence[Optional[int]]]
+
+
+class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
+    """n environments; see `NavigationEnv` for what each one is.
+
+    Arrays that are returned are new ones in each call, and never written to again.
+
+    Args:
+        num_envs: how many there are, n.
+        threads: how many are stepped at a time; results do not depend on it.
+        autoreset_mode: what follows the end of an episode: "NextStep", "SameStep" or "Disabled".
+        render_mode: None, "rgb_array" or "ansi".
+        arguments: the attributes of `NavigationSettings`.
+
+    Raises:
+        FlatlandError: an argument is wrong, or the world cannot be used.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        threads: int = 1,
+        autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
+        render_mode: Optional[str] = None,
+        **arguments: Any,
+    ) -> None:
+        for name, value in (("num_envs", num_envs), ("threads", threads)):
+            if not (is_whole(value) and value >= 1):
+                raise UsageError(f"expected {name} to be a whole number above 0, found {value!r}")
+        check_render_mode(render_mode)
+        if render_mode == "human":
+            raise UsageError('render_mode="human" is for a single environment: use gym.make')
+        settings = NavigationSettings.of(arguments)
+        self.num_envs = int(num_envs)
+        self.autoreset_mode = _mode(autoreset_mode)
+        self.metadata = {**metadata(settings), "autoreset_mode": self.autoreset_mode}
+        self.render_mode = render_mode
+        self.navigation = Navigation(settings, self.num_envs, int(threads))
+        self.single_action_space = self.navigation.action_space
+        self.single_observation_space = self.navigation.observation_space
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._generators: List[Optional[np.random.Generator]] = [None] * self.num_envs
+        self._seeds: List[int] = [-1] * self.num_envs
+        self._ended = np.zeros(self.num_envs, dtype=bool)
+        self._is_running = False
+
+    def reset(
+        self, *, seed: Seeds = None, options: Optional[Mapping[str, Any]] = None
+    ) -> Tuple[Any, Dict[str, Any]]:
+        """Begins an episode in all environments, or in those of `options["reset_mask"]`.
+
+        Args:
+            seed: None goes on with the random numbers there are; with a number, environment k gets
+                the seed of that number + k; a list has a seed or None for each.
+            options: as for `NavigationEnv.reset`, for all that are reset; and `reset_mask`, an
+                array of n booleans.
+
+        Raises:
+            UsageError: an option or a seed is wrong. The environments are as before.
+        """
+        options = dict(options or {})
+        chosen = self._chosen(options.pop("reset_mask", None))
+        indices = np.flatnonzero(chosen)
+        former = list(self._generators), list(self._seeds)
+        try:
+            self._seed(_seeds(seed, self.num_envs), indices.tolist())
+            self._begin(indices, options)
+        except BaseException:
+            self._generators, self._seeds = former
+            raise
+        self._ended[indices] = False
+        self._is_running = True
+        return self._observations(), self._infos(chosen)
+
+    def step(self, actions: Any) -> Tuple[Any, Any, BoolArray, BoolArray, Dict[str, Any]]:
+        """Drives all robots for `frame_skip` steps.
+
+        With "NextStep", an environment whose episode has ended is reset instead, with a reward of
+        0. With "SameStep" it is reset at once, and the infos have the last observation of the
+        episode (`final_obs`) and its info (`final_info`).
+
+        Args:
+            actions: shape (n, size of an action); what is beyond the limits is cut to them.
+
+        Raises:
+            UsageError: the actions have another shape, are no numbers or not finite; there was no
+                reset, or, with "Disabled", none after the end of an episode. All is as before.
+        """
+        if not self._is_running:
+            raise UsageError("expected reset before step")
+        checked = self.navigation.checked_actions(actions, self.action_space.shape or ())
+        mode = self.autoreset_mode
+        if mode == AutoresetMode.DISABLED and self._ended.any():
+            ended = np.flatnonzero(self._ended).tolist()
+            raise UsageError(
+                'expected reset(options={"reset_mask": ...}) of the environments whose episodes '
+                f"have ended: {ended[:10]}"
+            )
+        restarted = self._ended if mode == AutoresetMode.NEXT_STEP else np.zeros_like(self._ended)
+        results = self.navigation.step(checked, np.flatnonzero(~restarted))
+        if restarted.any():
+            self._begin(np.flatnonzero(restarted), {})
+        rewards, terminated, truncated = results
+        self._ended = terminated | truncated
+        final: Dict[str, Any] = {}
+        if mode == AutoresetMode.SAME_STEP and self._ended.any():
+            final = self._final(self._ended)
+            self._begin(np.flatnonzero(self._ended), {})
+        infos = self._infos(np.ones_like(self._ended))
+        return self._observations(), rewards, terminated, truncated, {**final, **infos}
+
+    def render(self) -> Optional[Tuple[Any, ...]]:
+        """A picture or a line of text of each environment, as the render mode says."""
+        if self.render_mode is None or not self._is_running:
+            return None
+        show = status_of if self.render_mode == "ansi" else picture_of
+        return tuple(show(self.navigation, index) for index in range(self.num_envs))
+
+    @property
+    def np_random(self) -> Any:
+        """The random numbers of each environment."""
+        return tuple(self._generator(index) for index in range(self.num_envs))
+
+    @property
+    def np_random_seed(self) -> Any:
+        """The seeds of these."""
+        for index in range(self.num_envs):
+            self._generator(index)
+        return tuple(self._seeds)
+
+    def close_extras(self, **_: Any) -> None:
+        """Ends all simulations."""
+        self._is_running = False
+        self.navigation.close()
+
+    def _seed(self, seeds: Sequence[Optional[int]], indices: Sequence[int]) -> None:
+        for index in indices:
+            seed = seeds[index]
+            if seed is not None:
+                self._generators[index], self._seeds[index] = seeding.np_random(seed)
+
+    def _generator(self, index: int) -> np.random.Generator:
+        """The random numbers of an environment; made when they are first needed."""
+        generator = self._generators[index]
+        if generator is None:
+            generator, self._seeds[index] = seeding.np_random()
+            self._generators[index] = generator
+        return generator
+
+    def _begin(self, indices: Any, options: Mapping[str, Any]) -> None:
+        generators = [self._generator(index) for index in indices.tolist()]
+        self.navigation.reset(indices, generators, options)
+
+    def _observations(self) -> Any:
+        return self.navigation.formed(self.navigation.observe())
+
+    def _infos(self, chosen: BoolArray) -> Dict[str, Any]:
+        """Infos with the values of some environments, in the form of VectorEnv."""
+        infos: Dict[str, Any] = {}
+        for name, values in self.navigation.info().items():
+            values[~chosen] = 0
+            infos[name], infos[f"_{name}"] = values, chosen.copy()
+        return infos
+
+    def _final(self, ended: BoolArray) -> Dict[str, Any]:
+        """The last observations and infos of episodes that have ended."""
+        rows = self.navigation.observe()
+        observations = np.full(self.num_envs, None, dtype=object)
+        for index in np.flatnonzero(ended):
+            observations[index] = self.navigation.formed(rows[index].copy())
+        return {
+            "final_obs": observations,
+            "_final_obs": ended.copy(),
+            "final_info": self._infos(ended),
+            "_final_info": ended.copy(),
+        }
+
+    def _chosen(self, mask: Any) -> BoolArray:
+        """Which environments are reset."""
+        if mask is None:
+            return np.ones(self.num_envs, dtype=bool)
+        shape, kind = getattr(mask, "shape", None), getattr(mask, "dtype", None)
+        if shape != (self.num_envs,) or kind != np.bool_ or not mask.any():
+            raise UsageError(
+                f"expected reset_mask as an array of {self.num_envs} booleans, one at least true; "
+                f"found {mask!r:.80}"
+            )
+        if not self._is_running and not mask.all():
+            raise UsageError("expected a reset of all environments before one of some")
+        return np.array(mask)
+
+
+def _mode(value: Any) -> AutoresetMode:
+    try:
+        return AutoresetMode(value)
+    except ValueError:
+        known = ", ".join(repr(mode.value) for mode in AutoresetMode)
+        raise UsageError(f"expected autoreset_mode to be one of {known}, found {value!r}") from None
+
+
+def _seeds(seed: Seeds, count: int) -> Sequence[Optional[int]]:
+    """A seed or None for each environment."""
+    if seed is None:
+        return [None] * count
+    is_list = isinstance(seed, (list, tuple, np.ndarray))
+    seeds: List[Any] = list(seed) if is_list else [seed]  # type: ignore[arg-type]
+    is_right = all(each is None or (is_whole(each) and each >= 0) for each in seeds)
+    if not is_right or (is_list and len(seeds) != count):
+        raise UsageError(
+            f"expected seed to be None, a number of 0 or more, or {count} of these; "
+            f"found {seed!r:.80}"
+        )
+    if is_list:
+        return [None if each is None else int(each) for each in seeds]
+    return [int(seeds[0]) + index for index in range(count)]

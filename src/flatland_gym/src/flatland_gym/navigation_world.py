@@ -1,0 +1,190 @@
+"""A world of an environment: loaded once, with what episodes in it need to know."""
+
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Any, Dict, List, Sequence, Tuple
+
+import numpy as np
+
+from flatland_gym.free_space import FreeSpace
+from flatland_gym.robot import (
+    Content,
+    Robot,
+    describe_robot,
+    find_robot,
+    scale_footprints,
+    set_beams,
+)
+from flatland_gym.scenarios import SCENARIOS
+from flatland_gym.settings import NavigationSettings, WorldName
+from flatland_server import (
+    Pose,
+    Simulation,
+    UsageError,
+    WorldConfig,
+    world_content,
+)
+
+PARKING = 5000.0
+"""x and y [m] of what does not take part in an episode: far from all walls, beyond any lidar."""
+
+_PARKING_SPACE = 10.0  # m
+_OBSTACLE = "obstacle_"
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A model as an episode sees it: a disc about the model's origin.
+
+    Attributes:
+        name: of the model.
+        x: at the beginning of the world [m].
+        y: at the beginning of the world [m].
+        radius: [m].
+    """
+
+    name: str
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class NavigationWorld:
+    """A world of an environment.
+
+    Attributes:
+        name: as the settings name it; "world" for a dict.
+        config: what its simulations are made of.
+        robot: what is driven.
+        robots: the names of the models: that of the robot, or of so many robots like it.
+        radius: of the robot [m].
+        space: where it can stand.
+        standing: the models that stay where the world file puts them.
+        scattered: those that each episode puts elsewhere.
+        obstacles: those that were added, of which each episode takes some.
+    """
+
+    name: str
+    config: WorldConfig
+    robot: Robot
+    robots: Tuple[str, ...]
+    radius: float
+    space: FreeSpace
+    standing: Tuple[Disc, ...]
+    scattered: Tuple[Disc, ...]
+    obstacles: Tuple[Disc, ...]
+
+    @classmethod
+    def load(
+        cls, world: WorldName, settings: NavigationSettings, scale: float = 1.0, robots: int = 1
+    ) -> "NavigationWorld":
+        """Loads a world.
+
+        Args:
+            world: an entry of `settings.worlds`.
+            settings: of the environment.
+            scale: of the robot, from `settings.robot_scales`.
+            robots: with more than one, its robot is replaced by so many like it, which each have a
+                namespace of their own.
+
+        Raises:
+            FlatlandError: there is no such world, something in its files is wrong, or it has no
+                robot with a drive and a lidar.
+        """
+        scenario = SCENARIOS.get(world) if isinstance(world, str) else None
+        content = world_content(scenario.world if scenario else world, params=settings.params)
+        robot = _prepared(content, settings, scale)
+        inside = next(entry for entry in content["models"] if entry["name"] == robot.name)
+        names = _multiplied(content, inside, robots)
+        config = WorldConfig.from_content(content)
+        with Simulation(config, params=settings.params) as simulation:
+            patterns = settings.scatter
+            if patterns is None:
+                patterns = scenario.scatter if scenario else ()
+            discs = _discs(simulation)
+            _require_matches(patterns, discs)
+            driven = [discs.pop(name) for name in names].pop()
+            walls = [layer.segments for layer in simulation.world.layers]
+            largest = max([driven.radius, *(disc.radius for disc in discs.values())])
+            space = FreeSpace(
+                np.concatenate([np.empty((0, 4)), *walls]),
+                tuple(inside.get("pose") or (0.0, 0.0))[:2],
+                largest + 2 * driven.radius + 2 * settings.margin,
+            )
+        added = {name for name in discs if name.startswith(_OBSTACLE)}
+        if not settings.obstacle_counts[1]:
+            added = set()
+        moved = {n for n in discs if any(fnmatchcase(n, pattern) for pattern in patterns)} - added
+        return cls(
+            world if isinstance(world, str) else getattr(world, "name", "world"),
+            config,
+            robot,
+            names,
+            driven.radius,
+            space,
+            tuple(disc for disc in discs.values() if disc.name not in moved | added),
+            tuple(disc for disc in discs.values() if disc.name in moved),
+            tuple(disc for disc in discs.values() if disc.name in added),
+        )
+
+
+def parking_place(index: int) -> Pose:
+    """Where the model of this index is while it does not take part."""
+    return Pose(PARKING + _PARKING_SPACE * index, PARKING, 0.0)
+
+
+def _prepared(content: Content, settings: NavigationSettings, scale: float) -> Robot:
+    """Changes a world as the settings say, and returns the facts of its robot."""
+    WorldConfig.from_content(content)  # names what is wrong in the world, before it is changed
+    entry, drive, lidar = find_robot(content, settings)
+    if settings.beams is not None:
+        set_beams(lidar, settings.beams)
+    if settings.lidar_noise is not None:
+        lidar["noise_std_dev"] = settings.lidar_noise
+    if scale != 1.0:
+        scale_footprints(entry, scale)
+    count = settings.obstacle_counts[1]
+    for index, radius in enumerate(np.linspace(*settings.obstacle_radius, count)):
+        footprint = {"type": "circle", "radius": float(radius), "density": 1.0}
+        body = {"name": "column", "type": "static", "footprints": [footprint]}
+        content["models"].append(
+            {
+                "name": f"{_OBSTACLE}{index + 1}",
+                "pose": list(parking_place(index)),
+                "model": {"bodies": [body]},
+            }
+        )
+    return describe_robot(entry, drive, lidar, settings)
+
+
+def _multiplied(content: Content, robot: Content, count: int) -> Tuple[str, ...]:
+    """Replaces a robot by several ones, which wait at the parking; returns the names."""
+    name = robot["name"]
+    if count == 1:
+        return (name,)
+    names = tuple(f"{name}_{number}" for number in range(count))
+    content["models"].remove(robot)
+    for number, each in enumerate(names):
+        pose = list(parking_place(-1 - number))
+        content["models"].append({**robot, "name": each, "namespace": each, "pose": pose})
+    return names
+
+
+def _discs(simulation: Simulation) -> Dict[str, Disc]:
+    """The models, by their names."""
+    discs: Dict[str, Disc] = {}
+    for name, handle in simulation.models.items():
+        x, y, _ = handle.model.pose
+        discs[name] = Disc(name, x, y, handle.model.radius)
+    return discs
+
+
+def _require_matches(patterns: Sequence[Any], names: Dict[str, Disc]) -> None:
+    """Raises a UsageError for a pattern that no model matches."""
+    unused: List[Any] = [p for p in patterns if not any(fnmatchcase(n, p) for n in names)]
+    if unused:
+        known = ", ".join(names)
+        raise UsageError(
+            f"expected scatter to match models, found {unused[0]!r}; there are: {known}"
+        )

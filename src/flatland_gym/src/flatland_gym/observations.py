@@ -1,0 +1,92 @@
+"""What a learner sees: the lidar's ranges, the goal as seen from the robot, and the velocity.
+
+One flat array of float32 by default: it is what the networks of learners take as it is, and it is
+quick to copy. Its parts follow each other as in the dict:
+
+    ranges    range / maximum of the lidar; 1 for no return; (beams,)
+    goal      distance / maximum of the lidar, at most 10; cosine and sine of its bearing; (3,)
+    velocity  each part / its limit in the actions, within [-2, 2]; forwards, to the left (not with
+              DiffDrive and TricycleDrive), turning
+"""
+
+from typing import Any, Dict, Tuple
+
+import numpy as np
+
+from flatland_server import Float32Array, FloatArray
+
+FARTHEST = 10.0
+FASTEST = 2.0
+
+
+def bounds(beams: int, parts: int) -> Tuple[Dict[str, Float32Array], Dict[str, Float32Array]]:
+    """The least and the largest values of each part of an observation.
+
+    Args:
+        beams: of the lidar.
+        parts: of the velocity.
+    """
+    low = {
+        "ranges": np.zeros(beams, np.float32),
+        "goal": np.array([0.0, -1.0, -1.0], np.float32),
+        "velocity": np.full(parts, -FASTEST, np.float32),
+    }
+    high = {
+        "ranges": np.ones(beams, np.float32),
+        "goal": np.array([FARTHEST, 1.0, 1.0], np.float32),
+        "velocity": np.full(parts, FASTEST, np.float32),
+    }
+    return low, high
+
+
+def goal_distances(poses: FloatArray, goals: FloatArray) -> FloatArray:
+    """The distances of robots from their goals [m]; shape (n,)."""
+    distances: FloatArray = np.hypot(goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1])
+    return distances
+
+
+def observe(
+    ranges: Float32Array,
+    poses: FloatArray,
+    velocities: FloatArray,
+    goals: FloatArray,
+    max_range: float,
+    velocity_limits: FloatArray,
+) -> Float32Array:
+    """Flat observations: a new array of float32, shape (n, beams + 3 + parts of the velocity).
+
+    The same numbers for a row, whatever the other rows are.
+
+    Args:
+        ranges: [m], shape (n, beams).
+        poses: shape (n, 3).
+        velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.
+        goals: shape (n, 2).
+        max_range: of the lidar [m].
+        velocity_limits: by which velocities are divided, shape (3,); 0 leaves the part out.
+    """
+    beams, used = ranges.shape[1], np.flatnonzero(velocity_limits)
+    result = np.empty((len(ranges), beams + 3 + len(used)), np.float32)
+    np.divide(ranges, np.float32(max_range), out=result[:, :beams])
+    np.minimum(result[:, :beams], np.float32(1.0), out=result[:, :beams])
+    x, y = goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1]
+    yaw = np.ascontiguousarray(poses[:, 2])
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    distance = np.hypot(x, y)
+    safe = np.where(distance > 0.0, distance, 1.0)
+    result[:, beams] = np.minimum(distance / max_range, FARTHEST)
+    result[:, beams + 1] = np.where(distance > 0.0, (cosine * x + sine * y) / safe, 1.0)
+    result[:, beams + 2] = (cosine * y - sine * x) / safe
+    parts = velocities[:, used] / velocity_limits[used]
+    result[:, beams + 3 :] = np.clip(parts, -FASTEST, FASTEST)
+    result[:, beams + 1 : beams + 3] = np.clip(result[:, beams + 1 : beams + 3], -1.0, 1.0)
+    return result
+
+
+def as_dict(observation: Float32Array, beams: int) -> Dict[str, Any]:
+    """The parts of flat observations, as copies; along the last axis."""
+    return {
+        "ranges": observation[..., :beams].copy(),
+        "goal": observation[..., beams : beams + 3].copy(),
+        "velocity": observation[..., beams + 3 :].copy(),
+    }

@@ -1,0 +1,241 @@
+"""Proximal policy optimisation (Schulman et al., 2017) in NumPy, for vector environments.
+
+Two cores spend most of the time of a small network's training on the framework, not on arithmetic:
+matrices of 64 x 64 for tens of thousands of rows at a time need no more than NumPy.
+"""
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Callable, List, NamedTuple, Tuple
+
+import numpy as np
+
+from flatland_gym.navigation_vector_env import NavigationVectorEnv
+from flatland_gym.networks import Adam, Network
+from flatland_gym.policy import Policy
+from flatland_server import BoolArray, Float32Array, FloatArray, UsageError
+
+_LOG_TWO_PI = math.log(2.0 * math.pi)
+
+
+@dataclass(frozen=True)
+class PpoSettings:
+    """How a policy is trained.
+
+    Attributes:
+        rollout: steps of each environment between two updates.
+        minibatch: rows of a gradient step.
+        epochs: how often an update uses each row.
+        learning_rate: at the beginning; it falls to a tenth of that.
+        discount: of rewards, per step.
+        trace: the lambda of generalised advantage estimation.
+        clip: how far the ratio of probabilities may leave 1.
+        entropy: weight of the policy's entropy.
+        hidden: sizes of the hidden layers.
+        log_std: of the actions at the beginning, in units of their limits.
+    """
+
+    rollout: int = 64
+    minibatch: int = 1024
+    epochs: int = 6
+    learning_rate: float = 1e-3
+    discount: float = 0.99
+    trace: float = 0.95
+    clip: float = 0.2
+    entropy: float = 1e-3
+    hidden: Tuple[int, ...] = (64, 64)
+    log_std: float = -0.5
+
+
+class Progress(NamedTuple):
+    """The state of a training, after an update."""
+
+    steps: int
+    """Of all environments together."""
+    seconds: float
+    """Since the beginning."""
+    episodes: int
+    """That have ended since the last update."""
+    success: float
+    """The fraction of them that have reached the goal; NaN without any."""
+    reward: float
+    """The mean sum of the rewards in them; NaN without any."""
+
+
+class _Rollout(NamedTuple):
+    """What the environments have done: arrays of shape (steps, environments, ...)."""
+
+    observations: Float32Array
+    actions: Float32Array
+    log_probabilities: Float32Array
+    advantages: Float32Array
+    returns: Float32Array
+
+
+class Ppo:
+    """Trains a policy.
+
+    Args:
+        env: with `autoreset_mode="SameStep"` and flat observations.
+        settings: how.
+        seed: of the environments, the networks and the exploration.
+    """
+
+    def __init__(
+        self, env: NavigationVectorEnv, settings: PpoSettings = PpoSettings(), seed: int = 0
+    ) -> None:
+        if env.autoreset_mode.value != "SameStep" or not env.navigation.settings.flatten:
+            raise UsageError('expected autoreset_mode="SameStep" and flatten=True')
+        self._env = env
+        self._settings = settings
+        self._rng = np.random.default_rng(seed)
+        size = env.single_observation_space.shape[0]
+        self._limits = env.single_action_space.high
+        sizes = (size, *settings.hidden)
+        self._actor = Network((*sizes, len(self._limits)), 0.01, self._rng)
+        self._critic = Network((*sizes, 1), 1.0, self._rng)
+        self._log_std = np.full(len(self._limits), settings.log_std, np.float32)
+        parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
+        self._optimiser = Adam(parameters)
+        self._observations, _ = env.reset(seed=seed)
+        self._rewards = np.zeros(env.num_envs)
+        self._ended: List[Tuple[bool, float]] = []
+
+    def train(
+        self,
+        steps: int,
+        seconds: float = math.inf,
+        report: Callable[[Progress], None] = lambda progress: None,
+    ) -> Policy:
+        """Trains for a number of steps of all environments together, or for a time.
+
+        Args:
+            steps: at least; ends after the update that reaches them.
+            seconds: at most.
+            report: called after each update.
+
+        Returns:
+            The policy, without exploration.
+        """
+        started, done = time.monotonic(), 0
+        while done < steps and time.monotonic() - started < seconds:
+            spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
+            part = max(done / steps, spent)
+            self._ended.clear()
+            rollout = self._roll_out()
+            self._update(rollout, self._settings.learning_rate * (1.0 - 0.9 * min(part, 1.0)))
+            done += self._settings.rollout * self._env.num_envs
+            successes, sums = (zip(*self._ended)) if self._ended else ((math.nan,), (math.nan,))
+            elapsed = time.monotonic() - started
+            means = float(np.mean(successes)), float(np.mean(sums))
+            report(Progress(done, elapsed, len(self._ended), *means))
+        return self.policy()
+
+    def policy(self) -> Policy:
+        """The policy as it is now."""
+        navigation = self._env.navigation
+        return Policy(
+            tuple(weight.copy() for weight in self._actor.weights),
+            tuple(bias.copy() for bias in self._actor.biases),
+            navigation.robot.beams,
+            navigation.robot.max_range,
+            navigation.robot.velocity_limits,
+            navigation.robot.action_limits,
+            navigation.settings.period,
+        )
+
+    def _roll_out(self) -> _Rollout:
+        """Lets all environments make some steps."""
+        settings, count = self._settings, self._env.num_envs
+        shape = (settings.rollout, count)
+        observations = np.empty((*shape, self._observations.shape[1]), np.float32)
+        actions = np.empty((*shape, len(self._limits)), np.float32)
+        log_probabilities, rewards, values, next_values = (
+            np.empty(shape, np.float32) for _ in range(4)
+        )
+        ends = np.empty(shape, bool)
+        std = np.exp(self._log_std)
+        for step in range(settings.rollout):
+            observations[step] = self._observations
+            mean = self._actor.forward(self._observations)[-1]
+            noise = self._rng.standard_normal(mean.shape, dtype=np.float32)
+            actions[step] = mean + std * noise
+            log_probabilities[step] = (-0.5 * (noise**2 + _LOG_TWO_PI) - self._log_std).sum(axis=1)
+            values[step] = self._critic.forward(self._observations)[-1][:, 0]
+            self._observations, rewards[step], terminated, truncated, infos = self._env.step(
+                np.clip(actions[step], -1.0, 1.0) * self._limits
+            )
+            ends[step] = terminated | truncated
+            next_values[step] = self._values_after(terminated, ends[step], infos)
+            self._note(rewards[step], ends[step], infos)
+        advantages = _advantages(rewards, values, next_values, ends, settings)
+        return _Rollout(observations, actions, log_probabilities, advantages, advantages + values)
+
+    def _values_after(self, terminated: BoolArray, ended: BoolArray, infos: dict) -> Float32Array:  # type: ignore[type-arg]
+        """The values of the observations that a step has led to: 0 where the episode is over.
+
+        An episode that was cut off goes on in theory: its last observation has a value.
+        """
+        last = self._observations
+        if ended.any():
+            last = last.copy()
+            for index in np.flatnonzero(ended):
+                last[index] = infos["final_obs"][index]
+        values: Float32Array = np.where(terminated, 0.0, self._critic.forward(last)[-1][:, 0])
+        return values
+
+    def _note(self, rewards: Float32Array, ended: BoolArray, infos: dict) -> None:  # type: ignore[type-arg]
+        """Keeps the results of episodes, for reports."""
+        self._rewards += rewards
+        for index in np.flatnonzero(ended):
+            success = bool(infos["final_info"]["success"][index])
+            self._ended.append((success, float(self._rewards[index])))
+            self._rewards[index] = 0.0
+
+    def _update(self, rollout: _Rollout, rate: float) -> None:
+        """Improves the policy by what was done."""
+        flat = _Rollout(*(each.reshape(-1, *each.shape[2:]) for each in rollout))
+        size, minibatch = len(flat.actions), self._settings.minibatch
+        for _ in range(self._settings.epochs):
+            order = self._rng.permutation(size)
+            for start in range(0, size, minibatch):
+                chosen = order[start : start + minibatch]
+                self._descend(_Rollout(*(each[chosen] for each in flat)), rate)
+
+    def _descend(self, rows: _Rollout, rate: float) -> None:
+        """Makes a step of the optimiser: the gradients of PPO's clipped objective."""
+        settings, count = self._settings, np.float32(len(rows.actions))
+        advantages = (rows.advantages - rows.advantages.mean()) / (rows.advantages.std() + 1e-8)
+        outputs = self._actor.forward(rows.observations)
+        std = np.exp(self._log_std)
+        z = (rows.actions - outputs[-1]) / std
+        log_probabilities = (-0.5 * (z**2 + _LOG_TWO_PI) - self._log_std).sum(axis=1)
+        ratio = np.exp(np.clip(log_probabilities - rows.log_probabilities, -20.0, 20.0))
+        is_clipped = ((advantages > 0) & (ratio > 1 + settings.clip)) | (
+            (advantages < 0) & (ratio < 1 - settings.clip)
+        )
+        towards = np.where(is_clipped, 0.0, -advantages * ratio).astype(np.float32)[:, None] / count
+        actor = self._actor.backward(outputs, towards * z / std)
+        log_std = (towards * (z**2 - 1.0)).sum(axis=0) - np.float32(settings.entropy)
+        values = self._critic.forward(rows.observations)
+        error = (values[-1][:, 0] - rows.returns)[:, None] * np.float32(0.5) / count
+        critic = self._critic.backward(values, error.astype(np.float32))
+        self._optimiser.step([*actor, *critic, log_std], rate)
+
+
+def _advantages(
+    rewards: Float32Array,
+    values: Float32Array,
+    next_values: Float32Array,
+    ends: BoolArray,
+    settings: PpoSettings,
+) -> Float32Array:
+    """Generalised advantage estimation (Schulman et al., 2016); shape (steps, environments)."""
+    advantages = np.empty_like(rewards)
+    following: FloatArray = np.zeros(rewards.shape[1])
+    for step in range(len(rewards) - 1, -1, -1):
+        error = rewards[step] + settings.discount * next_values[step] - values[step]
+        following = error + settings.discount * settings.trace * ~ends[step] * following
+        advantages[step] = following
+    return advantages

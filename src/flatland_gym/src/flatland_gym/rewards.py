@@ -1,0 +1,64 @@
+"""What a step of navigation is worth, and when an episode ends: pure functions of arrays."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from flatland_server import BoolArray, Float32Array, FloatArray
+
+
+class Transition(NamedTuple):
+    """A step of n environments, for functions that replace the reward or the termination.
+
+    Arrays are read-only, and valid during the call.
+    """
+
+    previous_distance: FloatArray
+    """From the robot to the goal before the step [m], shape (n,)."""
+    distance: FloatArray
+    """After it [m], shape (n,)."""
+    success: BoolArray
+    """Whether the goal is reached, without a collision: shape (n,)."""
+    collision: BoolArray
+    """Whether the robot has touched something in this step: shape (n,)."""
+    actions: FloatArray
+    """What the drives were commanded: shape (n, size of an action)."""
+    poses: FloatArray
+    """Of the robots: x, y [m] and yaw [rad] in the world, shape (n, 3)."""
+    velocities: FloatArray
+    """Of the robots, forwards, to the left and turning [m/s, m/s, rad/s], shape (n, 3)."""
+    goals: FloatArray
+    """x, y [m] in the world, shape (n, 2)."""
+    ranges: Float32Array
+    """Of the lidar [m], +inf for no return: float32, shape (n, beams)."""
+    period: float
+    """Length of the step [s]."""
+
+
+@dataclass(frozen=True)
+class RewardWeights:
+    """Weights of the parts of the reward.
+
+    Attributes:
+        progress: per metre by which the goal has come nearer.
+        success: once, when it is reached.
+        collision: for each step in which the robot touches something.
+        time: per second.
+    """
+
+    progress: float = 1.0
+    success: float = 10.0
+    collision: float = -10.0
+    time: float = -0.1
+
+
+def navigation_reward(step: Transition, weights: RewardWeights) -> FloatArray:
+    """The reward of a step: progress, success, collision and time; shape (n,)."""
+    progress = weights.progress * (step.previous_distance - step.distance)
+    events = weights.success * step.success + weights.collision * step.collision
+    reward: FloatArray = progress + events + weights.time * step.period
+    return reward
+
+
+def navigation_termination(step: Transition, collision_ends: bool) -> BoolArray:
+    """Whether the goal is reached, or the robot has collided; shape (n,)."""
+    return step.success | step.collision if collision_ends else step.success

@@ -1,0 +1,158 @@
+"""What a navigation environment is made of: all arguments of `gym.make`, checked in one place."""
+
+import math
+from dataclasses import dataclass, field, fields
+from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from flatland_gym.rewards import RewardWeights, Transition
+from flatland_server import UsageError
+
+WorldName = Any
+"""The name of a scenario or of a shipped world, the path of a world file, or its content."""
+
+
+@dataclass(frozen=True)
+class NavigationSettings:
+    """The arguments of `gym.make("flatland/Navigation-v0", ...)`, all of them optional.
+
+    Attributes:
+        world: a scenario of `flatland_gym.SCENARIOS`, a shipped world, a path, or a dict; or a
+            sequence of these, of which each episode draws one.
+        robot: the model that is driven; by default the only one with a drive and a lidar.
+        lidar: the name of its lidar, if it has several.
+        beams: number of beams, evenly over the angle of its lidar; None leaves them as they are.
+        step_size: of the physics [s].
+        frame_skip: physics steps in a step of the environment.
+        flatten: whether observations are one array, or a dict of ranges, goal and velocity.
+        goal_radius: how near to the goal is a success [m].
+        goal_distance: the least and the largest distance between start and goal [m].
+        margin: between the robot and walls or other models, at the start and at the goal [m].
+        time_limit: of an episode [s]; reaching it truncates.
+        collision_ends: whether a collision terminates the episode.
+        rewards: weights of the parts of the reward.
+        reward: replaces the reward; gets a `Transition`, returns an array of shape (n,).
+        terminated: replaces the condition of termination; gets a `Transition`, returns booleans.
+        speed_limit: of the actions, where the drive has no velocity limit of its own [m/s].
+        yaw_rate_limit: the same for turning [rad/s].
+        steer_limit: the same for the front wheel of a TricycleDrive [rad].
+        obstacles: how many columns are added to the world: a number, or the least and the largest
+            number of an episode.
+        obstacle_radius: the least and the largest radius of these [m].
+        scatter: patterns ("box_*") of names of models that each episode puts elsewhere; None is
+            those of the scenario.
+        lidar_noise: standard deviation of the ranges [m]; None leaves the lidar as it is.
+        robot_scales: sizes of the robot's footprints, relative to the world's; each episode draws
+            one.
+        params: parameters for expressions in the world's files, by absolute name.
+    """
+
+    world: Union[WorldName, Sequence[WorldName]] = "office"
+    robot: Optional[str] = None
+    lidar: Optional[str] = None
+    beams: Optional[int] = None
+    step_size: float = 0.05
+    frame_skip: int = 1
+    flatten: bool = True
+    goal_radius: float = 0.3
+    goal_distance: Tuple[float, float] = (1.0, 10.0)
+    margin: float = 0.1
+    time_limit: float = 60.0
+    collision_ends: bool = True
+    rewards: RewardWeights = field(default_factory=RewardWeights)
+    reward: Optional[Callable[[Transition], Any]] = None
+    terminated: Optional[Callable[[Transition], Any]] = None
+    speed_limit: float = 1.0
+    yaw_rate_limit: float = 2.0
+    steer_limit: float = 1.0
+    obstacles: Union[int, Tuple[int, int]] = 0
+    obstacle_radius: Tuple[float, float] = (0.15, 0.4)
+    scatter: Optional[Sequence[str]] = None
+    lidar_noise: Optional[float] = None
+    robot_scales: Sequence[float] = (1.0,)
+    params: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Raises a UsageError for a value that cannot be."""
+        for name in ("frame_skip", "beams"):
+            value = getattr(self, name)
+            if not (value is None and name == "beams"):
+                _require(name, value, is_whole(value) and value >= 1, "a whole number above 0")
+        for name in ("step_size", "goal_radius", "time_limit", "speed_limit", "yaw_rate_limit"):
+            _require_number(name, getattr(self, name), above=0.0)
+        _require_number("steer_limit", self.steer_limit, above=0.0)
+        _require_number("margin", self.margin, minimum=0.0)
+        if self.lidar_noise is not None:
+            _require_number("lidar_noise", self.lidar_noise, minimum=0.0)
+        for name in ("goal_distance", "obstacle_radius"):
+            low, high = _pair(name, getattr(self, name))
+            _require(name, (low, high), 0.0 < low <= high, "two increasing lengths above 0 m")
+        low, high = self.obstacle_counts
+        is_count = is_whole(low) and is_whole(high) and 0 <= low <= high
+        _require("obstacles", self.obstacles, is_count, "a number of 0 or more, or two of them")
+        _require("robot_scales", self.robot_scales, len(self.robot_scales) > 0, "one at least")
+        for scale in self.robot_scales:
+            _require_number("robot_scales", scale, above=0.0)
+
+    @property
+    def obstacle_counts(self) -> Tuple[int, int]:
+        """The least and the largest number of obstacles."""
+        if isinstance(self.obstacles, (tuple, list)):
+            return _pair("obstacles", self.obstacles)
+        return (self.obstacles, self.obstacles)
+
+    @property
+    def worlds(self) -> Tuple[WorldName, ...]:
+        """The worlds that episodes draw from."""
+        return tuple(self.world) if isinstance(self.world, (tuple, list)) else (self.world,)
+
+    @property
+    def period(self) -> float:
+        """Length of a step of the environment [s]."""
+        return self.step_size * self.frame_skip
+
+    @property
+    def longest_episode(self) -> int:
+        """The number of steps after which an episode is truncated."""
+        return max(1, math.ceil(self.time_limit / self.period - 1e-9))
+
+    @classmethod
+    def of(cls, arguments: Mapping[str, Any]) -> "NavigationSettings":
+        """The settings out of keyword arguments.
+
+        Raises:
+            UsageError: one is unknown or wrong.
+        """
+        known = [each.name for each in fields(cls)]
+        for name in arguments:
+            if name not in known:
+                raise UsageError(f'unknown argument "{name}"; there are: {", ".join(known)}')
+        return cls(**arguments)
+
+
+def is_whole(value: Any) -> bool:
+    """Whether a value is a whole number of Python or NumPy, and no boolean."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def _pair(name: str, value: Any) -> Tuple[Any, Any]:
+    try:
+        low, high = value
+    except (TypeError, ValueError):
+        raise UsageError(f"expected {name} as a pair (least, largest), found {value!r}") from None
+    return low, high
+
+
+def _require_number(
+    name: str, value: Any, above: Optional[float] = None, minimum: float = -math.inf
+) -> None:
+    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    limit = f"above {above:g}" if above is not None else f"of {minimum:g} or more"
+    is_right = is_number and math.isfinite(value) and value >= minimum
+    _require(name, value, is_right and (above is None or value > above), f"a number {limit}")
+
+
+def _require(name: str, value: Any, is_right: Any, expected: str) -> None:
+    if not is_right:
+        raise UsageError(f"expected {name} to be {expected}, found {value!r}")

@@ -1,0 +1,111 @@
+"""Trains a policy: `python3 -m flatland_gym.train --world discs policy.npz`."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any, Dict, List, Optional
+
+import numpy as np
+
+from flatland_gym.evaluation import evaluate
+from flatland_gym.navigation_vector_env import NavigationVectorEnv
+from flatland_gym.ppo import Ppo, Progress
+from flatland_server import FlatlandError
+
+_FIRST_UNSEEN = 1_000_000
+"""Seeds of evaluations begin here; those of training are below."""
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    """Trains, evaluates and saves a policy; returns an exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return _train(options)
+    except (FlatlandError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+
+
+def _train(options: argparse.Namespace) -> int:
+    settings: Dict[str, Any] = {
+        "world": options.world,
+        "frame_skip": 2,
+        "obstacles": options.obstacles,
+        "time_limit": 30.0,
+    }
+    progress: List[Progress] = []
+
+    def report(now: Progress) -> None:
+        progress.append(now)
+        if len(progress) % 20 == 0:
+            recent = progress[-20:]
+            success = np.nanmean([each.success for each in recent])
+            rate = now.steps / now.seconds
+            print(
+                f"{now.steps:>9} steps  {now.seconds:6.0f} s  {rate:6.0f} steps/s  "
+                f"success {100 * success:5.1f} %",
+                flush=True,
+            )
+
+    env = NavigationVectorEnv(options.envs, options.threads, autoreset_mode="SameStep", **settings)
+    try:
+        learner = Ppo(env, seed=options.seed)
+        policy = learner.train(options.steps, 60.0 * options.minutes, report)
+    finally:
+        env.close()
+    policy.save(options.policy)
+    if options.curve is not None:
+        save_curve(progress, options.curve)
+    seeds = range(_FIRST_UNSEEN, _FIRST_UNSEEN + options.episodes)
+    result = evaluate(policy, seeds, options.threads, **settings)
+    print(
+        f"{options.policy}: success {100 * result.success.mean():.1f} %, collisions "
+        f"{100 * result.collision.mean():.1f} %, of {options.episodes} episodes with new seeds"
+    )
+    return 0
+
+
+def save_curve(progress: List[Progress], path: Path) -> None:
+    """Draws the rate of success over the steps into a file.
+
+    Raises:
+        FlatlandError: matplotlib is not installed.
+    """
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise FlatlandError("a curve needs matplotlib: pip install 'flatland2d[view]'") from None
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot(xlabel="steps", ylabel="success [%]", ylim=(0, 100))
+    window = 10
+    success = [
+        100 * float(np.nanmean([each.success for each in progress[max(0, end - window) : end]]))
+        for end in range(1, len(progress) + 1)
+    ]
+    axes.plot([each.steps for each in progress], success)
+    axes.grid(alpha=0.3)
+    figure.savefig(path, dpi=120)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python3 -m flatland_gym.train", description="Trains a policy by PPO."
+    )
+    add = parser.add_argument
+    add("policy", type=Path, help="the file to write: .npz")
+    add("--world", default="discs", help="a scenario, a shipped world or a file (default: discs)")
+    add("--obstacles", type=int, default=0, help="columns to add to it (default: 0)")
+    add("--minutes", type=float, default=4.0, help="to train at most (default: 4)")
+    add("--steps", type=int, default=10**9, help="to train at most, of all environments together")
+    add("--seed", type=int, default=1, help="of all random numbers (default: 1)")
+    add("--envs", type=int, default=128, help="environments at a time (default: 128)")
+    add("--threads", type=int, default=2, help="that step them (default: 2)")
+    add("--episodes", type=int, default=200, help="of the evaluation (default: 200)")
+    add("--curve", type=Path, help="draw the success over the steps into this file")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,291 @@
+"""The single environment: Gymnasium's checks, rewards, ends, pictures, and wrong calls."""
+
+import importlib.util
+import math
+import warnings
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from environments import ID, assert_same, make
+from gymnasium.utils.env_checker import check_env
+
+import flatland_gym
+from flatland_gym import RewardWeights
+from flatland_server import FlatlandError, UsageError, world_content
+
+FORWARDS = np.float32([0.8, 0.0])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [{"world": "discs"}, {"world": "office", "beams": 36, "flatten": False}],
+    ids=["discs", "office, dicts"],
+)
+def test_it_passes_gymnasiums_check(arguments):
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error")
+        # The actions have units: a policy drives a robot as it is. RescaleAction takes them away.
+        warnings.filterwarnings("ignore", message=".*symmetric and normalized space.*")
+        env = make(**arguments)
+        check_env(env, skip_render_check=True)
+
+
+def test_the_registered_environment_has_gymnasiums_wrappers():
+    env = gym.make(ID, world="empty_room")
+    observation, _ = env.reset(seed=1)
+    assert env.observation_space.contains(observation)
+    assert observation.shape == (64 + 3 + 2,)
+    assert env.action_space == gym.spaces.Box(
+        np.float32([-0.8, -2]), np.float32([0.8, 2]), dtype=np.float32
+    )
+    env.close()
+
+
+def test_the_observation_is_what_the_documentation_says():
+    env = make(world="empty_room", flatten=False)
+    observation, info = env.reset(seed=1, options={"start": [1, 2, math.pi / 2], "goal": [-2, 2]})
+    assert info["distance"] == 3.0
+    assert observation["goal"] == pytest.approx([0.3, 0.0, 1.0], abs=1e-6)  # to the left
+    assert observation["ranges"][32] == pytest.approx(0.3, abs=1e-6)  # ahead: 3 m of 10 m
+    assert observation["velocity"].tolist() == [0, 0]
+    for _ in range(20):
+        observation, *_ = env.step([0.4, 0.0])
+    assert observation["velocity"] == pytest.approx([0.5, 0.0], abs=1e-6)  # of 0.8 m/s
+    env.close()
+
+
+def test_no_return_is_1(tmp_path):
+    content = world_content(flatland_gym.SCENARIOS["empty_room"].world)
+    content["layers"] = []
+    env = make(world=content)
+    observation, _ = env.reset(seed=1)
+    assert (observation[:64] == 1).all()
+    env.close()
+
+
+def test_the_goal_is_reached():
+    env = make(world="empty_room", rewards=RewardWeights(2.0, 5.0, -3.0, -1.0))
+    env.reset(seed=1, options={"start": [0, 0, 0], "goal": [1, 0]})
+    terminated, total, steps = False, 0.0, 0
+    while not terminated:
+        _, reward, terminated, truncated, info = env.step(FORWARDS)
+        assert not truncated
+        total, steps = total + reward, steps + 1
+    assert info["success"]
+    assert not info["collision"]
+    assert info["distance"] < 0.3
+    assert total == pytest.approx(2 * (1 - info["distance"]) + 5 - steps * 0.05)
+    env.close()
+
+
+def test_a_collision_ends_the_episode_or_not():
+    for ends in (True, False):
+        env = make(world="empty_room", collision_ends=ends)
+        env.reset(seed=1, options={"start": [4, 0, 0], "goal": [-1, 0]})
+        results = [env.step(FORWARDS) for _ in range(40)]
+        hits = [result for result in results if result[4]["collision"]]
+        assert hits
+        assert hits[0][1] < -9
+        assert hits[0][2] == ends
+        env.close()
+
+
+def test_the_time_limit_truncates():
+    env = make(world="empty_room", time_limit=1.0)
+    env.reset(seed=1)
+    results = [env.step([0.0, 0.0]) for _ in range(20)]
+    assert [result[3] for result in results] == [False] * 19 + [True]
+    env.close()
+
+
+def test_reward_and_termination_can_be_replaced():
+    def reward(step):
+        return -np.abs(step.velocities[:, 2])
+
+    def terminated(step):
+        return step.distance > 2.0
+
+    env = make(world="empty_room", reward=reward, terminated=terminated)
+    env.reset(seed=1, options={"start": [0, 0, 0], "goal": [1.9, 0]})
+    _, first, ended, _, _ = env.step([-0.8, 1.0])
+    assert first == pytest.approx(-0.3)  # by 6 rad/s^2 in 50 ms
+    assert not ended
+    results = [env.step([-0.8, 0.0]) for _ in range(10)]
+    assert results[-1][2]
+    env.close()
+
+    env = make(world="empty_room", reward=lambda step: 1.0)
+    env.reset(seed=1)
+    with pytest.raises(UsageError, match=r"expected reward to return shape \(1,\), found \(\)"):
+        env.step(FORWARDS)
+    env.close()
+
+
+def test_frames_are_skipped():
+    slow, quick = (
+        make(world="empty_room", step_size=0.01),
+        make(world="empty_room", step_size=0.01, frame_skip=5),
+    )
+    slow.reset(seed=1)
+    quick.reset(seed=1)
+    for _ in range(10):
+        for _ in range(5):
+            a = slow.step(FORWARDS)
+        b = quick.step(FORWARDS)
+        assert_same(a[0], b[0])
+
+
+@pytest.mark.parametrize("world", ["empty_room", "discs", "corridor", "doors", "office"])
+def test_nothing_is_touched_at_the_start(world):
+    env = make(world=world, obstacles=3)
+    for seed in range(20):
+        _, info = env.reset(seed=seed)
+        simulation = env.navigation.fleet.simulation(0)
+        robot = env.navigation.robot.name
+        assert simulation.models[robot].model.overlapping() == []
+        assert 1.0 <= info["distance"] <= 10.0
+        *_, info = env.step([0.0, 0.0])
+        assert not info["collision"]
+    env.close()
+
+
+def test_scattered_models_and_obstacles_are_elsewhere_each_time():
+    env = make(world="discs", obstacles=(0, 5))
+    places = []
+    for seed in range(6):
+        env.reset(seed=seed)
+        places.append(env.navigation.fleet.simulation(0).poses[1:, :2])
+    counts = [(place[12:] < 100).all(axis=1).sum() for place in places]
+    assert len(set(counts)) > 1
+    assert max(counts) <= 5
+    assert all(not np.array_equal(a, b) for a, b in zip(places, places[1:]))
+    inside = places[0][(places[0] < 100).all(axis=1)]
+    gaps = np.linalg.norm(inside[:, None] - inside[None], axis=2)[np.triu_indices(len(inside), 1)]
+    assert gaps.min() > 0.3 + 2 * 0.2  # there is a way through
+    env.close()
+
+
+def test_an_option_chooses_the_world():
+    env = make(world=("empty_room", "doors"))
+    for name, models in (("doors", 2), ("empty_room", 1), ("doors", 2)):
+        env.reset(options={"world": name})
+        assert len(env.navigation.fleet.simulation(0).models) == models
+    env.close()
+
+
+def test_the_lidar_gets_another_number_of_beams():
+    env = make(world="empty_room", beams=8, flatten=False)
+    observation, _ = env.reset(options={"start": [0, 0, 0], "goal": [2, 0]})
+    # Behind, behind right ... : eight beams, 45 degrees apart, in a square room.
+    expected = [0.5, 0.5 * math.sqrt(2)] * 4
+    assert observation["ranges"] == pytest.approx(expected, abs=1e-5)
+    env.close()
+
+    env = make(world="office", beams=3, flatten=False)
+    assert env.reset(seed=1)[0]["ranges"].shape == (3,)
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: c["models"][0]["model"]["plugins"].pop(0), "robot has Laser"),
+        (lambda c: c["models"][0]["model"]["plugins"].pop(1), "robot has DiffDrive"),
+        (lambda c: c["models"].clear(), "found: no models"),
+        (
+            lambda c: c["models"].append({**c["models"][0], "name": "other", "pose": [2, 2, 0]}),
+            "expected the argument robot, one of: robot, other",
+        ),
+        (lambda c: c["models"][0].update(pose="here"), r"expected \[x, y, yaw\]"),
+    ],
+)
+def test_a_world_that_cannot_be_used_is_named(change, message):
+    content = world_content(flatland_gym.SCENARIOS["empty_room"].world)
+    change(content)
+    with pytest.raises(FlatlandError, match=message):
+        make(world=content)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"world": "ofice"}, 'no world is named "ofice"'),
+        ({"world": "test_room", "robot": "r2d2"}, 'no model "r2d2"; there are: turtlebot'),
+        ({"world": "test_room", "lidar": "radar"}, "lidar, one of: laser; found 'radar'"),
+        ({"world": "discs", "scatter": ["box_*"]}, r"expected scatter to match models"),
+        ({"world": ("discs", "office")}, "robots are alike: beams is 64 in discs, 1081 in office"),
+        ({"step_size": 0}, "expected step_size to be a number above 0, found 0"),
+        ({"time_limit": float("nan")}, "expected time_limit"),
+        ({"frame_skip": 0.5}, "expected frame_skip to be a whole number above 0"),
+        ({"goal_distance": 3}, r"expected goal_distance as a pair"),
+        ({"goal_distance": (5, 1)}, "expected goal_distance to be two increasing lengths"),
+        ({"obstacles": -1}, "expected obstacles to be"),
+        ({"render_mode": "rgb"}, "expected render_mode"),
+        ({"colour": "red"}, 'unknown argument "colour"'),
+    ],
+)
+def test_a_wrong_argument_is_named(arguments, message):
+    with pytest.raises(FlatlandError, match=message):
+        make(**arguments) if "render_mode" not in arguments else flatland_gym.NavigationEnv(
+            **arguments
+        )
+
+
+def test_there_is_an_error_if_there_is_no_room():
+    env = make(world="empty_room", goal_distance=(50.0, 60.0))
+    with pytest.raises(UsageError, match="has no free start and goal 50 to 60 m apart"):
+        env.reset(seed=1)
+    env.close()
+    env = make(world="empty_room", margin=6.0)
+    with pytest.raises(UsageError, match=r"has no room for a robot of 0\.2 m radius"):
+        env.reset(seed=1)
+    env.close()
+
+
+def test_a_step_before_the_reset_is_refused():
+    env = make(world="empty_room")
+    with pytest.raises(UsageError, match="expected reset before step"):
+        env.step(FORWARDS)
+    env.close()
+
+
+def test_a_picture_shows_the_goal():
+    env = make(world="empty_room", render_mode="rgb_array")
+    env.reset(options={"start": [0, 0, 0], "goal": [2, 1]})
+    frame = env.render()
+    assert (frame.shape, frame.dtype) == ((480, 480, 3), np.uint8)
+    assert frame[240 - 48, 240 + 96].tolist() == [46, 160, 67]
+    env.reset(options={"start": [-4, 0, 0], "goal": [4, 0]})
+    assert env.render()[240, 470].tolist() == [46, 160, 67]  # an arrow at the edge
+    env.close()
+
+
+def test_a_line_of_text():
+    env = make(world="empty_room", render_mode="ansi")
+    env.reset(options={"start": [0, 0, 0], "goal": [2, 1]})
+    assert env.render() == (
+        "   0.00 s  robot (0.00, 0.00) m, +0.00 rad  goal (2.00, 1.00) m, 2.24 m away"
+    )
+    env.close()
+
+
+def test_a_window(monkeypatch):
+    pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env = make(world="empty_room", render_mode="human")
+    env.reset(seed=1)
+    for _ in range(3):
+        env.step(FORWARDS)
+    env.close()
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("moviepy"), reason="moviepy is not installed")
+def test_a_video_is_recorded(tmp_path):
+    env = gym.make(ID, world="discs", render_mode="rgb_array", time_limit=1.0)
+    env = gym.wrappers.RecordVideo(env, str(tmp_path), episode_trigger=lambda episode: True)
+    env.reset(seed=1)
+    while not any(env.step(np.zeros(2, np.float32))[2:4]):
+        pass
+    env.close()
+    assert [file.stat().st_size > 1000 for file in tmp_path.glob("*.mp4")] == [True]

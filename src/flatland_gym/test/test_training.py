@@ -1,0 +1,189 @@
+"""The learner: its gradients against differences, a short training, policies and their files."""
+
+import numpy as np
+import pytest
+from environments import make
+
+from flatland_gym import NavigationVectorEnv, Policy
+from flatland_gym.evaluation import evaluate
+from flatland_gym.networks import Network
+from flatland_gym.policy_node import PolicyNode
+from flatland_gym.ppo import Ppo
+from flatland_gym.train import main
+from flatland_server import FlatlandError, UsageError, messages
+
+SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
+
+
+@pytest.fixture(scope="module")
+def policy():
+    """One that was trained for some seconds."""
+    env = NavigationVectorEnv(64, autoreset_mode="SameStep", **SETTINGS)
+    try:
+        return Ppo(env, seed=1).train(steps=200_000)
+    finally:
+        env.close()
+
+
+@pytest.mark.slow
+def test_a_policy_learns_to_reach_its_goals(policy):
+    result = evaluate(policy, range(1_000_000, 1_000_100), **SETTINGS)
+
+    assert result.success.mean() >= 0.9
+    assert not (result.success & result.collision).any()
+    assert result.seconds.max() <= 30.0
+
+
+@pytest.mark.slow
+def test_an_episode_of_an_evaluation_does_not_depend_on_the_others(policy):
+    all_of_them = evaluate(policy, range(20), **SETTINGS)
+    some = evaluate(policy, [3, 11, 4], threads=2, **SETTINGS)
+
+    for together, alone in zip(all_of_them, some):
+        assert together[[3, 11, 4]].tolist() == alone.tolist()
+
+
+@pytest.mark.slow
+def test_a_policy_drives_a_robot_through_messages(policy):
+    """As the node does it: the same success without the environment."""
+    env = make(**SETTINGS)
+    reached = [drive(policy, env, seed) for seed in range(10)]
+    env.close()
+
+    assert sum(reached) >= 9
+
+
+def drive(policy, env, seed):
+    """Whether the node gets to the goal of an episode."""
+    _, info = env.reset(seed=seed)
+    sim = env.navigation.fleet.simulation(0)
+    node = PolicyNode(policy, Publisher(sim), goal_radius=0.3)
+    goal = messages.get("geometry_msgs/PoseStamped")()
+    goal.pose.position.x, goal.pose.position.y = info["goal"]
+    node.on_goal(goal)
+    for _ in range(600):
+        sim.step()
+        node.on_odometry(sim.last("/odometry/ground_truth"))
+        node.on_scan(sim.last("/scan"))
+        if np.hypot(*(np.array(sim.models["robot"].pose[:2]) - info["goal"])) < 0.3:
+            return True
+    return False
+
+
+class Publisher:
+    """Publishes to a simulation."""
+
+    def __init__(self, sim):
+        self._sim = sim
+
+    def publish(self, message):
+        self._sim.publish("/cmd_vel", message)
+
+
+def test_a_node_stops_at_the_goal_and_acts_at_its_rate():
+    sent = []
+
+    class Sink:
+        publish = staticmethod(sent.append)
+
+    node = PolicyNode(untrained(), Sink, goal_radius=0.3)
+    scan = messages.get("sensor_msgs/LaserScan")(ranges=[1.0] * 4)
+    odometry = messages.get("nav_msgs/Odometry")()
+    odometry.pose.pose.orientation.w = 1.0
+    goal = messages.get("geometry_msgs/PoseStamped")()
+
+    def act(milliseconds):
+        scan.header.stamp.secs, scan.header.stamp.nsecs = 0, int(milliseconds * 1e6)
+        node.on_scan(scan)
+
+    act(0)
+    node.on_odometry(odometry)
+    act(50)
+    assert sent == []  # there is no goal yet
+    goal.pose.position.x = 2.0
+    node.on_goal(goal)
+    for time in (100, 150, 199, 250, 300):
+        act(time)
+    assert len(sent) == 3  # at 100, 199 and 300 ms
+    assert (sent[0].linear.x, sent[0].angular.z) != (0, 0)
+    odometry.pose.pose.position.x = 1.9
+    node.on_odometry(odometry)
+    act(400)
+    act(500)
+    assert len(sent) == 4
+    assert (sent[3].linear.x, sent[3].angular.z) == (0, 0)
+
+
+def test_equal_seeds_train_equal_policies():
+    def trained(threads):
+        arguments = {**SETTINGS, "world": "discs", "beams": 8}
+        env = NavigationVectorEnv(8, threads, autoreset_mode="SameStep", **arguments)
+        policy = Ppo(env, seed=3).train(steps=1500)
+        env.close()
+        return policy
+
+    a, b = trained(1), trained(2)
+    assert all((x == y).all() for x, y in zip(a.weights, b.weights))
+
+
+def test_gradients_are_those_of_differences():
+    rng = np.random.default_rng(1)
+    network = Network((5, 7, 6, 3), 1.0, rng)
+    for parameter in network.parameters:
+        parameter += rng.normal(0.0, 0.1, parameter.shape).astype(np.float32)
+    inputs = rng.normal(size=(4, 5)).astype(np.float32)
+    towards = rng.normal(size=(4, 3)).astype(np.float32)
+    gradients = network.backward(network.forward(inputs), towards)
+
+    for parameter, gradient in zip(network.parameters, gradients):
+        place = tuple(rng.integers(size) for size in parameter.shape)
+        values = []
+        for step in (1e-2, -1e-2):
+            former = parameter[place]
+            parameter[place] = former + step
+            values.append(float((network.forward(inputs)[-1] * towards).sum()))
+            parameter[place] = former
+        assert gradient[place] == pytest.approx((values[0] - values[1]) / 2e-2, rel=0.02, abs=5e-3)
+
+
+def untrained():
+    """A policy of random numbers for four beams."""
+    network = Network((4 + 3 + 2, 2), 1.0, np.random.default_rng(1))
+    weights, biases = tuple(network.weights), tuple(network.biases)
+    return Policy(weights, biases, 4, 10.0, (0.8, 0.0, 2.0), (0.8, 2.0), 0.1)
+
+
+def test_a_policy_is_written_and_read(tmp_path):
+    policy = untrained()
+    policy.save(tmp_path / "a.npz")
+    read = Policy.load(tmp_path / "a.npz")
+
+    observations = np.random.default_rng(2).random((6, 9), np.float32)
+    assert (read.act(observations) == policy.act(observations)).all()
+    assert (np.abs(policy.act(observations * 100)) <= (0.8 + 1e-6, 2.0)).all()
+    assert (read.beams, read.period, read.action_limits) == (4, 0.1, (0.8, 2.0))
+    with pytest.raises(
+        UsageError, match=r"expected observations of shape \(n, 9\), found \(6, 5\)"
+    ):
+        policy.act(observations[:, :5])
+
+
+def test_other_files_are_named(tmp_path):
+    (tmp_path / "text.npz").write_text("policy")
+    np.savez(tmp_path / "other.npz", a=np.zeros(3))
+    with pytest.raises(FlatlandError, match=r"expected a file of a policy, but .*text\.npz"):
+        Policy.load(tmp_path / "text.npz")
+    with pytest.raises(FlatlandError, match=r"expected a file of a policy, but .*other\.npz"):
+        Policy.load(tmp_path / "other.npz")
+    with pytest.raises(FlatlandError, match="cannot be read: No such file"):
+        Policy.load(tmp_path / "none.npz")
+
+
+def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
+    path = tmp_path / "policy.npz"
+    arguments = ["--envs", "4", "--threads", "1", "--steps", "300", "--episodes", "3"]
+    assert main([str(path), "--world", "empty_room", *arguments]) == 0
+    assert Policy.load(path).beams == 64
+    assert "of 3 episodes with new seeds" in capsys.readouterr().out
+    assert main([str(path), "--world", "ofice", *arguments]) == 1
+    assert 'error: no world is named "ofice"' in capsys.readouterr().err

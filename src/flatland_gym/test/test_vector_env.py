@@ -1,0 +1,237 @@
+"""The vector environment: what SyncVectorEnv gives for single ones, bit for bit."""
+
+import copy
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from environments import assert_same, make, make_vector
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+from flatland_gym.batch_fleet import BatchFleet
+from flatland_gym.fleet import SimulationFleet
+from flatland_server import UsageError
+
+CROWDED = {"time_limit": 2.0, "goal_distance": (0.4, 1.2), "beams": 16}
+"""Episodes end often: by success, by collision and by the time limit."""
+
+
+def drive(env, mode, steps, seed=11):
+    """All that an environment returns in a run with resets in between; and the ends there were."""
+    rng = np.random.default_rng(5)
+    results = [env.reset(seed=seed)]
+    ends = np.zeros(3, int)
+    for step in range(steps):
+        actions = rng.uniform(-1.5, 2.0, env.action_space.shape).astype(np.float32)
+        actions[:, 0] = np.abs(actions[:, 0])
+        if isinstance(results[-1][0], np.ndarray):  # every other robot heads for its goal
+            actions[::2, 1] = 2 * results[-1][0][::2, 16 + 2]
+        result = env.step(actions)
+        results.append(result)
+        infos = result[4].get("final_info", result[4])
+        ends += (infos["success"].sum(), result[2].sum(), result[3].sum())
+        if mode == "Disabled":
+            ended = result[2] | result[3]
+            if ended.any():
+                results.append(env.reset(options={"reset_mask": ended}))
+        if step == steps // 2:
+            results.append(env.reset(options={}))
+    env.close()
+    return results, ends
+
+
+@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
+@pytest.mark.parametrize("count", [1, 7])
+@pytest.mark.parametrize(
+    ("world", "fleet"), [(("discs", "empty_room"), SimulationFleet), ("discs", BatchFleet)]
+)
+def test_it_equals_so_many_single_environments(mode, count, world, fleet):
+    arguments = {"world": world, **CROWDED}
+    single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
+    expected, ends = drive(single, mode, 120)
+
+    for threads in (1, 2, 4):
+        vector = make_vector(count, threads=threads, autoreset_mode=mode, **arguments)
+        assert type(vector.unwrapped.navigation.fleet) is fleet
+        found, _ = drive(vector.unwrapped, mode, 120)
+        assert_same(expected, found)
+
+    if count == 7:
+        assert (ends > 0).all()  # there was each kind of end
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"world": "corridor", "frame_skip": 2, "step_size": 0.025},
+        {"world": "doors", "flatten": False, "lidar_noise": 0.02},
+        {"world": "office", "frame_skip": 3, "step_size": 0.01},
+        {"world": "empty_room", "obstacles": (0, 6), "lidar_noise": 0.01},
+        {"world": ("empty_room", "doors"), "obstacles": (0, 4), "robot_scales": (0.8, 1.2)},
+    ],
+    ids=["crowd", "dicts and noise", "boxes", "obstacles", "worlds, obstacles and sizes"],
+)
+def test_it_does_so_for_each_kind_of_chance(arguments):
+    arguments = {**CROWDED, **arguments}
+    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
+    vector = make_vector(3, autoreset_mode="SameStep", threads=2, **arguments)
+
+    assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
+
+
+@pytest.mark.parametrize(("world", "count"), [("discs", 64), ("empty_room", 1024)])
+def test_an_environment_is_the_same_among_others(world, count):
+    few, many = make_vector(2, world=world, **CROWDED), make_vector(count, world=world, **CROWDED)
+    a, b = few.reset(seed=3), many.reset(seed=3)
+    for _ in range(50):
+        actions = np.tile(np.float32([0.6, 0.3]), (count, 1))
+        assert_same(a[0], b[0][:2])
+        a, b = few.step(actions[:2]), many.step(actions)
+    few.close()
+    many.close()
+
+
+def test_results_are_not_written_to_again():
+    env = make_vector(3, world="empty_room", autoreset_mode="SameStep", **CROWDED)
+    env.reset(seed=1)
+    kept, copies = [], []
+    for _ in range(60):
+        kept.append(env.step(np.tile(np.float32([0.8, 0.0]), (3, 1))))
+        copies.append(copy.deepcopy(kept[-1]))
+
+    assert any("final_obs" in result[-1] for result in kept)
+    assert_same(kept, copies)
+    env.close()
+
+
+def test_the_last_observation_of_an_episode_is_that_of_its_end():
+    """The robot that has collided is where it collided, not at its next start."""
+    env = make_vector(1, world="empty_room", autoreset_mode="SameStep", goal_distance=(4, 5))
+    env.reset(seed=2, options={"start": [3, 0, 0], "goal": [-1, 0]})
+    infos = {}
+    while "final_info" not in infos:
+        *_, infos = env.step(np.float32([[0.8, 0.0]]))
+
+    assert infos["final_info"]["collision"][0]
+    assert infos["final_info"]["pose"][0, 0] == pytest.approx(4.8, abs=0.02)  # 5 m less the radius
+    assert infos["final_obs"][0][:64].min() == pytest.approx(0.02, abs=0.002)  # 0.2 m of 10 m
+    assert infos["pose"][0, 0] < 4.7
+    env.close()
+
+
+def test_seeds_may_be_one_for_all_or_one_for_each():
+    env = make_vector(3, world="empty_room")
+    one = env.reset(seed=5)
+    each = env.reset(seed=[5, 6, 7])
+    assert_same(one, each)
+    assert env.unwrapped.np_random_seed == (5, 6, 7)
+    later = env.reset()
+    assert not np.array_equal(one[0], later[0])
+    env.reset(seed=5)
+    assert_same(env.reset(), later)
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("actions", "message"),
+    [
+        (np.zeros((2, 2)), r"expected actions of shape \(3, 2\), found \(2, 2\)"),
+        (np.zeros(6), r"found \(6,\)"),
+        (np.array([[0, 0], [0, np.nan], [0, 0]]), r"found nan at \(1, 1\)"),
+        (np.full((3, 2), np.inf), r"expected finite actions, found inf at \(0, 0\)"),
+        ([["a", "b"]] * 3, "expected actions of numbers"),
+        (np.zeros((3, 2), bool), "expected actions of numbers, found bool"),
+        (np.zeros((3, 2), complex), "expected actions of numbers, found complex128"),
+        (None, "expected actions of numbers, found object"),
+    ],
+)
+def test_wrong_actions_change_nothing(actions, message):
+    a, b = (make_vector(3, world="discs", beams=8) for _ in range(2))
+    a.reset(seed=1)
+    b.reset(seed=1)
+    right = np.tile(np.float32([0.5, 0.5]), (3, 1))
+    a.step(right)
+    b.step(right)
+
+    with pytest.raises(UsageError, match=message):
+        a.unwrapped.step(actions)
+
+    assert_same(a.step(right), b.step(right))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"goal": [5.0, 0.0]}, r"expected a goal that is free .*, found \[5, 0\], at most 0 m"),
+        ({"goal": [50, 50]}, "outside of the world"),
+        ({"start": [4.9, 0, 0]}, "expected a start that is free"),
+        ({"goal": [0]}, r"expected the option goal as \[x, y\], found \[0\]"),
+        ({"goal": [0, float("nan")]}, "expected the option goal"),
+        ({"start": "here"}, r"expected the option start as \[x, y\] or \[x, y, yaw\]"),
+        ({"world": "office"}, "expected the option world to be one of: empty_room; found 'office'"),
+        ({"gaol": [0, 0]}, "unknown option 'gaol'; there are: start, goal, world"),
+        ({"reset_mask": np.ones(2, bool)}, "expected reset_mask as an array of 3 booleans"),
+        ({"reset_mask": np.zeros(3, bool)}, "one at least true"),
+        ({"reset_mask": [True, False, True]}, "expected reset_mask as an array"),
+    ],
+)
+def test_wrong_options_change_nothing(options, message):
+    a, b = (make_vector(3, world="empty_room", beams=8) for _ in range(2))
+    right = np.tile(np.float32([0.5, 0.5]), (3, 1))
+    for env in (a, b):
+        env.reset(seed=1)
+        env.step(right)
+
+    with pytest.raises(UsageError, match=message):
+        a.reset(options=options, seed=7)
+
+    assert_same(a.step(right), b.step(right))
+    assert a.unwrapped.np_random_seed == b.unwrapped.np_random_seed
+
+
+def test_a_step_after_an_end_is_refused_without_autoreset():
+    env = make_vector(2, world="empty_room", autoreset_mode="Disabled", time_limit=0.1)
+    env.reset(seed=1)
+    for _ in range(2):
+        env.step(np.zeros((2, 2), np.float32))
+
+    with pytest.raises(UsageError, match=r"episodes have ended: \[0, 1\]"):
+        env.step(np.zeros((2, 2), np.float32))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"num_envs": 0}, "expected num_envs to be a whole number above 0, found 0"),
+        ({"num_envs": 2, "threads": 1.5}, "expected threads to be a whole number"),
+        ({"num_envs": 2, "autoreset_mode": "Never"}, "expected autoreset_mode to be one of"),
+        ({"num_envs": 2, "render_mode": "human"}, "for a single environment"),
+        ({"num_envs": 2, "wrold": "office"}, 'unknown argument "wrold"; there are: world, robot'),
+    ],
+)
+def test_wrong_arguments_are_named(arguments, message):
+    with pytest.raises(UsageError, match=message):
+        make_vector(**arguments)
+
+
+def test_pictures_of_all_environments():
+    env = make_vector(2, world="discs", render_mode="rgb_array")
+    env.reset(seed=1)
+    frames = env.render()
+
+    assert [(frame.shape, frame.dtype) for frame in frames] == [((480, 480, 3), np.uint8)] * 2
+    assert not np.array_equal(*frames)
+    env.close()
+
+
+def test_wrappers_of_gymnasium_work():
+    env = gym.wrappers.vector.RecordEpisodeStatistics(make_vector(4, world="discs", **CROWDED))
+    env.reset(seed=1)
+    lengths = []
+    for _ in range(60):
+        *_, infos = env.step(env.action_space.sample())
+        if "episode" in infos:
+            lengths += infos["episode"]["l"][infos["_episode"]].tolist()
+    assert lengths
+    assert max(lengths) <= 40
+    env.close()

@@ -1,0 +1,76 @@
+"""A world with all its files as one dict, for programs that change a world before they run it."""
+
+import os
+from contextlib import closing
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
+
+from flatland_server.config.shipped_worlds import find_world
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.models.layer import LayerConfig
+from flatland_server.transport.local_transport import LocalTransport
+
+
+def world_content(
+    world: Union[str, "os.PathLike[str]", Mapping[str, Any]],
+    *,
+    params: Mapping[str, Any] = {},
+    model_folders: Sequence[Union[str, "os.PathLike[str]"]] = (),
+) -> Dict[str, Any]:
+    """A world as one dict, to be changed and given to `Simulation`.
+
+        content = world_content("office")
+        content["models"][0]["pose"] = [2, 0, 0]
+        with Simulation(content) as sim: ...
+
+    Includes and expressions are resolved, the models are dicts within it, and the paths of maps are
+    absolute. What is switched off by `enabled: false` is left out of `models`. Other values are
+    checked when the world is loaded.
+
+    Args:
+        world: the name of a shipped world, the path of a world file, or the content of one.
+        params: parameters by absolute name, for expressions in the files.
+        model_folders: where model files are looked up that are not beside the world file.
+
+    Returns:
+        A new dict of lists, dicts, strings, numbers and booleans.
+
+    Raises:
+        FlatlandError: there is no such world, or a file is missing or no YAML.
+    """
+    transport = LocalTransport(dict(params), ())
+    with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
+        if isinstance(world, Mapping):
+            reader = YamlReader.from_content(world, "world", preprocessor)
+        else:
+            name = world if isinstance(world, str) else Path(world)
+            reader = YamlReader.from_file(find_world(name), preprocessor)
+
+        def model(section: YamlReader) -> Optional[Dict[str, Any]]:
+            return _model_entry(section, preprocessor, model_folders)
+
+        content = reader.content()
+        maps = reader.get_sections("layers", LayerConfig.read_map_path)
+        models = reader.get_sections("models", model)
+        reader.raise_problems()
+    for layer, path in zip(content.get("layers") or (), maps):
+        if path is not None:
+            layer["map"] = os.path.abspath(path)
+    content["models"] = [entry for entry in models if entry is not None]
+    return content
+
+
+def _model_entry(
+    section: YamlReader, preprocessor: YamlPreprocessor, folders: Sequence[Any]
+) -> Optional[Dict[str, Any]]:
+    """An entry of `models`, its model a dict; None if it is switched off."""
+    if not section.get_bool("enabled", True):
+        return None
+    entry = section.content()
+    if not section.is_map("model"):
+        looked_up: List[Any] = [os.path.abspath(folder) for folder in folders]
+        path = section.get_path("model", looked_up)
+        section.raise_problems()
+        entry["model"] = YamlReader.from_file(path, preprocessor).content()
+    return entry
