@@ -31,9 +31,9 @@ class Use {
 
 template <class T>
 void RequireShape(const Array<T>& array, const char* name, py::ssize_t rows, py::ssize_t columns) {
-  const bool fits = columns == 0 ? array.ndim() == 1 && array.shape(0) == rows
-                                 : array.ndim() == 2 && array.shape(0) == rows &&
-                                       array.shape(1) == columns;
+  const bool fits = columns == 0
+                        ? array.ndim() == 1 && array.shape(0) == rows
+                        : array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
   if (!fits) throw std::invalid_argument(std::string("an array has the wrong shape: ") + name);
 }
 

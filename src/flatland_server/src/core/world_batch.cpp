@@ -19,9 +19,7 @@ Pose Inverse(const Pose& pose) {
   return {-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.yaw};
 }
 
-Pose Wrapped(const Pose& pose) {
-  return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
-}
+Pose Wrapped(const Pose& pose) { return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)}; }
 
 void Put(double* row, double a, double b, double c) {
   row[0] = a;
