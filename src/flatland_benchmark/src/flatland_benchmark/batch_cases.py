@@ -18,8 +18,8 @@ _WARM_UP = 700
 _SCANS_FROM_A_POSE = 10
 _MEASURED = 2.0
 """Least duration of a measurement [s of real time]."""
-_BLOCKS = 10
-"""Parts of the measurement; the fastest one is reported too, which other programs slow least."""
+_BLOCK = 40_000
+"""Steps of a part of the measurement; the fastest part is reported too: others disturb it least."""
 
 
 class Pace(NamedTuple):
@@ -99,29 +99,28 @@ def warm_up(batch: SimulationBatch, rng: np.random.Generator) -> None:
 
 
 def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator) -> Figures:
-    """Steps all environments for a while."""
+    """Steps all environments for a while; resets in between are not counted."""
     out = batch.observe()
-    actions = rng.uniform([0.0, -1.0], [0.6, 1.0], (batch.num_envs, 2))
-    count, fastest = 0, math.inf
-    begin, cpu = time.perf_counter(), time.process_time()
-    while time.perf_counter() < begin + _MEASURED:
-        block, steps = time.process_time(), 0
-        while time.process_time() < block + _MEASURED / _BLOCKS / 4:
-            batch.step(actions, substeps, out=out)
-            steps += 1
-        fastest = min(fastest, (time.process_time() - block) / steps)
-        count += steps
+    count, seconds, cpu, fastest = 0, 0.0, 0.0, math.inf
+    steps = max(1, _BLOCK // batch.num_envs // substeps)
+    while seconds < _MEASURED:
         actions = rng.uniform([0.0, -1.0], [0.6, 1.0], (batch.num_envs, 2))
+        begin, begin_cpu = time.perf_counter(), time.process_time()
+        for _ in range(steps):
+            batch.step(actions, substeps, out=out)
+        block = time.process_time() - begin_cpu
+        seconds += time.perf_counter() - begin
+        cpu += block
+        count += steps * batch.num_envs
+        fastest = min(fastest, block / steps / batch.num_envs)
         if out.collided.any():
             poses = batch.free_poses(batch.num_envs, _CLEARANCE, rng)
             batch.reset(out.collided, poses=poses, out=out)
-    seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
-    steps = count * batch.num_envs
     return {
-        "env steps/s": steps / seconds,
-        "env step [us]": seconds / steps * 1e6,
-        "CPU per env step [us]": cpu / steps * 1e6,
-        "fastest CPU per env step [us]": fastest / batch.num_envs * 1e6,
+        "env steps/s": count / seconds,
+        "env step [us]": seconds / count * 1e6,
+        "CPU per env step [us]": cpu / count * 1e6,
+        "fastest CPU per env step [us]": fastest * 1e6,
     }
 
 
@@ -151,7 +150,7 @@ def proportional_memory() -> float:
 
 
 def _case(count: int, beams: int, pace: Pace, threads: int) -> Case:
-    name = f"batch_{count}_{beams}_{pace.name}" + ("_2threads" if threads > 1 else "")
+    name = f"batch_{count}_{beams}_{pace.name}" + ("_x2" if threads > 1 else "")
     environments = "1 environment" if count == 1 else f"{count} environments"
     on = "2 threads" if threads > 1 else "1 thread"
     return Case(

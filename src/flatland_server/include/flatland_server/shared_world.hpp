@@ -73,10 +73,10 @@ class SharedWorld {
 
   std::unique_ptr<World> world_;
   std::vector<Range> ranges_;
-  size_t size_ = 0;                     // of all ranges
-  b2TreeNode* nodes_;                   // those that Box2D has allocated
-  std::unique_ptr<PageImage> image_;    // of the nodes at the beginning
-  std::unique_ptr<State> beginning_;    // its tree is not used
+  size_t size_ = 0;                   // of all ranges
+  b2TreeNode* nodes_;                 // those that Box2D has allocated
+  std::unique_ptr<PageImage> image_;  // of the nodes at the beginning
+  std::unique_ptr<State> beginning_;  // its tree is not used
 };
 
 }  // namespace flatland

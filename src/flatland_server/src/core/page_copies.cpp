@@ -45,8 +45,7 @@ PageImage::PageImage(const void* data, size_t size)
 
 PageImage::~PageImage() = default;
 
-PageCopy::PageCopy(const PageImage& image)
-    : image_(image), data_(::operator new(image.size_)) {
+PageCopy::PageCopy(const PageImage& image) : image_(image), data_(::operator new(image.size_)) {
   Restore();
 }
 

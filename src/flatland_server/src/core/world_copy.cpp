@@ -52,8 +52,8 @@ std::unique_ptr<World> World::Copy() const {
   };
   copy->joints_.ForEach([&](Joint, b2Joint*& joint) {
     b2Joint* const old = joint;
-    joint = box2d::CopyJoint(*copy->world_, *old, copy_of(old->GetBodyA()),
-                             copy_of(old->GetBodyB()));
+    joint =
+        box2d::CopyJoint(*copy->world_, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
     copy->tricycles_.ForEach(
         [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Replace(old, joint); });
   });

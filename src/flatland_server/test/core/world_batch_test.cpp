@@ -38,7 +38,7 @@ struct Rows {
 
 class WorldBatchTest : public WorldTest {
  protected:
-  void SetUp() override {
+  void AddWalls() {
     std::vector<Segment> walls;
     for (int i = 0; i < 40; ++i) {  // a wavy corridor
       const double x = i - 20.0, y = std::sin(x), next = std::sin(x + 1);
@@ -46,6 +46,9 @@ class WorldBatchTest : public WorldTest {
       walls.push_back({{x, y + 1}, {x + 1, next + 1}});
     }
     world_.AddLayer(walls, kAllLayers);
+  }
+
+  void AddBodies() {
     for (int i = 0; i < 6; ++i) AddBox(world_, {3.0 * i - 8, std::sin(3.0 * i - 8), 0.1 * i}, 0.3);
     const World::Body base = AddBox(world_, {0, 0, 0.5}, 0.4);
     const World::Body tail = AddBox(world_, {-0.3, -0.1, 0}, 0.1);
@@ -68,41 +71,55 @@ class WorldBatchTest : public WorldTest {
     return actions;
   }
 
+  void ExpectEnvironmentsToBeWorlds() {
+    for (const int threads : {1, 3}) {
+      WorldBatch batch(world_, robot_, 9, threads);
+      Rows rows(9);
+      for (const int k : {0, 4, 8}) {
+        batch.Reset(nullptr, nullptr, rows.rows());
+        const std::unique_ptr<World> alone = world_.Copy();
+        for (int round = 0; round < 60; ++round) {
+          const std::vector<double> actions = ActionsOf(round, 9);
+          batch.Step(actions.data(), 7, kStep, rows.rows());
+          alone->Get(std::get<World::Drive>(robot_.drive))
+              .Command({actions[2 * k], 0.0, actions[2 * k + 1]});
+          bool touches = false;
+          for (int i = 0; i < 7; ++i) {
+            alone->Step(kStep);
+            touches = touches || alone->Touches(robot_.bodies);
+          }
+          const Pose pose = alone->GetPose(robot_.bodies[0]);
+          ASSERT_EQ(rows.poses[3 * k], pose.x);
+          ASSERT_EQ(rows.poses[3 * k + 1], pose.y);
+          ASSERT_EQ(rows.collided[k], touches);
+          const Lidar& lidar = alone->Scan(robot_.lidar);
+          for (int i = 0; i < kBeams; ++i) {
+            ASSERT_EQ(rows.ranges[k * kBeams + i], lidar.ranges[i]);
+          }
+        }
+        EXPECT_EQ(rows.steps[k], 420);
+      }
+    }
+  }
+
   BatchRobot robot_;
 };
 
 TEST_F(WorldBatchTest, AnEnvironmentIsAWorld) {
-  for (const int threads : {1, 3}) {
-    WorldBatch batch(world_, robot_, 9, threads);
-    Rows rows(9);
-    for (const int k : {0, 4, 8}) {
-      batch.Reset(nullptr, nullptr, rows.rows());
-      const std::unique_ptr<World> alone = world_.Copy();
-      for (int round = 0; round < 60; ++round) {
-        const std::vector<double> actions = ActionsOf(round, 9);
-        batch.Step(actions.data(), 7, kStep, rows.rows());
-        alone->Get(std::get<World::Drive>(robot_.drive))
-            .Command({actions[2 * k], 0.0, actions[2 * k + 1]});
-        bool touches = false;
-        for (int i = 0; i < 7; ++i) {
-          alone->Step(kStep);
-          touches = touches || alone->Touches(robot_.bodies);
-        }
-        const Pose pose = alone->GetPose(robot_.bodies[0]);
-        ASSERT_EQ(rows.poses[3 * k], pose.x);
-        ASSERT_EQ(rows.poses[3 * k + 1], pose.y);
-        ASSERT_EQ(rows.collided[k], touches);
-        const Lidar& lidar = alone->Scan(robot_.lidar);
-        for (int i = 0; i < kBeams; ++i) {
-          ASSERT_EQ(rows.ranges[k * kBeams + i], lidar.ranges[i]);
-        }
-      }
-      EXPECT_EQ(rows.steps[k], 420);
-    }
-  }
+  AddWalls();
+  AddBodies();
+  ExpectEnvironmentsToBeWorlds();
+}
+
+TEST_F(WorldBatchTest, AnEnvironmentIsAWorldWithWallsThatWereAddedLater) {
+  AddBodies();
+  AddWalls();
+  ExpectEnvironmentsToBeWorlds();
 }
 
 TEST_F(WorldBatchTest, EnvironmentsThatAreNotResetGoOn) {
+  AddWalls();
+  AddBodies();
   WorldBatch batch(world_, robot_, 2, 2), other(world_, robot_, 2, 1);
   Rows rows(2), expected(2);
   const std::vector<double> poses{1, 1, 1, -3, -0.4, 2};
@@ -122,6 +139,8 @@ TEST_F(WorldBatchTest, EnvironmentsThatAreNotResetGoOn) {
 }
 
 TEST_F(WorldBatchTest, RefusesWhatBox2DCannotComputeWith) {
+  AddWalls();
+  AddBodies();
   WorldBatch batch(world_, robot_, 2, 1);
   Rows before(2), rows(2);
   batch.Observe(before.rows());

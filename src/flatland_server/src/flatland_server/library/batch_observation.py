@@ -1,5 +1,6 @@
 """What a batch of environments observes."""
 
+from functools import lru_cache
 from typing import List, NamedTuple, Tuple
 
 import numpy as np
@@ -42,14 +43,16 @@ class BatchObservation(NamedTuple):
         for name, array, (shape, dtype) in zip(self._fields, self, _forms(count, beams)):
             found = type(array).__name__
             if isinstance(array, np.ndarray):
+                fits = array.shape == shape and array.dtype == dtype
+                flags = array.flags
+                if fits and flags.carray:  # C's order, aligned and writeable
+                    continue
                 found = f"{array.dtype} of shape {array.shape}"
-                if array.shape == shape and array.dtype == dtype:
-                    if array.flags.c_contiguous and array.flags.writeable and array.flags.aligned:
-                        continue
-                    found += ", not writeable in C's order"
+                found += ", not writeable in C's order" if fits else ""
             raise UsageError(f"expected out.{name} as {dtype} of shape {shape}, found {found}")
 
 
+@lru_cache(maxsize=64)
 def _forms(count: int, beams: int) -> List[Tuple[Tuple[int, ...], "np.dtype[np.generic]"]]:
     """The shape and type of each array."""
     number = np.dtype(np.float64)

@@ -106,6 +106,7 @@ class SimulationBatch:
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
         core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
+        self._action_names = tuple(inspect.signature(self._robot.drive.command).parameters)
         self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
             self._world.physics,
             bodies=self._robot.model.physics_bodies,
@@ -162,7 +163,7 @@ class SimulationBatch:
     @property
     def action_names(self) -> Tuple[str, ...]:
         """What the numbers of an action are: the parameters of the drive's `command`."""
-        return tuple(inspect.signature(self._robot.drive.command).parameters)
+        return self._action_names
 
     @property
     def action_limits(self) -> FloatArray:
@@ -194,8 +195,9 @@ class SimulationBatch:
                 batch is closed. Nothing has changed.
         """
         core = self._require_open()
-        size = len(self._robot.core_drive.columns)
-        commands = actions_of(actions, (self._num_envs, size), self.action_names)
+        commands = actions_of(
+            actions, (self._num_envs, len(self._action_names)), self._action_names
+        )
         substeps = whole_number(substeps, "a number of steps", 1)
         observation = self._rows(out)
         core.step(commands, substeps, self.step_size, self._arrays(observation))
@@ -334,10 +336,12 @@ class SimulationBatch:
     def _finish(self, rows: BatchObservation, mask: Optional[BoolArray]) -> None:
         """Writes the times of the environments that the mask chooses, and adds noise."""
         nanoseconds = self._steps * self._step_nanoseconds
-        chosen = np.ones(self._num_envs, bool) if mask is None else mask
-        rows.times[chosen] = nanoseconds[chosen] * 1e-9
+        if mask is None:
+            np.multiply(nanoseconds, 1e-9, out=rows.times)
+        else:
+            rows.times[mask] = nanoseconds[mask] * 1e-9
         if self._robot.core_lidar.make_noise is not None:
-            for k in np.flatnonzero(chosen).tolist():
+            for k in range(self._num_envs) if mask is None else np.flatnonzero(mask).tolist():
                 rows.ranges[k] = self._noise(k)(rows.ranges[k], int(nanoseconds[k]))
 
     def _noise(self, k: int) -> RangeNoise:
