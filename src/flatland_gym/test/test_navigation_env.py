@@ -14,6 +14,8 @@ import flatland_gym
 from flatland_gym import RewardWeights
 from flatland_server import FlatlandError, UsageError, world_content
 
+pytestmark = pytest.mark.slow
+
 FORWARDS = np.float32([0.8, 0.0])
 
 

@@ -12,6 +12,8 @@ from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
 from flatland_server import UsageError
 
+pytestmark = pytest.mark.slow
+
 CROWDED = {"time_limit": 2.0, "goal_distance": (0.4, 1.2), "beams": 16}
 """Episodes end often: by success, by collision and by the time limit."""
 

@@ -14,6 +14,8 @@ from PIL import Image
 from flatland_server.cli import main
 from flatland_server.viewer.keys import KEYS
 
+pytestmark = pytest.mark.slow
+
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "command_line.md"
 ROBOT = """
 bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 1}]}]

@@ -10,6 +10,8 @@ import yaml
 
 from flatland_server.testing import check_plugin
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(__file__).resolve().parents[2]
 PAGE = (PACKAGE.parents[1] / "docs" / "plugins.md").read_text(encoding="utf-8")
 DECLARED = [

@@ -18,6 +18,8 @@ from townspeople import (
     walk,
 )
 
+pytestmark = pytest.mark.slow
+
 DRIVE = "type: DiffDrive, name: drive, body: base"
 BLIND = "force: {noise: 0, repulsion: 0, evasion: 0}"
 

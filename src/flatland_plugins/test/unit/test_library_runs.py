@@ -9,6 +9,8 @@ from busy_town import Town, serialized
 from flatland_server import Simulation, SimulationManager
 from flatland_server.transport.tap import Tap
 
+pytestmark = pytest.mark.slow
+
 
 class Digest(Tap):
     """A digest of the messages and transforms of some topics."""

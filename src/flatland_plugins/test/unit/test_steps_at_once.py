@@ -7,6 +7,8 @@ import busy_town
 import pytest
 from busy_town import Town
 
+pytestmark = pytest.mark.slow
+
 SOME_TOPICS = ("/anna/scan", "/bert/odometry/filtered", "/late/imu/filtered", "/box1/collisions")
 
 

@@ -19,6 +19,8 @@ from readings import GROUND_TRUTH, pose_of, twist_of, warnings
 
 from flatland_server.geometry import Pose
 
+pytestmark = pytest.mark.slow
+
 either_way_round = pytest.mark.parametrize(
     "front", [FRONT, FRONT_REVERSED], ids=["wheel first", "body first"]
 )

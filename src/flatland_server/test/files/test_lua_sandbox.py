@@ -11,6 +11,8 @@ import pytest
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import YamlError
 
+pytestmark = pytest.mark.slow
+
 
 class Unprintable:
     """A parameter of a type that no file format knows."""

@@ -17,6 +17,8 @@ from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoade
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_plugin import WorldPlugin
 
+pytestmark = pytest.mark.slow
+
 DISC = "{type: circle, radius: 0.12, density: 1, restitution: 0.8, friction: 0.5}"
 SQUARE = "{type: polygon, points: [[-.1, -.1], [.1, -.1], [.1, .1], [-.1, .1]], density: 2}"
 PLUGINS = "plugins:\n  - {type: RandomPlugin, name: a}\n  - {type: RandomPlugin, name: b}\n"

@@ -6,6 +6,8 @@ from plugin_testing.beacons import BROKEN, ENTRY, Beacon
 from flatland_server import PluginDeclaration, PluginLoader
 from flatland_server.testing import PluginContractError, check_plugin
 
+pytestmark = pytest.mark.slow
+
 
 def check(plugin, entry=ENTRY, **options):
     loader = PluginLoader([PluginDeclaration.of(plugin)])
