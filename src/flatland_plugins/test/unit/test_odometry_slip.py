@@ -10,6 +10,8 @@ from readings import FILTERED, GROUND_TRUTH, assert_covariance, pose_of
 from flatland_plugins.odometry_drift import DriftVariances, OdometryDrift, arc
 from flatland_server.geometry import Pose
 
+pytestmark = pytest.mark.slow
+
 DRIVE = "type: DiffDrive, name: drive, body: base"
 COUNT = 300
 

@@ -7,6 +7,8 @@ import pytest
 from geometry_msgs.msg import Twist
 from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of, warnings
 
+pytestmark = pytest.mark.slow
+
 DRIVE = "type: OmniDrive, name: drive, body: base"
 
 

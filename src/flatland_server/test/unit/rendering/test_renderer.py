@@ -21,6 +21,8 @@ from flatland_server.rendering.view import View
 from flatland_server.testing import WorldFiles
 from flatland_server.testing.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 RED, BLUE = (255, 0, 0), (0, 0, 255)
 SVG = "{http://www.w3.org/2000/svg}"
 LASER = (
