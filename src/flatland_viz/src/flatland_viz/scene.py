@@ -11,6 +11,7 @@ from rviz import bindings as rviz
 
 from flatland_viz.bounds import EMPTY_WORLD, Bounds, framed, grid_around
 from flatland_viz.displays import Shown, changes
+from flatland_viz.drawing import limit_anti_aliasing, render_on_change
 from flatland_viz.rviz_config import Config, for_display, for_window
 from flatland_viz.window_ids import synchronised_window_ids
 
@@ -40,8 +41,10 @@ class Scene(QObject):
             yaml.safe_dump(for_window(base, frame_rate), file)
             file.flush()
             with synchronised_window_ids():
+                limit_anti_aliasing()
                 self.frame.initialize(file.name)
         self._manager = self.frame.getManager()
+        render_on_change(self._manager)
         self._tools = self._manager.getToolManager()
         self.panel = next(
             widget

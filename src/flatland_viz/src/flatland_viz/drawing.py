@@ -1,0 +1,36 @@
+"""When and how the view is drawn: only when it changes, and without smooth edges where drawing is
+done by the processor instead of a graphics card.
+"""
+
+import ctypes
+from typing import Any
+
+import rospy
+
+RENDER_ON_CHANGE = "flatland_viz/RenderOnChange"
+"""The display of ours that keeps rviz from drawing an unchanged view."""
+
+_LIBRARY = "libflatland_viz_tools.so"
+
+
+def limit_anti_aliasing() -> None:
+    """Switches anti-aliasing off if OpenGL runs on the processor.
+
+    To be called before rviz opens a window. With a broken installation it stays on.
+    """
+    try:
+        library = ctypes.CDLL(_LIBRARY)
+    except OSError as error:
+        rospy.logwarn("%s; the window may be slow", error)
+        return
+    library.flatland_viz_limit_anti_aliasing()
+
+
+def render_on_change(manager: Any) -> None:
+    """Makes an rviz draw its view only when it changes.
+
+    Args:
+        manager: the rviz.VisualizationManager.
+    """
+    display = manager.createDisplay(RENDER_ON_CHANGE, "render on change", True)
+    display.setHidden(True)  # in the Displays panel: there is nothing to set
