@@ -27,10 +27,17 @@ plugins:
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder with a world of one robot, and the working directory."""
+    """A folder with a world of one robot, and a map with a slanted wall; the working directory."""
     (tmp_path / "robot.model.yaml").write_text(ROBOT)
     (tmp_path / "world.yaml").write_text(
         "properties: {}\nlayers: []\nmodels: [{name: robot, model: robot.model.yaml}]\n"
+    )
+    image = Image.new("L", (60, 60), 255)
+    for column in range(10, 50):
+        image.putpixel((column, column // 2), 0)
+    image.save(tmp_path / "map.png")
+    (tmp_path / "map.yaml").write_text(
+        "image: map.png\nresolution: 0.1\norigin: [0, 0, 0]\noccupied_thresh: 0.65\n"
     )
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -53,6 +60,23 @@ def test_the_shipped_worlds_are_listed(capsys):
     lines = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
     assert [name for name, _ in lines] == ["office", "test_room"]
     assert all(Path(path).is_file() for _, path in lines)
+
+
+def test_a_map_becomes_lines(folder, capsys):
+    assert main(["map_to_lines", "map.yaml", "--picture", "both.png"]) == 0
+    assert re.fullmatch(
+        r"map_lines\.yaml: \d+ lines for \d+ segments of outlines, at most 0\.\d+ m apart\n",
+        capsys.readouterr().out,
+    )
+    (folder / "lined.yaml").write_text(
+        "properties: {}\nlayers: [{name: walls, map: map_lines.yaml}]\nmodels: []\n"
+    )
+    assert main(["check", "lined.yaml"]) == 0
+    colors = {color for _, color in Image.open("both.png").getcolors(1 << 20)}
+    assert {(204, 38, 26), (26, 51, 153)} <= colors  # lines and their ends
+
+    assert main(["map_to_lines", "map.yaml", "-o", "map.yaml"]) == 1
+    assert "map.yaml: is the map itself" in capsys.readouterr().err
 
 
 def test_files_are_checked(folder, capsys):

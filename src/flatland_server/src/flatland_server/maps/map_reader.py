@@ -7,12 +7,12 @@ import warnings
 from array import array
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 
-from flatland_server.arrays import IntArray, Segments
+from flatland_server.arrays import BoolArray, IntArray, Segments
 from flatland_server.config.input_files import MAX_IMAGE, MAX_LINE_SEGMENTS, read_input
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
@@ -102,18 +102,31 @@ def read_map(
     lines = None
     with log_if_slow(f"{path}: reading walls takes a while ..."):
         if config.is_image:
-            segments = _read_image(config.source, config.occupied_thresh)
+            segments = read_image(
+                config.source, lambda image: bright_pixels(image, config.occupied_thresh)
+            )
         else:
             segments, lines = _read_line_segments(config.source)
     if simplify_map and config.is_image:
         segments = _simplified(segments, config, TOLERANCES[simplify_map])
-    segments = _place(segments * config.scale, config.origin)
+    segments = place(segments * config.scale, config.origin)
     _check(segments, config, lines)
     return segments
 
 
-def _read_image(path: Path, occupied_thresh: float) -> Segments:
-    """The outlines of an image, in pixels from its bottom left corner."""
+def read_image(path: Path, is_bright: Callable[[Image.Image], BoolArray]) -> Segments:
+    """The outlines of an image, in pixels from its bottom left corner.
+
+    Args:
+        path: of the image.
+        is_bright: which of its pixels are bright: shape (height, width), the top row first.
+
+    Returns:
+        Shape (n, 4), x1, y1, x2, y2.
+
+    Raises:
+        YamlError: it cannot be read.
+    """
     content = io.BytesIO(read_input(path, MAX_IMAGE))
     try:
         with warnings.catch_warnings():
@@ -122,7 +135,7 @@ def _read_image(path: Path, occupied_thresh: float) -> Segments:
         with image:
             if image.width * image.height > _MAX_PIXELS:
                 raise Image.DecompressionBombError
-            return outlines(bright_pixels(image, occupied_thresh))
+            return outlines(is_bright(image))
     except UnidentifiedImageError:
         formats = ", ".join(_FORMATS)
         raise YamlError(path, f"is not an image of a known format: {formats}") from None
@@ -170,7 +183,7 @@ def _simplified(segments: Segments, config: MapConfig, tolerance: float) -> Segm
     """Outlines [px] with fewer segments, and a line in the log that says how many."""
     before = len(segments)
     with log_if_slow(f"{config.path}: simplifying {before} segments takes a while ..."):
-        simplified = simplify(segments, tolerance)
+        simplified = simplify(segments, tolerance).segments
     logger.info(
         "%s: outlines simplified from %d to %d segments, within %g m",
         config.path,
@@ -181,7 +194,7 @@ def _simplified(segments: Segments, config: MapConfig, tolerance: float) -> Segm
     return simplified
 
 
-def _place(segments: Segments, origin: Pose) -> Segments:
+def place(segments: Segments, origin: Pose) -> Segments:
     """Transforms segments from the map's frame to the world's."""
     cos, sin = np.cos(origin.yaw), np.sin(origin.yaw)
     rotation = np.array([[cos, sin], [-sin, cos]])  # transposed: points are rows

@@ -6,7 +6,7 @@ corners within a tolerance of it (Ramer, 1972; Douglas and Peucker, 1973).
 """
 
 from collections import defaultdict
-from typing import Dict, List, Tuple
+from typing import Dict, List, NamedTuple, Tuple
 
 import numpy as np
 
@@ -18,7 +18,19 @@ TOLERANCES = (0.0, 1.0, 2.0)
 Corner = Tuple[float, float]
 
 
-def simplify(segments: Segments, tolerance: float) -> Segments:
+class Simplified(NamedTuple):
+    """Outlines with fewer corners.
+
+    Attributes:
+        segments: shape (m, 4); their corners are corners of the given segments.
+        deviation: the largest distance between these and the given outlines.
+    """
+
+    segments: Segments
+    deviation: float
+
+
+def simplify(segments: Segments, tolerance: float) -> Simplified:
     """Outlines with fewer corners, at most the tolerance away from the given ones.
 
     Args:
@@ -26,18 +38,22 @@ def simplify(segments: Segments, tolerance: float) -> Segments:
         tolerance: greatest distance of a corner that is left out, in the same unit.
 
     Returns:
-        Segments: shape (m, 4), m <= n; their corners are corners of the given segments.
+        At most n segments, and how far they are from the given ones.
     """
     pieces = []
+    largest = 0.0
     for line in _chains(segments):
-        kept = line[_essential(line, tolerance)]
+        keep, deviation = _essential(line, tolerance)
+        largest = max(largest, deviation)
+        kept = line[keep]
         if len(kept) == 3 and (kept[0] == kept[2]).all():  # a speck becomes one segment
             kept = kept[:2]
         pieces.append(np.column_stack([kept[:-1], kept[1:]]))
     if not pieces:
-        return segments
+        return Simplified(segments, 0.0)
     simplified = np.concatenate(pieces)
-    return np.asarray(simplified[(simplified[:, :2] != simplified[:, 2:]).any(axis=1)])
+    is_segment = (simplified[:, :2] != simplified[:, 2:]).any(axis=1)
+    return Simplified(np.asarray(simplified[is_segment]), largest)
 
 
 def _chains(segments: Segments) -> List[FloatArray]:
@@ -71,11 +87,18 @@ def _chains(segments: Segments) -> List[FloatArray]:
     return chains
 
 
-def _essential(line: FloatArray, tolerance: float) -> BoolArray:
-    """Which corners of a line are kept: shape (corners,).
+def _essential(line: FloatArray, tolerance: float) -> Tuple[BoolArray, float]:
+    """Which corners of a line are kept, and how far the others are from the line of those.
 
-    Of a closed line, they include the corner farthest from the first one.
+    Of a closed line, the corner farthest from the first one is kept. The distance to a segment is
+    convex along another, so that it is largest at a corner; and each point of the new line is the
+    foot of a perpendicular from a point of the old one. So the largest distance of a corner is
+    that of the lines (Hausdorff), or above it where parts of a line come close to each other.
+
+    Returns:
+        Shape (corners,), and the largest distance.
     """
+    largest = 0.0
     keep = np.zeros(len(line), dtype=bool)
     keep[[0, -1]] = True
     spans = [(0, len(line) - 1)]
@@ -100,4 +123,6 @@ def _essential(line: FloatArray, tolerance: float) -> BoolArray:
             middle = first + 1 + farthest
             keep[middle] = True
             spans += [(first, middle), (middle, last)]
-    return keep
+        else:
+            largest = max(largest, float(distance[farthest]))
+    return keep, largest

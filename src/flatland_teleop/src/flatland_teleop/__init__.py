@@ -1,0 +1,1 @@
+"""Drives robots by hand."""

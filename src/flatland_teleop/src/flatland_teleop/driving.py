@@ -1,0 +1,110 @@
+"""What keys mean for a robot: directions while they are held, and speeds. Knows no ROS."""
+
+from typing import Dict, NamedTuple
+
+from flatland_teleop.keys import KeyEvent
+
+
+class Direction(NamedTuple):
+    """Where a key drives to, in parts of the speed: x forwards, y to the left, yaw to the left."""
+
+    x: int = 0
+    y: int = 0
+    yaw: int = 0
+
+
+DIRECTIONS: Dict[str, Direction] = {
+    **dict.fromkeys(("up", "w"), Direction(x=1)),
+    **dict.fromkeys(("down", "s"), Direction(x=-1)),
+    **dict.fromkeys(("left", "a"), Direction(yaw=1)),
+    **dict.fromkeys(("right", "d"), Direction(yaw=-1)),
+    "q": Direction(x=1, yaw=1),
+    "e": Direction(x=1, yaw=-1),
+    "A": Direction(y=1),
+    "D": Direction(y=-1),
+}
+STOPS = (" ", "focus_out")
+_FACTORS = {
+    "+": (1.1, 1.1),
+    "=": (1.1, 1.1),
+    "-": (1 / 1.1, 1 / 1.1),
+    ".": (1, 1.1),
+    ",": (1, 1 / 1.1),
+}
+"""For the speed and the turning speed."""
+
+
+class Command(NamedTuple):
+    """Speeds in the robot's frame (REP 103): x and y [m/s], yaw [rad/s]."""
+
+    x: float = 0.0
+    y: float = 0.0
+    yaw: float = 0.0
+
+
+class Driving:
+    """The command of the keys that are held.
+
+    A terminal sends a held key again and again: at once, after its delay for repeating (250 to
+    660 ms), and then some 30 times a second. So a key counts as released after `first_timeout`
+    if it came once, and after `repeat_timeout` once it repeats. Where the terminal sends
+    releases, they count instead.
+
+    Args:
+        speed: [m/s].
+        turn: [rad/s].
+        first_timeout: [s].
+        repeat_timeout: [s].
+    """
+
+    def __init__(
+        self,
+        speed: float = 0.5,
+        turn: float = 1.0,
+        first_timeout: float = 0.7,
+        repeat_timeout: float = 0.2,
+    ) -> None:
+        self.speed = speed
+        self.turn = turn
+        self._first_timeout = first_timeout
+        self._repeat_timeout = repeat_timeout
+        self._held: Dict[str, float] = {}  # until when each key counts as held
+
+    def on_key(self, event: KeyEvent, now: float) -> None:
+        """Takes a key.
+
+        Args:
+            event: what has happened to which key; keys without a meaning change nothing.
+            now: the time [s], of any clock that does not jump.
+        """
+        if event.is_release:
+            self._held.pop(event.key, None)
+        elif event.key in DIRECTIONS:
+            self._hold(event, now)
+        elif event.key in _FACTORS:
+            speed, turn = _FACTORS[event.key]
+            self.speed *= speed
+            self.turn *= turn
+        elif event.key in STOPS:
+            self.stop()
+
+    def _hold(self, event: KeyEvent, now: float) -> None:
+        if event.has_releases:
+            self._held[event.key] = float("inf")
+            return
+        repeats = self._held.get(event.key, now) > now
+        # Such a terminal repeats the last key alone: the others may have been released.
+        self._held = {event.key: now + (self._repeat_timeout if repeats else self._first_timeout)}
+
+    def stop(self) -> None:
+        """Counts all keys as released."""
+        self._held.clear()
+
+    def command(self, now: float) -> Command:
+        """The command at a time [s]; zeros if no key is held."""
+        self._held = {key: until for key, until in self._held.items() if until > now}
+        x, y, yaw = (
+            max(-1, min(1, sum(parts)))
+            for parts in zip(Direction(), *(DIRECTIONS[key] for key in self._held))
+        )
+        return Command(x * self.speed, y * self.speed, yaw * self.turn)

@@ -1,0 +1,51 @@
+"""The topics that robots take commands from, as the master knows them."""
+
+import re
+from typing import Any, List, NamedTuple, Sequence, Tuple
+
+TWIST = "geometry_msgs/Twist"
+
+
+class RobotTopic(NamedTuple):
+    """A topic of commands.
+
+    Attributes:
+        name: of the topic.
+        publishers: other nodes that publish on it.
+    """
+
+    name: str
+    publishers: Tuple[str, ...] = ()
+
+
+def robot_topics(
+    system_state: Sequence[Any], topic_types: Sequence[Sequence[str]], node: str
+) -> List[RobotTopic]:
+    """All topics of type geometry_msgs/Twist with a subscriber, robot2 before robot10.
+
+    Args:
+        system_state: publishers, subscribers and services, from the master's getSystemState.
+        topic_types: from its getTopicTypes.
+        node: the name of this node, which is no other publisher.
+    """
+    publishers, subscribers = dict(system_state[0]), system_state[1]
+    twists = {topic for topic, kind in topic_types if kind == TWIST}
+    return [
+        RobotTopic(topic, tuple(sorted(set(publishers.get(topic, ())) - {node})))
+        for topic, _ in sorted(subscribers, key=lambda entry: _natural(entry[0]))
+        if topic in twists
+    ]
+
+
+def _natural(name: str) -> List[Tuple[int, str]]:
+    """A key that orders numbers in names by their value."""
+    parts = re.split(r"(\d+)", name)
+    return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
+
+
+def next_topic(topics: Sequence[RobotTopic], current: str) -> str:
+    """The topic after this one, from the last to the first; this one if there is no other."""
+    names = [topic.name for topic in topics]
+    if not names:
+        return current
+    return names[(names.index(current) + 1) % len(names)] if current in names else names[0]

@@ -1,0 +1,141 @@
+"""The node in a pseudo-terminal: keys are typed, and robots of a real server drive."""
+
+import fcntl
+import os
+import pty
+import shutil
+import signal
+import subprocess
+import sys
+import termios
+import threading
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+ROBOT = """\
+bodies:
+  - name: base
+    footprints: [{type: circle, radius: 0.2, density: 1}]
+plugins:
+  - {type: DiffDrive, name: drive, body: base, pub_rate: 50}
+"""
+WORLD = """\
+properties: {}
+layers: []
+models:
+  - {name: r2, namespace: r2, model: robot.yaml}
+  - {name: r10, namespace: r10, model: robot.yaml, pose: [0, 3, 0]}
+"""
+
+SPEED = """
+import rospy, sys
+from nav_msgs.msg import Odometry
+rospy.init_node("speed", anonymous=True)
+topic, low, high = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+while True:
+    speed = rospy.wait_for_message(topic, Odometry, 20).twist.twist.linear.x
+    if low <= speed <= high:
+        break
+"""
+
+
+class Typist:
+    """Runs the node in a terminal, and types."""
+
+    def __init__(self, uri):
+        self._environment = {**os.environ, "ROS_MASTER_URI": uri, "TERM": "xterm"}
+        self.controller, self.terminal = pty.openpty()
+        self.mode = termios.tcgetattr(self.terminal)
+        self.shown = ""
+        self._held = threading.Event()
+        self.process = subprocess.Popen(
+            [shutil.which("rosrun"), "flatland_teleop", "teleop_keyboard"],
+            env=self._environment,
+            stdin=self.terminal,
+            stdout=self.terminal,
+            stderr=self.terminal,
+            start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(self.terminal, termios.TIOCSCTTY, 0),
+        )
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        while True:
+            try:
+                self.shown += os.read(self.controller, 4096).decode()
+            except OSError:
+                return
+
+    def type(self, keys):
+        os.write(self.controller, keys.encode())
+
+    def hold(self, key):
+        """Types a key again and again, as a terminal does, until the returned event is set."""
+        released = threading.Event()
+
+        def repeat():
+            while not released.wait(0.03):
+                self.type(key)
+
+        self.type(key)
+        threading.Thread(target=repeat, daemon=True).start()
+        return released
+
+    def wait_for_speed(self, topic, low, high):
+        subprocess.run(
+            [sys.executable, "-c", SPEED, topic, str(low), str(high)],
+            env=self._environment,
+            check=True,
+            timeout=60,
+        )
+
+
+@pytest.fixture
+def typist(run, tmp_path):
+    (tmp_path / "robot.yaml").write_text(ROBOT)
+    (tmp_path / "world.yaml").write_text(WORLD)
+    launch = run(
+        "flatland_server",
+        "server.launch",
+        "show_viz:=false",
+        f"world_path:={tmp_path / 'world.yaml'}",
+        command=(sys.executable, shutil.which("roslaunch")),
+    )
+    launch.wait_for("running")
+    typist = Typist(launch.uri)
+    launch.wait_until(lambda: "/r2/cmd_vel" in typist.shown, "the keys to be shown")
+    yield typist
+    if typist.process.poll() is None:
+        os.killpg(typist.process.pid, signal.SIGKILL)
+
+
+def test_robots_drive_while_a_key_is_held_and_stop_after_it(typist):
+    key = typist.hold("w")
+    typist.wait_for_speed("/r2/odometry/filtered", 0.49, 0.51)
+    key.set()
+    typist.wait_for_speed("/r2/odometry/filtered", -0.01, 0.01)
+
+    typist.type("\t+")
+    typist.type("\x1b[1;1:1B")  # "down", in a terminal that tells of releases
+    typist.wait_for_speed("/r10/odometry/filtered", -0.56, -0.54)
+
+    typist.type("\x03")  # of which the terminal makes a SIGINT
+    assert typist.process.wait(30) == 0
+    typist.wait_for_speed("/r10/odometry/filtered", -0.01, 0.01)
+    assert termios.tcgetattr(typist.terminal) == typist.mode
+    assert "Traceback" not in typist.shown
+
+
+def test_without_a_terminal_it_says_how_to_give_it_one():
+    result = subprocess.run(
+        [shutil.which("rosrun"), "flatland_teleop", "teleop_keyboard"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=60,
+    )
+    assert result.returncode == 1
+    assert 'launch-prefix="xterm -e"' in result.stdout

@@ -1,0 +1,31 @@
+"""Topics of commands, from what the master tells."""
+
+from flatland_teleop.robots import RobotTopic, next_topic, robot_topics
+
+STATE = (
+    [["/r2/cmd_vel", ["/move_base", "/teleop"]], ["/cmd_vel", ["/teleop"]]],
+    [
+        ["/r10/cmd_vel", ["/flatland_server"]],
+        ["/r2/cmd_vel", ["/flatland_server"]],
+        ["/scan", ["/rviz"]],
+    ],
+    [],
+)
+TYPES = [
+    ["/r2/cmd_vel", "geometry_msgs/Twist"],
+    ["/r10/cmd_vel", "geometry_msgs/Twist"],
+    ["/cmd_vel", "geometry_msgs/Twist"],
+    ["/scan", "sensor_msgs/LaserScan"],
+]
+TOPICS = [RobotTopic("/r2/cmd_vel", ("/move_base",)), RobotTopic("/r10/cmd_vel")]
+
+
+def test_topics_are_those_with_subscribers_in_natural_order_with_other_publishers():
+    assert robot_topics(STATE, TYPES, node="/teleop") == TOPICS
+
+
+def test_the_next_topic_follows_and_after_the_last_comes_the_first():
+    assert next_topic(TOPICS, "/r2/cmd_vel") == "/r10/cmd_vel"
+    assert next_topic(TOPICS, "/r10/cmd_vel") == "/r2/cmd_vel"
+    assert next_topic(TOPICS, "/cmd_vel") == "/r2/cmd_vel"
+    assert next_topic([], "/cmd_vel") == "/cmd_vel"
