@@ -8,6 +8,7 @@ from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import HOOKS, Plugin
 from flatland_server.simulation.world import World
+from flatland_server.transport.local_transport import LocalTransport
 
 
 class BatchRobot(NamedTuple):
@@ -23,9 +24,20 @@ class BatchRobot(NamedTuple):
 def require_passive(world: World) -> None:
     """Checks that a batch can run a world.
 
+    Args:
+        world: on a LocalTransport.
+
     Raises:
-        PluginError: it has a plugin that acts by itself.
+        PluginError: it has a plugin that acts by itself, or plugins that send messages to others.
     """
+    transport = world.transport
+    assert isinstance(transport, LocalTransport)
+    exchanged = sorted(transport.topics & transport.subscribed)
+    if exchanged:
+        raise PluginError(
+            f"one plugin acts on what another one publishes, on {listed(exchanged)}, and a "
+            "SimulationBatch publishes nothing: use a Simulation for each environment"
+        )
     for owner in ["", *world.models]:
         for plugin in world.plugins_of(owner).values():
             if not is_passive(plugin):

@@ -66,7 +66,8 @@ class SimulatedTopics(SimulatedWorld):
             self._require_known(name, self.transport.topics, "publishes to")
             self.subscribe(name)
             if self.world.is_between_steps:
-                self.world.publish_now(name, self.timekeeper)
+                with self.transport.without_delivery():
+                    self.world.publish_now(name, self.timekeeper)
                 self._raise_failures()
         return self.transport.last(name)
 

@@ -1,5 +1,7 @@
 """Topics within this process: for unit tests, batch runs and Python programs without a master.
 
+What one plugin publishes, another one that subscribes to the topic gets at the end of the step.
+
 transport = LocalTransport()
 manager = SimulationManager(World.from_file(path, transport), Timekeeper(0.005))
 transport.send("/cmd_vel", twist)         # to the subscribers of a topic, before the next step
@@ -8,12 +10,12 @@ transport.last("/odometry/ground_truth")  # the last message published to a topi
 """
 
 from collections import Counter, deque
-from typing import Any, Callable, Container, Deque, Dict, List, Optional, Set, Tuple
+from contextlib import contextmanager
+from typing import Any, Callable, Container, Deque, Dict, Iterator, List, Optional, Set, Tuple
 from typing import Counter as CounterType
 
 from flatland_server._deprecated import warn_renamed
 from flatland_server.geometry import Transform
-from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.tap import Tap
 from flatland_server.transport.transport import Publisher, Subscription, Transport
@@ -48,6 +50,8 @@ class LocalTransport(Transport):
         self._last: Dict[str, Tuple[_LocalPublisher, Any]] = {}
         self._inbox: Deque[Tuple[str, Any]] = deque()
         self._callbacks: Dict[str, List[Callable[[Any], None]]] = {}
+        self._published: List[Tuple[str, Callable[[Any], None], Any]] = []  # to be delivered
+        self._is_delivering = True
         self._taps: Tuple[Tap, ...] = ()
 
     def send(self, topic: str, message: Any) -> None:
@@ -81,7 +85,11 @@ class LocalTransport(Transport):
     ) -> Subscription:
         topic = _absolute(topic)
         callbacks = self._callbacks.setdefault(topic, [])
-        return _LocalSubscription(self.arrivals, topic, callbacks, callback)
+        self._subscriber_revision += 1
+        publisher, message = self._last.get(topic, (None, None))
+        if publisher is not None and publisher.is_latched:
+            self._published.append((topic, callback, message))
+        return _LocalSubscription(self, topic, callbacks, callback)
 
     def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
         """Changes the topics that count as having a subscriber; None is all of them."""
@@ -96,7 +104,7 @@ class LocalTransport(Transport):
     def has_subscribers(self, topic: str) -> bool:
         """Whether a topic counts as having a subscriber."""
         topics, name = self._subscribed_topics, _absolute(topic)
-        if topics is None or name in topics:
+        if topics is None or name in topics or self._callbacks.get(name):
             return True
         return bool(self._taps) and any(tap.wants(name) for tap in self._taps)
 
@@ -138,10 +146,30 @@ class LocalTransport(Transport):
                 callback(message)
 
     def flush(self) -> None:
+        if self._published:
+            self._deliver()
         self.arrivals.next_step()
+
+    def _deliver(self) -> None:
+        """Runs the callbacks for what was published; what they publish waits for the next step."""
+        published, self._published = self._published, []
+        for topic, callback, message in published:
+            if callback in self._callbacks.get(topic, ()):
+                self.arrivals.note(topic)
+                callback(message)
+
+    @contextmanager
+    def without_delivery(self) -> Iterator[None]:
+        """What is published meanwhile is only there to be read: no callback gets it."""
+        self._is_delivering = False
+        try:
+            yield
+        finally:
+            self._is_delivering = True
 
     def discard(self) -> None:
         self._inbox.clear()
+        self._published.clear()
 
     def _pass_on(self, topic: str, message: Any, is_latched: bool) -> None:
         for tap in self._taps:
@@ -164,6 +192,9 @@ class _LocalPublisher(Publisher):
     def publish(self, message: Any) -> None:
         transport = self._transport
         transport._last[self._topic] = (self, message)
+        if transport._is_delivering:
+            for callback in transport._callbacks.get(self._topic, ()):
+                transport._published.append((self._topic, callback, message))
         if transport._taps:
             transport._pass_on(self._topic, message, self.is_latched)
 
@@ -187,21 +218,22 @@ class _LocalPublisher(Publisher):
 class _LocalSubscription(Subscription):
     def __init__(
         self,
-        arrivals: Arrivals,
+        transport: LocalTransport,
         topic: str,
         callbacks: List[Callable[[Any], None]],
         callback: Callable[[Any], None],
     ) -> None:
-        self._arrivals = arrivals
-        self._arrival = arrivals.open(topic)
+        self._transport = transport
+        self._arrival = transport.arrivals.open(topic)
         self._callbacks = callbacks
         self._callback = callback
         callbacks.append(callback)
 
     def close(self) -> None:
-        self._arrivals.close(self._arrival)
+        self._transport.arrivals.close(self._arrival)
         if self._callback in self._callbacks:
             self._callbacks.remove(self._callback)
+            self._transport._subscriber_revision += 1
 
 
 def _absolute(name: str) -> str:
