@@ -1,0 +1,115 @@
+"""The examples of examples/: each loads, and does what its README says."""
+
+import importlib.util
+import math
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parents[3]
+EXAMPLES = sorted(path.parent.name for path in (ROOT / "examples").glob("*/*.launch"))
+
+spec = importlib.util.spec_from_file_location("example_run", ROOT / "scripts" / "example_run.py")
+example_run = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(example_run)
+
+
+@pytest.fixture
+def start():
+    """Starts an example in this process."""
+    runs = []
+
+    def start(*arguments):
+        runs.append(example_run.ExampleRun(*arguments))
+        return runs[-1]
+
+    yield start
+    for run in runs:
+        run.close()
+
+
+def step_until(run, holds, limit):
+    """Steps until a condition holds; fails after a limit of simulated time [s]."""
+    while not holds():
+        assert run.simulation.time < limit, "it takes too long"
+        run.step()
+
+
+def test_each_folder_has_its_files_and_is_in_the_list():
+    listed = re.findall(r"^\| \[(\w+)\]\(\1\)", (ROOT / "examples" / "README.md").read_text(), re.M)
+    assert sorted(listed) == EXAMPLES
+    for name in EXAMPLES:
+        folder = ROOT / "examples" / name
+        assert (folder / f"{name}.launch").is_file()
+        assert (folder / "picture.png").is_file()
+        readme = (folder / "README.md").read_text()
+        assert f"scripts/run examples/{name}" in readme
+        assert "](picture.png)" in readme
+    assert set(EXAMPLES) < set((ROOT / "examples" / "CMakeLists.txt").read_text().split())
+
+
+def test_the_robot_of_the_tour_reaches_rooms(start):
+    run = start("office_tour")
+    step_until(run, lambda: run.drivers[0].reached >= 2, limit=90)
+
+
+def test_the_tricycle_pulls_its_trailers_in_a_circle(start):
+    run = start("tricycle_trailer")
+    model = run.simulation.models["tricycle"].model
+    first = model.bodies["trailer_2"].pose
+    step_until(run, lambda: run.simulation.models["tricycle"].pose.y > 0.5, limit=20)
+    last = model.bodies["trailer_2"].pose
+    assert math.hypot(last.x - first.x, last.y - first.y) > 3.0
+
+
+def test_doors_open_and_close(start):
+    run = start("automatic_door")
+    doors = [run.simulation.models[name] for name in ("west_door", "east_door")]
+    step_until(run, lambda: doors[0].pose.y > 1.3, limit=20)
+    step_until(run, lambda: doors[1].pose.y > 1.3, limit=40)
+    step_until(run, lambda: run.drivers[0].reached >= 1, limit=40)
+    step_until(run, lambda: all(door.pose.y < 0.01 for door in doors), limit=60)
+
+
+def test_thirty_carriers_drive_and_touch_nothing(start):
+    run = start("warehouse")
+    carriers = run.simulation.models
+    assert len(carriers) == 30
+    places = {name: model.pose for name, model in carriers.items()}
+    while run.simulation.time < 8.0:
+        run.step()
+        assert not run.simulation.contacts
+    for name, model in carriers.items():
+        assert math.dist(model.pose[:2], places[name][:2]) > 3.0
+
+
+def test_the_robot_crosses_the_crowd(start):
+    run = start("crowd")
+    step_until(run, lambda: run.drivers[0].reached >= 1, limit=120)
+
+
+def test_two_robots_navigate(start):
+    run = start("navigation", "robots:=2")
+    assert [driver.robot.name for driver in run.drivers] == ["r1", "r2"]
+    step_until(run, lambda: run.drivers[1].reached >= 1, limit=60)
+
+
+def test_a_folder_starts_its_launch_file(run):
+    launch = run(str(ROOT / "examples" / "warehouse"), "show_viz:=false")
+    launch.wait_for("running")
+    launch.wait_until(lambda: "/fleet" in launch.nodes(), "the fleet")
+
+
+def test_a_folder_without_a_launch_file_is_refused():
+    result = subprocess.run(
+        [str(ROOT / "scripts" / "run"), str(ROOT / "docs")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert result.returncode != 0
+    assert "expected one launch file in" in result.stdout
