@@ -3,11 +3,11 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 from ros_processes import processes_under
+from waiting import wait_until
 
 from flatland_benchmark.robot_worlds import write_world
 from flatland_benchmark.server_process import ServerProcess
@@ -41,10 +41,7 @@ def server(tmp_path):
 
 def wait_until_gone(uri):
     """Waits until nothing runs under a ROS master."""
-    deadline = time.monotonic() + 10
-    while processes_under(uri):
-        assert time.monotonic() < deadline, processes_under(uri)
-        time.sleep(0.02)
+    wait_until(lambda: not processes_under(uri), f"the end of all under {uri}", 10.0)
 
 
 def test_a_subscriber_receives_all_that_is_sent(server):
