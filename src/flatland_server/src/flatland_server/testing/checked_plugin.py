@@ -2,7 +2,19 @@
 
 import copy
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import (
+    Any,
+    Callable,
+    Collection,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Tuple,
+    Union,
+)
 
 import yaml
 
@@ -83,6 +95,7 @@ class CheckedPlugin:
             "map".
         files: other files by their names.
         loader: finds plugin classes.
+        other_keys: names of keys that the plugin reads and the entry does not show.
     """
 
     def __init__(
@@ -92,8 +105,10 @@ class CheckedPlugin:
         world: Optional[Mapping[str, Any]],
         files: Mapping[str, str],
         loader: Optional[PluginLoader],
+        other_keys: Collection[str],
     ) -> None:
         self.entry: Document = dict(entry)
+        self.other_keys = other_keys
         self.files = WorldFiles(loader=loader)
         for name, content in files.items():
             self.files.write(name, content)
