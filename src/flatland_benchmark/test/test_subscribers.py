@@ -20,7 +20,7 @@ BENCHMARK = """
 import sys
 from flatland_benchmark.server_process import ServerProcess
 
-with ServerProcess(sys.argv[1]) as server:
+with ServerProcess(sys.argv[1], update_rate=200) as server:
     print(server.uri, flush=True)
     server.settle(60.0)
 """
@@ -28,15 +28,30 @@ with ServerProcess(sys.argv[1]) as server:
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture
-def server(tmp_path):
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
     """Two robots, twice as fast as real time.
 
     A topic's queue holds 10 messages: a subscriber that gets no core for 25 ms loses none.
     """
-    world = write_world(tmp_path, WORLDS, 2)
+    world = write_world(tmp_path_factory.mktemp("world"), WORLDS, 2)
     with ServerProcess(world, update_rate=400) as server:
         yield server
+
+
+@pytest.fixture
+def subscribe(server):
+    """Starts a subscriber with these arguments; it ends with the test."""
+    subscribers = []
+
+    def start(*arguments):
+        subscribers.append(server.subscribe(f"subscriber{len(subscribers)}", *arguments))
+        return subscribers[-1]
+
+    yield start
+    for subscriber in subscribers:
+        if not subscriber.process.has_ended:
+            server.end(subscriber.process)
 
 
 def wait_until_gone(uri):
@@ -44,8 +59,8 @@ def wait_until_gone(uri):
     wait_until(lambda: not processes_under(uri), f"the end of all under {uri}", 10.0)
 
 
-def test_a_subscriber_receives_all_that_is_sent(server):
-    subscriber = server.subscribe("subscriber", "--robots")
+def test_a_subscriber_receives_all_that_is_sent(subscribe):
+    subscriber = subscribe("--robots")
     subscriber.wait_until_connected()
     begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
     end = subscriber.next_reading(after=begin.real + 2.0)
@@ -59,8 +74,8 @@ def test_a_subscriber_receives_all_that_is_sent(server):
     assert received[TF] == pytest.approx(200 * seconds, abs=20)
 
 
-def test_a_subscriber_receives_the_named_topics_only(server):
-    subscriber = server.subscribe("subscriber", "/robot_1/scan")
+def test_a_subscriber_receives_the_named_topics_only(subscribe):
+    subscriber = subscribe("/robot_1/scan")
     subscriber.wait_until_connected()
 
     begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
@@ -71,22 +86,14 @@ def test_a_subscriber_receives_the_named_topics_only(server):
     assert end.messages[LASER] - begin.messages[LASER] == pytest.approx(10 * seconds, abs=4)
 
 
-def test_clock_is_subscribed_to_only_on_request(server):
-    server.subscribe("subscriber", "--robots").wait_until_connected()
+def test_clock_is_subscribed_to_only_on_request(server, subscribe):
+    subscribe("--robots").wait_until_connected()
 
     assert server.subscribers("/clock") == {"/rosout"}
 
 
-def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
-    with ServerProcess(write_world(tmp_path, WORLDS, 100)) as server:
-        subscriber = server.subscribe("subscriber", "--robots")
-        server.wait_until(
-            lambda: subscriber.next_reading().is_connected, "a connection to each topic", limit=15.0
-        )
-
-
-def test_the_intervals_of_clock_are_those_of_steps(server):
-    subscriber = server.subscribe("subscriber", "--clock")
+def test_the_intervals_of_clock_are_those_of_steps(subscribe):
+    subscriber = subscribe("--clock")
     subscriber.next_reading(after=subscriber.next_reading().real + 1.0)
 
     clock = subscriber.end()
@@ -96,8 +103,8 @@ def test_the_intervals_of_clock_are_those_of_steps(server):
     assert clock["p50"] <= clock["p99"] <= clock["worst"]
 
 
-def test_a_stopped_subscriber_does_not_block_the_simulation(server):
-    subscriber = server.subscribe("subscriber", "--robots")
+def test_a_stopped_subscriber_does_not_block_the_simulation(server, subscribe):
+    subscriber = subscribe("--robots")
     subscriber.wait_until_connected()
     before = server.measure(1.0)
 
@@ -115,11 +122,24 @@ def test_a_stopped_subscriber_does_not_block_the_simulation(server):
     assert later.messages[LASER] > again.messages[LASER]
 
 
-def test_all_ends_with_the_server(tmp_path):
-    with ServerProcess(write_world(tmp_path, WORLDS, 1)) as server:
+def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
+    with ServerProcess(write_world(tmp_path, WORLDS, 100)) as server:
         subscriber = server.subscribe("subscriber", "--robots")
-        # master, rosout, server, two subscribers, once rosrun has become them
-        server.wait_until(lambda: len(processes_under(server.uri)) == 5, "all five to run")
+        server.wait_until(
+            lambda: subscriber.next_reading().is_connected, "a connection to each topic", limit=15.0
+        )
+
+
+def test_all_ends_with_the_server(tmp_path):
+    with ServerProcess(write_world(tmp_path, WORLDS, 1), update_rate=200) as server:
+        subscriber = server.subscribe("subscriber", "--robots")
+
+        def have_started():
+            """Master, rosout, server, two subscribers, once rosrun has become them."""
+            commands = processes_under(server.uri)
+            return len(commands) == 5 and not any(b"rosrun" in command for command in commands)
+
+        server.wait_until(have_started, "all five to run")
         subscriber.process.stop()
 
     assert processes_under(server.uri) == []
