@@ -28,6 +28,63 @@ with ServerProcess(sys.argv[1], update_rate=200) as server:
 pytestmark = pytest.mark.slow
 
 
+def wait_until_gone(uri):
+    """Waits until nothing runs under a ROS master."""
+    wait_until(lambda: not processes_under(uri), f"the end of all under {uri}", 10.0)
+
+
+def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
+    with ServerProcess(write_world(tmp_path, WORLDS, 100)) as server:
+        subscriber = server.subscribe("subscriber", "--robots")
+        server.wait_until(
+            lambda: subscriber.next_reading().is_connected, "a connection to each topic", limit=15.0
+        )
+
+
+def test_all_ends_with_the_server(tmp_path):
+    with ServerProcess(write_world(tmp_path, WORLDS, 1), update_rate=200) as server:
+        subscriber = server.subscribe("subscriber", "--robots")
+
+        def have_started():
+            """Master, rosout, server, two subscribers, once rosrun has become them."""
+            commands = processes_under(server.uri)
+            return len(commands) == 5 and not any(b"rosrun" in command for command in commands)
+
+        server.wait_until(have_started, "all five to run")
+        subscriber.process.stop()
+
+    assert processes_under(server.uri) == []
+
+
+def test_all_ends_with_a_benchmark_that_is_killed(tmp_path):
+    world = write_world(tmp_path, WORLDS, 1)
+    benchmark = subprocess.Popen(
+        [sys.executable, "-c", BENCHMARK, str(world)],
+        stdout=subprocess.PIPE,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+        text=True,
+    )
+    with benchmark.stdout as output:
+        uri = output.readline().strip()
+        assert len(processes_under(uri)) >= 4
+
+        benchmark.kill()
+
+        wait_until_gone(uri)
+    benchmark.wait(10)
+
+
+def test_a_server_that_fails_says_why(tmp_path):
+    world = tmp_path / "world.yaml"
+    world.write_text("properties: {}\nlayers: []\nmodels: [{name: a}]\n")
+
+    with pytest.raises(FlatlandError, match=r'(?s)flatland_server has ended.*"model" is missing'):
+        ServerProcess(world).__enter__()
+
+
+# The tests of one server come last, so that it does not run during the others.
+
+
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
     """Two robots, twice as fast as real time.
@@ -52,11 +109,6 @@ def subscribe(server):
     for subscriber in subscribers:
         if not subscriber.process.has_ended:
             server.end(subscriber.process)
-
-
-def wait_until_gone(uri):
-    """Waits until nothing runs under a ROS master."""
-    wait_until(lambda: not processes_under(uri), f"the end of all under {uri}", 10.0)
 
 
 def test_a_subscriber_receives_all_that_is_sent(subscribe):
@@ -120,52 +172,3 @@ def test_a_stopped_subscriber_does_not_block_the_simulation(server, subscribe):
     again = subscriber.next_reading()
     later = subscriber.next_reading(after=again.real + 1.0)
     assert later.messages[LASER] > again.messages[LASER]
-
-
-def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
-    with ServerProcess(write_world(tmp_path, WORLDS, 100)) as server:
-        subscriber = server.subscribe("subscriber", "--robots")
-        server.wait_until(
-            lambda: subscriber.next_reading().is_connected, "a connection to each topic", limit=15.0
-        )
-
-
-def test_all_ends_with_the_server(tmp_path):
-    with ServerProcess(write_world(tmp_path, WORLDS, 1), update_rate=200) as server:
-        subscriber = server.subscribe("subscriber", "--robots")
-
-        def have_started():
-            """Master, rosout, server, two subscribers, once rosrun has become them."""
-            commands = processes_under(server.uri)
-            return len(commands) == 5 and not any(b"rosrun" in command for command in commands)
-
-        server.wait_until(have_started, "all five to run")
-        subscriber.process.stop()
-
-    assert processes_under(server.uri) == []
-
-
-def test_all_ends_with_a_benchmark_that_is_killed(tmp_path):
-    world = write_world(tmp_path, WORLDS, 1)
-    benchmark = subprocess.Popen(
-        [sys.executable, "-c", BENCHMARK, str(world)],
-        stdout=subprocess.PIPE,
-        env={**os.environ, "TMPDIR": str(tmp_path)},
-        text=True,
-    )
-    with benchmark.stdout as output:
-        uri = output.readline().strip()
-        assert len(processes_under(uri)) >= 4
-
-        benchmark.kill()
-
-        wait_until_gone(uri)
-    benchmark.wait(10)
-
-
-def test_a_server_that_fails_says_why(tmp_path):
-    world = tmp_path / "world.yaml"
-    world.write_text("properties: {}\nlayers: []\nmodels: [{name: a}]\n")
-
-    with pytest.raises(FlatlandError, match=r'(?s)flatland_server has ended.*"model" is missing'):
-        ServerProcess(world).__enter__()
