@@ -3,11 +3,11 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 from ros_processes import processes_under
+from waiting import wait_until
 
 from flatland_benchmark.robot_worlds import write_world
 from flatland_benchmark.server_process import ServerProcess
@@ -20,7 +20,7 @@ BENCHMARK = """
 import sys
 from flatland_benchmark.server_process import ServerProcess
 
-with ServerProcess(sys.argv[1]) as server:
+with ServerProcess(sys.argv[1], update_rate=200) as server:
     print(server.uri, flush=True)
     server.settle(60.0)
 """
@@ -28,56 +28,9 @@ with ServerProcess(sys.argv[1]) as server:
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture
-def server(tmp_path):
-    """Two robots, twice as fast as real time.
-
-    A topic's queue holds 10 messages: a subscriber that gets no core for 25 ms loses none.
-    """
-    world = write_world(tmp_path, WORLDS, 2)
-    with ServerProcess(world, update_rate=400) as server:
-        yield server
-
-
 def wait_until_gone(uri):
     """Waits until nothing runs under a ROS master."""
-    deadline = time.monotonic() + 10
-    while processes_under(uri):
-        assert time.monotonic() < deadline, processes_under(uri)
-        time.sleep(0.02)
-
-
-def test_a_subscriber_receives_all_that_is_sent(server):
-    subscriber = server.subscribe("subscriber", "--robots")
-    subscriber.wait_until_connected()
-    begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
-    end = subscriber.next_reading(after=begin.real + 2.0)
-
-    seconds = end.simulated - begin.simulated
-    received = {name: end.messages[name] - begin.messages[name] for name in end.messages}
-    # The state overtakes what is on its way, or is overtaken by it: a few messages.
-    assert seconds > 1.0
-    assert received[LASER] == pytest.approx(2 * 10 * seconds, abs=8)
-    assert received[ODOMETRY] == pytest.approx(2 * 200 * seconds, abs=40)
-    assert received[TF] == pytest.approx(200 * seconds, abs=20)
-
-
-def test_a_subscriber_receives_the_named_topics_only(server):
-    subscriber = server.subscribe("subscriber", "/robot_1/scan")
-    subscriber.wait_until_connected()
-
-    begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
-    end = subscriber.next_reading(after=begin.real + 1.0)
-
-    assert set(end.messages) == {LASER}
-    seconds = end.simulated - begin.simulated
-    assert end.messages[LASER] - begin.messages[LASER] == pytest.approx(10 * seconds, abs=4)
-
-
-def test_clock_is_subscribed_to_only_on_request(server):
-    server.subscribe("subscriber", "--robots").wait_until_connected()
-
-    assert server.subscribers("/clock") == {"/rosout"}
+    wait_until(lambda: not processes_under(uri), f"the end of all under {uri}", 10.0)
 
 
 def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
@@ -88,41 +41,16 @@ def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
         )
 
 
-def test_the_intervals_of_clock_are_those_of_steps(server):
-    subscriber = server.subscribe("subscriber", "--clock")
-    subscriber.next_reading(after=subscriber.next_reading().real + 1.0)
-
-    clock = subscriber.end()
-
-    assert clock["clock_intervals"] > 100
-    assert clock["p50"] == pytest.approx(0.0025, rel=0.5)
-    assert clock["p50"] <= clock["p99"] <= clock["worst"]
-
-
-def test_a_stopped_subscriber_does_not_block_the_simulation(server):
-    subscriber = server.subscribe("subscriber", "--robots")
-    subscriber.wait_until_connected()
-    before = server.measure(1.0)
-
-    subscriber.process.stop()
-    server.measure(2.0)  # fills its sockets
-    memory = server.server.memory
-    during = server.measure(3.0)
-    grown = server.server.memory - memory
-    subscriber.process.resume()
-
-    assert during.times_real_time > 0.5 * before.times_real_time
-    assert grown < 5.0  # MB: what is not read is dropped
-    again = subscriber.next_reading()
-    later = subscriber.next_reading(after=again.real + 1.0)
-    assert later.messages[LASER] > again.messages[LASER]
-
-
 def test_all_ends_with_the_server(tmp_path):
-    with ServerProcess(write_world(tmp_path, WORLDS, 1)) as server:
+    with ServerProcess(write_world(tmp_path, WORLDS, 1), update_rate=200) as server:
         subscriber = server.subscribe("subscriber", "--robots")
-        # master, rosout, server, two subscribers, once rosrun has become them
-        server.wait_until(lambda: len(processes_under(server.uri)) == 5, "all five to run")
+
+        def have_started():
+            """Master, rosout, server, two subscribers, once rosrun has become them."""
+            commands = processes_under(server.uri)
+            return len(commands) == 5 and not any(b"rosrun" in command for command in commands)
+
+        server.wait_until(have_started, "all five to run")
         subscriber.process.stop()
 
     assert processes_under(server.uri) == []
@@ -152,3 +80,95 @@ def test_a_server_that_fails_says_why(tmp_path):
 
     with pytest.raises(FlatlandError, match=r'(?s)flatland_server has ended.*"model" is missing'):
         ServerProcess(world).__enter__()
+
+
+# The tests of one server come last, so that it does not run during the others.
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    """Two robots, twice as fast as real time.
+
+    A topic's queue holds 10 messages: a subscriber that gets no core for 25 ms loses none.
+    """
+    world = write_world(tmp_path_factory.mktemp("world"), WORLDS, 2)
+    with ServerProcess(world, update_rate=400) as server:
+        yield server
+
+
+@pytest.fixture
+def subscribe(server):
+    """Starts a subscriber with these arguments; it ends with the test."""
+    subscribers = []
+
+    def start(*arguments):
+        subscribers.append(server.subscribe(f"subscriber{len(subscribers)}", *arguments))
+        return subscribers[-1]
+
+    yield start
+    for subscriber in subscribers:
+        if not subscriber.process.has_ended:
+            server.end(subscriber.process)
+
+
+def test_a_subscriber_receives_all_that_is_sent(subscribe):
+    subscriber = subscribe("--robots")
+    subscriber.wait_until_connected()
+    begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
+    end = subscriber.next_reading(after=begin.real + 2.0)
+
+    seconds = end.simulated - begin.simulated
+    received = {name: end.messages[name] - begin.messages[name] for name in end.messages}
+    # The state overtakes what is on its way, or is overtaken by it: a few messages.
+    assert seconds > 1.0
+    assert received[LASER] == pytest.approx(2 * 10 * seconds, abs=8)
+    assert received[ODOMETRY] == pytest.approx(2 * 200 * seconds, abs=40)
+    assert received[TF] == pytest.approx(200 * seconds, abs=20)
+
+
+def test_a_subscriber_receives_the_named_topics_only(subscribe):
+    subscriber = subscribe("/robot_1/scan")
+    subscriber.wait_until_connected()
+
+    begin = subscriber.next_reading(after=subscriber.next_reading().real + 0.5)
+    end = subscriber.next_reading(after=begin.real + 1.0)
+
+    assert set(end.messages) == {LASER}
+    seconds = end.simulated - begin.simulated
+    assert end.messages[LASER] - begin.messages[LASER] == pytest.approx(10 * seconds, abs=4)
+
+
+def test_clock_is_subscribed_to_only_on_request(server, subscribe):
+    subscribe("--robots").wait_until_connected()
+
+    assert server.subscribers("/clock") == {"/rosout"}
+
+
+def test_the_intervals_of_clock_are_those_of_steps(subscribe):
+    subscriber = subscribe("--clock")
+    subscriber.next_reading(after=subscriber.next_reading().real + 1.0)
+
+    clock = subscriber.end()
+
+    assert clock["clock_intervals"] > 100
+    assert clock["p50"] == pytest.approx(0.0025, rel=0.5)
+    assert clock["p50"] <= clock["p99"] <= clock["worst"]
+
+
+def test_a_stopped_subscriber_does_not_block_the_simulation(server, subscribe):
+    subscriber = subscribe("--robots")
+    subscriber.wait_until_connected()
+    before = server.measure(1.0)
+
+    subscriber.process.stop()
+    server.measure(2.0)  # fills its sockets
+    memory = server.server.memory
+    during = server.measure(3.0)
+    grown = server.server.memory - memory
+    subscriber.process.resume()
+
+    assert during.times_real_time > 0.5 * before.times_real_time
+    assert grown < 5.0  # MB: what is not read is dropped
+    again = subscriber.next_reading()
+    later = subscriber.next_reading(after=again.real + 1.0)
+    assert later.messages[LASER] > again.messages[LASER]

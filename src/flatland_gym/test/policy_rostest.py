@@ -12,10 +12,10 @@ import unittest
 
 import rospy
 import rostest
-import rostest_tools
 import service_calls
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
+from waiting import wait_until
 
 GOALS = int(sys.argv[sys.argv.index("--goals") + 1]) if "--goals" in sys.argv else 5
 COLUMNS = (
@@ -30,9 +30,7 @@ class TestPolicy(unittest.TestCase):
         self._odometry = None
         rospy.Subscriber("odometry/ground_truth", Odometry, self._note)
         self._goals = rospy.Publisher("move_base_simple/goal", PoseStamped, queue_size=1)
-        rostest_tools.wait_until(
-            lambda: self._odometry and self._goals.get_num_connections(), "the robot", 20.0
-        )
+        wait_until(lambda: self._odometry and self._goals.get_num_connections(), "the robot", 20.0)
 
     def _note(self, message):
         self._odometry = message
@@ -47,13 +45,13 @@ class TestPolicy(unittest.TestCase):
     def _drive(self, start, goal):
         """Whether the robot gets to a goal in time."""
         service_calls.move("robot", *start, random.uniform(-math.pi, math.pi))
-        rostest_tools.wait_until(lambda: self._distance(start) < 0.1, "the move", 10.0)
+        wait_until(lambda: self._distance(start) < 0.1, "the move", 10.0)
         message = PoseStamped()
         message.pose.position.x, message.pose.position.y = goal
         message.pose.orientation.w = 1.0
         self._goals.publish(message)
         begin = rospy.get_time()
-        rostest_tools.wait_until(
+        wait_until(
             lambda: self._distance(goal) < 0.3 or rospy.get_time() - begin > LONGEST,
             "the goal",
             LONGEST,
@@ -65,7 +63,7 @@ class TestPolicy(unittest.TestCase):
         reached = [self._drive(free_place(), free_place()) for _ in range(GOALS)]
         print(f"reached {sum(reached)} of {len(reached)}")
         self.assertGreaterEqual(sum(reached), 0.85 * len(reached) - 0.5)
-        rostest_tools.wait_until(self._is_at_rest, "the robot to stop", 10.0)
+        wait_until(self._is_at_rest, "the robot to stop", 10.0)
 
 
 def free_place():

@@ -52,7 +52,7 @@ def test_it_equals_so_many_single_environments(mode, count, world, fleet):
     single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
     expected, ends = drive(single, mode, 120)
 
-    for threads in (1, 2, 4):
+    for threads in (1, 4)[:count]:  # four threads do not share seven environments equally
         vector = make_vector(count, threads=threads, autoreset_mode=mode, **arguments)
         assert type(vector.unwrapped.navigation.fleet) is fleet
         found, _ = drive(vector.unwrapped, mode, 120)

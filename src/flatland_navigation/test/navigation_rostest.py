@@ -12,10 +12,11 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseActionResult, MoveBaseGoal
 from nav_msgs.msg import Odometry, Path
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder, wait_until
+from rostest_tools import Recorder
 from service_calls import call
 from std_srvs.srv import Empty
 from tf2_msgs.msg import TFMessage
+from waiting import wait_until
 
 
 def target(x, y, yaw, frame="map"):

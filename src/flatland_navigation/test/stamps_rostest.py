@@ -19,9 +19,9 @@ import numpy as np
 import rospy
 import tf2_ros
 from flatland_msgs.srv import ChangeRate
-from rostest_tools import wait_until
 from sensor_msgs.msg import LaserScan
 from service_calls import call
+from waiting import wait_until
 
 LIMIT = 0.05  # s of real time that a lookup may wait
 BUSY_LIMIT = 2.0  # likewise, on a machine that runs other tests too

@@ -11,8 +11,8 @@ from nav_msgs.msg import Odometry
 from readings import pose_of, turned
 from robots import Frame, Topic
 from rostest_case import STEP
-from rostest_tools import wait_until
 from std_msgs.msg import Bool
+from waiting import wait_until
 
 
 class Driving:

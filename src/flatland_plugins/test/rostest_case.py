@@ -16,9 +16,10 @@ from geometry_msgs.msg import Transform, Twist
 from readings import Pose, stamp_of
 from robots import Frame, Robot, Topic
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder, wait_until
+from rostest_tools import Recorder
 from service_calls import ServerTopics, delete, spawn, topic_types
 from tf2_msgs.msg import TFMessage
+from waiting import wait_until
 
 WORLDS = Path(__file__).resolve().parent / "worlds"
 STEP = 5_000_000  # ns

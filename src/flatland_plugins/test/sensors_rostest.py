@@ -11,11 +11,11 @@ from nav_msgs.msg import Odometry
 from readings import pose_of
 from robots import Frame, Robot, Topic
 from rostest_case import WORLDS
-from rostest_tools import wait_until
 from sensor_msgs.msg import Imu as ImuMessage
 from sensor_msgs.msg import LaserScan, NavSatFix
 from service_calls import delete, move, spawn
 from std_msgs.msg import Bool
+from waiting import wait_until
 
 FACING_THE_WALL = (
     Robot("plain", "", 4.5, 1.2, 0.0),

@@ -10,10 +10,11 @@ import rostest_case
 from geometry_msgs.msg import PoseArray
 from readings import pose_of
 from robots import Topic
-from rostest_tools import Recorder, wait_until
+from rostest_tools import Recorder
 from sensor_msgs.msg import LaserScan
 from service_calls import delete, topic_types
 from visualization_msgs.msg import Marker, MarkerArray
+from waiting import wait_until
 
 
 class RandomWall(unittest.TestCase):

@@ -9,10 +9,11 @@ import rospkg
 import rospy
 from flatland_msgs.msg import DebugTopicList, SimulationState
 from flatland_msgs.srv import ChangeRate, GetModelMarkers
-from rostest_tools import Recorder, wait_until
+from rostest_tools import Recorder
 from std_srvs.srv import Empty
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
 from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate, MarkerArray
+from waiting import wait_until
 
 BOX = "box_1"
 BOX_FILE = rospkg.RosPack().get_path("flatland_server") + "/worlds/office/box.model.yaml"

@@ -1,22 +1,9 @@
-"""Tools of the rostests: waiting with a limit, and recording messages."""
+"""Tools of the rostests: recording messages, and their rates."""
 
-import time
 from typing import Any, Callable, List, Optional, Sequence, Type
 
 import rospy
-
-LIMIT = 20.0  # s of real time
-
-
-def wait_until(holds: Callable[[], Any], what: str, limit: float = LIMIT) -> Any:
-    """The first true value of `holds()`; fails with `what` when it takes too long."""
-    deadline = time.monotonic() + limit
-    while time.monotonic() < deadline:
-        value = holds()
-        if value:
-            return value
-        time.sleep(0.005)
-    raise AssertionError(f"waited {limit:g} s for {what}")
+from waiting import wait_until
 
 
 class Recorder:
@@ -29,10 +16,14 @@ class Recorder:
 
     def next(self, count: int = 1, holds: Optional[Callable[[Any], bool]] = None) -> Any:
         """The `count`-th message from now on for which `holds`."""
-        begin = len(self.messages)
+        seen = len(self.messages)
+        new: List[Any] = []
 
         def found() -> List[Any]:
-            new = [m for m in self.messages[begin:] if holds is None or holds(m)]
+            nonlocal seen
+            unseen = self.messages[seen:]
+            seen += len(unseen)
+            new.extend(m for m in unseen if holds is None or holds(m))
             return new[count - 1 : count]
 
         return wait_until(found, f"message {count} on {self.topic}")[0]

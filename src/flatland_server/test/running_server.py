@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, Dict, Set, Tuple
 from urllib.parse import urlparse
 
-import rostest_tools
 import tcpros_client
 from flatland_msgs.srv import DeleteModel, SpawnModel
 from geometry_msgs.msg import Pose2D
 from ros_processes import free_port
 from rosgraph_msgs.msg import Clock
+from waiting import wait_until
 
 WORLDS = Path(__file__).resolve().parents[1] / "worlds"
 ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
@@ -25,13 +25,7 @@ SERVICES = (
     *("/spawn_model", "/delete_model", "/move_model", "/get_model_markers"),
     *("/pause", "/resume", "/toggle_pause", "/change_rate"),
 )
-LIMIT = 30.0  # s
 USUAL_FILES = 1024  # the soft limit of open files
-
-
-def wait_until(holds: Any, what: str) -> Any:
-    """The first true value of `holds()`; fails with `what` when it takes too long."""
-    return rostest_tools.wait_until(holds, what, LIMIT)
 
 
 class Master:

@@ -11,9 +11,10 @@ import tf2_ros
 from geometry_msgs.msg import Twist, TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder, publish_rates, wait_until
+from rostest_tools import Recorder, publish_rates
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
+from waiting import wait_until
 
 
 def yaw_of(quaternion):

@@ -15,12 +15,13 @@ from flatland_msgs.srv import ChangeRate, GetModelMarkers
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder, wait_until
+from rostest_tools import Recorder
 from sensor_msgs.msg import LaserScan
 from service_calls import ServerTopics, call, delete, move, spawn
 from std_srvs.srv import Empty
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
+from waiting import wait_until
 
 OFFICE = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office"
 TURTLEBOT = str(OFFICE / "turtlebot.model.yaml")

@@ -18,11 +18,12 @@ from flatland_msgs.srv import LoadState, Reset, SaveState, Step
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder, wait_until
+from rostest_tools import Recorder
 from sensor_msgs.msg import LaserScan
 from service_calls import call, delete, spawn
 from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import MarkerArray
+from waiting import wait_until
 
 from flatland_server import World
 from flatland_server.testing import Simulation

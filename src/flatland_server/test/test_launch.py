@@ -20,7 +20,7 @@ ERROR = re.compile(r"\[FATAL\] \[[^]]*\]: (.*)")
 pytestmark = pytest.mark.slow
 
 
-def test_without_a_display_it_says_so_and_goes_on(run):
+def test_without_a_display_it_says_so_and_goes_on_until_ctrl_c_ends_everything_quietly(run):
     launch = run()
     launch.wait_for("running")
     launch.wait_for("no display")
@@ -29,11 +29,6 @@ def test_without_a_display_it_says_so_and_goes_on(run):
     assert len(lines) == 1
     assert "[WARN]" in lines[0]
     assert "/flatland_server" in launch.nodes()
-
-
-def test_ctrl_c_ends_everything_quietly(run):
-    launch = run()
-    launch.wait_for("running")
     assert processes_under(launch.uri)
 
     begin = time.monotonic()
@@ -155,14 +150,9 @@ def test_an_unknown_argument_is_named(run):
     )
 
 
-@pytest.mark.parametrize(("update_rate", "factor"), [("400", 2.0), ("100", 0.5)])
-def test_time_goes_at_update_rate_times_step_size(run, update_rate, factor):
-    launch = run(
-        str(ROOM / "world.yaml"),
-        f"update_rate:={update_rate}",
-        "step_size:=0.005",
-        "show_viz:=false",
-    )
+def test_time_goes_at_update_rate_times_step_size(run):
+    """Both of them other than the default, and so is their product."""
+    launch = run(str(ROOM / "world.yaml"), "update_rate:=100", "step_size:=0.02", "show_viz:=false")
     launch.wait_for("running")
 
     measure = (
@@ -182,4 +172,4 @@ def test_time_goes_at_update_rate_times_step_size(run, update_rate, factor):
         timeout=60,
         check=True,
     )
-    assert float(result.stdout) == pytest.approx(factor, rel=0.03)
+    assert float(result.stdout) == pytest.approx(2.0, rel=0.03)

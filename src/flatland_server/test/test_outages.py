@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 import tcpros_client
 from rosgraph_msgs.msg import Clock
-from running_server import NODE, USUAL_FILES, Master, Server, simulated_time, wait_until
+from running_server import NODE, USUAL_FILES, Master, Server, simulated_time
+from waiting import wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -7,17 +7,18 @@ import os
 import subprocess
 import sys
 import time
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pytest
-from PIL import ImageGrab
+import waiting
+from screen_pictures import Screenshots, near
+from waiting import LIMIT
 
 pytest.importorskip("pygame")
 pytestmark = pytest.mark.slow
 
-SHOTS = Path(__file__).resolve().parents[3] / "build" / "screenshots"
-LIMIT = 30.0  # s
+wait_until = partial(waiting.wait_until, interval=0.05)  # looks at the screen
 SCALE = 0.95 * 800 / 10  # px/m, of the whole world: 10 m in 800 px, with margins
 WORLD = """
 properties: {}
@@ -35,22 +36,13 @@ plugins:
 """
 
 
-def wait_until(holds, what):
-    """The first true value of `holds()`."""
-    deadline = time.monotonic() + LIMIT
-    while True:
-        value = holds()
-        if value:
-            return value
-        assert time.monotonic() < deadline, f"waited {LIMIT:g} s for {what}"
-        time.sleep(0.05)
-
-
 class View:
     """`flatland view` in a folder, on a display."""
 
     def __init__(self, display, folder):
         self.environment = {**os.environ, "DISPLAY": display}
+        self._screenshots = Screenshots(display, "view")
+        self.picture = self._screenshots.take
         self.process = subprocess.Popen(
             [sys.executable, "-m", "flatland_server", "view", "world.yaml", "--size", "800x800"],
             cwd=folder,
@@ -76,16 +68,9 @@ class View:
     def key(self, *keys):
         self.xdotool("key", "--delay", 40, *keys)
 
-    def picture(self, name=""):
-        picture = ImageGrab.grab(xdisplay=self.environment["DISPLAY"])
-        if name:
-            SHOTS.mkdir(parents=True, exist_ok=True)
-            picture.save(SHOTS / f"view_{name}.png", compress_level=1)
-        return np.asarray(picture).astype(int)
-
     def red(self):
         """The rows and columns of the robot's pixels on the screen."""
-        return np.argwhere((abs(self.picture() - (255, 0, 0)) <= 3).all(axis=2))
+        return np.argwhere(near(self.picture("last"), (255, 0, 0), 3))
 
     def robot(self):
         """Column and row of the robot's middle; None if it is not there."""
@@ -108,8 +93,14 @@ class View:
     def has_beams(self):
         """Whether the lidar's beams tint the floor before the robot."""
         column, row = self.robot()
-        red, green, _ = self.picture()[round(row) + 4, round(column) + 60]
+        red, green, _ = map(int, self.picture("beams")[round(row) + 4, round(column) + 60])
         return red > green + 8
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.communicate()
+        self._screenshots.save()
 
 
 @pytest.fixture
@@ -123,9 +114,7 @@ def view(display, tmp_path):
     (tmp_path / "robot.model.yaml").write_text(ROBOT)
     view = View(display, tmp_path)
     yield view
-    if view.process.poll() is None:
-        view.process.kill()
-    view.process.communicate()
+    view.close()
 
 
 def test_keys_drive_a_robot_and_r_puts_it_back(view):
@@ -193,8 +182,7 @@ def test_the_other_keys(view, tmp_path):
 
     corner = (round(view.left) - 300, round(view.top) - 300)
     view.key("h")
-    wait_until(lambda: view.picture()[corner[1], corner[0]].min() > 240, "the help")
-    view.picture("help")
+    wait_until(lambda: view.picture("help")[corner[1], corner[0]].min() > 240, "the help")
     view.key("h")
 
     view.key("p")

@@ -14,24 +14,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import ImageGrab
+import waiting as waits
 from ros_processes import free_port
+from screen_pictures import Screenshots, near
 
 ROOT = Path(__file__).resolve().parents[3]
-SHOTS = ROOT / "build" / "screenshots"
 OFFICE = ROOT / "src" / "flatland_server" / "worlds" / "office"
+OFFICE_COLORS = (  # of the world's files and our rviz configuration; least number of pixels
+    ((102, 102, 102), 3000),  # walls
+    ((51, 128, 204), 6),  # robot
+    ((194, 145, 87), 100),  # boxes
+    ((204, 0, 0), 200),  # scan
+)
 LIMIT = 60.0  # s: a busy machine may take much longer than an idle one
+INTERVAL = 0.2  # s: each look at the screen takes processor time from what draws there
 
 
 def wait_until(holds, what, limit=LIMIT):
     """The first true value of `holds()`."""
-    deadline = time.monotonic() + limit
-    while True:
-        value = holds()
-        if value:
-            return value
-        assert time.monotonic() < deadline, f"waited {limit:g} s for {what}"
-        time.sleep(0.05)
+    return waits.wait_until(holds, what, limit, INTERVAL)
 
 
 class Screen:
@@ -43,14 +44,29 @@ class Screen:
 
     def __init__(self, display):
         self.environment = {**os.environ, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}
+        self._screenshots = Screenshots(display, "gui")
+        self.picture = self._screenshots.take
+        self.save_pictures = self._screenshots.save
 
-    def picture(self, name):
-        """A screenshot, kept as a file: colours of shape (height, width, 3)."""
-        SHOTS.mkdir(parents=True, exist_ok=True)
-        path = SHOTS / f"gui_{name}.png"
-        picture = ImageGrab.grab(xdisplay=self.environment["DISPLAY"])
-        picture.save(path, compress_level=1)
-        return np.asarray(picture).astype(int)
+    def shows_office(self, name):
+        """Whether the window shows the office, by a minimum number of pixels of each colour."""
+        pixels = self.picture(name)[70:750, :1280]  # without menus, tools and status line
+        return all(near(pixels, color, 30).sum() >= least for color, least in OFFICE_COLORS)
+
+    def settled(self, look, seconds):
+        """What `look()` returns, once that has been the same for some time [s]."""
+        values, times = [look()], [time.monotonic()]
+
+        def is_settled():
+            value = look()
+            if np.array_equal(value, values[-1]):
+                return time.monotonic() - times[-1] >= seconds
+            values.append(value)
+            times.append(time.monotonic())
+            return False
+
+        wait_until(is_settled, "what is on the screen to stay the same")
+        return values[-1]
 
     def xdotool(self, *arguments):
         """Runs xdotool for mouse, keyboard or windows. Returns the words of its output."""
@@ -235,7 +251,9 @@ class Ros:
 
 @pytest.fixture(scope="module")
 def screen(display):
-    return Screen(display)
+    screen = Screen(display)
+    yield screen
+    screen.save_pictures()
 
 
 @pytest.fixture(scope="module")

@@ -1,14 +1,12 @@
-"""The window of server.launch: closing it ends the launch, and a crash of it does not."""
+"""The window of scripts/run: closing it ends the launch, and a crash of it does not."""
 
 import os
 import signal
 import subprocess
 import xmlrpc.client
-from pathlib import Path
 
 import pytest
 
-ROOM = Path(__file__).resolve().parents[2] / "flatland_server/worlds/test_room/world.yaml"
 TITLE = "Flatland.*"
 NAME = "/test_gui_closing"  # ours in calls to the master
 
@@ -16,12 +14,12 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
-def launch(run, screen, display):
-    """server.launch, when its window is open."""
-    launch = run(str(ROOM), display=display)
+def launch(run, screen, display, waiting):
+    """The default world, when the window shows it."""
+    launch = run(display=display)
     launch.wait_for("running")
     screen.wait_for_window(TITLE)
-    launch.wait_until(lambda: "/flatland_viz" in launch.nodes(), "the window to subscribe")
+    waiting(lambda: screen.shows_office("scripts_run"), "walls, robot, boxes and scan")
     return launch
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import yaml
+from screen_pictures import near
 
 pytestmark = pytest.mark.slow
 
@@ -51,14 +52,12 @@ def test_markers_alone_show_the_world(screen, ros, office, waiting, tmp_path):
 
     def missing():
         pixels = screen.picture("generic_rviz")
-        ys, xs = np.nonzero((pixels == BACKGROUND).all(axis=2))
+        ys, xs = np.nonzero(near(pixels, BACKGROUND, 0))
         if not len(ys):
             return list(COLORS)
         view = pixels[ys.min() : ys.max(), xs.min() : xs.max()]
         return [
-            topic
-            for topic, (color, least) in COLORS.items()
-            if (np.abs(view - np.array(color)).max(axis=2) <= 40).sum() < least
+            topic for topic, (color, least) in COLORS.items() if near(view, color, 40).sum() < least
         ]
 
     waiting(lambda: not missing(), "walls, robot and box")

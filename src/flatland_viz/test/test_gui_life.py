@@ -1,41 +1,24 @@
 """The window and the server, started separately: neither needs the other to run."""
 
 import signal
-import time
 
-import numpy as np
 import pytest
+from screen_pictures import near
 
 pytestmark = pytest.mark.slow
 
-WALLS, ROBOT, BOX, SCAN = (102, 102, 102), (51, 128, 204), (194, 145, 87), (204, 0, 0)
+BOX = (194, 145, 87)
 NO_SERVER = (198, 40, 40)  # background of this state in the status line
 TITLE = "Flatland.*"
 
 
 def count(pixels, color, tolerance=30):
-    return int((np.abs(pixels - np.array(color)).max(axis=2) <= tolerance).sum())
+    return int(near(pixels, color, tolerance).sum())
 
 
-def shows_office(screen, name):
-    pixels = screen.picture(name)[70:750, :1280]  # without menus, tools and status line
-    least = {WALLS: 3000, ROBOT: 6, BOX: 100, SCAN: 200}
-    return all(count(pixels, color) >= number for color, number in least.items())
-
-
-def settled_count(screen, name, color, waiting):
+def settled_count(screen, name, color):
     """The number of pixels of a colour once it is constant: a world appears bit by bit."""
-    seen = []
-
-    def is_settled():
-        number = count(screen.picture(name), color)
-        if seen and number != seen[-1][1]:
-            seen.clear()
-        seen.append((time.monotonic(), number))
-        return len(seen) > 2 and seen[-1][0] - seen[0][0] >= 2.0
-
-    waiting(is_settled, "a picture that stays the same")
-    return seen[-1][1]
+    return screen.settled(lambda: count(screen.picture(name), color), seconds=2.0)
 
 
 def says_no_server(screen, name):
@@ -65,7 +48,7 @@ def open_window(screen, ros, waiting):
     def start():
         program = ros.start("rosrun", "flatland_viz", "flatland_viz")
         screen.wait_for_window(TITLE)
-        waiting(lambda: shows_office(screen, "life_before"), "the office")
+        waiting(lambda: screen.shows_office("life_before"), "the office")
         return program
 
     return start
@@ -83,8 +66,8 @@ def test_a_window_outlives_servers_and_a_server_windows(
     # A new run: time starts at 0, and the world is as in its file.
     server = start_server()
     waiting(lambda: not says_no_server(screen, "life_after"), "the status line to recover")
-    waiting(lambda: shows_office(screen, "life_after"), "the office again")
-    boxes = settled_count(screen, "life_after", BOX, waiting)
+    waiting(lambda: screen.shows_office("life_after"), "the office again")
+    boxes = settled_count(screen, "life_after", BOX)
     ros.spawn(office / "box.model.yaml", "crate", 2.0, 3.0)
     waiting(lambda: count(screen.picture("life_crate"), BOX) > boxes + 20, "a new model")
     assert ros.call("/delete_model", name="crate")["success"]

@@ -8,18 +8,16 @@ import time
 import numpy as np
 import pytest
 import yaml
+from screen_pictures import near
 
 pytestmark = pytest.mark.slow
 
 BACKGROUND = (238, 238, 236)
 WALLS, ROBOT, BOX, SCAN = (102, 102, 102), (51, 128, 204), (194, 145, 87), (204, 0, 0)
+TOLERANCE = 40  # of a colour's channels
 TOOLBAR = slice(0, 110)  # rows of the screen with menus and tools
 ZOOM_CLICKS = 10
 ZOOM = 1.12  # of rviz, per click of the wheel
-
-
-def near(pixels, color, tolerance=40):
-    return np.abs(pixels - np.array(color)).max(axis=2) <= tolerance
 
 
 def with_handles(office, frame_rate):
@@ -53,7 +51,7 @@ class View:
     """
 
     def __init__(self, pixels, center, scale, models):
-        ys, xs = np.nonzero(near(pixels, BACKGROUND, tolerance=0))
+        ys, xs = np.nonzero(near(pixels, BACKGROUND, 0))
         self.rows = slice(ys.min(), ys.max() + 1)
         self.columns = slice(xs.min(), xs.max() + 1)
         if callable(scale):
@@ -68,7 +66,7 @@ class View:
         for (x, y), color in models:
             u, v = self.pixel(x, y)
             reach = 0.5 * self.scale
-            ys, xs = np.nonzero(near(pixels, color))
+            ys, xs = np.nonzero(near(pixels, color, TOLERANCE))
             close = np.hypot(xs - u, ys - v) < reach
             if close.sum() > 20 and self.columns.start + reach < u < self.columns.stop - reach:
                 found.append((x, y, xs[close].mean() + 0.5, ys[close].mean() + 0.5))
@@ -126,11 +124,12 @@ class Viewer:
         return self.screen.picture(f"{self.kind}_{name}")
 
     def hint(self):
-        """The pixels of the line with rviz's hint for the mouse."""
+        """The pixels of the line with rviz's hint for the mouse, which it updates with a frame."""
         shell = self.screen.xdotool("getwindowgeometry", "--shell", self.window)
         place = {key: int(value) for key, value in (word.split("=") for word in shell)}
         bottom, left = place["Y"] + place["HEIGHT"], place["X"] + 75
-        return self.picture("hint")[bottom - 28 : bottom - 6, left : left + 500]
+        line = slice(bottom - 28, bottom - 6), slice(left, left + 500)
+        return self.screen.settled(lambda: self.picture("hint")[line], 2.5 / self.ros.frame_rate)
 
     def take_hold(self, pixel):
         """Moves the mouse onto a handle, and waits until rviz shows its hint."""
@@ -154,7 +153,7 @@ class Viewer:
         pixels = self.picture("office")
         inside = pixels[near(pixels, BACKGROUND, 0).any(axis=1)]
         least = {WALLS: 3000, ROBOT: 6, BOX: 100, SCAN: 200}
-        return all(near(inside, color).sum() >= count for color, count in least.items())
+        return all(near(inside, color, TOLERANCE).sum() >= count for color, count in least.items())
 
     def _look_closer(self):
         """Zoom in around the middle, by the wheel."""
@@ -183,14 +182,14 @@ class Viewer:
         u, v = self.view.pixel(x, y)
         reach = int(0.2 * self.view.scale)
         face = self.picture(name)[v - reach : v + reach, u - reach : u + reach]
-        return near(face, BOX).mean() > 0.5
+        return near(face, BOX, TOLERANCE).mean() > 0.5
 
     def shows_ring(self, name, x, y):
         """Whether a box's handle is visible around a point in the world [m]."""
         pixels = self.picture(name)
         angles = np.radians(np.arange(0, 360, 30))
         places = zip(x + 0.52 * np.cos(angles), y + 0.52 * np.sin(angles))
-        colors = np.array([pixels[self.view.pixel(*place)[::-1]] for place in places])
+        colors = np.array([pixels[self.view.pixel(*place)[::-1]] for place in places]).astype(int)
         return (colors[:, 2] - colors[:, 0] > 30).mean() > 0.8  # bluish
 
     def press(self, key):
@@ -244,12 +243,13 @@ def test_the_office_is_shown(viewer):
 
 
 def test_the_office_is_shown_again_after_a_reset(viewer):
-    pixels = viewer.picture("before_reset")
+    walls = lambda pixels: near(pixels, WALLS, TOLERANCE).sum()  # noqa: E731
+    before = walls(viewer.picture("before_reset"))
     answer = viewer.ros.call("/reset", keep_time=False)
     assert answer["success"], answer["message"]
     # rviz discards everything, and the window subscribes anew.
     viewer.waiting(
-        lambda: near(viewer.picture("reset"), WALLS).sum() < 0.5 * near(pixels, WALLS).sum(),
+        lambda: walls(viewer.picture("reset")) < 0.5 * before,
         "the walls to go",
         20,
     )
@@ -309,7 +309,11 @@ def test_an_invalid_file_is_reported_and_the_input_kept(viewer):
     viewer.open_spawn_dialog("/nowhere/at_all.model.yaml")
     without = viewer.picture("wrong_file")
     viewer.screen.key("Return")
-    red = lambda pixels: (pixels[..., 0] - pixels[..., 1:].max(axis=2) > 60).sum()  # noqa: E731
+
+    def red(pixels):
+        others = pixels[..., 1:].max(axis=2)
+        return (pixels[..., 0] > others.astype(np.int16) + 60).sum()
+
     viewer.waiting(
         lambda: red(viewer.picture("wrong_file")) > red(without) + 50, "the message", limit=20
     )

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+from waiting import wait_until
 
 from flatland_server.config import lua
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -90,10 +91,7 @@ def has_ended(pid: int) -> bool:
 
 
 def wait_until_ended(pid: int) -> None:
-    deadline = time.monotonic() + 10.0
-    while not has_ended(pid):
-        assert time.monotonic() < deadline, f"the process {pid} still runs"
-        time.sleep(0.01)
+    wait_until(lambda: has_ended(pid), f"the process {pid} to end", 10.0)
 
 
 def wait_until_computing(pid: int) -> None:
@@ -104,10 +102,7 @@ def wait_until_computing(pid: int) -> None:
         return int(fields[11]) + int(fields[12])
 
     end = ticks() + 0.1 * os.sysconf("SC_CLK_TCK")
-    deadline = time.monotonic() + 10.0
-    while ticks() < end:
-        assert time.monotonic() < deadline, f"the process {pid} waits"
-        time.sleep(0.01)
+    wait_until(lambda: ticks() >= end, f"the process {pid} to compute", 10.0)
 
 
 def test_a_worker_that_computes_ends_with_a_parent_that_is_killed():

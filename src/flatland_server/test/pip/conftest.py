@@ -56,7 +56,7 @@ def run(*command, **variables):
 
 def environment():
     """Without ROS, and without what this Python finds besides the environment's packages."""
-    ros = ("ROS", "PYTHON", "CMAKE_PREFIX_PATH", "PKG_CONFIG_PATH", "LD_LIBRARY_PATH")
+    ros = ("ROS", "PYTHON", "SETUPTOOLS", "CMAKE_PREFIX_PATH", "PKG_CONFIG_PATH", "LD_LIBRARY_PATH")
     return {name: value for name, value in os.environ.items() if not name.startswith(ros)}
 
 

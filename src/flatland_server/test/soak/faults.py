@@ -8,11 +8,12 @@ import time
 import tcpros_client
 from flatland_msgs.srv import ChangeRate
 from rosgraph_msgs.msg import Clock
-from running_server import Master, Server, simulated_time, wait_until
+from running_server import Master, Server, simulated_time
 from sensor_msgs.msg import LaserScan
 from soak.findings import Findings
 from std_srvs.srv import Empty
 from tf2_msgs.msg import TFMessage
+from waiting import wait_until
 
 CALL_LIMIT = 5.0  # s; on an idle machine: some milliseconds
 

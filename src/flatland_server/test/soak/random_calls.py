@@ -17,9 +17,10 @@ import tcpros_client
 from flatland_msgs.msg import DebugTopicList, SimulationState
 from flatland_msgs.srv import ChangeRate, DeleteModel, GetModelMarkers, MoveModel, SpawnModel
 from geometry_msgs.msg import Pose2D
-from running_server import NODE, ROBOT, WORLDS, Master, Server, wait_until
+from running_server import NODE, ROBOT, WORLDS, Master, Server
 from soak.findings import Findings
 from std_srvs.srv import Empty
+from waiting import wait_until
 
 OWN, SHARED = 4, 3  # names of each client, and of all
 BOX = WORLDS / "office" / "box.model.yaml"

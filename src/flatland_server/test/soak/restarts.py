@@ -9,9 +9,10 @@ import time
 from pathlib import Path
 from typing import Iterator, List
 
-from running_server import Master, Server, wait_until
+from running_server import Master, Server
 from soak.findings import Findings
 from std_srvs.srv import Empty
+from waiting import wait_until
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 END_LIMIT = 10.0  # s

@@ -7,11 +7,12 @@ import tcpros_client
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from running_server import Master, Server, wait_until
+from running_server import Master, Server
 from soak.findings import Findings
 from soak.random_messages import is_finite, random_message
 from std_srvs.srv import Empty
 from tcpros_publisher import Publishers
+from waiting import wait_until
 
 FEEDBACK = "/interactive_model_markers/feedback"
 ROBOT = "soaked"

@@ -6,13 +6,14 @@ import time
 from pathlib import Path
 from typing import Any, Callable, Dict, List
 
-from running_server import Master, Server, wait_until
+from running_server import Master, Server
 from soak import faults, restarts
 from soak.findings import Findings
 from soak.in_process import run_in_process
 from soak.random_calls import call_at_random
 from soak.ros_messages import publish_at_random
 from soak.usage import Usage
+from waiting import wait_until
 
 CALLS, MESSAGES, SIGNALS = 100, 50, 2  # of a client, to each topic, to starting servers
 REST = 200

@@ -2,7 +2,19 @@
 
 import copy
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import (
+    Any,
+    Callable,
+    Collection,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Tuple,
+    Union,
+)
 
 import yaml
 
@@ -24,7 +36,7 @@ Document = Dict[str, Any]
 ROBOT = "robot"
 """The name of the model whose plugin is checked."""
 
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_LOADER: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # for the lines alone
 
 _DISC_MODEL = f"bodies: [{{name: base, footprints: [{DISC}]}}]"
 
@@ -83,6 +95,7 @@ class CheckedPlugin:
             "map".
         files: other files by their names.
         loader: finds plugin classes.
+        other_keys: names of keys that the plugin reads and the entry does not show.
     """
 
     def __init__(
@@ -92,8 +105,11 @@ class CheckedPlugin:
         world: Optional[Mapping[str, Any]],
         files: Mapping[str, str],
         loader: Optional[PluginLoader],
+        other_keys: Collection[str],
     ) -> None:
         self.entry: Document = dict(entry)
+        self.other_keys = other_keys
+        self._written: Dict[str, Document] = {}
         self.files = WorldFiles(loader=loader)
         for name, content in files.items():
             self.files.write(name, content)
@@ -118,8 +134,12 @@ class CheckedPlugin:
         world["models"] = [robot, *world.get("models", [])]
         model = dict(self._model)
         (world if self.is_of_world else model)["plugins"] = [entry]
-        self.files.write("robot.model.yaml", model)
-        return self.files.write("world.yaml", world)
+        documents = {"robot.model.yaml": model, "world.yaml": world}
+        for name, document in documents.items():
+            if self._written.get(name) != document:
+                self.files.write(name, document)
+                self._written[name] = document
+        return self.files.folder / "world.yaml"
 
     def load(
         self,

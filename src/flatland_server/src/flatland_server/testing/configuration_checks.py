@@ -1,7 +1,7 @@
 """Checks of what a plugin reads and refuses. Each yields what it finds wrong."""
 
 import re
-from typing import Any, Collection, Iterator, List
+from typing import Any, Iterator, List
 
 from flatland_server.testing.checked_plugin import (
     CheckedPlugin,
@@ -21,13 +21,13 @@ _NAMES_NO_PART = re.compile(r"frame|topic|_pub$|_sub$")
 """Keys whose value is not the name of a body or joint, even if there is one of that name."""
 
 
-def check_keys(case: CheckedPlugin, other_keys: Collection[str]) -> Problems:
+def check_keys(case: CheckedPlugin) -> Problems:
     """The entry has all keys that the plugin reads."""
     run = case.load()
     run.simulation.world.close()
     shown = {key_name(path) for path in keys_of(case.entry)}
     for key in sorted(run.loader.keys - shown):
-        if key.rpartition(".")[2] not in other_keys:
+        if key.rpartition(".")[2] not in case.other_keys:
             yield f'the plugin reads the key "{key}", which the entry does not show'
 
 

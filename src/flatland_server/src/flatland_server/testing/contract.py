@@ -1,6 +1,6 @@
 """The contract of plugins: what holds for every one of them."""
 
-from typing import Any, Collection, List, Mapping, Optional, Union
+from typing import Any, Callable, Collection, Iterator, Mapping, Optional, Tuple, Union
 
 import yaml
 
@@ -15,6 +15,23 @@ from flatland_server.testing import (
 )
 from flatland_server.testing.checked_plugin import CheckedPlugin
 from flatland_server.testing.files import Entry
+
+CHECKS: Tuple[Callable[[CheckedPlugin], Iterator[str]], ...] = (
+    configuration_checks.check_keys,
+    configuration_checks.check_unknown_keys,
+    configuration_checks.check_missing_keys,
+    configuration_checks.check_wrong_values,
+    behaviour_checks.check_without_subscribers,
+    name_checks.check_names,
+    behaviour_checks.check_rates,
+    behaviour_checks.check_messages,
+    behaviour_checks.check_states,
+    drawing_checks.check_drawing,
+    reading_checks.check_readings,
+    behaviour_checks.check_bad_messages,
+    behaviour_checks.check_end,
+)
+"""What `check_plugin` checks, in this order. Each yields what it finds wrong."""
 
 _MOST_SHOWN = 20
 
@@ -77,27 +94,14 @@ def check_plugin(
         _document(world) if world is not None else None,
         files,
         loader,
+        other_keys,
     )
     label = str(case.entry["type"])
     try:
         case.load().simulation.world.close()
     except FlatlandError as error:
         raise PluginContractError(f"{label} is refused as it is given:\n{error}") from error
-    problems: List[str] = [
-        *configuration_checks.check_keys(case, other_keys),
-        *configuration_checks.check_unknown_keys(case),
-        *configuration_checks.check_missing_keys(case),
-        *configuration_checks.check_wrong_values(case),
-        *behaviour_checks.check_without_subscribers(case),
-        *name_checks.check_names(case),
-        *behaviour_checks.check_rates(case),
-        *behaviour_checks.check_messages(case),
-        *behaviour_checks.check_states(case),
-        *drawing_checks.check_drawing(case),
-        *reading_checks.check_readings(case),
-        *behaviour_checks.check_bad_messages(case),
-        *behaviour_checks.check_end(case),
-    ]
+    problems = [problem for check in CHECKS for problem in check(case)]
     if problems:
         shown = "\n- ".join(problems[:_MOST_SHOWN])
         more = f"\nand {len(problems) - _MOST_SHOWN} more" if len(problems) > _MOST_SHOWN else ""

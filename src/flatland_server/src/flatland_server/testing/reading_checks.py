@@ -2,6 +2,8 @@
 
 from typing import Any, List
 
+import numpy as np
+
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.testing.behaviour_checks import SECONDS, Problems, content_of, state_of
 from flatland_server.testing.checked_plugin import ROBOT, CheckedPlugin, Run
@@ -33,12 +35,31 @@ def check_readings(case: CheckedPlugin) -> Problems:
         yield "expected the same poses and walls after readings, found a difference"
 
 
-def _readings(run: Run) -> List[str]:
-    """What the plugin measures now, if it is a sensor; as strings, for comparison."""
+def _readings(run: Run) -> List["_Reading"]:
+    """What the plugin measures now, if it is a sensor."""
     plugins: List[Any] = list(run.simulation.world.plugins_of(ROBOT).values())
     return [
-        repr(read(run.simulation.timekeeper))
+        _Reading(read(run.simulation.timekeeper))
         for plugin in plugins
         if type(plugin).read is not ModelPlugin.read
         for read in (plugin.read, *(getattr(plugin, f"read_{each}") for each in plugin.quantities))
     ]
+
+
+class _Reading:
+    """A value that was read; equal to another one of the same bits, NaN included."""
+
+    def __init__(self, value: Any) -> None:
+        self._value = value
+        # The string of an array takes milliseconds, and leaves out the middle of a long one.
+        is_array = isinstance(value, np.ndarray)
+        self._bits = (value.dtype, value.shape, value.tobytes()) if is_array else repr(value)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Reading) and self._bits == other._bits
+
+    def __hash__(self) -> int:
+        return hash(self._bits)
+
+    def __str__(self) -> str:
+        return repr(self._value)

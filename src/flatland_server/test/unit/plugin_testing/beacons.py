@@ -3,7 +3,7 @@
 import logging
 import weakref
 from io import BytesIO
-from typing import Any, ClassVar, Dict, List, Type
+from typing import Any, Callable, ClassVar, Dict, Iterator, List, Type
 
 import numpy as np
 from geometry_msgs.msg import PointStamped, Vector3
@@ -20,6 +20,14 @@ from flatland_server import (
     YamlReader,
     header,
 )
+from flatland_server.testing import (
+    behaviour_checks,
+    configuration_checks,
+    drawing_checks,
+    name_checks,
+    reading_checks,
+)
+from flatland_server.testing.checked_plugin import CheckedPlugin
 
 ENTRY = {
     "type": "Beacon",
@@ -340,41 +348,71 @@ class ReadsItsMessage(Beacon):
         return self.published
 
 
-BROKEN: Dict[Type[Beacon], str] = {
-    ReadsMore: 'the plugin reads the key "secret", which the entry does not show',
-    IgnoresUnknownKeys: 'expected a refusal of "olw" in line',
-    CrashesWithoutKey: 'without "colors.red": the required key "red" is missing, found',
-    AcceptsNaN: 'expected a refusal of "limits.low: nan" that names the key and line',
-    AcceptsAnyBody: 'expected a refusal of "body: abse" that names the key and line',
-    AcceptsRateOfZero: 'expected a refusal of "update_rate: 0" that names the key and line',
-    PublishesToNobody: "expected no message, found one published to /point",
-    MakesMessagesForNobody: "expected no message made for /point, found 100",
-    SendsTransformsToNobody: 'expected no transform, found one of the frame "lamp"',
-    DependsOnSubscribers: "expected the same messages, however late a topic gets its subscriber",
-    NamespacesTopicTwice: "expected published /robot1/point, found /robot1/robot1/point",
-    ForgetsNamespaceOfFrame: "expected message frames /robot1/point robot1_lamp, found",
-    HasFixedFrame: "renamed: expected transforms base renamed_lamp, found base lamp",
-    IgnoresItsRate: "update_rate: inf: expected /point in steps 1, 2 ..., found [1, 3, 5",
-    StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
-    IsNotRepeatable: "expected equal messages from equal seeds, found a difference in /point",
-    ForgetsItsCount: "expected the same messages after its state was saved and loaded",
-    KnowsOfTheLifeBefore: "expected the same messages after a reset, found a difference in /point",
-    MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
-    WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its message",
-    ReadsItsChance: "expected equal readings at one time, found 0.",
-    CountsReadings: "expected the same poses and walls after readings, found a difference",
-    ReadsItsMessage: "expected the same reading without subscribers, found 0",
-    FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",
-    MovesWhenDrawn: "expected the same run with pictures as without, found a difference",
-    FailsToDraw: "expected to draw itself, found draw: ZeroDivisionError",
-    KeepsAPublisher: "after its end: expected no publisher, found one of /left",
-    KeepsASubscription: "after its end: expected no subscription, found one of /left",
-    IsRemembered: "after its end: expected no reference to the plugin, found one",
-    KeepsABody: "expected no body or joint of a deleted robot, found one that is left",
-    Warns: "expected no warning while the robot is deleted and spawned, found: the lamp is broken",
-    ChangesItsTopic: "expected the topics of the first robot after it was spawned again",
-    GoesOnPublishing: "after its end: expected no message, found one on /point",
-    NeverNoticesSubscribers: "expected a message on /point after it has got a subscriber, found",
-    GoesOnSending: 'after its end: expected no transform, found one of "lamp"',
+class BrokenTwice(ReadsMore, Warns):
+    """In the first check of all, and in the last."""
+
+
+BROKEN: Dict[Callable[[CheckedPlugin], Iterator[str]], Dict[Type[Beacon], str]] = {
+    configuration_checks.check_keys: {
+        ReadsMore: 'the plugin reads the key "secret", which the entry does not show',
+    },
+    configuration_checks.check_unknown_keys: {
+        IgnoresUnknownKeys: 'expected a refusal of "olw" in line',
+    },
+    configuration_checks.check_missing_keys: {
+        CrashesWithoutKey: 'without "colors.red": the required key "red" is missing, found',
+    },
+    configuration_checks.check_wrong_values: {
+        AcceptsNaN: 'expected a refusal of "limits.low: nan" that names the key and line',
+        AcceptsAnyBody: 'expected a refusal of "body: abse" that names the key and line',
+        AcceptsRateOfZero: 'expected a refusal of "update_rate: 0" that names the key and line',
+    },
+    behaviour_checks.check_without_subscribers: {
+        PublishesToNobody: "expected no message, found one published to /point",
+        MakesMessagesForNobody: "expected no message made for /point, found 100",
+        SendsTransformsToNobody: 'expected no transform, found one of the frame "lamp"',
+        DependsOnSubscribers: "expected the same messages, however late a topic gets its",
+        NeverNoticesSubscribers: "expected a message on /point after it has got a subscriber",
+    },
+    name_checks.check_names: {
+        NamespacesTopicTwice: "expected published /robot1/point, found /robot1/robot1/point",
+        ForgetsNamespaceOfFrame: "expected message frames /robot1/point robot1_lamp, found",
+        HasFixedFrame: "renamed: expected transforms base renamed_lamp, found base lamp",
+    },
+    behaviour_checks.check_rates: {
+        IgnoresItsRate: "update_rate: inf: expected /point in steps 1, 2 ..., found [1, 3, 5",
+        StampsWrongly: "expected /point to be stamped with the time, 0 ns, found 1 ns",
+    },
+    behaviour_checks.check_messages: {
+        IsNotRepeatable: "expected equal messages from equal seeds, found a difference in",
+        MovesAtRandom: "expected equal poses and walls from equal seeds, found a difference",
+        WritesOtherBytes: "expected the MessageWriter of /point to make bytes that equal its",
+    },
+    behaviour_checks.check_states: {
+        ForgetsItsCount: "expected the same messages after its state was saved and loaded",
+        KnowsOfTheLifeBefore: "expected the same messages after a reset, found a difference in",
+    },
+    drawing_checks.check_drawing: {
+        MovesWhenDrawn: "expected the same run with pictures as without, found a difference",
+        FailsToDraw: "expected to draw itself, found draw: ZeroDivisionError",
+    },
+    reading_checks.check_readings: {
+        ReadsItsChance: "expected equal readings at one time, found 0.",
+        CountsReadings: "expected the same poses and walls after readings, found a difference",
+        ReadsItsMessage: "expected the same reading without subscribers, found 0",
+    },
+    behaviour_checks.check_bad_messages: {
+        FailsOnNaN: "expected a message full of nan to be ignored, found its callback of switch",
+    },
+    behaviour_checks.check_end: {
+        KeepsAPublisher: "after its end: expected no publisher, found one of /left",
+        KeepsASubscription: "after its end: expected no subscription, found one of /left",
+        IsRemembered: "after its end: expected no reference to the plugin, found one",
+        KeepsABody: "expected no body or joint of a deleted robot, found one that is left",
+        Warns: "expected no warning while the robot is deleted and spawned, found",
+        ChangesItsTopic: "expected the topics of the first robot after it was spawned again",
+        GoesOnPublishing: "after its end: expected no message, found one on /point",
+        GoesOnSending: 'after its end: expected no transform, found one of "lamp"',
+    },
 }
-"""What the contract says of each."""
+"""For each check of the contract, plugins that do not pass it, and what it says of them."""

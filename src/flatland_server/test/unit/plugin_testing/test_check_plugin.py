@@ -1,10 +1,12 @@
 """check_plugin: a plugin that keeps the contract passes, and each way to break it is named."""
 
 import pytest
-from plugin_testing.beacons import BROKEN, ENTRY, Beacon
+from plugin_testing.beacons import BROKEN, ENTRY, Beacon, BrokenTwice
 
 from flatland_server import PluginDeclaration, PluginLoader
 from flatland_server.testing import PluginContractError, check_plugin
+from flatland_server.testing.checked_plugin import CheckedPlugin
+from flatland_server.testing.contract import CHECKS
 
 pytestmark = pytest.mark.slow
 
@@ -18,14 +20,34 @@ def test_a_plugin_that_keeps_the_contract_passes():
     check(Beacon)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("plugin", BROKEN, ids=lambda plugin: plugin.__name__)
-def test_a_broken_plugin_is_told_what_was_expected_and_found(plugin):
-    with pytest.raises(PluginContractError) as caught:
-        check(plugin)
+@pytest.mark.parametrize(
+    ("broken_in", "plugin", "expected"),
+    [
+        pytest.param(check, plugin, expected, id=plugin.__name__)
+        for check, broken in BROKEN.items()
+        for plugin, expected in broken.items()
+    ],
+)
+def test_a_broken_plugin_is_told_what_was_expected_and_found(broken_in, plugin, expected):
+    loader = PluginLoader([PluginDeclaration.of(plugin)])
 
-    assert str(caught.value).startswith(f"{plugin.__name__} does not keep the contract:\n- ")
-    assert BROKEN[plugin] in str(caught.value)
+    problems = broken_in(CheckedPlugin({**ENTRY, "type": plugin.__name__}, {}, {}, {}, loader, ()))
+
+    assert expected in "\n".join(problems)
+
+
+def test_the_problems_of_all_checks_are_told():
+    assert set(BROKEN) == set(CHECKS)
+    with pytest.raises(PluginContractError) as caught:
+        check(BrokenTwice)
+
+    first, *others = str(caught.value).splitlines()
+    assert first == "BrokenTwice does not keep the contract:"
+    assert [problem[: len("- expected no warning")] for problem in others] == [
+        "- the plugin reads th",  # the first check
+        "- expected no warning",  # the last one
+        "- expected no warning",
+    ]
 
 
 def test_an_entry_without_all_keys_is_incomplete():

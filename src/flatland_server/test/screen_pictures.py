@@ -1,0 +1,52 @@
+"""Screenshots of a virtual screen, and where they have a colour."""
+
+from pathlib import Path
+from typing import Dict, Sequence
+
+import numpy as np
+from PIL import Image, ImageGrab
+
+FOLDER = Path(__file__).resolve().parents[3] / "build" / "screenshots"
+
+
+class Screenshots:
+    """Takes screenshots; the last of each name is kept.
+
+    Args:
+        display: name of the X display.
+        prefix: of the files' names.
+    """
+
+    def __init__(self, display: str, prefix: str) -> None:
+        self._display, self._prefix = display, prefix
+        self._last: Dict[str, Image.Image] = {}
+
+    def take(self, name: str) -> np.ndarray:
+        """A screenshot: colours, uint8 of shape (height, width, 3)."""
+        self._last[name] = ImageGrab.grab(xdisplay=self._display)
+        return np.asarray(self._last[name])
+
+    def save(self) -> None:
+        """Writes the last screenshot of each name as a file; once, since it takes its time."""
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        for name, picture in self._last.items():
+            picture.save(FOLDER / f"{self._prefix}_{name}.png", compress_level=1)
+
+
+def near(pixels: np.ndarray, color: Sequence[int], tolerance: int) -> np.ndarray:
+    """Where each channel differs from the colour's by at most the tolerance.
+
+    Args:
+        pixels: colours, uint8 of shape (height, width, 3).
+        color: red, green and blue.
+        tolerance: of each of them.
+
+    Returns:
+        Booleans of shape (height, width).
+    """
+    # Channel by channel: ten times as fast as differences over the last axis.
+    found = np.ones(pixels.shape[:2], dtype=bool)
+    for channel, value in enumerate(color):
+        band = pixels[..., channel]
+        found &= (band >= max(value - tolerance, 0)) & (band <= min(value + tolerance, 255))
+    return found

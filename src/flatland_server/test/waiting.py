@@ -1,0 +1,30 @@
+"""Waiting for what another process or thread does."""
+
+import time
+from typing import Callable, TypeVar
+
+T = TypeVar("T")
+LIMIT = 30.0  # s: a busy machine may take much longer than an idle one
+
+
+def wait_until(
+    holds: Callable[[], T], what: str, limit: float = LIMIT, interval: float = 0.02
+) -> T:
+    """The first true value of `holds()`, which may fail by itself where waiting is in vain.
+
+    Args:
+        holds: the condition.
+        what: names it if the wait fails.
+        limit: of the wait [s].
+        interval: between two calls of `holds` [s].
+
+    Raises:
+        AssertionError: it takes too long.
+    """
+    deadline = time.monotonic() + limit
+    while True:
+        value = holds()
+        if value:
+            return value
+        assert time.monotonic() < deadline, f"waited {limit:g} s for {what}"
+        time.sleep(interval)
