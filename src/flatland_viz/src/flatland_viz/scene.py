@@ -105,8 +105,13 @@ class Scene(QObject):
                 self._follow_walls(display)
 
     def _follow_walls(self, display: Any) -> None:
-        """Emits what the walls' display says of them."""
+        """Emits what the walls' display says of them.
+
+        The properties are kept: only referenced by slots of their own, they would be garbage to
+        Python, which would clear those slots while they are connected.
+        """
         bounds, progress = display.subProp("Bounds"), display.subProp("Progress")
+        self._walls = (bounds, progress)
         bounds.changed.connect(lambda: self.walls_changed.emit(bounds_in(bounds.getValue())))
         progress.changed.connect(lambda: self.walls_progress.emit(progress.getValue()))
 
