@@ -44,10 +44,27 @@ def pytest_collection_modifyitems(items):
 
 
 class Launch:
-    """`scripts/run`, or another `command` like it, with a ROS master of its own."""
+    """`scripts/run`, or another `command` like it, with a ROS master of its own.
 
-    def __init__(self, *arguments, output, display=None, command=(str(ROOT / "scripts" / "run"),)):
-        self.port = free_port()
+    Args:
+        arguments: of the command; `-p` with a free port is added if there is none.
+        output: the file for its output.
+        display: the X display.
+        command: what is run.
+        port: of the master.
+        with_port: whether `-p` is added; without, ROS_MASTER_URI says which master is used.
+    """
+
+    def __init__(
+        self,
+        *arguments,
+        output,
+        display=None,
+        command=(str(ROOT / "scripts" / "run"),),
+        port=None,
+        with_port=True,
+    ):
+        self.port = port or free_port()
         self.uri = f"http://127.0.0.1:{self.port}"
         environment = {**os.environ, "ROS_MASTER_URI": self.uri}
         environment.pop("DISPLAY", None)
@@ -55,9 +72,11 @@ class Launch:
             environment.update(DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")
         self.environment = environment
         self._output = output
+        if with_port and "-p" not in arguments:
+            arguments = (*arguments, "-p", str(self.port))
         with output.open("w") as file:
             self.process = subprocess.Popen(
-                [*command, *arguments, "-p", str(self.port)],
+                [*command, *arguments],
                 stdout=file,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,

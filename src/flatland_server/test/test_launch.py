@@ -3,8 +3,10 @@
 import os
 import re
 import shutil
+import socketserver
 import subprocess
 import sys
+import threading
 import time
 import xmlrpc.client
 from pathlib import Path
@@ -130,6 +132,7 @@ def test_a_wrong_world_is_named_with_line_and_reason(run, tmp_path):
         f'{world}:5: models[0].pose: expected [x, y, yaw], found "foo"',
         f'{world}:4: models[0] "a": the required key "model" is missing',
     ]
+    assert launch.output.splitlines()[-1].endswith('the required key "model" is missing')
     assert "Traceback" not in launch.output
 
 
@@ -144,10 +147,39 @@ def test_an_unknown_argument_is_named(run):
     launch = run(str(ROOM / "world.yaml"), "udpate_rate:=100", "show_viz:=false")
 
     assert launch.process.wait(60) == 1
-    [error] = ERROR.findall(launch.output)
-    assert error.startswith(
-        'server.launch has no argument "udpate_rate" (did you mean "update_rate"?); it has: world_p'
+    assert launch.output.startswith(
+        'run: server.launch has no argument "udpate_rate" (did you mean "update_rate"?); it has: '
     )
+    assert len(launch.output.splitlines()) == 1
+
+
+def test_a_taken_port_is_one_line(run):
+    with socketserver.TCPServer(("127.0.0.1", 0), socketserver.BaseRequestHandler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        port = server.server_address[1]
+        launch = run("show_viz:=false", "-p", str(port))
+        code = launch.process.wait(60)
+        server.shutdown()
+
+    assert code == 1
+    assert launch.output == (
+        f"run: port {port} is taken by a program that is no ROS master: choose one by -p\n"
+    )
+
+
+def test_the_master_of_another_run_is_one_line(run):
+    first = run(str(ROOM / "world.yaml"), "show_viz:=false")
+    first.wait_for("running")
+
+    own = run("show_viz:=false", "-p", str(first.port))
+    shared = run("show_viz:=false", with_port=False, port=first.port)
+
+    assert own.process.wait(60) == 1
+    assert own.output.startswith(f"run: port {first.port} has the ROS master of another run: ")
+    assert shared.process.wait(60) == 1
+    assert shared.output.startswith(f"run: a simulation is running at {first.uri}: end it, or ")
+    assert len((own.output + shared.output).splitlines()) == 2
+    assert first.process.poll() is None
 
 
 def test_time_goes_at_update_rate_times_step_size(run):

@@ -3,6 +3,7 @@
 import contextlib
 import io
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -130,6 +131,17 @@ def test_problems_of_plugins_are_found_too(good_files, check):
         'robot.model.yaml:46:5: plugins[1] "laser": the required key "range" is missing',
         'robot.model.yaml:49:5: plugins[1] "laser": unknown key "raneg" (did you mean "range"?)',
     ]
+
+
+@pytest.mark.parametrize("file", ["world.yaml", "robot.model.yaml"])
+def test_problems_of_plugins_are_found_beside_those_of_a_footprint(good_files, check, file):
+    good_files.edit("robot.model.yaml", "radius: 0.5", "radius: -1")
+    good_files.edit("robot.model.yaml", "range: 10", "raneg: 10")
+
+    errors = check(file).stderr
+
+    assert "footprints[0].radius: expected a number above 0, found -1" in errors
+    assert 'unknown key "raneg" (did you mean "range"?)' in errors
 
 
 def test_a_model_alone_may_name_any_layer(good_files, check):
@@ -295,6 +307,18 @@ def test_a_picture_shows_walls_footprints_and_names(files, check):
     assert len(discs) == pytest.approx(np.pi * 152**2, rel=0.05)
     assert len(names) > 10
     assert abs(names.mean(axis=0) - middle).max() < 200
+
+
+def test_a_name_is_readable_on_a_screen_and_beside_its_model(good_files, check):
+    """Its letters are as tall in SVG, whose text is the name."""
+    answer = check("world.yaml", "--render", "world.svg")
+
+    assert answer.returncode == 0, answer.stderr
+    document = (good_files.folder / "world.svg").read_text()
+    assert document.startswith("<svg ")
+    sizes = re.findall(r'<text [^>]*font-size="(\d+)"', document)
+    assert sizes
+    assert min(map(int, sizes)) >= 16
 
 
 def test_an_empty_world_has_a_picture_too(files, check):

@@ -1,7 +1,6 @@
 """The extent of a world, and the view that shows all of it from above."""
 
 import math
-import struct
 from typing import Iterable, List, NamedTuple, Optional
 
 import numpy as np
@@ -79,36 +78,6 @@ def grid_around(bounds: Bounds) -> Grid:
     )
 
 
-def bounds_of_markers(data: bytes) -> Optional[Bounds]:
-    """The bounding box of a serialized visualization_msgs/MarkerArray; None if it has no points.
-
-    A layer may have a million points. rospy would make an object of each, which takes seconds; this
-    reads the coordinates in place. Markers' poses are assumed to be the origin, as those of layers.
-    """
-    boxes = []
-    (count,), at = struct.unpack_from("<I", data), 4
-    for _ in range(count):
-        at = _after_list(data, at + 12, 1)  # header: seq, stamp; frame_id
-        at = _after_list(data, at, 1)  # ns
-        at += 12 + 56 + 24 + 16 + 8 + 1  # id, type, action; pose; scale; color; lifetime; locked
-        (points,) = struct.unpack_from("<I", data, at)
-        if points:
-            xy = np.frombuffer(data, "<f8", 3 * points, at + 4).reshape(-1, 3)[:, :2]
-            boxes.append(Bounds(*map(float, (*xy.min(axis=0), *xy.max(axis=0)))))
-        at = _after_list(data, at, 24)  # points
-        at = _after_list(data, at, 16)  # colors
-        at = _after_list(data, at, 1)  # text
-        at = _after_list(data, at, 1) + 1  # mesh_resource, mesh_use_embedded_materials
-    return around(boxes) if boxes else None
-
-
-def _after_list(data: bytes, at: int, item: int) -> int:
-    """The end of a list or string that begins with its length at `at`.
-
-    Args:
-        data: the message.
-        at: the offset of the list.
-        item: the size of an item [bytes].
-    """
-    (length,) = struct.unpack_from("<I", data, at)
-    return at + 4 + int(length) * item
+def bounds_in(text: str) -> Optional[Bounds]:
+    """The box in the property "Bounds" of the walls' display; None if it is empty."""
+    return Bounds(*map(float, text.split())) if text else None

@@ -8,8 +8,14 @@ from typing import Iterable, List, NamedTuple, Tuple
 MARKERS = "rviz/MarkerArray"
 SCAN = "rviz/LaserScan"
 HANDLES = "rviz/InteractiveMarkers"
+WALLS = "flatland_viz/Walls"
 
-TOPIC_PROPERTIES = {MARKERS: "Marker Topic", SCAN: "Topic", HANDLES: "Update Topic"}
+TOPIC_PROPERTIES = {
+    MARKERS: "Marker Topic",
+    SCAN: "Topic",
+    HANDLES: "Update Topic",
+    WALLS: "Topic",
+}
 """The name of the topic's property in rviz, by the class of a display."""
 
 
@@ -32,7 +38,7 @@ def walls_topic(debug: str) -> str:
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
     """
-    return f"{debug}/layers"
+    return f"{debug}/walls"
 
 
 def wanted(debug: str, handles: str, scans: Iterable[str]) -> List[Shown]:
@@ -47,7 +53,7 @@ def wanted(debug: str, handles: str, scans: Iterable[str]) -> List[Shown]:
         scans: topics of laser scans.
     """
     return [
-        Shown("layers", MARKERS, walls_topic(debug)),
+        Shown("layers", WALLS, walls_topic(debug)),
         Shown("models", MARKERS, f"{debug}/models"),
         Shown("drag and turn", HANDLES, handles),
         *(Shown(topic.lstrip("/"), SCAN, topic) for topic in scans),

@@ -4,13 +4,13 @@ import tempfile
 from typing import Any, Dict, List, Optional
 
 import yaml
-from python_qt_binding.QtCore import QObject, Qt
+from python_qt_binding.QtCore import QObject, Qt, Signal
 from python_qt_binding.QtGui import QColor, QKeySequence
 from python_qt_binding.QtWidgets import QDockWidget, QMenu, QToolBar, QWidget, QWidgetAction
 from rviz import bindings as rviz
 
-from flatland_viz.bounds import EMPTY_WORLD, Bounds, framed, grid_around
-from flatland_viz.displays import Shown, changes
+from flatland_viz.bounds import EMPTY_WORLD, Bounds, bounds_in, framed, grid_around
+from flatland_viz.displays import WALLS, Shown, changes
 from flatland_viz.drawing import limit_anti_aliasing, render_on_change
 from flatland_viz.rviz_config import Config, for_display, for_window
 from flatland_viz.window_ids import synchronised_window_ids
@@ -28,6 +28,11 @@ class Scene(QObject):
         base: the rviz configuration to start from.
         frame_rate: how often the view is drawn [Hz].
     """
+
+    walls_changed = Signal(object)
+    """The Bounds of all walls; None if there are none."""
+    walls_progress = Signal(int)
+    """Percent of the walls that are shown."""
 
     def __init__(self, base: Config, frame_rate: int) -> None:
         super().__init__()
@@ -96,6 +101,19 @@ class Scene(QObject):
             ratio = self.panel.devicePixelRatioF()
             display.load(_rviz_config(for_display(self._base, shown, ratio)))
             self._displays[shown] = display
+            if shown.kind == WALLS:
+                self._follow_walls(display)
+
+    def _follow_walls(self, display: Any) -> None:
+        """Emits what the walls' display says of them.
+
+        The properties are kept: only referenced by slots of their own, they would be garbage to
+        Python, which would clear those slots while they are connected.
+        """
+        bounds, progress = display.subProp("Bounds"), display.subProp("Progress")
+        self._walls = (bounds, progress)
+        bounds.changed.connect(lambda: self.walls_changed.emit(bounds_in(bounds.getValue())))
+        progress.changed.connect(lambda: self.walls_progress.emit(progress.getValue()))
 
     def begin_again(self) -> None:
         """Discards everything shown of a previous run, and subscribes anew."""

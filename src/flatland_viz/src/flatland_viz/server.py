@@ -16,10 +16,8 @@ from flatland_msgs.msg import DebugTopicList, SimulationState
 from flatland_msgs.srv import ChangeRate
 from python_qt_binding.QtCore import QObject, Signal
 from std_srvs.srv import Empty
-from visualization_msgs.msg import MarkerArray
 
-from flatland_viz.bounds import bounds_of_markers
-from flatland_viz.displays import laser_scans, walls_topic
+from flatland_viz.displays import laser_scans
 from flatland_viz.error_text import error_text
 from flatland_viz.status import Simulation
 
@@ -35,8 +33,6 @@ class Server(QObject):
     """A status.Simulation, five times a second."""
     scans_changed = Signal(object)
     """The topics of all laser scans; at first also if there are none."""
-    walls_changed = Signal(object)
-    """The Bounds of all walls; None if there are none."""
     world_changed = Signal(str)
     """The path of the world's file."""
     failed = Signal(str)
@@ -58,13 +54,6 @@ class Server(QObject):
         self._subscribers = [
             rospy.Subscriber(f"{self.debug}/topics", DebugTopicList, self._on_topics),
             rospy.Subscriber(state, SimulationState, self._on_state, queue_size=1),
-            rospy.Subscriber(
-                walls_topic(self.debug),
-                _RawMarkerArray,
-                self._on_walls,
-                queue_size=1,
-                buff_size=2**24,
-            ),
         ]
         threading.Thread(target=self._poll, name="topics", daemon=True).start()
 
@@ -129,9 +118,6 @@ class Server(QObject):
     def _on_topics(self, _: DebugTopicList) -> None:
         self._poll_now.set()  # models have come or gone, perhaps with their scans
 
-    def _on_walls(self, message: "_RawMarkerArray") -> None:
-        self._emit(self.walls_changed, bounds_of_markers(message.data))
-
     def _poll(self) -> None:
         """Polls the master, which does not notify of new topics."""
         master = rosgraph.Master(rospy.get_name())
@@ -154,17 +140,6 @@ class Server(QObject):
         if world and world != self._world:
             self._world = world
             self._emit(self.world_changed, world)
-
-
-class _RawMarkerArray(MarkerArray):
-    """A MarkerArray that is not deserialized."""
-
-    __slots__ = ["data"]
-
-    def deserialize(self, buff: bytes) -> "_RawMarkerArray":
-        """Keeps the bytes."""
-        self.data = bytes(buff)
-        return self
 
 
 def _parameter(master: rosgraph.Master, name: str) -> Optional[str]:

@@ -1,7 +1,7 @@
 """The status line: hints of the tools, and the state of the simulation."""
 
 from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QLabel, QSizePolicy, QStatusBar
+from python_qt_binding.QtWidgets import QLabel, QProgressBar, QSizePolicy, QStatusBar
 
 from flatland_viz.status import Status
 
@@ -22,6 +22,10 @@ class StatusLine(QStatusBar):
         # A long hint is truncated; it must not widen the window.
         self._hint.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self.addWidget(self._hint, 1)
+        self._progress = QProgressBar(objectName="status_progress", format="walls %p %")
+        self._progress.setMaximumSize(160, self.fontMetrics().height())
+        self._progress.hide()
+        self.addPermanentWidget(self._progress)
         self._time = self._field("status_time", "simulated time", "100000.0 s")
         self._speed = self._field("status_speed", "simulated per real time", "1.00 x real time")
         self._state = self._field("status_state", "the simulation", "waiting for the server")
@@ -42,6 +46,11 @@ class StatusLine(QStatusBar):
         if status.state != self._state.text():
             self._state.setText(status.state)
             self._state.setStyleSheet(_STYLE.get(status.state, ""))
+
+    def show_progress(self, percent: int) -> None:
+        """Shows how much of the walls is drawn, until that is all."""
+        self._progress.setValue(percent)
+        self._progress.setVisible(percent < 100)
 
     def show_hint(self, hint: str) -> None:
         """Shows a hint; rviz's tools write it in rich text."""

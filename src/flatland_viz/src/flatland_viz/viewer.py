@@ -6,6 +6,7 @@ import signal
 import sys
 import time
 import traceback
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,7 @@ def _show_window(ends_server: bool) -> int:
     from flatland_viz.server import Server
     from flatland_viz.window import Window
 
+    _provide_media_export()
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     application = QApplication(["flatland_viz"])
@@ -92,8 +94,23 @@ def _show_window(ends_server: bool) -> int:
 
 def _base_config() -> Any:
     """The rviz configuration to start from."""
-    path = Path(rospkg.RosPack().get_path("flatland_viz")) / "rviz" / "flatland.rviz"
-    return yaml.safe_load(path.read_text())
+    return yaml.safe_load((_package() / "rviz" / "flatland.rviz").read_text())
+
+
+def _package() -> Path:
+    return Path(rospkg.RosPack().get_path("flatland_viz"))
+
+
+def _provide_media_export() -> None:
+    """Lets rviz find the package media_export, for which rospack would print errors.
+
+    rviz asks which packages export media to it. Debian lacks that package, which is empty anyway.
+    """
+    with suppress(rospkg.ResourceNotFound):
+        rospkg.RosPack().get_path("media_export")
+        return
+    paths = (os.environ.get("ROS_PACKAGE_PATH"), str(_package() / "ros_packages"))
+    os.environ["ROS_PACKAGE_PATH"] = os.pathsep.join(filter(None, paths))
 
 
 def _frame_rate() -> int:

@@ -56,10 +56,11 @@ class Window(QMainWindow):
         server, scene, menus = self._server, self._scene, self._menus
         server.simulation_changed.connect(self._on_simulation)
         server.scans_changed.connect(self._on_scans)
-        server.walls_changed.connect(self._on_walls)
         server.world_changed.connect(self._on_world)
         server.failed.connect(self._line.show_hint)
         scene.hints.connect(self._line.show_hint)
+        scene.walls_changed.connect(self._on_walls)
+        scene.walls_progress.connect(self._line.show_progress)
         menus.model_chosen.connect(scene.spawn)
         menus.other_model_asked.connect(self._spawn_other)
         menus.screenshot_asked.connect(self._take_screenshot)

@@ -1,48 +1,16 @@
 """The extent of a world, and the view of it."""
 
-from io import BytesIO
-
 import pytest
-from geometry_msgs.msg import Point
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker, MarkerArray
 
-from flatland_viz.bounds import Bounds, around, bounds_of_markers, framed, grid_around
-
-
-def serialized(*markers: Marker) -> bytes:
-    """A serialized message."""
-    buffer = BytesIO()
-    MarkerArray(markers=list(markers)).serialize(buffer)
-    return buffer.getvalue()
-
-
-def lines(*points, **fields) -> Marker:
-    """A marker with these points and a frame."""
-    marker = Marker(type=Marker.LINE_LIST, points=[Point(*point) for point in points], **fields)
-    marker.header.frame_id = "map"
-    return marker
+from flatland_viz.bounds import Bounds, around, bounds_in, framed, grid_around
 
 
 def test_the_bounding_box_of_walls():
-    marker = lines((1.0, 2.0, 9.0), (-3.5, 4.0, 0.0), (0.0, -0.25, -7.0))
-
-    assert bounds_of_markers(serialized(marker)) == Bounds(-3.5, -0.25, 1.0, 4.0)
+    assert bounds_in("-3.5 -0.25 1 4") == Bounds(-3.5, -0.25, 1.0, 4.0)
 
 
-def test_several_markers_with_strings_and_colours_are_read():
-    data = serialized(
-        lines((0, 0, 0), (1, 1, 0), ns="walls", colors=[ColorRGBA(1, 0, 0, 1)] * 2, text="a b"),
-        lines(ns="no points"),
-        lines((5, -6, 0), ns="é", mesh_resource="package://x/y.dae"),
-    )
-
-    assert bounds_of_markers(data) == Bounds(0, -6, 5, 1)
-
-
-@pytest.mark.parametrize("markers", [[], [lines()], [lines(), Marker(action=Marker.DELETEALL)]])
-def test_without_points_there_is_no_box(markers):
-    assert bounds_of_markers(serialized(*markers)) is None
+def test_without_walls_there_is_no_box():
+    assert bounds_in("") is None
 
 
 def test_the_bounding_box_of_boxes():

@@ -10,7 +10,7 @@ def test_all_layers_share_a_display_and_each_scan_has_one():
     shown = wanted(DEBUG, HANDLES, ["/front/scan", "/scan"])
 
     assert [(one.name, one.kind, one.topic) for one in shown] == [
-        ("layers", "rviz/MarkerArray", "/flatland_server/debug/layers"),
+        ("layers", "flatland_viz/Walls", "/flatland_server/debug/walls"),
         ("models", "rviz/MarkerArray", "/flatland_server/debug/models"),
         ("drag and turn", "rviz/InteractiveMarkers", "/interactive_model_markers/update"),
         ("front/scan", "rviz/LaserScan", "/front/scan"),
@@ -28,7 +28,7 @@ def test_a_server_in_a_namespace_has_its_own_topics():
     shown = wanted("/a/flatland_server/debug", "/a/handles", [])
 
     assert [one.topic for one in shown] == [
-        "/a/flatland_server/debug/layers",
+        "/a/flatland_server/debug/walls",
         "/a/flatland_server/debug/models",
         "/a/handles",
     ]

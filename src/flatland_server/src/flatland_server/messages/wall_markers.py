@@ -79,5 +79,5 @@ def _with_points(marker: Any, points: FloatArray) -> MarkerBytes:
     one_point = serialized([marker]).data
     begin = next(i for i, (a, b) in enumerate(zip(empty, one_point)) if a != b)
     length = struct.pack("<I", len(points))
-    data = points.astype("<f8").tobytes()
-    return MarkerBytes(1, empty[:begin] + length + data + empty[begin + 4 :])
+    data = np.ascontiguousarray(points, "<f8").data.cast("B")
+    return MarkerBytes(1, b"".join([empty[:begin], length, data, empty[begin + 4 :]]))

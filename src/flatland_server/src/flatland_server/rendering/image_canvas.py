@@ -6,7 +6,7 @@ covers.
 """
 
 from functools import lru_cache
-from typing import Any, Callable, List, Optional
+from typing import Callable, List, Optional
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -24,7 +24,10 @@ _COARSE = 2
 
 _LARGE = 1 << 17  # px
 _LABEL_OFFSET = (4, 3)  # px
-_FONT_SIZE = 14  # px
+_FONT_SIZE = 18  # px
+_PIXEL_FONT_SIZE = 11  # px
+_LABEL_COLOR = (238, 238, 236)
+_LABEL_GROUND = 200  # of 255: how far a label covers what is behind it
 _LARGEST = 1e6  # px; Pillow computes with 32 bits
 
 _Draw = Callable[[ImageDraw.ImageDraw, FloatArray, int], None]
@@ -128,7 +131,10 @@ class ImageCanvas(Canvas):
         if not -_LARGEST < x < _LARGEST or not -_LARGEST < y < _LARGEST:
             return
         place = round(x) + _LABEL_OFFSET[0], round(y) + _LABEL_OFFSET[1]
-        ImageDraw.Draw(self.image).text(place, text, fill=_rgb(color), font=_font())
+        letters = _letters(text)
+        ground = Image.new("L", letters.size, _LABEL_GROUND)
+        self.image.paste(_LABEL_COLOR, place, ground)
+        self.image.paste(_rgb(color), place, letters)
 
     def _stamp(
         self, pixels: FloatArray, grow: float, color: Rgba, draw: _Draw, *, is_fine: bool = False
@@ -160,13 +166,21 @@ class ImageCanvas(Canvas):
         self.image.paste(_rgb(color), tuple(low.tolist()), mask)
 
 
-@lru_cache(maxsize=1)
-def _font() -> Any:
-    """Pillow's own font, the same on all machines: of pixels before Pillow 10.1, now an outline."""
+@lru_cache(maxsize=256)
+def _letters(text: str) -> Image.Image:
+    """A text as a mask, in Pillow's own font, the same on all machines.
+
+    Before Pillow 10.1 that is one of pixels, which is enlarged.
+    """
     try:
-        return ImageFont.load_default(size=_FONT_SIZE)
+        font, height = ImageFont.load_default(size=_FONT_SIZE), _FONT_SIZE
     except TypeError:
-        return ImageFont.load_default()
+        font, height = ImageFont.load_default(), _PIXEL_FONT_SIZE
+    _, _, right, bottom = ImageDraw.Draw(Image.new("L", (1, 1))).textbbox((0, 0), text, font)
+    mask = Image.new("L", (max(right, 1), max(bottom, 1)))
+    ImageDraw.Draw(mask).text((0, 0), text, fill=255, font=font)
+    width, tall = (round(side * _FONT_SIZE / height) for side in mask.size)
+    return mask if height == _FONT_SIZE else mask.resize((width, tall), Image.BICUBIC)
 
 
 def _whole(width: float) -> int:

@@ -8,8 +8,11 @@ from flatland_server.canvas import Canvas, Points, Rgba
 from flatland_server.geometry import Point
 from flatland_server.rendering.view import View
 
-_LABEL_OFFSET = (4.0, 12.0)  # px; to the base line
-_FONT = 'font-family="sans-serif" font-size="11"'
+_LABEL_OFFSET = (4.0, 18.0)  # px; to the base line
+_FONT = (
+    'font-family="sans-serif" font-size="18" '
+    'stroke="#eeeeec" stroke-width="4" stroke-opacity="0.8" paint-order="stroke"'
+)
 
 
 class SvgCanvas(Canvas):

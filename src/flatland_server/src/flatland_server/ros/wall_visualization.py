@@ -1,4 +1,4 @@
-"""The walls of layers as marker arrays for rviz, on latched topics.
+"""The walls of layers on latched topics: marker arrays for rviz, and a smaller form for the window.
 
 They are serialized only for subscribers, and published again when walls are added.
 """
@@ -8,9 +8,11 @@ from typing import Callable, Dict, List, Tuple
 
 import numpy as np
 import rospy
+from flatland_msgs.msg import Walls
 from visualization_msgs.msg import MarkerArray
 
 from flatland_server.arrays import Segments
+from flatland_server.messages.layer_walls import walls_of
 from flatland_server.messages.serialized_markers import (
     LazyMarkerArray,
     MarkerBytes,
@@ -27,7 +29,8 @@ class WallVisualization:
     """Publishes the walls of all layers.
 
     For each name of a layer, `~debug/layer/<name>` has lines on the ground and
-    `~debug/layer/<name>_3d` upright rectangles. `~debug/layers` has the lines of all layers, once.
+    `~debug/layer/<name>_3d` upright rectangles. `~debug/layers` has the lines of all layers, once;
+    `~debug/walls` has the same as flatland_msgs/Walls.
 
     Args:
         layers: of the world.
@@ -39,6 +42,7 @@ class WallVisualization:
         self._frame_id = frame_id
         self._shown: Dict[str, Tuple[Layer, Segments]] = {}
         self._all = _latched("layers")
+        self._compact = rospy.Publisher("~debug/walls", Walls, queue_size=1, latch=True)
         self._flat: Dict[str, rospy.Publisher] = {}
         self._upright: Dict[str, rospy.Publisher] = {}
         self.update(layers)
@@ -72,7 +76,9 @@ class WallVisualization:
                 if name in self._upright:
                     self._upright[name].publish(upright)
         if changed or has_other_topics:
-            self._all.publish(self._of_all_layers())
+            walls = [(layer.config, layer.segments) for layer in layers]
+            self._all.publish(self._as_markers(walls))
+            self._compact.publish(walls_of(walls, self._frame_id))
         return has_other_topics
 
     def publish_again(self) -> None:
@@ -118,8 +124,7 @@ class WallVisualization:
         config, segments, frame_id = layer.config, layer.segments, self._frame_id
         return LazyMarkerArray(lambda: array_of([make(config, segments, frame_id)]))
 
-    def _of_all_layers(self) -> LazyMarkerArray:
-        walls = [(layer.config, layer.segments) for layer in self._layers]
+    def _as_markers(self, walls: List[Tuple[LayerConfig, Segments]]) -> LazyMarkerArray:
         frame_id = self._frame_id
 
         def make() -> MarkerArray:

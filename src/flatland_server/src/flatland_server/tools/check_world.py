@@ -20,9 +20,10 @@ from flatland_server.maps.map_reader import read_map
 from flatland_server.models.collision_filter_registry import AnyLayer, CollisionFilterRegistry
 from flatland_server.models.layer import LayerConfig
 from flatland_server.models.model import ModelConfig
+from flatland_server.rendering.renderer import Renderer, save
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
-from flatland_server.tools.render import render
+from flatland_server.tools.plugin_problems import plugin_problems
 
 _MAP_NAME = "map"
 """The name of the layer in which a map alone is shown."""
@@ -119,7 +120,9 @@ def check(name: str, picture: Optional[Path], model_folders: Sequence[Path] = ()
         path = to_path(name)
         world, summary = load(path, preprocessor, model_folders)
     except YamlError as error:
-        return error.lines(lambda problem: problem.with_column)
+        others = plugin_problems(path, preprocessor, model_folders)
+        every = YamlError.of([*error.problems, *others])
+        return every.lines(lambda problem: problem.with_column)
     except FlatlandError as error:
         return [f"{path}: {error}"]
     finally:
@@ -128,9 +131,9 @@ def check(name: str, picture: Optional[Path], model_folders: Sequence[Path] = ()
     problems = []
     if picture is not None:
         try:
-            render(world).save(picture)
-        except (OSError, ValueError) as error:  # ValueError: an unknown file extension
-            problems = [f"{picture}: cannot be written: {error}"]
+            save(picture, Renderer(world), names=True)
+        except FlatlandError as error:
+            problems = [str(error)]
     world.close()
     return problems
 
@@ -157,7 +160,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's arguments to a parser."""
     parser.add_argument("files", nargs="+", metavar="FILE", help="world, model or map file")
     parser.add_argument(
-        "--render", type=Path, metavar="PNG", help="draw the world as it would look at the start"
+        "--render",
+        type=Path,
+        metavar="FILE",
+        help="draw the world as it would look at the start, into a .png, .svg ...",
     )
     parser.add_argument(
         "--models",

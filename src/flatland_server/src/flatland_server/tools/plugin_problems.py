@@ -1,0 +1,73 @@
+"""What is wrong with the keys of plugins in files that have other problems, too.
+
+Plugins read their own keys when they start, for which their model must exist. Here each model is
+put into a world of its own, with the bodies that can be read and empty ones instead of the others.
+"""
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Dict, List, Sequence
+
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import FlatlandError, Problem, YamlError
+from flatland_server.geometry import Pose
+from flatland_server.models.collision_filter_registry import AnyLayer
+from flatland_server.models.model import ModelConfig
+from flatland_server.models.model_body import BodyConfig
+from flatland_server.models.plugin_config import PluginConfig
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+
+
+def plugin_problems(
+    path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Path] = ()
+) -> List[Problem]:
+    """The problems of the plugins of a model, or of all models of a world.
+
+    Args:
+        path: of the world or model file.
+        preprocessor: for its expressions.
+        model_folders: where models are looked up that are not beside the world file.
+    """
+    problems: List[Problem] = []
+    with suppress(FlatlandError):
+        reader = YamlReader.from_file(path, preprocessor)
+        if reader.has("bodies"):
+            return _problems_of_model(reader)
+        files: Dict[Path, None] = {}
+
+        def read_entry(entry: YamlReader) -> None:
+            if entry.is_map("model"):
+                problems.extend(_problems_of_model(entry.get_section("model")))
+            else:
+                files[entry.get_path("model", model_folders)] = None
+
+        reader.get_sections("models", read_entry)
+        for file in files:
+            with suppress(FlatlandError):
+                problems += _problems_of_model(YamlReader.from_file(file, preprocessor))
+    return problems
+
+
+def _problems_of_model(reader: YamlReader) -> List[Problem]:
+    registry = AnyLayer()
+
+    def read_body(section: YamlReader) -> BodyConfig:
+        name = section.get_string("name")
+        try:
+            return BodyConfig.read(section, registry)
+        except YamlError:
+            return BodyConfig(name, Pose(), "dynamic", (1.0, 1.0, 1.0, 1.0), 0.0, 0.0, ())
+
+    bodies = reader.get_enabled_sections("bodies", read_body)
+    plugins = reader.get_enabled_sections("plugins", PluginConfig.read)
+    model = ModelConfig(reader.file, tuple(bodies), (), tuple(plugins), is_read=True)
+    entry = ModelEntry(reader.file.name.split(".")[0], "", Pose(), model)
+    try:
+        World(WorldConfig(10, 10, registry, (), (entry,), ())).close()
+    except YamlError as error:
+        return list(error.problems)
+    except FlatlandError:  # the bodies do not make a model
+        return []
+    return []

@@ -1,0 +1,70 @@
+#include "wall_lines.hpp"
+
+#include <OgreCamera.h>
+#include <OgreHardwareBufferManager.h>
+#include <OgreMaterialManager.h>
+#include <OgreNode.h>
+#include <OgrePass.h>
+#include <OgreResourceGroupManager.h>
+#include <OgreTechnique.h>
+
+#include <string>
+
+namespace flatland_viz {
+
+WallLines::WallLines(const float* ends, std::size_t count, const Ogre::MaterialPtr& material) {
+  Ogre::VertexDeclaration& declaration = *vertices_.vertexDeclaration;
+  declaration.addElement(0, 0, Ogre::VET_FLOAT2, Ogre::VES_POSITION);
+  const Ogre::HardwareVertexBufferSharedPtr buffer =
+      Ogre::HardwareBufferManager::getSingleton().createVertexBuffer(
+          declaration.getVertexSize(0), count, Ogre::HardwareBuffer::HBU_STATIC_WRITE_ONLY);
+  buffer->writeData(0, buffer->getSizeInBytes(), ends, true);
+  vertices_.vertexBufferBinding->setBinding(0, buffer);
+  vertices_.vertexCount = count;
+  mRenderOp.vertexData = &vertices_;
+  mRenderOp.operationType = Ogre::RenderOperation::OT_LINE_LIST;
+  mRenderOp.useIndexes = false;
+  Ogre::AxisAlignedBox box;
+  for (std::size_t i = 0; i < count; ++i) {
+    box.merge(Ogre::Vector3(ends[2 * i], ends[2 * i + 1], 0.0f));
+  }
+  setBoundingBox(box);
+  setMaterial(material);
+}
+
+WallLines::~WallLines() { mRenderOp.vertexData = nullptr; }
+
+Ogre::Real WallLines::getBoundingRadius() const {
+  return Ogre::Math::boundingRadiusFromAABB(getBoundingBox());
+}
+
+Ogre::Real WallLines::getSquaredViewDepth(const Ogre::Camera* camera) const {
+  const Ogre::Vector3 center = getParentNode()->_getFullTransform() * getBoundingBox().getCenter();
+  return (camera->getDerivedPosition() - center).squaredLength();
+}
+
+Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color) {
+  static int count = 0;
+  const Ogre::MaterialPtr material = Ogre::MaterialManager::getSingleton().create(
+      "flatland_viz/lines/" + std::to_string(++count),
+      Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
+  material->setReceiveShadows(false);
+  // The colour of a surface that shines and reflects nothing does not depend on the light.
+  material->setLightingEnabled(true);
+  material->setAmbient(Ogre::ColourValue::Black);
+  material->setDiffuse(Ogre::ColourValue(0.0f, 0.0f, 0.0f, color.a));
+  material->setSelfIllumination(color);
+  if (color.a < 0.9998f) {
+    material->setSceneBlending(Ogre::SBT_TRANSPARENT_ALPHA);
+    material->setDepthWriteEnabled(false);
+  }
+  return material;
+}
+
+void SetLineWidth(Ogre::Material& material, float width) {
+  for (Ogre::Technique* technique : material.getTechniques()) {
+    for (Ogre::Pass* pass : technique->getPasses()) pass->setLineWidth(width);
+  }
+}
+
+}  // namespace flatland_viz

@@ -1,0 +1,36 @@
+#pragma once
+
+/// Lines in one static vertex buffer, of a width in pixels.
+
+#include <OgreMaterial.h>
+#include <OgreSimpleRenderable.h>
+
+#include <cstddef>
+
+namespace flatland_viz {
+
+/// Lines on the ground that are made once. A line takes 16 bytes; rviz's own take hundreds, and are
+/// computed anew when the camera moves.
+class WallLines : public Ogre::SimpleRenderable {
+ public:
+  /// @param ends  x, y of both ends of each line [m]; may be discarded afterwards
+  /// @param count  number of ends, at least 2
+  /// @param material  has the colour, and the lines' width
+  WallLines(const float* ends, std::size_t count, const Ogre::MaterialPtr& material);
+  ~WallLines() override;
+
+  Ogre::Real getBoundingRadius() const override;
+  Ogre::Real getSquaredViewDepth(const Ogre::Camera* camera) const override;
+
+ private:
+  Ogre::VertexData vertices_;
+};
+
+/// A material of one colour, whatever the light, for `WallLines`. Remove it from the
+/// MaterialManager.
+Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color);
+
+/// Sets the width of all lines with a material [px].
+void SetLineWidth(Ogre::Material& material, float width);
+
+}  // namespace flatland_viz

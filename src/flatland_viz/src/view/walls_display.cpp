@@ -1,0 +1,189 @@
+#include "walls_display.hpp"
+
+#include <OgreCamera.h>
+#include <OgreMaterialManager.h>
+#include <OgreSceneManager.h>
+#include <OgreSceneNode.h>
+#include <OgreViewport.h>
+#include <rviz/display_context.h>
+#include <rviz/frame_manager.h>
+#include <rviz/properties/ros_topic_property.h>
+#include <rviz/render_panel.h>
+#include <rviz/view_manager.h>
+
+#include <algorithm>
+#include <cmath>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "wall_lines.hpp"
+
+namespace flatland_viz {
+namespace {
+
+constexpr std::size_t kNumbers = 4;                 // x1, y1, x2, y2 of a segment
+constexpr std::size_t kSegmentsPerBuffer = 8192;    // Neighbours in the list are neighbours on the
+                                                    // map: buffers out of sight are left out.
+constexpr std::size_t kSegmentsPerUpdate = 500000;  // takes some 30 ms
+constexpr float kWidth = 0.05f;                     // m
+constexpr float kWidest = 8.0f;                     // px
+
+/// The bounding box of all walls, as numbers in a string; empty if there are none.
+QString BoundsOf(const flatland_msgs::Walls& walls) {
+  float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (const flatland_msgs::LayerWalls& layer : walls.layers) {
+    for (std::size_t i = 0; i < layer.segments.size(); ++i) {
+      low[i % 2] = std::min(low[i % 2], layer.segments[i]);
+      high[i % 2] = std::max(high[i % 2], layer.segments[i]);
+    }
+  }
+  if (!(low[0] <= high[0])) return QString();
+  return QString("%1 %2 %3 %4").arg(low[0]).arg(low[1]).arg(high[0]).arg(high[1]);
+}
+
+/// The scale of a view from above [px/m]; 0 for other views.
+float PixelsPerMetre(const rviz::RenderPanel& panel) {
+  const Ogre::Camera* camera = panel.getCamera();
+  if (!camera || camera->getProjectionType() != Ogre::PT_ORTHOGRAPHIC) return 0.0f;
+  // The view is 2 wide in clip coordinates, in which a metre across is this long.
+  const float metre = std::abs(camera->getProjectionMatrix()[0][0]);
+  return metre / 2.0f * static_cast<float>(panel.getViewport()->getActualWidth());
+}
+
+}  // namespace
+
+struct WallsDisplay::Layer {
+  Layer(const std_msgs::ColorRGBA& color, Ogre::SceneNode* parent)
+      : node(parent->createChildSceneNode()),
+        material(MakeLineMaterial(Ogre::ColourValue(color.r, color.g, color.b, color.a))) {}
+
+  ~Layer() {
+    lines.clear();
+    node->getCreator()->destroySceneNode(node);
+    Ogre::MaterialManager::getSingleton().remove(material);
+  }
+
+  Ogre::SceneNode* node;
+  Ogre::MaterialPtr material;
+  std::vector<std::unique_ptr<WallLines>> lines;
+};
+
+WallsDisplay::WallsDisplay()
+    : topic_(new rviz::RosTopicProperty(
+          "Topic", "", ros::message_traits::datatype<flatland_msgs::Walls>(),
+          "A topic with the walls of all layers.", this, SLOT(Resubscribe()), this)),
+      progress_(new rviz::Property("Progress", 100, "Percent of the walls that are shown.", this)),
+      bounds_(new rviz::Property("Bounds", "", "Least x and y, greatest x and y [m].", this)) {
+  for (rviz::Property* property : {progress_, bounds_}) {
+    property->setReadOnly(true);
+    property->setShouldBeSaved(false);
+  }
+}
+
+WallsDisplay::~WallsDisplay() { subscriber_.shutdown(); }
+
+void WallsDisplay::onEnable() { Resubscribe(); }
+
+void WallsDisplay::onDisable() {
+  subscriber_.shutdown();
+  reset();
+}
+
+void WallsDisplay::Resubscribe() {
+  subscriber_.shutdown();
+  reset();
+  if (!isEnabled() || topic_->getTopicStd().empty()) return;
+  try {
+    subscriber_ = threaded_nh_.subscribe(topic_->getTopicStd(), 1, &WallsDisplay::Receive, this);
+    setStatus(rviz::StatusProperty::Ok, "Topic", "OK");
+  } catch (const ros::Exception& error) {
+    setStatus(rviz::StatusProperty::Error, "Topic", error.what());
+  }
+}
+
+void WallsDisplay::reset() {
+  Display::reset();
+  std::lock_guard<std::mutex> lock(mutex_);
+  received_.reset();
+  showing_.reset();
+  layers_.clear();
+}
+
+/// On rviz's second thread.
+void WallsDisplay::Receive(const flatland_msgs::Walls::ConstPtr& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  received_ = message;
+}
+
+void WallsDisplay::update(float, float) {
+  flatland_msgs::Walls::ConstPtr received;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    received.swap(received_);
+  }
+  if (received) BeginShowing(received);
+  if (showing_) ShowMore();
+  if (!layers_.empty()) Place();
+}
+
+void WallsDisplay::BeginShowing(const flatland_msgs::Walls::ConstPtr& message) {
+  layers_.clear();
+  showing_ = message;
+  next_layer_ = next_number_ = 0;
+  frame_ = QString::fromStdString(message->header.frame_id);
+  for (const flatland_msgs::LayerWalls& walls : message->layers) {
+    layers_.push_back(std::make_unique<Layer>(walls.color, getSceneNode()));
+  }
+  bounds_->setValue(BoundsOf(*message));
+}
+
+/// Puts the next portion of the message into buffers.
+void WallsDisplay::ShowMore() {
+  std::size_t budget = kSegmentsPerUpdate;
+  for (; next_layer_ < showing_->layers.size(); ++next_layer_, next_number_ = 0) {
+    const flatland_msgs::LayerWalls& walls = showing_->layers[next_layer_];
+    Layer& layer = *layers_[next_layer_];
+    const std::size_t numbers = walls.segments.size() / kNumbers * kNumbers;
+    while (next_number_ < numbers) {
+      if (budget == 0) {
+        progress_->setValue(static_cast<int>(100 * next_number_ / numbers));
+        return;
+      }
+      const std::size_t count = std::min(numbers - next_number_, kNumbers * kSegmentsPerBuffer);
+      layer.lines.push_back(
+          std::make_unique<WallLines>(&walls.segments[next_number_], count / 2, layer.material));
+      layer.node->attachObject(layer.lines.back().get());
+      next_number_ += count;
+      budget -= std::min(budget, count / kNumbers);
+    }
+  }
+  showing_.reset();
+  progress_->setValue(100);
+}
+
+/// Moves the walls to where their frame is now, and gives them a width in pixels.
+void WallsDisplay::Place() {
+  Ogre::Vector3 position = Ogre::Vector3::ZERO;
+  Ogre::Quaternion orientation = Ogre::Quaternion::IDENTITY;
+  const bool is_known =
+      frame_ == fixed_frame_ || context_->getFrameManager()->getTransform(
+                                    frame_.toStdString(), ros::Time(), position, orientation);
+  if (is_known) {
+    setStatus(rviz::StatusProperty::Ok, "Transform", "OK");
+  } else {
+    setStatus(rviz::StatusProperty::Error, "Transform",
+              QString("no transform from %1 to %2").arg(frame_, fixed_frame_));
+  }
+  const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
+  const float pixel = static_cast<float>(panel.devicePixelRatioF());
+  const float width = std::min(std::max(kWidth * PixelsPerMetre(panel), pixel), kWidest * pixel);
+  getSceneNode()->setPosition(position);
+  getSceneNode()->setOrientation(orientation);
+  for (const auto& layer : layers_) {
+    layer->node->setVisible(is_known);
+    SetLineWidth(*layer->material, width);
+  }
+}
+
+}  // namespace flatland_viz
+
+PLUGINLIB_EXPORT_CLASS(flatland_viz::WallsDisplay, rviz::Display)

@@ -1,0 +1,66 @@
+#pragma once
+
+/// An rviz display for walls: millions of lines that hardly ever change.
+
+#include <OgreMaterial.h>
+#include <flatland_msgs/Walls.h>
+#include <ros/subscriber.h>
+#include <rviz/display.h>
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace rviz {
+class Property;
+class RosTopicProperty;
+}  // namespace rviz
+
+namespace flatland_viz {
+
+class WallLines;
+
+/// Shows the walls of all layers, from a topic with flatland_msgs/Walls.
+///
+/// A line is 5 cm wide, but at least a pixel, so that it is visible from afar. Messages are
+/// received on rviz's second thread, and put into buffers in portions: the view stays usable
+/// meanwhile.
+class WallsDisplay : public rviz::Display {
+  Q_OBJECT
+ public:
+  WallsDisplay();
+  ~WallsDisplay() override;
+
+  void update(float wall_dt, float ros_dt) override;
+  void reset() override;
+
+ protected:
+  void onEnable() override;
+  void onDisable() override;
+
+ private Q_SLOTS:
+  void Resubscribe();
+
+ private:
+  /// The walls of a layer that are shown.
+  struct Layer;
+
+  void Receive(const flatland_msgs::Walls::ConstPtr& message);
+  void BeginShowing(const flatland_msgs::Walls::ConstPtr& message);
+  void ShowMore();
+  void Place();
+
+  rviz::RosTopicProperty* topic_;
+  rviz::Property* progress_;  // percent of the walls that are shown
+  rviz::Property* bounds_;    // "min_x min_y max_x max_y" of the walls [m]; empty without walls
+  ros::Subscriber subscriber_;
+  std::mutex mutex_;
+  flatland_msgs::Walls::ConstPtr received_;  // guarded by mutex_
+  flatland_msgs::Walls::ConstPtr showing_;   // until all of it is in layers_
+  std::size_t next_layer_ = 0;               // of showing_
+  std::size_t next_number_ = 0;              // of that layer's segments
+  QString frame_;                            // of the walls
+  std::vector<std::unique_ptr<Layer>> layers_;
+};
+
+}  // namespace flatland_viz
