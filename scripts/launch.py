@@ -89,8 +89,9 @@ class Output:
 def problem(words):
     """Why a launch with these arguments is refused; None if there is no reason."""
     try:
-        launch = Path(rospkg.RosPack().get_path(SERVER), "launch", "server.launch")
-        check_launch_arguments([launch], words)
+        files = [Path(word) for word in words if word.endswith(".launch") and "/" in word]
+        server = Path(rospkg.RosPack().get_path(SERVER), "launch", "server.launch")
+        check_launch_arguments(files or [server], words)
     except FlatlandError as error:
         return str(error)
     parser = argparse.ArgumentParser(add_help=False)

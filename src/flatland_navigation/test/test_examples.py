@@ -104,12 +104,20 @@ def test_a_folder_starts_its_launch_file(run):
     launch.wait_until(lambda: "/fleet" in launch.nodes(), "the fleet")
 
 
-def test_a_folder_without_a_launch_file_is_refused():
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["docs"], "expected one launch file in"),
+        (["examples/navigation", "robot:=2"], 'no argument "robot" (did you mean "robots"?)'),
+    ],
+)
+def test_wrong_arguments_are_refused(arguments, expected):
     result = subprocess.run(
-        [str(ROOT / "scripts" / "run"), str(ROOT / "docs")],
+        [str(ROOT / "scripts" / "run"), *arguments],
+        cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
     )
     assert result.returncode != 0
-    assert "expected one launch file in" in result.stdout
+    assert expected in result.stdout
