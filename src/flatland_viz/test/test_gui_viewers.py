@@ -115,6 +115,8 @@ class Viewer:
             for model in yaml.safe_load((office / "world.yaml").read_text())["models"][1:]
         ]
         self.view = self._look_closer()
+        self.move_beside()
+        self._no_handle = self.hint(2.0)
 
     def close(self):
         for program in reversed(self._programs):
@@ -123,23 +125,31 @@ class Viewer:
     def picture(self, name):
         return self.screen.picture(f"{self.kind}_{name}")
 
-    def hint(self):
-        """The pixels of the line with rviz's hint for the mouse, which it updates with a frame."""
+    def hint(self, seconds):
+        """The line with rviz's hint for the mouse, once it has been the same for some time [s]."""
         shell = self.screen.xdotool("getwindowgeometry", "--shell", self.window)
         place = {key: int(value) for key, value in (word.split("=") for word in shell)}
         bottom, left = place["Y"] + place["HEIGHT"], place["X"] + 75
         line = slice(bottom - 28, bottom - 6), slice(left, left + 500)
-        return self.screen.settled(lambda: self.picture("hint")[line], 2.5 / self.ros.frame_rate)
+        return self.screen.settled(lambda: self.picture("hint")[line], seconds)
 
-    def take_hold(self, pixel):
-        """Moves the mouse onto a handle, and waits until rviz shows its hint."""
+    def move_beside(self):
+        """Moves the mouse into an empty corner of the view."""
         self.screen.focus(self.window)
         self.screen.move((self.view.columns.stop - 12, self.view.rows.stop - 12))
-        beside = self.hint()
+
+    def take_hold(self, pixel):
+        """Moves the mouse onto a handle, and waits until rviz shows its hint.
+
+        A hint stays until the next frame; so that of the handle before must be gone first.
+        """
+        frames = 2.5 / self.ros.frame_rate
+        self.move_beside()
+        self.waiting(lambda: np.array_equal(self.hint(0.0), self._no_handle), "no hint", 20)
 
         def is_found():
             self.screen.move(pixel)
-            return (self.hint() != beside).any()
+            return not np.array_equal(self.hint(frames), self._no_handle)
 
         self.waiting(is_found, "the handle under the mouse", 20)
 
@@ -194,8 +204,7 @@ class Viewer:
 
     def press(self, key):
         """A key, with the mouse in an empty corner of the view."""
-        self.screen.focus(self.window)
-        self.screen.move((self.view.columns.stop - 12, self.view.rows.stop - 12))
+        self.move_beside()
         self.screen.key(key)
 
     def open_spawn_dialog(self, file=None):

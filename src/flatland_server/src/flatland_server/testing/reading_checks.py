@@ -58,8 +58,5 @@ class _Reading:
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Reading) and self._bits == other._bits
 
-    def __hash__(self) -> int:
-        return hash(self._bits)
-
     def __str__(self) -> str:
         return repr(self._value)
