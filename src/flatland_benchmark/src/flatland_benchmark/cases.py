@@ -11,6 +11,7 @@ from flatland_benchmark.map_cases import MAP_CASES
 from flatland_benchmark.ray_cases import RAY_CASES
 from flatland_benchmark.robot_cases import ROBOT_CASES
 from flatland_benchmark.server_cases import SERVER_CASES
+from flatland_benchmark.window_cases import WINDOW_CASES
 
 CASES: Dict[str, Case] = {
     case.name: case
@@ -21,6 +22,7 @@ CASES: Dict[str, Case] = {
         *LIBRARY_CASES,
         *BATCH_CASES,
         *SERVER_CASES,
+        *WINDOW_CASES,
         *CONTACT_CASES,
         *MAP_CASES,
     )

@@ -9,7 +9,7 @@ import time
 import xmlrpc.client
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Dict, List, NamedTuple, Optional, Set, Type
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Type
 
 import yaml
 
@@ -102,16 +102,25 @@ class ServerProcess:
         world_file: the world that is run.
         update_rate: steps per second of real time.
         rosout: whether rosout runs, as under roslaunch. It subscribes to /clock.
+        parameters: further arguments of the node.
+        limit: how long waiting for something may take, such as the start of the server [s].
     """
 
     STEP_SIZE = 0.005
 
     def __init__(
-        self, world_file: Path, update_rate: float = float("inf"), rosout: bool = True
+        self,
+        world_file: Path,
+        update_rate: float = float("inf"),
+        rosout: bool = True,
+        parameters: Sequence[str] = (),
+        limit: float = 60.0,
     ) -> None:
         self._world_file = world_file
         self._update_rate = update_rate
         self._rosout = rosout
+        self._parameters = parameters
+        self._limit = limit
         self._folder = tempfile.TemporaryDirectory(prefix="flatland_benchmark_")
         self._processes: List[Process] = []
         port = free_port()
@@ -158,6 +167,7 @@ class ServerProcess:
                 f"_world_path:={self._world_file}",
                 f"_update_rate:={self._update_rate}",
                 f"_step_size:={self.STEP_SIZE}",
+                *self._parameters,
             ],
         )
         started = time.monotonic()
@@ -193,13 +203,13 @@ class ServerProcess:
         process.end()
         self._processes.remove(process)
 
-    def wait_until(self, holds: Any, what: str, limit: float = 60.0) -> Any:
+    def wait_until(self, holds: Any, what: str, limit: Optional[float] = None) -> Any:
         """The first true value of `holds()`.
 
         Raises:
             FlatlandError: it takes too long, or a process has ended; the text has their output.
         """
-        return wait_until(holds, what, self._processes, limit)
+        return wait_until(holds, what, self._processes, limit or self._limit)
 
     def subscribers(self, topic: str) -> Set[str]:
         """The nodes that have subscribed to a topic."""

@@ -20,6 +20,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -95,7 +96,10 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   Body AddBody(const BodySettings& settings);
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
-  Body AddLayer(const std::vector<Segment>& walls, LayerBits layers);
+  ///
+  /// @param progress  called with the number of walls added so far, every 50,000 and at the end
+  Body AddLayer(const std::vector<Segment>& walls, LayerBits layers,
+                const std::function<void(std::size_t added)>& progress = {});
   /// Also removes its fixtures, joints, drives, tweens and lidars.
   void RemoveBody(Body body);
   /// Whether the body still exists.

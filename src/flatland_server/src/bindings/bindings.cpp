@@ -103,10 +103,13 @@ void BindWorld(py::module_& m) {
            py::arg("velocity_iterations") = 10, py::arg("position_iterations") = 10)
       .def(
           "add_layer",
-          [](PyWorld& self, const Doubles& segments, LayerBits layers) {
-            return PyBody{self.world, self.world->AddLayer(ToSegments(segments), layers)};
+          [](PyWorld& self, const Doubles& segments, LayerBits layers,
+             const std::optional<py::function>& progress) {
+            std::function<void(std::size_t)> report;
+            if (progress) report = [&](std::size_t added) { (*progress)(added); };
+            return PyBody{self.world, self.world->AddLayer(ToSegments(segments), layers, report)};
           },
-          py::arg("segments"), py::arg("layers"))
+          py::arg("segments"), py::arg("layers"), py::arg("progress") = py::none())
       .def(
           "add_body",
           [](PyWorld& self, const std::string& type, const Triple& pose, double linear_damping,

@@ -6,6 +6,11 @@
 #include "to_box2d.hpp"
 
 namespace flatland {
+namespace {
+
+constexpr std::size_t kProgressStep = 50000;  // walls between two reports of progress
+
+}  // namespace
 
 b2Body& World::Find(Body body) const {
   RequireAccess();
@@ -36,7 +41,8 @@ World::Body World::AddBody(const BodySettings& settings) {
   return AddRecord(std::move(record));
 }
 
-World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers) {
+World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers,
+                            const std::function<void(std::size_t added)>& progress) {
   for (const Segment& wall : walls) {
     RequirePosition(wall.a);
     RequirePosition(wall.b);
@@ -57,6 +63,8 @@ World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers)
     fixture.shape = &edge;
     fixture.userData.pointer = record.fixtures.size();
     record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
+    const std::size_t added = record.fixtures.size();
+    if (progress && (added % kProgressStep == 0 || added == walls.size())) progress(added);
   }
   layers_.push_back({VisibleWalls::Share(walls), layers});
   const bool has_layers_alone = body_count() == static_cast<int>(layers_.size());

@@ -41,12 +41,19 @@ class World(metaclass=_Metaclass):
     """
 
     def __init__(self, velocity_iterations: int = 10, position_iterations: int = 10) -> None: ...
-    def add_layer(self, segments: Segments, layers: int) -> Body:
+    def add_layer(
+        self,
+        segments: Segments,
+        layers: int,
+        progress: Callable[[int], None] | None = None,
+    ) -> Body:
         """Adds a static body of two-sided walls, one fixture each. It cannot be moved or removed.
 
         Args:
             segments: shape (n, 4), rows of x1, y1, x2, y2 [m].
             layers: bits of the collision layers of all walls.
+            progress: called with the number of walls added so far, every 50,000 and at the end. It
+                must not use the world.
         """
     def add_body(
         self,

@@ -15,6 +15,7 @@ import rospy
 from flatland_msgs.msg import DebugTopicList, SimulationState
 from flatland_msgs.srv import ChangeRate
 from python_qt_binding.QtCore import QObject, Signal
+from std_msgs.msg import UInt8
 from std_srvs.srv import Empty
 
 from flatland_viz.displays import laser_scans
@@ -35,6 +36,8 @@ class Server(QObject):
     """The topics of all laser scans; at first also if there are none."""
     world_changed = Signal(str)
     """The path of the world's file."""
+    loading_changed = Signal(int)
+    """Percent of a large world that the server has loaded."""
     failed = Signal(str)
     """The error of a service call."""
 
@@ -54,6 +57,7 @@ class Server(QObject):
         self._subscribers = [
             rospy.Subscriber(f"{self.debug}/topics", DebugTopicList, self._on_topics),
             rospy.Subscriber(state, SimulationState, self._on_state, queue_size=1),
+            rospy.Subscriber(rospy.resolve_name(f"{_SERVER}/loading"), UInt8, self._on_loading),
         ]
         threading.Thread(target=self._poll, name="topics", daemon=True).start()
 
@@ -114,6 +118,9 @@ class Server(QObject):
                 message.stamp.to_sec(), message.paused, message.rate, message.real_time_factor
             ),
         )
+
+    def _on_loading(self, message: UInt8) -> None:
+        self._emit(self.loading_changed, message.data)
 
     def _on_topics(self, _: DebugTopicList) -> None:
         self._poll_now.set()  # models have come or gone, perhaps with their scans

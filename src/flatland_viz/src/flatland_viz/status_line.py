@@ -22,7 +22,7 @@ class StatusLine(QStatusBar):
         # A long hint is truncated; it must not widen the window.
         self._hint.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self.addWidget(self._hint, 1)
-        self._progress = QProgressBar(objectName="status_progress", format="walls %p %")
+        self._progress = QProgressBar(objectName="status_progress")
         self._progress.setMaximumSize(160, self.fontMetrics().height())
         self._progress.hide()
         self.addPermanentWidget(self._progress)
@@ -47,8 +47,9 @@ class StatusLine(QStatusBar):
             self._state.setText(status.state)
             self._state.setStyleSheet(_STYLE.get(status.state, ""))
 
-    def show_progress(self, percent: int) -> None:
-        """Shows how much of the walls is drawn, until that is all."""
+    def show_progress(self, what: str, percent: int) -> None:
+        """Shows how much of something is loaded or drawn, until that is all."""
+        self._progress.setFormat(f"{what} %p %")
         self._progress.setValue(percent)
         self._progress.setVisible(percent < 100)
 

@@ -6,7 +6,7 @@ A layer without a map has no walls: it is a collision layer for footprints.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import List, Optional, Tuple
+from typing import Callable, List, Optional, Tuple
 
 import numpy as np
 
@@ -85,17 +85,23 @@ class Layer(Entity):
         segments: its walls in the world [m]: shape (n, 4), x1, y1, x2, y2.
         physics: the physical world that it is added to.
         entities: the entities of that world; the layer adds itself.
+        progress: called with the number of walls added so far, now and then.
     """
 
     def __init__(
-        self, config: LayerConfig, segments: Segments, physics: _core.World, entities: Entities
+        self,
+        config: LayerConfig,
+        segments: Segments,
+        physics: _core.World,
+        entities: Entities,
+        progress: Optional[Callable[[int], None]] = None,
     ) -> None:
         self.config = config
         self._physics = physics
         self._entities = entities
         self._bodies: List[_core.Body] = []
         self._segments: Segments = np.empty((0, 4))
-        self.add_walls(segments)
+        self._add(segments, progress)
 
     @property
     def name(self) -> str:
@@ -123,9 +129,12 @@ class Layer(Entity):
         Raises:
             ValueError: a segment is not finite, or of no length.
         """
+        self._add(segments)
+
+    def _add(self, segments: Segments, progress: Optional[Callable[[int], None]] = None) -> None:
         if len(segments) == 0:
             return
-        body = self._physics.add_layer(segments, self.config.bits)
+        body = self._physics.add_layer(segments, self.config.bits, progress)
         self._bodies.append(body)
         self._entities.add(self, [body])
         self._segments = np.concatenate([self._segments, segments])

@@ -16,6 +16,7 @@ from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
+from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
 from flatland_server.ros.map_to_odom import MapToOdom
 from flatland_server.ros.ros_transport import RosTransport
@@ -77,6 +78,7 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
     shutdown = Shutdown()
     transport = RosTransport(rospy_patches.install(config.rospy_patches))
     shutdown.transport = transport
+    LoadingPublisher()
     with transport.rospy_calls.batch_registration():
         world = World.from_file(
             config.world_path,

@@ -38,6 +38,7 @@ from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.plugins.plugin_manager import FailureHandler, PluginFailure, PluginManager
 from flatland_server.simulation.additions import Additions
 from flatland_server.simulation.deferred_actions import DeferredActions
+from flatland_server.simulation.load_progress import LoadProgress
 from flatland_server.simulation.restartable import Restartable
 from flatland_server.simulation.stepping import Stepping
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
@@ -103,9 +104,7 @@ class World(Restartable, Stepping):
         self._additions = Additions()
         self._is_starting = True
         try:
-            for layer in config.layers:
-                walls = config.walls_of(layer)
-                self.layers.append(Layer(layer, walls, self.physics, self.entities))
+            self._add_layers(config)
             problems: List[Problem] = []
             for entry in config.models:
                 try:
@@ -119,6 +118,13 @@ class World(Restartable, Stepping):
             self.close()
             raise
         self._is_starting = False
+
+    def _add_layers(self, config: WorldConfig) -> None:
+        progress = LoadProgress(sum(len(config.walls_of(layer)) for layer in config.layers))
+        for layer in config.layers:
+            walls = config.walls_of(layer)
+            self.layers.append(Layer(layer, walls, self.physics, self.entities, progress.update))
+            progress.layer_is_complete(len(walls))
 
     @classmethod
     def from_file(
