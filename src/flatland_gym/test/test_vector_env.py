@@ -1,6 +1,7 @@
 """The vector environment: what SyncVectorEnv gives for single ones, bit for bit."""
 
 import copy
+import functools
 
 import gymnasium as gym
 import numpy as np
@@ -8,9 +9,11 @@ import pytest
 from environments import assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from flatland_gym import SCENARIOS, NavigationSettings
 from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
-from flatland_server import UsageError
+from flatland_gym.navigation_world import NavigationWorld
+from flatland_server import UsageError, world_content
 
 pytestmark = pytest.mark.slow
 
@@ -79,6 +82,61 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     vector = make_vector(3, autoreset_mode="SameStep", threads=2, **arguments)
 
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
+
+
+def with_plugins_in_python():
+    """A room in which a person walks, and walls are added that differ from episode to episode."""
+    room = world_content(SCENARIOS["empty_room"].world)
+    person = {"pose": [-3, 2, 0], "goals": [[3, 2], [-3, -2]]}
+    walls = {"layer": "walls", "robot_name": "robot", "num_of_walls": 2, "wall_wall_dist": 0.6}
+    room["plugins"] = [
+        {"type": "Crowd", "name": "person", "update_rate": 20, "pedestrians": [person]},
+        {"type": "RandomWall", "name": "more", **walls},
+    ]
+    return room
+
+
+@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
+def test_plugins_that_run_in_python_make_no_difference(mode):
+    arguments = {**CROWDED, "world": with_plugins_in_python()}
+    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode=mode)
+    expected, _ = drive(single, mode, 60)
+
+    for threads in (1, 2, 4):
+        vector = make_vector(3, threads=threads, autoreset_mode=mode, **arguments)
+        assert_same(expected, drive(vector.unwrapped, mode, 60)[0])
+
+
+def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch):
+    """In each mode, with 1, 2 and 4 threads; over an end and the reset that follows it."""
+    arguments = {"world": "empty_room", "beams": 4, "time_limit": 0.1, "goal_distance": (0.4, 1.2)}
+    world = NavigationWorld.load("empty_room", NavigationSettings(**arguments))
+    monkeypatch.setattr(NavigationWorld, "load", lambda *_: world)  # its files are read once
+    singles = [make(**arguments) for _ in range(1024)]
+    for mode in [mode.value for mode in AutoresetMode]:
+        one_by_one = SyncVectorEnv(
+            [functools.partial(lambda env: env, env) for env in singles], autoreset_mode=mode
+        )
+        expected = few_steps(one_by_one, mode)
+        for threads in (1, 2, 4):
+            vector = make_vector(1024, threads=threads, autoreset_mode=mode, **arguments)
+            assert_same(expected, few_steps(vector.unwrapped, mode))
+            vector.close()
+    for env in singles:
+        env.close()
+
+
+def few_steps(env, mode):
+    """What an environment returns in three steps; all episodes end after two of them."""
+    rng = np.random.default_rng(5)
+    results = [env.reset(seed=11)]
+    for _ in range(3):
+        results.append(env.step(rng.uniform(-1, 1, env.action_space.shape).astype(np.float32)))
+        ended = results[-1][2] | results[-1][3]
+        if mode == "Disabled" and ended.any():
+            results.append(env.reset(options={"reset_mask": ended}))
+    assert results[2][3].all()
+    return copy.deepcopy(results)
 
 
 @pytest.mark.parametrize(("world", "count"), [("discs", 64), ("empty_room", 1024)])

@@ -1,6 +1,7 @@
 """Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
 
 import inspect
+import math
 import os
 from pathlib import Path
 from types import TracebackType
@@ -21,7 +22,7 @@ from flatland_server.library.batch_arguments import (
 )
 from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.batch_robot import find_robot, require_passive
-from flatland_server.library.free_space import FreeSpace, discs_of
+from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.world_source import WorldSource, open_world
 from flatland_server.plugins.core_parts import RangeNoise
@@ -281,7 +282,16 @@ class SimulationBatch:
             robot = self._robot.model
             others = [each for each in self._world.models.values() if each is not robot]
             discs = discs_of((each.pose, each.radius) for each in others)
-            self._spaces[clearance] = FreeSpace(self._walls(), discs, robot.pose[:2], clearance)
+            if not (math.isfinite(clearance) and clearance > 0.0):
+                raise UsageError(f"expected a clearance above zero, found {clearance!r}")
+            resolution = min(max(clearance / 6.0, 0.02), 0.1)
+            grid = DistanceGrid(
+                self._walls(), robot.pose[:2], clearance, discs=discs, resolution=resolution
+            )
+            space = grid.free_space(clearance)
+            if space.area == 0.0:
+                raise UsageError(f"no place has a clearance of {clearance:g} m")
+            self._spaces[clearance] = space
         return self._spaces[clearance]
 
     def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:
