@@ -203,6 +203,7 @@ def test_seeds_may_be_one_for_all_or_one_for_each():
         (np.zeros((3, 2), bool), "expected actions of numbers, found bool"),
         (np.zeros((3, 2), complex), "expected actions of numbers, found complex128"),
         (None, "expected actions of numbers, found object"),
+        ([[0, 1], [2], [3, 4]], "expected actions of numbers, found"),
     ],
 )
 def test_wrong_actions_change_nothing(actions, message):
@@ -229,6 +230,7 @@ def test_wrong_actions_change_nothing(actions, message):
         ({"goal": [0, float("nan")]}, "expected the option goal"),
         ({"start": "here"}, r"expected the option start as \[x, y\] or \[x, y, yaw\]"),
         ({"world": "office"}, "expected the option world to be one of: empty_room; found 'office'"),
+        ([1], r"expected options as a dict, found \[1\]"),
         ({"gaol": [0, 0]}, "unknown option 'gaol'; there are: start, goal, world"),
         ({"reset_mask": np.ones(2, bool)}, "expected reset_mask as an array of 3 booleans"),
         ({"reset_mask": np.zeros(3, bool)}, "one at least true"),

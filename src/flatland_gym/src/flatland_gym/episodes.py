@@ -210,6 +210,17 @@ class EpisodeSampler:
         return self._worlds[index].space.free_space(radius)
 
 
+def options_of(options: Any) -> Dict[str, Any]:
+    """The options of a reset: a new dict.
+
+    Raises:
+        UsageError: they are no mapping.
+    """
+    if not (options is None or isinstance(options, Mapping)):
+        raise UsageError(f"expected options as a dict, found {options!r:.80}")
+    return dict(options or {})
+
+
 def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
     """Whether a disc overlaps no other one."""
     x, y = place
@@ -222,7 +233,7 @@ def _checked(options: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
     Raises:
         UsageError: one is unknown or wrong.
     """
-    chosen = dict(options or {})
+    chosen = options_of(options)
     for name in chosen:
         if name not in OPTIONS:
             raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")

@@ -205,7 +205,10 @@ def observation_space(robot: Robot, settings: NavigationSettings) -> "spaces.Spa
 
 def checked_actions(actions: Any, shape: Tuple[int, ...], limits: FloatArray) -> FloatArray:
     """Actions as float64, cut to their limits; see `Navigation.checked_actions`."""
-    found = np.asarray(actions)
+    try:
+        found = np.asarray(actions)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"expected actions of numbers, found {actions!r:.80}: {error}") from None
     if found.dtype.kind not in "fiu":
         raise UsageError(f"expected actions of numbers, found {found.dtype} in {actions!r:.80}")
     if found.shape != shape:

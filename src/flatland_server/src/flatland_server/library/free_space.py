@@ -50,6 +50,8 @@ class FreeSpace:
 
     def contains(self, points: FloatArray) -> BoolArray:
         """Whether points, shape (n, 2) or more columns, are in reachable squares: shape (n,)."""
+        if np.ndim(points) != 2 or np.shape(points)[1] < 2:
+            raise UsageError(f"expected points of shape (n, 2), found {np.shape(points)}")
         columns, rows = np.floor((points[:, :2] - self._origin) / self.resolution).T.astype(int)
         height, width = self._reachable.shape
         is_inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)

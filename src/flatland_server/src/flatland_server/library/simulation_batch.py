@@ -30,6 +30,8 @@ from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.transport.local_transport import LocalTransport
 
+_MOST_STEPS = 2**31 - 1
+
 
 class SimulationBatch:
     """Environments that begin as the same world, each with one robot, stepped in one C++ call.
@@ -200,6 +202,8 @@ class SimulationBatch:
             actions, (self._num_envs, len(self._action_names)), self._action_names
         )
         substeps = whole_number(substeps, "a number of steps", 1)
+        if substeps > _MOST_STEPS:
+            raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
         observation = self._rows(out)
         core.step(commands, substeps, self.step_size, self._arrays(observation))
         self._finish(observation, None)
@@ -282,8 +286,9 @@ class SimulationBatch:
             robot = self._robot.model
             others = [each for each in self._world.models.values() if each is not robot]
             discs = discs_of((each.pose, each.radius) for each in others)
-            if not (math.isfinite(clearance) and clearance > 0.0):
-                raise UsageError(f"expected a clearance above zero, found {clearance!r}")
+            is_number = isinstance(clearance, (int, float, np.number))
+            if not (is_number and math.isfinite(clearance) and clearance > 0.0):
+                raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
             resolution = min(max(clearance / 6.0, 0.02), 0.1)
             grid = DistanceGrid(
                 self._walls(), robot.pose[:2], clearance, discs=discs, resolution=resolution
