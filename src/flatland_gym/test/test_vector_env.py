@@ -13,7 +13,7 @@ from flatland_gym import SCENARIOS, NavigationSettings
 from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
-from flatland_server import UsageError, world_content
+from flatland_server import DistanceGrid, UsageError, world_content
 
 pytestmark = pytest.mark.slow
 
@@ -84,11 +84,11 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
-def with_plugins_in_python():
+def with_plugins_in_python(count=2):
     """A room in which a person walks, and walls are added that differ from episode to episode."""
     room = world_content(SCENARIOS["empty_room"].world)
     person = {"pose": [-3, 2, 0], "goals": [[3, 2], [-3, -2]]}
-    walls = {"layer": "walls", "robot_name": "robot", "num_of_walls": 2, "wall_wall_dist": 0.6}
+    walls = {"layer": "walls", "robot_name": "robot", "num_of_walls": count, "wall_wall_dist": 0.6}
     room["plugins"] = [
         {"type": "Crowd", "name": "person", "update_rate": 20, "pedestrians": [person]},
         {"type": "RandomWall", "name": "more", **walls},
@@ -105,6 +105,21 @@ def test_plugins_that_run_in_python_make_no_difference(mode):
     for threads in (1, 2, 4):
         vector = make_vector(3, threads=threads, autoreset_mode=mode, **arguments)
         assert_same(expected, drive(vector.unwrapped, mode, 60)[0])
+
+
+def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
+    env = make(world=with_plugins_in_python(), goal_distance=(0.4, 3.0), beams=32, flatten=False)
+    for seed in range(60):
+        observation, info = env.reset(seed=seed)
+        walls = env.navigation.fleet.simulation(0).world.layers[0].segments
+        assert len(walls) == 4 + 2
+        assert observation["ranges"].min() * 10 > 0.2 + 0.09  # radius and margin
+        assert DistanceGrid(walls, (0.0, 0.0), 1.0).distance(*info["goal"]) > 0.2
+    env.close()
+    env = make(world=with_plugins_in_python(4), beams=32)
+    with pytest.raises(UsageError, match="walls that a plugin of the world has added"):
+        env.reset(seed=1, options={"goal": [4.4, 0.0]})
+    env.close()
 
 
 def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch):

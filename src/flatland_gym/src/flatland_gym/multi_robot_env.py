@@ -7,7 +7,7 @@ from gymnasium.utils import seeding
 
 from flatland_gym.berth import Berth
 from flatland_gym.episodes import EpisodeSampler
-from flatland_gym.navigation import checked_actions, judge, observation_space
+from flatland_gym.navigation import checked_actions, judge, observation_space, require_tries
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.observations import as_dict, goal_distances, observe
 from flatland_gym.pictures import check_render_mode, picture
@@ -97,6 +97,12 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         episode = self._sampler.draw(self._rng)
         self.agents = list(self.possible_agents)
         self._berth.begin(episode)
+        tries = 1
+        while self._berth.is_blocked(episode):
+            require_tries(tries)
+            tries += 1
+            episode = self._sampler.draw(self._rng)
+            self._berth.begin(episode)
         self._goals[:] = episode.goals
         self._rows.collided[:] = False
         self._steps = 0

@@ -23,6 +23,8 @@ from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Usage
 Steps = Tuple[FloatArray, BoolArray, BoolArray]
 """Rewards, terminations and truncations."""
 
+_TRIES = 100
+
 
 class Navigation:
     """Robots that are driven to goals, one in each of n environments.
@@ -94,6 +96,13 @@ class Navigation:
         """
         episodes = [self._sampler.draw(generator, options) for generator in generators]
         self.fleet.reset(indices, episodes)
+        for number, index in enumerate(indices.tolist()):
+            tries = 1
+            while self.fleet.is_blocked(index, episodes[number]):
+                require_tries(tries)
+                tries += 1
+                episodes[number] = self._sampler.draw(generators[number], options)
+                self.fleet.reset(np.array([index]), [episodes[number]])
         self.goals[indices] = [episode.goals[0] for episode in episodes]
         self.world_of[indices] = [episode.world for episode in episodes]
         self.steps[indices] = 0
@@ -172,6 +181,15 @@ class Navigation:
     def close(self) -> None:
         """Ends all simulations."""
         self.fleet.close()
+
+
+def require_tries(count: int) -> None:
+    """Raises a UsageError if an episode could not be begun after so many tries."""
+    if count >= _TRIES:
+        raise UsageError(
+            "the start or the goal lies in walls that a plugin of the world has added (tried "
+            f"{_TRIES} times)"
+        )
 
 
 def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatArray, BoolArray]:

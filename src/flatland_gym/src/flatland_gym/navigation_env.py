@@ -27,6 +27,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     """
 
     metadata: ClassVar[Dict[str, Any]] = {"render_modes": list(RENDER_MODES)}  # and render_fps
+    _np_random: Optional[np.random.Generator] = None  # Gymnasium's, kept here where a reset fails
+    _np_random_seed: Optional[int] = None
 
     def __init__(self, render_mode: Optional[str] = None, **arguments: Any) -> None:
         check_render_mode(render_mode)

@@ -107,7 +107,7 @@ class NavigationWorld:
             discs = _discs(simulation)
             _require_matches(patterns, discs)
             driven = [discs.pop(name) for name in names].pop()
-            walls = [layer.segments for layer in simulation.world.layers]
+            walls = [config.walls_of(layer) for layer in config.layers]
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
             space = DistanceGrid(
                 np.concatenate([np.empty((0, 4)), *walls]),
