@@ -74,6 +74,9 @@ def test_wrong_calls_change_nothing():
     assert_same(a.reset(seed=1), b.reset(seed=1))
     right = {agent: np.float32([0.5, 0.1]) for agent in a.agents}
     for wrong, message in (
+        (None, "expected a dict of actions by agent, found None"),
+        ([right["robot_0"]] * 2, "expected a dict of actions by agent"),
+        ({**right, "robot_1": [[1], [2, 3]]}, "expected actions of numbers"),
         ({}, "expected the actions of robot_0, robot_1; found those of none"),
         ({**right, "robot_9": right["robot_0"]}, "found those of robot_0, robot_1, robot_9"),
         ({**right, "robot_1": [0.0, float("nan")]}, "expected finite actions, found nan"),
@@ -81,8 +84,15 @@ def test_wrong_calls_change_nothing():
     ):
         with pytest.raises(UsageError, match=message):
             a.step(wrong)
+    with pytest.raises(UsageError, match="expected seed to be None or a number of 0 or more"):
+        a.reset(seed=-1)
     assert_same(a.step(right), b.step(right))
-    for arguments in ({"robots": 1}, {"world": ("discs", "doors")}, {"render_mode": "human"}):
+    for arguments in (
+        {"robots": 1},
+        {"world": ("discs", "doors")},
+        {"render_mode": "human"},
+        {"world": None},
+    ):
         with pytest.raises(UsageError):
             MultiRobotEnv(**arguments)
 

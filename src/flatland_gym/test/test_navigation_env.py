@@ -245,6 +245,34 @@ def test_there_is_an_error_if_there_is_no_room():
     env.close()
 
 
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda env: env.step([0.0, np.nan]), r"expected finite actions, found nan at \(1,\)"),
+        (lambda env: env.step([[0.0], [1.0, 2.0]]), "expected actions of numbers, found"),
+        (lambda env: env.step(np.zeros((1, 2))), r"expected actions of shape \(2,\)"),
+        (lambda env: env.step(np.zeros(2, bool)), "expected actions of numbers, found bool"),
+        (lambda env: env.reset(seed=7, options={"goal": [5, 0]}), "expected a goal that is free"),
+        (lambda env: env.reset(seed=7, options=[1]), "expected options as a dict"),
+        (lambda env: env.reset(seed=-1), "expected seed to be None or a number of 0 or more"),
+    ],
+)
+def test_wrong_calls_change_nothing(call, message):
+    a, b = (make(world="empty_room", beams=8) for _ in range(2))
+    right = np.float32([0.5, 0.5])
+    for env in (a, b):
+        env.reset(seed=1)
+        env.step(right)
+
+    with pytest.raises(UsageError, match=message):
+        call(a)
+
+    assert_same(a.step(right), b.step(right))
+    assert_same(a.np_random_seed, b.np_random_seed)
+    a.close()
+    b.close()
+
+
 def test_a_step_before_the_reset_is_refused():
     env = make(world="empty_room")
     with pytest.raises(UsageError, match="expected reset before step"):

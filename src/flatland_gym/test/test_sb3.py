@@ -8,10 +8,14 @@ from flatland_server import UsageError
 
 pytest.importorskip("stable_baselines3")
 
-from stable_baselines3 import PPO
+import torch
+from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 
+from flatland_gym import Policy
 from flatland_gym.sb3 import NavigationVecEnv
+from flatland_gym.sb3_training import ScaledActions, policy_of
+from flatland_gym.train import main
 
 ARGUMENTS = {"world": "discs", "time_limit": 2.0, "goal_distance": (0.5, 2.0), "beams": 16}
 
@@ -46,6 +50,42 @@ def test_ppo_learns_with_it():
     model.learn(1500)
     assert model.num_timesteps >= 1500
     env.close()
+
+
+@pytest.mark.parametrize("wrap", [ScaledActions, lambda env: env], ids=["scaled", "in units"])
+def test_a_model_becomes_a_policy(wrap):
+    env = NavigationVecEnv(4, **ARGUMENTS)
+    model = PPO("MlpPolicy", wrap(env), n_steps=16, batch_size=64, seed=1)
+    model.policy.action_net.weight.data *= 40.0  # actions are not all about zero
+    observations = env.envs.observation_space.sample()
+    expected, _ = model.predict(observations, deterministic=True)
+    if wrap is ScaledActions:
+        expected = expected * env.action_space.high
+
+    found = policy_of(model).act(observations)
+    assert found == pytest.approx(expected, abs=1e-5)
+    assert np.unique(found).size > 4
+    env.close()
+
+
+def test_other_models_are_refused():
+    env = NavigationVecEnv(2, **ARGUMENTS)
+    relu = {"activation_fn": torch.nn.ReLU}
+    with pytest.raises(UsageError, match="expected tanh between the layers"):
+        policy_of(PPO("MlpPolicy", env, n_steps=16, batch_size=32, policy_kwargs=relu))
+    with pytest.raises(UsageError, match="expected an MlpPolicy of PPO or A2C"):
+        policy_of(SAC("MlpPolicy", env, buffer_size=10))
+    with pytest.raises(UsageError, match="expected a model with a NavigationVecEnv"):
+        policy_of(PPO("MlpPolicy", DummyVecEnv([lambda: make(**ARGUMENTS)]), n_steps=16))
+    env.close()
+
+
+def test_the_command_trains_with_it(tmp_path, capsys):
+    arguments = ["--library", "sb3", "--envs", "16", "--threads", "1", "--steps", "2000"]
+    path = tmp_path / "policy.npz"
+    assert main([str(path), "--world", "empty_room", "--episodes", "3", *arguments]) == 0
+    assert Policy.load(path).beams == 64
+    assert "of 3 episodes with new seeds" in capsys.readouterr().out
 
 
 def test_wrong_calls_are_refused():

@@ -1,6 +1,7 @@
 """The vector environment: what SyncVectorEnv gives for single ones, bit for bit."""
 
 import copy
+import functools
 
 import gymnasium as gym
 import numpy as np
@@ -8,9 +9,11 @@ import pytest
 from environments import assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from flatland_gym import SCENARIOS, NavigationSettings
 from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
-from flatland_server import UsageError
+from flatland_gym.navigation_world import NavigationWorld
+from flatland_server import DistanceGrid, UsageError, world_content
 
 pytestmark = pytest.mark.slow
 
@@ -81,6 +84,76 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
+def with_plugins_in_python(count=2):
+    """A room in which a person walks, and walls are added that differ from episode to episode."""
+    room = world_content(SCENARIOS["empty_room"].world)
+    person = {"pose": [-3, 2, 0], "goals": [[3, 2], [-3, -2]]}
+    walls = {"layer": "walls", "robot_name": "robot", "num_of_walls": count, "wall_wall_dist": 0.6}
+    room["plugins"] = [
+        {"type": "Crowd", "name": "person", "update_rate": 20, "pedestrians": [person]},
+        {"type": "RandomWall", "name": "more", **walls},
+    ]
+    return room
+
+
+@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
+def test_plugins_that_run_in_python_make_no_difference(mode):
+    arguments = {**CROWDED, "world": with_plugins_in_python()}
+    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode=mode)
+    expected, _ = drive(single, mode, 60)
+
+    for threads in (1, 2, 4):
+        vector = make_vector(3, threads=threads, autoreset_mode=mode, **arguments)
+        assert_same(expected, drive(vector.unwrapped, mode, 60)[0])
+
+
+def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
+    env = make(world=with_plugins_in_python(), goal_distance=(0.4, 3.0), beams=32, flatten=False)
+    for seed in range(60):
+        observation, info = env.reset(seed=seed)
+        walls = env.navigation.fleet.simulation(0).world.layers[0].segments
+        assert len(walls) == 4 + 2
+        assert observation["ranges"].min() * 10 > 0.2 + 0.09  # radius and margin
+        assert DistanceGrid(walls, (0.0, 0.0), 1.0).distance(*info["goal"]) > 0.2
+    env.close()
+    env = make(world=with_plugins_in_python(4), beams=32)
+    with pytest.raises(UsageError, match="walls that a plugin of the world has added"):
+        env.reset(seed=1, options={"goal": [4.4, 0.0]})
+    env.close()
+
+
+def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch):
+    """In each mode, with 1, 2 and 4 threads; over an end and the reset that follows it."""
+    arguments = {"world": "empty_room", "beams": 4, "time_limit": 0.1, "goal_distance": (0.4, 1.2)}
+    world = NavigationWorld.load("empty_room", NavigationSettings(**arguments))
+    monkeypatch.setattr(NavigationWorld, "load", lambda *_: world)  # its files are read once
+    singles = [make(**arguments) for _ in range(1024)]
+    for mode in [mode.value for mode in AutoresetMode]:
+        one_by_one = SyncVectorEnv(
+            [functools.partial(lambda env: env, env) for env in singles], autoreset_mode=mode
+        )
+        expected = few_steps(one_by_one, mode)
+        for threads in (1, 2, 4):
+            vector = make_vector(1024, threads=threads, autoreset_mode=mode, **arguments)
+            assert_same(expected, few_steps(vector.unwrapped, mode))
+            vector.close()
+    for env in singles:
+        env.close()
+
+
+def few_steps(env, mode):
+    """What an environment returns in three steps; all episodes end after two of them."""
+    rng = np.random.default_rng(5)
+    results = [env.reset(seed=11)]
+    for _ in range(3):
+        results.append(env.step(rng.uniform(-1, 1, env.action_space.shape).astype(np.float32)))
+        ended = results[-1][2] | results[-1][3]
+        if mode == "Disabled" and ended.any():
+            results.append(env.reset(options={"reset_mask": ended}))
+    assert results[2][3].all()
+    return copy.deepcopy(results)
+
+
 @pytest.mark.parametrize(("world", "count"), [("discs", 64), ("empty_room", 1024)])
 def test_an_environment_is_the_same_among_others(world, count):
     few, many = make_vector(2, world=world, **CROWDED), make_vector(count, world=world, **CROWDED)
@@ -145,6 +218,7 @@ def test_seeds_may_be_one_for_all_or_one_for_each():
         (np.zeros((3, 2), bool), "expected actions of numbers, found bool"),
         (np.zeros((3, 2), complex), "expected actions of numbers, found complex128"),
         (None, "expected actions of numbers, found object"),
+        ([[0, 1], [2], [3, 4]], "expected actions of numbers, found"),
     ],
 )
 def test_wrong_actions_change_nothing(actions, message):
@@ -171,6 +245,7 @@ def test_wrong_actions_change_nothing(actions, message):
         ({"goal": [0, float("nan")]}, "expected the option goal"),
         ({"start": "here"}, r"expected the option start as \[x, y\] or \[x, y, yaw\]"),
         ({"world": "office"}, "expected the option world to be one of: empty_room; found 'office'"),
+        ([1], r"expected options as a dict, found \[1\]"),
         ({"gaol": [0, 0]}, "unknown option 'gaol'; there are: start, goal, world"),
         ({"reset_mask": np.ones(2, bool)}, "expected reset_mask as an array of 3 booleans"),
         ({"reset_mask": np.zeros(3, bool)}, "one at least true"),

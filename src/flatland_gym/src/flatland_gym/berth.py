@@ -8,7 +8,7 @@ from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings
-from flatland_server import BoolArray, ModelPlugin, Pose, Simulation
+from flatland_server import BoolArray, FloatArray, ModelPlugin, Pose, Segments, Simulation
 
 
 class Berth:
@@ -21,6 +21,7 @@ class Berth:
 
     def __init__(self, world: NavigationWorld, settings: NavigationSettings) -> None:
         self._world = world
+        self._settings = settings
         self.simulation = Simulation(
             world.config, step_size=settings.step_size, params=settings.params
         )
@@ -39,6 +40,17 @@ class Berth:
         robot = self._world.robot
         self._drives = [handle.plugin(robot.drive) for handle in self._handles]
         self._lidars = [handle.plugin(robot.lidar) for handle in self._handles]
+
+    def is_blocked(self, episode: Episode) -> bool:
+        """Whether a start or a goal lies in walls that plugins, such as RandomWall, have added."""
+        config, room = self._world.config, self._world.radius + self._settings.margin
+        for layer in self.simulation.world.layers:
+            added = layer.segments[len(config.walls_of(layer.config)) :]
+            if len(added):
+                places = [*(start[:2] for start in episode.starts), *episode.goals]
+                if _distances(np.array(places), added).min() < room:
+                    return True
+        return False
 
     def command(self, number: int, values: Sequence[float]) -> None:
         """Commands the drive of a robot."""
@@ -67,3 +79,12 @@ class Berth:
         """Takes a robot out of the way, and stops it."""
         self.command(number, [0.0] * len(self._world.robot.action_limits))
         self.simulation.move(self._world.robots[number], place)
+
+
+def _distances(places: FloatArray, walls: Segments) -> FloatArray:
+    """The distances of places (n, 2) from walls (m, 4): shape (n, m)."""
+    way = walls[:, 2:] - walls[:, :2]
+    offset = places[:, None] - walls[:, :2]
+    part = ((offset * way).sum(axis=2) / (way**2).sum(axis=1)).clip(0.0, 1.0)
+    distances: FloatArray = np.linalg.norm(offset - part[..., None] * way, axis=2)
+    return distances

@@ -13,7 +13,7 @@ import numpy as np
 
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland_server import IntArray, Point, Pose, UsageError
+from flatland_server import FreeSpace, Point, Pose, UsageError
 
 _TRIES = 500
 _TRIES_OF_MODELS = 60
@@ -55,7 +55,6 @@ class EpisodeSampler:
     def __init__(self, worlds: Sequence[NavigationWorld], settings: NavigationSettings) -> None:
         self._worlds = worlds
         self._settings = settings
-        self._cells: Dict[Tuple[int, float], IntArray] = {}
 
     def draw(
         self, rng: np.random.Generator, options: Optional[Mapping[str, Any]] = None
@@ -77,8 +76,7 @@ class EpisodeSampler:
         seed = int(rng.integers(2**31))
         room = world.radius + self._settings.margin
         standing: Circles = [(disc.x, disc.y, disc.radius) for disc in world.standing]
-        cells = self._room(index, room)
-        if len(cells) == 0:
+        if self._room(index, room).area == 0.0:
             raise UsageError(
                 f'the world "{world.name}" has no room for a robot of {world.radius:g} m radius '
                 f"and a margin of {self._settings.margin:g} m"
@@ -113,8 +111,7 @@ class EpisodeSampler:
     ) -> Tuple[Pose, Point]:
         """A start and a goal, which overlap none of the other ones."""
         world, settings = self._worlds[index], self._settings
-        room = world.radius + settings.margin
-        cells = self._room(index, room)
+        space = self._room(index, world.radius + settings.margin)
         given_start, given_goal = chosen.get("start"), chosen.get("goal")
         if given_start is not None:
             self._require_free(index, "start", given_start[:2], starts)
@@ -122,11 +119,11 @@ class EpisodeSampler:
             self._require_free(index, "goal", given_goal, goals)
         for _ in range(_TRIES):
             yaw = math.tau * float(rng.random()) - math.pi
-            start = given_start or self._start(index, given_goal, cells, rng)
+            start = given_start or self._start(index, given_goal, space, rng)
             goal = given_goal or self._around(world, start, rng)
-            if not given_start and not self._fits(world, cells, start, starts):
+            if not given_start and not self._fits(world, space, start, starts):
                 continue
-            if not given_goal and not self._fits(world, cells, goal, goals):
+            if not given_goal and not self._fits(world, space, goal, goals):
                 continue
             if given_start and len(given_start) > 2:
                 yaw = given_start[2]
@@ -138,11 +135,11 @@ class EpisodeSampler:
         )
 
     def _start(
-        self, index: int, goal: Optional[List[float]], cells: IntArray, rng: np.random.Generator
+        self, index: int, goal: Optional[List[float]], space: FreeSpace, rng: np.random.Generator
     ) -> Sequence[float]:
         """A place for the start, which may turn out not to be free."""
         world = self._worlds[index]
-        return self._around(world, goal, rng) if goal else world.space.draw_point(cells, rng)
+        return self._around(world, goal, rng) if goal else space.point(rng)
 
     def _around(
         self, world: NavigationWorld, middle: Sequence[float], rng: np.random.Generator
@@ -155,11 +152,11 @@ class EpisodeSampler:
         return middle[0] + distance * math.cos(bearing), middle[1] + distance * math.sin(bearing)
 
     def _fits(
-        self, world: NavigationWorld, cells: IntArray, place: Sequence[float], others: Circles
+        self, world: NavigationWorld, space: FreeSpace, place: Sequence[float], others: Circles
     ) -> bool:
         """Whether a place is free and can be reached."""
         room = world.radius + self._settings.margin
-        return world.space.contains(cells, *place[:2]) and _is_clear(place[:2], room, others)
+        return space.contains_point(*place[:2]) and _is_clear(place[:2], room, others)
 
     def _require_free(
         self, index: int, name: str, place: Sequence[float], standing: Circles
@@ -168,13 +165,13 @@ class EpisodeSampler:
         world = self._worlds[index]
         x, y = place
         expected = f"expected a {name} that is free and can be reached, found [{x:g}, {y:g}]"
-        clearance = world.space.clearance(x, y)
+        clearance = world.space.distance(x, y)
         if clearance <= world.radius:
             raise UsageError(
                 f"{expected}, at most {clearance:g} m from a wall or outside of the world; the "
                 f"robot has a radius of {world.radius:g} m"
             )
-        if not world.space.contains(self._room(index, world.radius), x, y):
+        if not self._room(index, world.radius).contains_point(x, y):
             raise UsageError(f"{expected}, which walls separate from the robot")
         if not _is_clear((x, y), world.radius, standing):
             raise UsageError(f"{expected}, where another model stands")
@@ -199,21 +196,29 @@ class EpisodeSampler:
         """A free place for a model; None if none was found."""
         world = self._worlds[index]
         passage = disc.radius + 2 * (world.radius + self._settings.margin)
-        cells = self._room(index, passage)
-        if len(cells) == 0:  # too narrow to leave a passage: the model may be beside a wall
-            cells = self._room(index, disc.radius + self._settings.margin)
-        for _ in range(_TRIES_OF_MODELS if len(cells) else 0):
-            x, y = world.space.draw_point(cells, rng)
+        space = self._room(index, passage)
+        if space.area == 0.0:  # too narrow to leave a passage: the model may be beside a wall
+            space = self._room(index, disc.radius + self._settings.margin)
+        for _ in range(_TRIES_OF_MODELS if space.area else 0):
+            x, y = space.point(rng)
             if _is_clear((x, y), passage, taken):
                 return Pose(x, y, math.tau * float(rng.random()) - math.pi)
         return None
 
-    def _room(self, index: int, radius: float) -> IntArray:
-        """The cells where a disc can stand, computed once."""
-        key = (index, radius)
-        if key not in self._cells:
-            self._cells[key] = self._worlds[index].space.cells(radius)
-        return self._cells[key]
+    def _room(self, index: int, radius: float) -> FreeSpace:
+        """Where a disc can stand."""
+        return self._worlds[index].space.free_space(radius)
+
+
+def options_of(options: Any) -> Dict[str, Any]:
+    """The options of a reset: a new dict.
+
+    Raises:
+        UsageError: they are no mapping.
+    """
+    if not (options is None or isinstance(options, Mapping)):
+        raise UsageError(f"expected options as a dict, found {options!r:.80}")
+    return dict(options or {})
 
 
 def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
@@ -228,7 +233,7 @@ def _checked(options: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
     Raises:
         UsageError: one is unknown or wrong.
     """
-    chosen = dict(options or {})
+    chosen = options_of(options)
     for name in chosen:
         if name not in OPTIONS:
             raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")

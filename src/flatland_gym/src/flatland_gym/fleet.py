@@ -22,6 +22,10 @@ class Fleet(RobotRows):
         """Begins an episode at each of these places."""
         raise NotImplementedError
 
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        """Whether the place's episode cannot begin so, because plugins have added walls there."""
+        return False
+
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         """Makes a step of the environment at each of these places.
 
@@ -81,6 +85,9 @@ class SimulationFleet(Fleet):
 
         self._each(begin, list(chosen))
         self.collided[indices] = False
+
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        return self._current[index].is_blocked(episode)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         commands = actions.tolist()

@@ -7,13 +7,13 @@ from gymnasium.utils import seeding
 
 from flatland_gym.berth import Berth
 from flatland_gym.episodes import EpisodeSampler
-from flatland_gym.navigation import checked_actions, judge, observation_space
+from flatland_gym.navigation import checked_actions, judge, observation_space, require_tries
 from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.observations import as_dict, goal_distances, observe
 from flatland_gym.pictures import check_render_mode, picture
 from flatland_gym.rewards import Transition
 from flatland_gym.robot_rows import RobotRows
-from flatland_gym.settings import NavigationSettings, is_whole
+from flatland_gym.settings import NavigationSettings, is_whole, require_seed
 from flatland_server import FlatlandError, FloatArray, UsageError
 
 try:
@@ -87,12 +87,22 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
             options: there are none; what is given is ignored.
+
+        Raises:
+            UsageError: the seed is wrong, or there is no room for all robots.
         """
+        require_seed(seed)
         if seed is not None or self._rng is None:
             self._rng, _ = seeding.np_random(seed)
         episode = self._sampler.draw(self._rng)
         self.agents = list(self.possible_agents)
         self._berth.begin(episode)
+        tries = 1
+        while self._berth.is_blocked(episode):
+            require_tries(tries)
+            tries += 1
+            episode = self._sampler.draw(self._rng)
+            self._berth.begin(episode)
         self._goals[:] = episode.goals
         self._rows.collided[:] = False
         self._steps = 0
@@ -158,6 +168,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
 
     def _commands(self, actions: Mapping[str, Any], agents: List[str]) -> FloatArray:
         """The actions of all robots, those that are gone with zeros."""
+        if not isinstance(actions, Mapping):
+            raise UsageError(f"expected a dict of actions by agent, found {actions!r:.80}")
         if set(actions) != set(agents):
             raise UsageError(
                 f"expected the actions of {', '.join(agents) or 'no agents'}; "

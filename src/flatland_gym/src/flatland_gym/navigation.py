@@ -23,6 +23,8 @@ from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, Usage
 Steps = Tuple[FloatArray, BoolArray, BoolArray]
 """Rewards, terminations and truncations."""
 
+_TRIES = 100
+
 
 class Navigation:
     """Robots that are driven to goals, one in each of n environments.
@@ -94,6 +96,13 @@ class Navigation:
         """
         episodes = [self._sampler.draw(generator, options) for generator in generators]
         self.fleet.reset(indices, episodes)
+        for number, index in enumerate(indices.tolist()):
+            tries = 1
+            while self.fleet.is_blocked(index, episodes[number]):
+                require_tries(tries)
+                tries += 1
+                episodes[number] = self._sampler.draw(generators[number], options)
+                self.fleet.reset(np.array([index]), [episodes[number]])
         self.goals[indices] = [episode.goals[0] for episode in episodes]
         self.world_of[indices] = [episode.world for episode in episodes]
         self.steps[indices] = 0
@@ -174,6 +183,15 @@ class Navigation:
         self.fleet.close()
 
 
+def require_tries(count: int) -> None:
+    """Raises a UsageError if an episode could not be begun after so many tries."""
+    if count >= _TRIES:
+        raise UsageError(
+            "the start or the goal lies in walls that a plugin of the world has added (tried "
+            f"{_TRIES} times)"
+        )
+
+
 def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatArray, BoolArray]:
     """Rewards and terminations of n environments, by the settings' functions if there are any.
 
@@ -205,7 +223,10 @@ def observation_space(robot: Robot, settings: NavigationSettings) -> "spaces.Spa
 
 def checked_actions(actions: Any, shape: Tuple[int, ...], limits: FloatArray) -> FloatArray:
     """Actions as float64, cut to their limits; see `Navigation.checked_actions`."""
-    found = np.asarray(actions)
+    try:
+        found = np.asarray(actions)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"expected actions of numbers, found {actions!r:.80}: {error}") from None
     if found.dtype.kind not in "fiu":
         raise UsageError(f"expected actions of numbers, found {found.dtype} in {actions!r:.80}")
     if found.shape != shape:

@@ -7,7 +7,7 @@ import numpy as np
 
 from flatland_gym.navigation import Navigation
 from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode, picture, status_line
-from flatland_gym.settings import NavigationSettings
+from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_server import UsageError
 
 _ONE = np.array([0])
@@ -27,6 +27,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     """
 
     metadata: ClassVar[Dict[str, Any]] = {"render_modes": list(RENDER_MODES)}  # and render_fps
+    _np_random: Optional[np.random.Generator] = None  # Gymnasium's, kept here where a reset fails
+    _np_random_seed: Optional[int] = None
 
     def __init__(self, render_mode: Optional[str] = None, **arguments: Any) -> None:
         check_render_mode(render_mode)
@@ -52,8 +54,14 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         Raises:
             UsageError: an option is wrong, such as a goal in a wall. The environment is as before.
         """
+        require_seed(seed)
+        former = self._np_random, self._np_random_seed
         super().reset(seed=seed)
-        self.navigation.reset(_ONE, [self.np_random], options)
+        try:
+            self.navigation.reset(_ONE, [self.np_random], options)
+        except BaseException:
+            self._np_random, self._np_random_seed = former
+            raise
         self._is_running = True
         if self.render_mode == "human":
             self.render()

@@ -11,6 +11,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation
 from flatland_gym.navigation_env import metadata, picture_of, status_of
 from flatland_gym.pictures import check_render_mode
@@ -79,7 +80,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             UsageError: an option or a seed is wrong. The environments are as before.
         """
-        options = dict(options or {})
+        options = options_of(options)
         chosen = self._chosen(options.pop("reset_mask", None))
         indices = np.flatnonzero(chosen)
         former = list(self._generators), list(self._seeds)

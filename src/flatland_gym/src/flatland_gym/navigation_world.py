@@ -6,7 +6,6 @@ from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 
-from flatland_gym.free_space import FreeSpace
 from flatland_gym.robot import (
     Content,
     Robot,
@@ -18,6 +17,7 @@ from flatland_gym.robot import (
 from flatland_gym.scenarios import SCENARIOS
 from flatland_gym.settings import NavigationSettings, WorldName
 from flatland_server import (
+    DistanceGrid,
     Pose,
     Simulation,
     UsageError,
@@ -30,6 +30,8 @@ PARKING = 5000.0
 
 _PARKING_SPACE = 10.0  # m
 _OBSTACLE = "obstacle_"
+_OPEN = 10.0
+"""How far the space reaches around the robot in a world without walls [m]."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ class NavigationWorld:
     robot: Robot
     robots: Tuple[str, ...]
     radius: float
-    space: FreeSpace
+    space: DistanceGrid
     standing: Tuple[Disc, ...]
     scattered: Tuple[Disc, ...]
     obstacles: Tuple[Disc, ...]
@@ -105,12 +107,13 @@ class NavigationWorld:
             discs = _discs(simulation)
             _require_matches(patterns, discs)
             driven = [discs.pop(name) for name in names].pop()
-            walls = [layer.segments for layer in simulation.world.layers]
+            walls = [config.walls_of(layer) for layer in config.layers]
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
-            space = FreeSpace(
+            space = DistanceGrid(
                 np.concatenate([np.empty((0, 4)), *walls]),
                 tuple(inside.get("pose") or (0.0, 0.0))[:2],
-                largest + 2 * driven.radius + 2 * settings.margin,
+                largest + 2 * (driven.radius + settings.margin),
+                open_reach=_OPEN,
             )
         added = {name for name in discs if name.startswith(_OBSTACLE)}
         if not settings.obstacle_counts[1]:

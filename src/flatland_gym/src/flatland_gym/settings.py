@@ -136,6 +136,12 @@ def is_whole(value: Any) -> bool:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
+def require_seed(seed: Any) -> None:
+    """Raises a UsageError unless a seed is None or a number of 0 or more."""
+    if not (seed is None or (is_whole(seed) and seed >= 0)):
+        raise UsageError(f"expected seed to be None or a number of 0 or more, found {seed!r}")
+
+
 def _pair(name: str, value: Any) -> Tuple[Any, Any]:
     try:
         low, high = value

@@ -3,12 +3,13 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 import numpy as np
 
 from flatland_gym.evaluation import evaluate
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
+from flatland_gym.policy import Policy
 from flatland_gym.ppo import Ppo, Progress
 from flatland_server import FlatlandError
 
@@ -47,12 +48,8 @@ def _train(options: argparse.Namespace) -> int:
                 flush=True,
             )
 
-    env = NavigationVectorEnv(options.envs, options.threads, autoreset_mode="SameStep", **settings)
-    try:
-        learner = Ppo(env, seed=options.seed)
-        policy = learner.train(options.steps, 60.0 * options.minutes, report)
-    finally:
-        env.close()
+    learn = _learn_by_sb3 if options.library == "sb3" else _learn
+    policy = learn(options, settings, report)
     policy.save(options.policy)
     if options.curve is not None:
         save_curve(progress, options.curve)
@@ -63,6 +60,29 @@ def _train(options: argparse.Namespace) -> int:
         f"{100 * result.collision.mean():.1f} %, of {options.episodes} episodes with new seeds"
     )
     return 0
+
+
+def _learn(
+    options: argparse.Namespace, settings: Dict[str, Any], report: Callable[[Progress], None]
+) -> Policy:
+    """Trains by `Ppo`."""
+    env = NavigationVectorEnv(options.envs, options.threads, autoreset_mode="SameStep", **settings)
+    try:
+        learner = Ppo(env, seed=options.seed)
+        return learner.train(options.steps, 60.0 * options.minutes, report)
+    finally:
+        env.close()
+
+
+def _learn_by_sb3(
+    options: argparse.Namespace, settings: Dict[str, Any], report: Callable[[Progress], None]
+) -> Policy:
+    """Trains by the PPO of Stable-Baselines3."""
+    from flatland_gym.sb3 import NavigationVecEnv
+    from flatland_gym.sb3_training import train
+
+    env = NavigationVecEnv(options.envs, threads=options.threads, **settings)
+    return train(env, options.seed, options.steps, 60.0 * options.minutes, report)
 
 
 def save_curve(progress: List[Progress], path: Path) -> None:
@@ -103,6 +123,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--envs", type=int, default=128, help="environments at a time (default: 128)")
     add("--threads", type=int, default=2, help="that step them (default: 2)")
     add("--episodes", type=int, default=200, help="of the evaluation (default: 200)")
+    add("--library", choices=("numpy", "sb3"), default="numpy", help="what learns (default: numpy)")
     add("--curve", type=Path, help="draw the success over the steps into this file")
     return parser
 

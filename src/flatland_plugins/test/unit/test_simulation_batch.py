@@ -285,7 +285,9 @@ def unusable():
         (lambda b: b.step(ones * [[1], [math.inf]]), "for environment 1"),
         (lambda b: b.step(ones.astype(complex)), "complex128"),
         (lambda b: b.step(ones.astype(bool)), "found bool"),
+        (lambda b: b.step(ones.astype(object)), "found object"),
         (lambda b: b.step(ones, 0), "a number of steps"),
+        (lambda b: b.step(ones, 10**30), "expected at most 2147483647 steps"),
         (lambda b: b.step(ones, out=small), "expected out.ranges as float32 of shape (2, 81)"),
         (lambda b: b.step(ones, out=whole), "out.poses"),
         (lambda b: b.step(ones, out=()), "BatchObservation"),
@@ -296,6 +298,8 @@ def unusable():
         (lambda b: b.reset(poses=np.full((2, 3), 1e30)), "poses of finite numbers"),
         (lambda b: b.reset(poses=[1, 2, 3]), "x, y, yaw"),
         (lambda b: b.free_poses(1, 0.0, np.random.default_rng(0)), "clearance"),
+        (lambda b: b.free_space(None), "expected a clearance above zero, found None"),
+        (lambda b: b.free_space(0.3).contains(np.zeros(2)), "points of shape (n, 2), found (2,)"),
         (lambda b: b.free_poses(1, 50.0, np.random.default_rng(0)), "clearance of 50 m"),
     ]
 

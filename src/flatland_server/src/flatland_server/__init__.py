@@ -44,7 +44,7 @@ from flatland_server.exceptions import (
 )
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
 from flatland_server.library.batch_observation import BatchObservation
-from flatland_server.library.free_space import FreeSpace
+from flatland_server.library.free_space import DistanceGrid, FreeSpace
 from flatland_server.library.handles import DriveHandle, ModelHandle, SensorHandle
 from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulation import Simulation
@@ -90,6 +90,7 @@ __all__ = [
     "ContactSides",
     "CoreDrive",
     "CoreLidar",
+    "DistanceGrid",
     "Drive",
     "DriveHandle",
     "Entity",

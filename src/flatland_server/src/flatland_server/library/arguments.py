@@ -49,6 +49,11 @@ def finite(values: Sequence[Any], what: str) -> None:
     Raises:
         UsageError: one is not.
     """
+    try:
+        if math.isfinite(sum(values)):  # then all are: one check for the most frequent case
+            return
+    except (TypeError, OverflowError):
+        pass
     for value in values:
         try:
             is_finite = math.isfinite(value)

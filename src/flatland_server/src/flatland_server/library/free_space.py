@@ -1,16 +1,17 @@
 """Where a robot may be: the floor that it can reach without touching a wall."""
 
 import math
-from typing import Iterable, Tuple
+from typing import Dict, Iterable, Tuple
 
 import numpy as np
 
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
-from flatland_server.geometry import Pose
+from flatland_server.geometry import Point, Pose
 from flatland_server.library.arguments import whole_number
 
 _MAX_SQUARES = 4_000_000
+_HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in sides
 
 
 class FreeSpace:
@@ -22,41 +23,25 @@ class FreeSpace:
     clearance by less than two squares.
 
     Args:
-        walls: shape (n, 4), x1, y1, x2, y2 [m].
-        discs: other obstacles: shape (m, 3), x, y and radius [m].
-        start: a point of the floor; if its square is not free, the nearest free one counts.
-        clearance: distance from all obstacles [m], above zero.
+        reachable: the squares, shape (rows, columns): a row has the same y.
+        origin: x, y [m] of the corner of the first square.
+        resolution: side of a square [m].
+        clearance: distance from all obstacles [m].
 
     Attributes:
         clearance: that distance [m].
         resolution: side of a square [m].
-
-    Raises:
-        UsageError: the clearance is not usable, or there is no free square or no wall.
     """
 
     def __init__(
-        self, walls: Segments, discs: FloatArray, start: Tuple[float, float], clearance: float
+        self, reachable: BoolArray, origin: FloatArray, resolution: float, clearance: float
     ) -> None:
-        if not (math.isfinite(clearance) and clearance > 0.0):
-            raise UsageError(f"expected a clearance above zero, found {clearance!r}")
-        self.clearance = float(clearance)
-        if len(walls) == 0:
-            raise UsageError("a world without walls has no end, so poses are chosen by its user")
-        ends = walls.reshape(-1, 2)
-        self._origin = ends.min(axis=0)
-        size = ends.max(axis=0) - self._origin
-        least = math.sqrt(size[0] * size[1] / _MAX_SQUARES)
-        self.resolution = max(min(max(clearance / 6.0, 0.02), 0.1), least)
-        shape = np.ceil(size[::-1] / self.resolution).astype(int) + 1
-        free = np.ones(tuple(shape), dtype=bool)
-        reach = clearance + self.resolution * math.sqrt(0.5)
-        for x1, y1, x2, y2 in walls:
-            self._block(free, np.array([x1, y1]), np.array([x2, y2]), reach)
-        for x, y, radius in discs:
-            self._block(free, np.array([x, y]), np.array([x, y]), reach + radius)
-        self._reachable = connected(free, self._nearest(free, np.array(start)))
-        self._rows, self._columns = np.nonzero(self._reachable)
+        self.clearance = clearance
+        self.resolution = resolution
+        self._reachable = reachable
+        self._origin = origin
+        self._x, self._y = origin.tolist()
+        self._rows, self._columns = np.nonzero(reachable)
 
     @property
     def area(self) -> float:
@@ -65,11 +50,28 @@ class FreeSpace:
 
     def contains(self, points: FloatArray) -> BoolArray:
         """Whether points, shape (n, 2) or more columns, are in reachable squares: shape (n,)."""
+        if np.ndim(points) != 2 or np.shape(points)[1] < 2:
+            raise UsageError(f"expected points of shape (n, 2), found {np.shape(points)}")
         columns, rows = np.floor((points[:, :2] - self._origin) / self.resolution).T.astype(int)
         height, width = self._reachable.shape
         is_inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
         found = self._reachable[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         return np.asarray(is_inside & found)
+
+    def contains_point(self, x: float, y: float) -> bool:
+        """Whether a point [m] is in a reachable square; quicker than `contains` for one."""
+        column = math.floor((x - self._x) / self.resolution)
+        row = math.floor((y - self._y) / self.resolution)
+        height, width = self._reachable.shape
+        return 0 <= row < height and 0 <= column < width and bool(self._reachable[row, column])
+
+    def point(self, rng: np.random.Generator) -> Tuple[float, float]:
+        """A random point in a reachable square, of which there must be one: x, y [m]."""
+        chosen = rng.integers(len(self._rows))
+        along_x, along_y = rng.random(2).tolist()
+        x = self._x + (int(self._columns[chosen]) + along_x) * self.resolution
+        y = self._y + (int(self._rows[chosen]) + along_y) * self.resolution
+        return x, y
 
     def poses(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Random poses, uniformly distributed over the reachable squares and all headings.
@@ -87,28 +89,137 @@ class FreeSpace:
         points = self._origin + (squares + rng.random((count, 2))) * self.resolution
         return np.column_stack([points, rng.uniform(-math.pi, math.pi, count)])
 
-    def _block(self, free: BoolArray, a: FloatArray, b: FloatArray, reach: float) -> None:
-        """Marks squares with their middles within `reach` of the line from a to b as not free."""
-        low = np.floor((np.minimum(a, b) - reach - self._origin) / self.resolution).astype(int)
-        high = np.ceil((np.maximum(a, b) + reach - self._origin) / self.resolution).astype(int)
-        low = low.clip(0)
-        xs = self._origin[0] + (np.arange(low[0], high[0]) + 0.5) * self.resolution - a[0]
-        ys = self._origin[1] + (np.arange(low[1], high[1]) + 0.5)[:, None] * self.resolution - a[1]
-        way = b - a
-        square = float(way @ way)
-        part = ((xs * way[0] + ys * way[1]) / square).clip(0.0, 1.0) if square > 0.0 else 0.0
-        near = (xs - part * way[0]) ** 2 + (ys - part * way[1]) ** 2 <= reach * reach
-        window = free[low[1] : high[1], low[0] : high[0]]
-        window &= ~near[: window.shape[0], : window.shape[1]]
 
-    def _nearest(self, free: BoolArray, point: FloatArray) -> Tuple[int, int]:
-        """The row and column of the free square that is nearest to a point."""
+class DistanceGrid:
+    """How far places are from obstacles, on a grid of squares; and the `FreeSpace` of a robot.
+
+    Args:
+        walls: shape (n, 4), x1, y1, x2, y2 [m].
+        start: a point of the floor, from which free space is reached: x, y [m].
+        farthest: the grid tells distances up to this one [m].
+        discs: other obstacles: shape (m, 3), x, y and radius [m].
+        resolution: side of a square [m]; squares are larger where there would be over 4 million.
+        open_reach: how far the grid reaches from the start in a world without walls [m].
+
+    Attributes:
+        farthest: that distance [m].
+        resolution: side of a square [m].
+
+    Raises:
+        UsageError: there is no wall, and no `open_reach`.
+    """
+
+    def __init__(
+        self,
+        walls: Segments,
+        start: Tuple[float, float],
+        farthest: float,
+        *,
+        discs: FloatArray = np.empty((0, 3)),  # noqa: B008 (only read)
+        resolution: float = 0.05,
+        open_reach: float = 0.0,
+    ) -> None:
+        if len(walls) == 0 and open_reach <= 0.0:
+            raise UsageError("a world without walls has no end, so poses are chosen by its user")
+        ends = walls.reshape(-1, 2)
+        if len(walls) == 0:
+            ends = np.array(start) + np.array([[-open_reach] * 2, [open_reach] * 2])
+        self.farthest = farthest
+        self._start = np.array(start, dtype=np.float64)
+        self._origin = ends.min(axis=0)
+        size = ends.max(axis=0) - self._origin
+        self.resolution = max(resolution, math.sqrt(size[0] * size[1] / _MAX_SQUARES))
+        shape = np.ceil(size[::-1] / self.resolution).astype(int) + 1
+        self._reach = farthest + _HALF_DIAGONAL * self.resolution
+        squared = np.full(tuple(shape), self._reach**2)
+        for x1, y1, x2, y2 in walls.tolist():
+            window, distances = self._around(squared, (x1, y1), (x2, y2), self._reach)
+            np.minimum(window, distances, out=window)
+        self._distances = np.sqrt(squared)  # of the middles of the squares
+        for x, y, radius in discs.tolist():
+            window, distances = self._around(self._distances, (x, y), (x, y), self._reach + radius)
+            np.minimum(window, np.sqrt(distances) - radius, out=window)
+        self._spaces: Dict[float, FreeSpace] = {}
+
+    @property
+    def diagonal(self) -> float:
+        """No two places are farther apart than this [m]."""
+        return math.hypot(*self._distances.shape) * self.resolution
+
+    def distance(self, x: float, y: float) -> float:
+        """A lower bound of a place's distance from obstacles [m]; 0 outside of the grid."""
+        column, row = np.floor((np.array([x, y]) - self._origin) / self.resolution).astype(int)
+        rows, columns = self._distances.shape
+        if not (0 <= row < rows and 0 <= column < columns):
+            return 0.0
+        bound = float(self._distances[row, column]) - _HALF_DIAGONAL * self.resolution
+        return max(0.0, bound)
+
+    def free_space(self, clearance: float) -> FreeSpace:
+        """The places that are connected with the start; computed once for each clearance.
+
+        If the start's square is not free, the nearest free one counts. There may be none.
+
+        Args:
+            clearance: distance from all obstacles [m]: 0 or more, and at most `farthest`.
+
+        Raises:
+            UsageError: the clearance is not usable.
+        """
+        if not 0.0 <= clearance <= self.farthest:
+            raise UsageError(
+                f"expected a clearance of 0 to {self.farthest:g} m, found {clearance!r}"
+            )
+        if clearance not in self._spaces:
+            free = self._distances >= clearance + _HALF_DIAGONAL * self.resolution
+            reachable = connected(free, self._nearest(free)) if free.any() else free
+            self._spaces[clearance] = FreeSpace(
+                reachable, self._origin, self.resolution, float(clearance)
+            )
+        return self._spaces[clearance]
+
+    def _around(
+        self, grid: FloatArray, a: Point, b: Point, reach: float
+    ) -> Tuple[FloatArray, FloatArray]:
+        """The part of a grid within a rectangle around a line.
+
+        Args:
+            grid: of all squares.
+            a: one end of the line [m].
+            b: its other end; it may be the same.
+            reach: from the line to the sides of the rectangle [m].
+
+        Returns:
+            A view of the grid; and the squared distances of the middles of its squares from the
+            line [m^2].
+        """
+        x, y = self._origin.tolist()
+        rows = _span(a[1] - y, b[1] - y, reach, self.resolution)
+        columns = _span(a[0] - x, b[0] - x, reach, self.resolution)
+        window = grid[rows, columns]
+        height, width = window.shape
+        ys = (rows.start + 0.5 + np.arange(height))[:, None] * self.resolution + (y - a[1])
+        xs = (columns.start + 0.5 + np.arange(width)) * self.resolution + (x - a[0])
+        along_x, along_y = b[0] - a[0], b[1] - a[1]
+        square = along_x**2 + along_y**2
+        if square == 0.0:
+            return window, xs**2 + ys**2
+        part = ((along_x / square) * xs + (along_y / square) * ys).clip(0.0, 1.0)
+        return window, (xs - part * along_x) ** 2 + (ys - part * along_y) ** 2
+
+    def _nearest(self, free: BoolArray) -> Tuple[int, int]:
+        """The row and column of the free square that is nearest to the start."""
         rows, columns = np.nonzero(free)
-        if len(rows) == 0:
-            raise UsageError(f"no place has a clearance of {self.clearance:g} m")
         squares = self._origin + (np.column_stack([columns, rows]) + 0.5) * self.resolution
-        nearest = int(((squares - point) ** 2).sum(axis=1).argmin())
+        nearest = int(((squares - self._start) ** 2).sum(axis=1).argmin())
         return int(rows[nearest]), int(columns[nearest])
+
+
+def _span(a: float, b: float, reach: float, resolution: float) -> slice:
+    """The rows or columns between two distances from the grid's first one, and so far beyond."""
+    first = math.floor((min(a, b) - reach) / resolution)
+    last = math.ceil((max(a, b) + reach) / resolution)
+    return slice(max(first, 0), max(last, 0))
 
 
 def discs_of(models: Iterable[Tuple[Pose, float]]) -> FloatArray:

@@ -1,7 +1,7 @@
 """What a simulation hands out for its models and their plugins."""
 
 import inspect
-from typing import TYPE_CHECKING, Any, List, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 
 from flatland_server.exceptions import (
     ModelError,
@@ -16,6 +16,7 @@ from flatland_server.library.arguments import finite, shown
 from flatland_server.library.catalog import Catalog
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin import Plugin
 
 if TYPE_CHECKING:
     from flatland_server.library.simulation import Simulation
@@ -36,14 +37,19 @@ class ModelHandle:
     def __init__(self, simulation: "Simulation", name: str) -> None:
         self.name = name
         self._simulation = simulation
+        self._revision = -1  # of the plugins that are kept here
+        self._running: Dict[str, Plugin] = {}
+        self._names: Dict[str, List[str]] = {}
+        self._sensors: Dict[str, SensorHandle] = {}
+        self._drives: Dict[str, DriveHandle] = {}
         self.sensors: Catalog[SensorHandle] = Catalog(
             lambda: self._plugins_with("read"),
-            lambda plugin: SensorHandle(self, plugin),
+            self._sensor,
             lambda plugin: self._unknown("sensor", plugin, self._plugins_with("read")),
         )
         self.drives: Catalog[DriveHandle] = Catalog(
             lambda: self._plugins_with("command"),
-            lambda plugin: DriveHandle(self, plugin),
+            self._drive,
             lambda plugin: self._unknown("drive", plugin, self._plugins_with("command")),
         )
 
@@ -87,7 +93,7 @@ class ModelHandle:
         if len(names) != 1:
             found = f"has {listed(names)}: use drives[...].command" if names else "has none"
             raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
-        self.drives[names[0]].command(*values)
+        self._drive(names[0]).command(*values)
 
     def __repr__(self) -> str:
         return f'<model "{self.name}">'
@@ -100,12 +106,9 @@ class ModelHandle:
             PluginError: it has failed, and is switched off.
             UsageError: the simulation is closed.
         """
-        self._simulation.require_open()
-        world = self._simulation.world
-        world.get_model(self.name)
-        plugins = world.plugins_of(self.name)
+        plugins = self._plugins()
         if name not in plugins:
-            for failure in world.plugin_failures:
+            for failure in self._simulation.world.plugin_failures:
                 if (failure.owner, failure.name) == (self.name, name):
                     raise PluginError(f'the plugin "{failure.label}" failed in {failure.reason}')
             raise self._unknown("plugin", name, list(plugins))
@@ -113,17 +116,38 @@ class ModelHandle:
         assert isinstance(plugin, ModelPlugin)
         return plugin
 
+    def _plugins(self) -> Dict[str, Plugin]:
+        """The running plugins by name, kept until plugins of the world come or go."""
+        world = self._simulation.world
+        if self._revision != world.plugin_revision:
+            self._simulation.require_open()
+            world.get_model(self.name)
+            self._running = world.plugins_of(self.name)
+            self._names = {}
+            self._revision = world.plugin_revision
+        return self._running
+
     def _plugins_with(self, hook: str) -> List[str]:
         """The names of the plugins that override a hook, in their order."""
-        self._simulation.require_open()
-        world = self._simulation.world
-        world.get_model(self.name)
-        original = getattr(ModelPlugin, hook)
-        return [
-            name
-            for name, plugin in world.plugins_of(self.name).items()
-            if getattr(type(plugin), hook) is not original
-        ]
+        plugins = self._plugins()
+        if hook not in self._names:
+            original = getattr(ModelPlugin, hook)
+            self._names[hook] = [
+                name
+                for name, plugin in plugins.items()
+                if getattr(type(plugin), hook) is not original
+            ]
+        return self._names[hook]
+
+    def _sensor(self, name: str) -> "SensorHandle":
+        if name not in self._sensors:
+            self._sensors[name] = SensorHandle(self, name)
+        return self._sensors[name]
+
+    def _drive(self, name: str) -> "DriveHandle":
+        if name not in self._drives:
+            self._drives[name] = DriveHandle(self, name)
+        return self._drives[name]
 
     def _unknown(self, kind: str, name: str, known: List[str]) -> ModelError:
         hint = suggestion(name, known)
@@ -169,14 +193,16 @@ class SensorHandle:
             UsageError: it does not measure this quantity, or the simulation is closed.
         """
         plugin = self._model.plugin(self.name)
+        timekeeper = self._model._simulation.timekeeper
+        if not quantity:
+            return plugin.read(timekeeper)
         known = plugin.quantities
-        if quantity and quantity not in known:
+        if quantity not in known:
             raise UsageError(
                 f'the sensor "{plugin.node.owner}" does not measure "{shortened(quantity)}"'
                 f"{suggestion(quantity, known)}; besides what read() gives: {listed(known)}"
             )
-        method = getattr(plugin, f"read_{quantity}") if quantity else plugin.read
-        return method(self._model._simulation.timekeeper)
+        return getattr(plugin, f"read_{quantity}")(timekeeper)
 
     def __repr__(self) -> str:
         return f'<sensor "{self._model.name}/{self.name}">'

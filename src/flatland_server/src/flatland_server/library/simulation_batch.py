@@ -1,6 +1,7 @@
 """Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
 
 import inspect
+import math
 import os
 from pathlib import Path
 from types import TracebackType
@@ -21,13 +22,15 @@ from flatland_server.library.batch_arguments import (
 )
 from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.batch_robot import find_robot, require_passive
-from flatland_server.library.free_space import FreeSpace, discs_of
+from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.world_source import WorldSource, open_world
 from flatland_server.plugins.core_parts import RangeNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.transport.local_transport import LocalTransport
+
+_MOST_STEPS = 2**31 - 1
 
 
 class SimulationBatch:
@@ -199,6 +202,8 @@ class SimulationBatch:
             actions, (self._num_envs, len(self._action_names)), self._action_names
         )
         substeps = whole_number(substeps, "a number of steps", 1)
+        if substeps > _MOST_STEPS:
+            raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
         observation = self._rows(out)
         core.step(commands, substeps, self.step_size, self._arrays(observation))
         self._finish(observation, None)
@@ -281,7 +286,17 @@ class SimulationBatch:
             robot = self._robot.model
             others = [each for each in self._world.models.values() if each is not robot]
             discs = discs_of((each.pose, each.radius) for each in others)
-            self._spaces[clearance] = FreeSpace(self._walls(), discs, robot.pose[:2], clearance)
+            is_number = isinstance(clearance, (int, float, np.number))
+            if not (is_number and math.isfinite(clearance) and clearance > 0.0):
+                raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
+            resolution = min(max(clearance / 6.0, 0.02), 0.1)
+            grid = DistanceGrid(
+                self._walls(), robot.pose[:2], clearance, discs=discs, resolution=resolution
+            )
+            space = grid.free_space(clearance)
+            if space.area == 0.0:
+                raise UsageError(f"no place has a clearance of {clearance:g} m")
+            self._spaces[clearance] = space
         return self._spaces[clearance]
 
     def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import UsageError, shortened
 from flatland_server.models.layer import LayerConfig
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -43,6 +44,11 @@ def world_content(
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
         if isinstance(world, Mapping):
             reader = YamlReader.from_content(world, "world", preprocessor)
+        elif not isinstance(world, (str, os.PathLike)):
+            raise UsageError(
+                "expected the name of a world, the path of a world file or a dict, "
+                f"found {shortened(repr(world))}"
+            )
         else:
             name = world if isinstance(world, str) else Path(world)
             reader = YamlReader.from_file(find_world(name), preprocessor)

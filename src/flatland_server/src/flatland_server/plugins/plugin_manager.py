@@ -1,5 +1,6 @@
 """Starts plugins, calls their hooks, switches off those that fail, and stops them."""
 
+import itertools
 import logging
 import sys
 from typing import (
@@ -36,6 +37,9 @@ P = TypeVar("P", bound=Plugin)
 Hook = Callable[..., None]
 
 _NO_CALLS = StepCalls([])
+
+_revisions = itertools.count()
+"""Of all managers, so that a new one is never taken for its predecessor."""
 
 
 class PluginFailure(NamedTuple):
@@ -86,6 +90,8 @@ class PluginManager:
         self._step_calls = _NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
         """Called when a plugin has failed and is switched off; without it, that is logged."""
+        self.revision = next(_revisions)
+        """Another value whenever a plugin has been started, stopped or switched off."""
         self._starting = 0  # calls of `start` that are being made, each within the one before
 
     def take_over_warnings(self, former: "PluginManager") -> None:
@@ -108,6 +114,7 @@ class PluginManager:
     def switch_off(self, plugin: Plugin, failure: PluginFailure) -> None:
         """Shuts a plugin down and does not call it any more."""
         self._failures[plugin] = failure
+        self.revision = next(_revisions)
         self._stop_calling([plugin])
         self._shut_down(plugin)
 
@@ -163,6 +170,7 @@ class PluginManager:
                     plugins.append(
                         self._factory.make(config, base, model_name, namespace, subject, self._fail)
                     )
+                    self.revision = next(_revisions)
                 except YamlError as error:
                     problems.extend(error.problems)
             if problems:
@@ -185,6 +193,7 @@ class PluginManager:
     def stop(self, model_name: str) -> None:
         """Stops the plugins of a model or of the world, in the reverse order of their start."""
         plugins = self._plugins.pop(model_name, [])
+        self.revision = next(_revisions)
         self._stop_calling(plugins)
         for plugin in reversed(plugins):
             if self._failures.pop(plugin, None) is None:

@@ -211,6 +211,11 @@ class World(Restartable, Stepping):
         }
 
     @property
+    def plugin_revision(self) -> int:
+        """Another value whenever `plugins_of` may give something else for a model."""
+        return self._plugins.revision
+
+    @property
     def plugin_failures(self) -> List[PluginFailure]:
         """The plugins that have raised an exception and are switched off."""
         return self._plugins.failures

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from library.parts import BODY, LOADER, ROBOT
 
-from flatland_server import PluginError, Simulation, _core
+from flatland_server import ModelError, PluginError, Simulation, UsageError, _core
 
 
 def test_the_office_in_ten_lines():
@@ -91,6 +91,20 @@ def test_handles_stay_valid_after_a_reset(sim):
     assert (sim.time, sim.seed) == (0.0, 3)
     assert pusher.read("speed") == 0.0
     assert sim.step().poses[0].tolist() == [0.0, 0.0, 0.5]
+
+
+def test_a_handle_means_the_model_that_has_its_name_now(sim):
+    robot = sim.models["robot"]
+    former = robot.plugin("pusher")
+
+    sim.delete("robot")
+    with pytest.raises(ModelError, match='there is no model "robot"'):
+        robot.plugin("pusher")
+    sim.spawn(ROBOT, "robot")
+    assert robot.plugin("pusher") not in (None, former)
+    sim.close()
+    with pytest.raises(UsageError, match="closed"):
+        robot.plugin("pusher")
 
 
 def test_a_state_is_loaded_by_a_simulation_of_the_same_world(sim, world):

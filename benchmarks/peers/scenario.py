@@ -1,0 +1,89 @@
+"""The scenario that all simulators run: a room with discs, robots with a lidar, and commands."""
+
+import math
+from typing import Any, List, Tuple
+
+import numpy as np
+
+ROOM = 40.0
+"""Side of the room [m]; its corner is the origin."""
+DISCS = 20
+DISC_RADIUS = 0.5
+ROBOT_RADIUS = 0.2
+BEAMS = 64
+RANGE = 10.0
+STEP = 0.1
+"""Length of a step, after which every scan is read [s]."""
+FIRST_BEAM = -math.pi
+INCREMENT = 2 * math.pi / (BEAMS - 1)
+"""Of the beams, in the robot's frame [rad]: the first and the last one both look backwards."""
+SPEED = 0.5
+YAW_RATE = 1.0
+STEPS_PER_COMMAND = 10
+_BLOCKS = 16
+_GAP = 0.4
+"""Between robots, discs and walls at the beginning [m]."""
+
+Circle = Tuple[float, float, float]
+"""x, y and radius [m]."""
+
+
+class Scenario:
+    """The room with some robots; the same for equal arguments.
+
+    Args:
+        robots: how many.
+        seed: of all places and commands.
+        apart: whether they must not overlap, because they are in one room.
+
+    Attributes:
+        discs: x, y [m], shape (20, 2).
+        poses: of the robots: x, y [m] and yaw [rad], shape (robots, 3).
+        commands: forward velocity [m/s] and yaw rate [rad/s], shape (16, robots, 2).
+    """
+
+    def __init__(self, robots: int, seed: int, apart: bool = True) -> None:
+        rng = np.random.default_rng(seed)
+        taken: List[Circle] = []
+        self.discs = np.array([_place(rng, DISC_RADIUS, taken) for _ in range(DISCS)])
+        places = []
+        for _ in range(robots):
+            others = taken if apart else taken[:DISCS]
+            places.append(_place(rng, ROBOT_RADIUS, others))
+        self.poses = np.column_stack([places, rng.uniform(-math.pi, math.pi, robots)])
+        low, high = (0.0, -YAW_RATE), (SPEED, YAW_RATE)
+        self.commands = rng.uniform(low, high, (_BLOCKS, robots, 2))
+
+    def command(self, step: int) -> int:
+        """The row of `commands` that holds in a step."""
+        return step // STEPS_PER_COMMAND % _BLOCKS
+
+    def exact_ranges(self) -> "np.ndarray[Any, Any]":
+        """What the lidars see of the discs and the walls, but not of robots: shape (robots, 64)."""
+        angles = self.poses[:, 2, None] + FIRST_BEAM + INCREMENT * np.arange(BEAMS)
+        directions = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+        origins = self.poses[:, None, :2]
+        ranges = np.full(angles.shape, RANGE)
+        for disc in self.discs:
+            offset = origins - disc
+            b = (offset * directions).sum(axis=-1)
+            discriminant = b**2 - (offset**2).sum(axis=-1) + DISC_RADIUS**2
+            distance = -b - np.sqrt(np.maximum(discriminant, 0.0))
+            is_hit = (discriminant >= 0.0) & (distance >= 0.0)
+            ranges = np.minimum(ranges, np.where(is_hit, distance, np.inf))
+        with np.errstate(divide="ignore"):
+            for axis in (0, 1):
+                for wall in (0.0, ROOM):
+                    distance = (wall - origins[..., axis]) / directions[..., axis]
+                    ranges = np.minimum(ranges, np.where(distance >= 0.0, distance, np.inf))
+        return ranges
+
+
+def _place(rng: np.random.Generator, radius: float, taken: List[Circle]) -> Tuple[float, float]:
+    """Draws a free place for a circle, and adds it to those that are taken."""
+    margin = radius + _GAP
+    while True:
+        x, y = rng.uniform(margin, ROOM - margin, 2)
+        if all(math.hypot(x - a, y - b) >= radius + r + _GAP for a, b, r in taken):
+            taken.append((float(x), float(y), radius))
+            return float(x), float(y)

@@ -1,0 +1,101 @@
+"""The simulators that are compared, and how each is used."""
+
+from typing import NamedTuple, Tuple
+
+
+class Simulator(NamedTuple):
+    """A simulator, as it is measured."""
+
+    name: str
+    rooms: str
+    """The module that opens its rooms."""
+    requirement: str
+    """What pip installs; empty for Flatland, which this workspace has."""
+    flags: str
+    """Of the compiler, if pip builds it."""
+    variant: str
+    """See `open_room` of the module."""
+    most_robots: int
+    """The largest number of robots in one room that is measured."""
+    has_batches: bool
+    about: str
+
+
+FLATLAND = Simulator(
+    "Flatland",
+    "flatland_rooms",
+    "",
+    "",
+    "",
+    1000,
+    True,
+    "Box2D's rigid bodies and contacts, in one physics step of 0.1 s",
+)
+FLATLAND_SUBSTEPS = FLATLAND._replace(
+    name="Flatland, 20 x 5 ms",
+    variant="20 x 5 ms",
+    about="the same in 20 physics steps of 5 ms, the server's default",
+)
+IRSIM = Simulator(
+    "ir-sim",
+    "irsim_rooms",
+    "ir-sim==2.12.0",
+    "",
+    "",
+    100,
+    False,
+    'kinematics; a robot that touches something stays there (collision_mode "stop", its default)',
+)
+IRSIM_CONTACT = IRSIM._replace(
+    name="ir-sim, contact",
+    variant="contact",
+    about='bodies that overlap are pushed apart (collision_mode "contact")',
+)
+IRSIM_X = Simulator(
+    "irsim-x",
+    "irsim_rooms",
+    "irsim-x==1.1.4",
+    "-mno-avx512f",  # with AVX-512, its batch leaves every other eight ranges undefined
+    "",
+    1000,
+    True,
+    "kinematics; robots do not see each other, those of a batch drive through discs and walls",
+)
+SIMULATORS = (FLATLAND, FLATLAND_SUBSTEPS, IRSIM, IRSIM_CONTACT, IRSIM_X)
+
+
+class Case(NamedTuple):
+    """Robots that are measured together."""
+
+    kind: str
+    """"room" or "batch"; see `open_room`."""
+    robots: int
+
+    @property
+    def name(self) -> str:
+        """Such as "robots_10" or "batch_1024"."""
+        return f"{'robots' if self.kind == 'room' else 'batch'}_{self.robots}"
+
+    @property
+    def title(self) -> str:
+        """The head of its column."""
+        if self.kind == "batch":
+            return f"batch of {self.robots:,}"
+        return "1 robot" if self.robots == 1 else f"{self.robots:,} robots"
+
+    def suits(self, simulator: Simulator) -> bool:
+        """Whether a simulator is measured with it."""
+        if self.kind == "batch":
+            return simulator.has_batches
+        return self.robots <= simulator.most_robots
+
+
+class Target(NamedTuple):
+    """How much faster than a peer Flatland is to be."""
+
+    peer: str
+    kinds: Tuple[str, ...]
+    times: float
+
+
+TARGETS = (Target("ir-sim", ("room",), 200.0), Target("irsim-x", ("batch",), 3.0))
