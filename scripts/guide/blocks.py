@@ -10,9 +10,12 @@
 
 A Python block may begin with `# needs: MODULE`; a file's block begins with `# file: NAME`, or with
 `# in NAME` if it is added to the end of a file.
+
+usage: blocks.py PAGE    prints the Python of a page as one program, for type checks
 """
 
 import re
+import sys
 from pathlib import Path
 from typing import List, NamedTuple, Tuple
 
@@ -71,3 +74,17 @@ def blocks_of(page: Path) -> List[Block]:
         line = text.count("\n", 0, match.start("text")) + 1
         blocks.append(Block(match["language"], "".join(lines), line, tuple(notes)))
     return blocks
+
+
+def program_of(page: Path) -> str:
+    """The Python blocks of a page, at their lines, with empty lines in place of all else."""
+    lines = [""] * (page.read_text(encoding="utf-8").count("\n") + 1)
+    for block in blocks_of(page):
+        if block.language == "python" and not block.file:
+            code = block.text.splitlines()
+            lines[block.line - 1 : block.line - 1 + len(code)] = code
+    return "\n".join(lines).rstrip() + "\n"
+
+
+if __name__ == "__main__":
+    print(program_of(Path(sys.argv[1])), end="")

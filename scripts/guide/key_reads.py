@@ -68,6 +68,20 @@ class Observation:
         return [_merge(name, reads) for name, reads in found.items()]
 
 
+    def defaults(self, file: str, path: str) -> Dict[str, Any]:
+        """The defaults of the keys of a map and of the maps within it, by their paths."""
+        found = {}
+        for read in self.reads:
+            (name, place), key = read.place, read.key
+            inner = place[len(path) :]
+            if name == file and place.startswith(path) and "[" not in inner:
+                is_value = read.getter not in CONTAINERS and read.default is not REQUIRED
+                if is_value and key not in ("type", "name", "enabled"):
+                    default = list(read.default) if isinstance(read.default, tuple) else read.default
+                    found[f"{inner}.{key}".lstrip(".")] = default
+        return found
+
+
 @contextlib.contextmanager
 def observed() -> Iterator[Observation]:
     """Notes all calls of getters meanwhile."""

@@ -55,14 +55,22 @@ WHEELS = {
 NOISE = {"odom_pose_noise": [1, 2, 3], "odom_twist_noise": [1, 2, 3]}
 LIMITS = {"linear_dynamics": {"acceleration_limit": 1}, "angular_dynamics": {"acceleration_limit": 1}}
 ON_BASE = {"body": "base_link"}
-OTHER_PERSON = {"pose": [0, 2, 0]}
+PERSON = {
+    "pose": [2, 0, 0],
+    "goals": [[2, 3], [-2, 3]],
+    "name": "someone",
+    "speed": 1,
+    "radius": 0.3,
+    "legs": True,
+    "color": [1, 1, 1, 1],
+}
 PLUGINS: Dict[str, List[Dict[str, Any]]] = {
     "BoolSensor": [{}, {}],
     "Bumper": [{}],
     "Crowd": [
-        {"pedestrians": [{"pose": [2, 0, 0]}]},
+        {"pedestrians": [PERSON]},
         {
-            "pedestrians": [OTHER_PERSON, {"pose": [0, 4, 0]}],
+            "pedestrians": [{"pose": [0, 2, 0]}, {"pose": [0, 4, 0]}],
             "speed": 1,
             "radius": 0.3,
             "legs": True,
@@ -146,6 +154,17 @@ def keys_of_plugin(name: str) -> List[Key]:
     file = "world.yaml" if of_world else "robot.model.yaml"
     common = ("type", "name", "enabled")
     return [key for key in observation.keys(file, "plugins[]") if key.name not in common]
+
+
+def defaults_of_plugin(name: str) -> Dict[str, Any]:
+    """The defaults of a plugin's keys, by their paths, where they have one; in lists of maps: none."""
+    files = _files()
+    of_world = is_of_the_world(name)
+    plugins = [{"type": name, "name": "plugin", **PLUGINS[name][0]}]
+    with observed() as observation:
+        files.write("robot.model.yaml", {**TRICYCLE, "plugins": [] if of_world else plugins})
+        files.load({**WORLD, "plugins": plugins if of_world else []}).world.close()
+    return observation.defaults("world.yaml" if of_world else "robot.model.yaml", "plugins[]")
 
 
 MAPS: Dict[str, Tuple[str, str]] = {
