@@ -47,7 +47,9 @@ def pattern_of(output: str, is_start: bool = False) -> "re.Pattern[str]":
         if line.strip() == "...":
             pattern += r"(?:[^\n]*\n)*?"
         else:
-            pattern += r"[^\n]*?".join(re.escape(part.rstrip()) for part in _parts(line)) + r"[ \t]*\n"
+            pattern += (
+                r"[^\n]*?".join(re.escape(part.rstrip()) for part in _parts(line)) + r"[ \t]*\n"
+            )
     return re.compile(pattern if is_start else rf"\A{pattern}\s*\Z")
 
 

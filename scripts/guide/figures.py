@@ -1,4 +1,6 @@
-"""Draws the figures of the guide: usage: figures.py [--check]
+"""Draws the figures of the guide.
+
+usage: figures.py [--check]
 
 Each is made of what the code says: the imports of packages, the names of hooks, the due times of
 timers, the bytes of a message, the walls that a scan meets. `--check` says which are out of date.
@@ -11,12 +13,12 @@ from pathlib import Path
 from typing import Callable, Dict, List, Set, Tuple
 
 import numpy as np
-
 from blocks import blocks_of
+from svg import BLUE, GREY, ORANGE, RED, TEAL, Svg
+
+from flatland_plugins.scan_writer import ScanWriter
 from flatland_server import Simulation, UpdateTimer, messages
 from flatland_server.plugins.plugin import CONTACT_HOOKS, STEP_HOOKS
-from flatland_plugins.scan_writer import ScanWriter
-from svg import BLUE, GREY, ORANGE, RED, TEAL, Svg
 
 ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
@@ -25,13 +27,13 @@ Box = Tuple[str, str, int, int, int]
 """A package, what it is, and where its box is: row from the top, left edge and width."""
 
 PACKAGES: List[Box] = [
-    ("flatland_viz", "the window and rviz tools", 0, 500, 220),
-    ("flatland_server.ros", "the node: topics, services, time", 1, 20, 220),
-    ("flatland_gym", "environments for learning", 1, 260, 220),
-    ("flatland_navigation", "planner, follower, their nodes", 1, 500, 220),
-    ("flatland_plugins", "drives and sensors, found by name", 2, 260, 220),
-    ("flatland_server", "files, worlds, steps, library; no ROS", 3, 20, 460),
-    ("flatland_server._core", "bindings (pybind11), C++ core, Box2D", 4, 20, 460),
+    ("flatland_viz", "the window and rviz tools", 0, 20, 210),
+    ("flatland_server.ros", "the node: topics, services, time", 1, 20, 210),
+    ("flatland_plugins", "drives and sensors, found by name", 1, 246, 210),
+    ("flatland_gym", "environments for learning", 1, 472, 210),
+    ("flatland_navigation", "planner, follower, their nodes", 1, 698, 210),
+    ("flatland_server", "files, worlds, steps, library; no ROS", 2, 20, 888),
+    ("flatland_server._core", "bindings (pybind11), C++ core, Box2D", 3, 20, 888),
 ]
 ROW, HEIGHT, TOP = 92, 52, 34
 
@@ -59,7 +61,7 @@ def imported(package: str) -> Set[str]:
 
 def architecture() -> Svg:
     """The packages, and which imports which."""
-    drawing = Svg(740, 490, "The packages of Flatland and what each imports")
+    drawing = Svg(928, 376, "The packages of Flatland and what each imports")
     rows = {name: row for name, _, row, _, _ in PACKAGES}
     places = {name: (x, TOP + ROW * row, width) for name, _, row, x, width in PACKAGES}
     for name, *_ in PACKAGES:
@@ -72,8 +74,8 @@ def architecture() -> Svg:
             drawing.line([(begin, y + HEIGHT), (end, top)], arrow=True)
     x, y, width = places["flatland_viz"]
     left, top, _ = places["flatland_server.ros"]
-    drawing.line([(x, y + 26), (left + 110, y + 26), (left + 110, top)], dashed=True, arrow=True)
-    drawing.text(300, y + 20, "topics and services", 11, GREY)
+    drawing.line([(x + width / 2, y + HEIGHT), (left + width / 2, top)], dashed=True, arrow=True)
+    drawing.text(x + width / 2 + 10, top - 14, "topics and services alone", 11, GREY, "start")
     for name, text, row, left, wide in PACKAGES:
         top = TOP + ROW * row
         color = ORANGE if name.endswith("_core") else BLUE if name == "flatland_server" else TEAL
@@ -87,7 +89,7 @@ def architecture() -> Svg:
 def step() -> Svg:
     """The life of a step: which hooks are called, and by which part."""
     prepare, before, after = STEP_HOOKS
-    contacts = sorted(CONTACT_HOOKS)
+    contacts = list(CONTACT_HOOKS)
     phases = [
         ("callbacks", ["commands, services:", "what has arrived"], GREY, "between steps"),
         ("prepare", [f"{prepare}:", "lidars scan together"], BLUE, "t"),
@@ -102,7 +104,7 @@ def step() -> Svg:
     for index, (_, lines, color, time) in enumerate(phases):
         x = 12 + width * index
         drawing.box(x, 40, width - 16, 62, color)
-        drawing.text(x + (width - 16) / 2, 66, lines[0], 12, bold=color == BLUE)
+        drawing.text(x + (width - 16) / 2, 66, lines[0], 11, bold=color == BLUE)
         drawing.text(x + (width - 16) / 2, 86, lines[1], 11, GREY)
         drawing.text(x + (width - 16) / 2, 30, time, 11, GREY)
         if index:
@@ -112,7 +114,10 @@ def step() -> Svg:
     drawing.box(x - 110, 140, 346, 56, RED)
     drawing.text(x + 63, 163, ", ".join(contacts), 12, bold=True)
     drawing.text(x + 63, 183, "called by the solver, for contacts that a plugin asks for", 11, GREY)
-    drawing.line([(width * len(phases) - 6, 112), (width * len(phases) - 6, 224), (75, 224), (75, 108)], arrow=True)
+    drawing.line(
+        [(width * len(phases) - 6, 112), (width * len(phases) - 6, 224), (75, 224), (75, 108)],
+        arrow=True,
+    )
     drawing.text(300, 218, "the next step: dt later", 11, GREY)
     return drawing
 
@@ -150,10 +155,12 @@ def lidar() -> Svg:
     drawing.segments([(at(wall[:2]), at(wall[2:])) for wall in walls[met]], RED, 2.2)
     drawing.dot(*at(np.array([x0, y0])), radius=4, color=BLUE)
     drawing.text(
-        12, size[1] - 18,
+        12,
+        size[1] - 18,
         f"{len(ranges)} beams end on {met.sum()} of {len(walls)} walls; "
         "the others are passed over, most of them by boxes at a time",
-        14, anchor="start",
+        14,
+        anchor="start",
     )
     return drawing
 
@@ -182,8 +189,7 @@ def message() -> Svg:
     writer = ScanWriter("laser", angle_min=-1.0, angle_max=1.0, angle_increment=1.0, range_max=9.0)
     ranges = np.array([1.0, 2.5, np.inf], dtype=np.float32)
     data = writer.data(1_250_000_000, ranges, np.empty(0, np.float32))
-    LaserScan = messages.get("sensor_msgs/LaserScan")
-    read = LaserScan()
+    read = messages.get("sensor_msgs/LaserScan")()
     read.deserialize(data)
     assert list(read.ranges) == list(ranges)
     parts = [
@@ -195,18 +201,16 @@ def message() -> Svg:
     assert sum(size for _, size, _ in parts) == len(data)
     per_row, cell = 22, 34
     rows = -(-len(data) // per_row)
-    drawing = Svg(per_row * cell + 24, rows * 34 + 66, "The bytes of a LaserScan")
+    drawing = Svg(per_row * cell + 24, rows * 34 + 82, "The bytes of a LaserScan")
     colors = [color for _, size, color in parts for _ in range(size)]
     for index, (byte, color) in enumerate(zip(data, colors)):
         x, y = 12 + index % per_row * cell, 12 + index // per_row * 34
         drawing.box(x, y, cell - 3, 26, color)
         drawing.text(x + cell / 2 - 2, y + 18, f"{byte:02x}", 12)
-    x = 12
-    for name, size, color in parts:
-        drawing.box(x, rows * 34 + 26, 14, 14, color)
-        text = f"{name} ({size} bytes)"
-        drawing.text(x + 20, rows * 34 + 38, text, 11, anchor="start")
-        x += 42 + int(6.1 * len(text))
+    for index, (name, size, color) in enumerate(parts):
+        x, y = 12 + 340 * (index % 2), rows * 34 + 26 + 24 * (index // 2)
+        drawing.box(x, y, 14, 14, color)
+        drawing.text(x + 22, y + 12, f"{name} ({size} bytes)", 12, anchor="start")
     return drawing
 
 
@@ -248,11 +252,12 @@ def render_tutorials() -> None:
                     simulation.step(700)
                 options = {
                     "world": {"sensors": True},
-                    "robot": {"follow": "robot", "width": 6.0, "sensors": True},
+                    "robot": {"sensors": True},
                     "people_and_doors": {"names": True},
                 }[tutorial]
                 short = tutorial.partition("_")[0]
-                simulation.save_picture(IMAGES / f"tutorial_{short}.png", size=(720, 440), **options)
+                size = (720, 220 if short == "people" else 440)
+                simulation.save_picture(IMAGES / f"tutorial_{short}.png", size=size, **options)
     with Simulation("office", seed=1) as simulation:
         simulation.models["turtlebot"].command(0.5, 0.2)
         simulation.step(400)

@@ -1,7 +1,7 @@
 """Which keys files may have, as the code that reads them says: what its getters are asked for.
 
-The readers of worlds, models, maps and plugins run on samples while their getters are observed. So a
-key, its type, its bounds and its default have one source: the line of code that reads it.
+The readers of worlds, models, maps and plugins run on samples while their getters are observed. So
+a key, its type, its bounds and its default have one source: the line of code that reads it.
 """
 
 import contextlib
@@ -63,10 +63,9 @@ class Observation:
             if name == file and (place == path or not path or place[len(path) :][:1] in ".["):
                 if not place.startswith(path):
                     continue
-                dotted = f"{place[len(path):]}.{key}".lstrip(".")
+                dotted = f"{place[len(path) :]}.{key}".lstrip(".")
                 found.setdefault(dotted, []).append(read)
         return [_merge(name, reads) for name, reads in found.items()]
-
 
     def defaults(self, file: str, path: str) -> Dict[str, Any]:
         """The defaults of the keys of a map and of the maps within it, by their paths."""
@@ -77,7 +76,9 @@ class Observation:
             if name == file and place.startswith(path) and "[" not in inner:
                 is_value = read.getter not in CONTAINERS and read.default is not REQUIRED
                 if is_value and key not in ("type", "name", "enabled"):
-                    default = list(read.default) if isinstance(read.default, tuple) else read.default
+                    default = (
+                        list(read.default) if isinstance(read.default, tuple) else read.default
+                    )
                     found[f"{inner}.{key}".lstrip(".")] = default
         return found
 

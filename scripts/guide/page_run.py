@@ -16,6 +16,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Sequence
 
 from blocks import FILE, Block, blocks_of
 from console import Command, Shell, commands_of, pattern_of, without_colors
+
 from flatland_server import FlatlandError
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.tools.check_world import load
@@ -128,7 +129,9 @@ class PageRun:
         try:
             result = self._shell.run(command.text)
         except subprocess.TimeoutExpired as error:
-            raise self._error(block, f"$ {command.text}\ntook more than {error.timeout} s") from None
+            raise self._error(
+                block, f"$ {command.text}\ntook more than {error.timeout} s"
+            ) from None
         found = without_colors(result.stdout)
         if result.returncode != code:
             raise self._error(

@@ -3,15 +3,15 @@
 A page marks where they are by comments, which Markdown does not show:
 
     <!-- keys of plugin Laser -->                      all keys of a plugin
-    <!-- keys of plugin OmniDrive beyond DiffDrive --> those that the other one has not, or otherwise
+    <!-- keys of plugin OmniDrive beyond DiffDrive --> those that the other has not, or otherwise
     <!-- keys of world -->                             of a kind of file, without its sections
     <!-- keys of world layers[] -->                    of a section
     <!-- arguments of flatland_server server.launch -->
     <!-- definitions of flatland_msgs msg -->          up to <!-- end -->
 
-Of a table of keys, the code gives all but the last cell: what a key means is written in the page, and
-so are a unit that the code does not know, and a default that depends on other keys, in italics. Both
-are kept when the table is made again.
+Of a table of keys, the code gives all but the last cell: what a key means is written in the page,
+and so are a unit that the code does not know, and a default that depends on other keys, in italics.
+They are kept when the table is made again.
 """
 
 import re

@@ -7,10 +7,10 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
+from key_reads import Key, observed
 from PIL import Image
 
 from flatland_server.testing import WorldFiles
-from key_reads import Key, observed
 
 ROOT = Path(__file__).resolve().parents[2]
 DECLARATIONS = ROOT / "src/flatland_plugins/flatland_plugins.xml"
@@ -53,7 +53,10 @@ WHEELS = {
     "rear_right_wheel_joint": "right_axle",
 }
 NOISE = {"odom_pose_noise": [1, 2, 3], "odom_twist_noise": [1, 2, 3]}
-LIMITS = {"linear_dynamics": {"acceleration_limit": 1}, "angular_dynamics": {"acceleration_limit": 1}}
+LIMITS = {
+    "linear_dynamics": {"acceleration_limit": 1},
+    "angular_dynamics": {"acceleration_limit": 1},
+}
 ON_BASE = {"body": "base_link"}
 PERSON = {
     "pose": [2, 0, 0],
@@ -157,7 +160,7 @@ def keys_of_plugin(name: str) -> List[Key]:
 
 
 def defaults_of_plugin(name: str) -> Dict[str, Any]:
-    """The defaults of a plugin's keys, by their paths, where they have one; in lists of maps: none."""
+    """The defaults of a plugin's keys by their paths, without those in lists of maps."""
     files = _files()
     of_world = is_of_the_world(name)
     plugins = [{"type": name, "name": "plugin", **PLUGINS[name][0]}]

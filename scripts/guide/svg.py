@@ -29,8 +29,14 @@ class Svg:
         )
 
     def text(
-        self, x: float, y: float, text: str, size: int = 13, color: str = "#212121",
-        anchor: str = "middle", bold: bool = False,
+        self,
+        x: float,
+        y: float,
+        text: str,
+        size: int = 13,
+        color: str = "#212121",
+        anchor: str = "middle",
+        bold: bool = False,
     ) -> None:
         """A line of text."""
         weight = ' font-weight="bold"' if bold else ""
@@ -40,8 +46,12 @@ class Svg:
         )
 
     def line(
-        self, points: Iterable[Tuple[float, float]], color: str = GREY, width: float = 1.2,
-        arrow: bool = False, dashed: bool = False,
+        self,
+        points: Iterable[Tuple[float, float]],
+        color: str = GREY,
+        width: float = 1.2,
+        arrow: bool = False,
+        dashed: bool = False,
     ) -> None:
         """A line through points, with an arrow at its end."""
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
@@ -53,8 +63,10 @@ class Svg:
         )
 
     def segments(
-        self, pairs: Iterable[Tuple[Tuple[float, float], Tuple[float, float]]],
-        color: str = GREY, width: float = 1.0,
+        self,
+        pairs: Iterable[Tuple[Tuple[float, float], Tuple[float, float]]],
+        color: str = GREY,
+        width: float = 1.0,
     ) -> None:
         """Many lines, each between two points, as one path."""
         path = "".join(f"M{a:.1f},{b:.1f}L{c:.1f},{d:.1f}" for (a, b), (c, d) in pairs)

@@ -8,14 +8,11 @@ import pytest
 import samples
 
 from flatland_server import _core, testing
-from flatland_server.config.yaml_reader import REQUIRED, YamlReader
-from flatland_server.models.collision_filter_registry import AnyLayer
+from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.models.entity import Entity
-from flatland_server.models.model import ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node, Publisher

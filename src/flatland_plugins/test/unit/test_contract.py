@@ -90,5 +90,9 @@ def test_it_keeps_the_contract_otherwise_configured(name, keys):
     world = BESIDE_A_POST if name in ("BoolSensor", "Bumper") else None
 
     check_plugin(
-        entry, other_keys=OTHER_NAMES.get(name, ()), model=ROBOT, world=world, files={"post.yaml": POST}
+        entry,
+        other_keys=OTHER_NAMES.get(name, ()),
+        model=ROBOT,
+        world=world,
+        files={"post.yaml": POST},
     )

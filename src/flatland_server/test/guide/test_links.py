@@ -54,7 +54,9 @@ def test_each_page_that_code_and_scripts_name_exists():
         path = ROOT / name
         if path.is_file() and (path.suffix in kinds or name.startswith("scripts/")):
             text = path.read_text(encoding="utf-8", errors="replace")
-            dead += [f"{name}: {word}" for word in MENTION.findall(text) if not (ROOT / word).exists()]
+            dead += [
+                f"{name}: {word}" for word in MENTION.findall(text) if not (ROOT / word).exists()
+            ]
 
     assert dead == []
 
