@@ -1,10 +1,16 @@
 """The reference is what the code says: keys, arguments, definitions, figures."""
 
+import inspect
+import re
+
 import figures
 import pytest
 import reference_tables
 import samples
 from page_run import ROOT
+
+import flatland_server
+from flatland_server import exceptions
 
 DOCS = ROOT / "docs"
 
@@ -60,6 +66,28 @@ def test_a_default_that_changes_in_the_code_is_noticed(monkeypatch):
     text = (DOCS / "reference" / "plugins.md").read_text(encoding="utf-8")
 
     assert reference_tables.updated(text) != text
+
+
+def test_each_public_name_is_on_a_page_of_the_python_api():
+    """Exceptions are documented as a module; constants and type aliases are not classes."""
+    folder = DOCS / "reference" / "python"
+    shown = "".join(page.read_text(encoding="utf-8") for page in folder.glob("*.md"))
+    names = [
+        name
+        for name in flatland_server.__all__
+        if inspect.isclass(getattr(flatland_server, name))
+        or inspect.isfunction(getattr(flatland_server, name))
+    ]
+
+    missing = [
+        name
+        for name in names
+        if not hasattr(exceptions, name) and not re.search(rf"^::: .*\.{name}$", shown, re.M)
+    ]
+
+    assert len(names) > 60
+    assert "::: flatland_server.exceptions" in shown
+    assert missing == []
 
 
 def test_the_figures_are_those_that_the_code_makes():
