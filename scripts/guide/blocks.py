@@ -2,7 +2,7 @@
 
     <!-- not run: needs a screen -->      it is shown, and not run; with the reason
     <!-- part of: FILE -->                it is an excerpt, word for word
-    <!-- runs on -->                      a console whose program goes on until the page ends
+    <!-- runs on -->                      its last program goes on until the page ends
     <!-- prints then -->                  what that program prints later
     <!-- ends with 1 -->                  the exit code of a console's last command
     <!-- with the files of: PAGE -->      that page's files are there

@@ -61,7 +61,7 @@ ON_BASE = {"body": "base_link"}
 PERSON = {
     "pose": [2, 0, 0],
     "goals": [[2, 3], [-2, 3]],
-    "name": "someone",
+    "name": "walker",
     "speed": 1,
     "radius": 0.3,
     "legs": True,
