@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import List, Mapping, NamedTuple, Optional, Tuple
 
-LIMIT = 30.0
+LIMIT = 60.0
 """How long a command may take, and a program to print what it prints at its start [s]."""
 
 

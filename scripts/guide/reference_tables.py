@@ -134,6 +134,4 @@ def update_all() -> List[str]:
 
 
 if __name__ == "__main__":
-    missing = update_all()
-    print(*missing, sep="\n")
-    raise SystemExit(bool(missing))
+    raise SystemExit("\n".join(update_all()) or None)
