@@ -7,6 +7,7 @@ A page marks where they are by comments, which Markdown does not show:
     <!-- keys of world -->                             of a kind of file, without its sections
     <!-- keys of world layers[] -->                    of a section
     <!-- arguments of flatland_server server.launch -->
+    <!-- parameters of navigator -->                   the private parameters of a node
     <!-- definitions of flatland_msgs msg -->          up to <!-- end -->
 
 Of a table of keys, the code gives all but the last cell: what a key means is written in the page,
@@ -21,16 +22,21 @@ from typing import Callable, Dict, List, Sequence
 
 import samples
 from key_reads import Key
+from node_parameters import parameters_of
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n"
-MARK = re.compile(r"<!-- (keys|arguments) of ([^>]+) -->\n((?:\|.*\n)*)")
+MARK = re.compile(r"<!-- (keys|arguments|parameters) of ([^>]+) -->\n((?:\|.*\n)*)")
 DEFINITIONS = re.compile(r"<!-- definitions of (\w+) (\w+) -->\n(.*?)<!-- end -->", re.DOTALL)
 
 
 def updated(text: str) -> str:
     """A page with its generated parts as the code has them now."""
-    tables: Dict[str, Callable[[str, str], str]] = {"keys": _keys, "arguments": _arguments}
+    tables: Dict[str, Callable[[str, str], str]] = {
+        "keys": _keys,
+        "arguments": _arguments,
+        "parameters": _parameters,
+    }
 
     def table(match: "re.Match[str]") -> str:
         kind, of, rows = match.groups()
@@ -100,6 +106,16 @@ def _arguments(file: str, rows: str) -> str:
             default = each.get("default")
             shown = "**required**" if default is None else f"`{default}`" if default else ""
             text += f"| `{each.get('name')}` | {shown} | {each.get('doc', '')} |\n"
+    return text.replace("|  |", "| |")
+
+
+def _parameters(node: str, rows: str) -> str:
+    written = {cells[0].strip("`~"): cells[-1] for cells in map(_cells, rows.splitlines()[2:])}
+    text = "| parameter | default | meaning |\n| --- | --- | --- |\n"
+    for name, default in parameters_of(node):
+        shown = str(default).lower() if isinstance(default, bool) else str(default)
+        shown = f"`{shown}`" if shown else ""
+        text += f"| `~{name}` | {shown} | {written.get(name, '')} |\n"
     return text.replace("|  |", "| |")
 
 
