@@ -1,4 +1,4 @@
-"""The private parameters of nodes and their defaults: what their code asks `rospy.get_param` for."""
+"""The private parameters of nodes, with defaults: what their code asks `rospy.get_param` for."""
 
 from typing import Any, Callable, Dict, List, Tuple
 from unittest import mock

@@ -4,6 +4,7 @@ What a key's default depends on differs between the samples, so that such a defa
 """
 
 import xml.etree.ElementTree as ElementTree
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
@@ -143,6 +144,7 @@ def _files() -> WorldFiles:
     return files
 
 
+@lru_cache(maxsize=None)
 def keys_of_plugin(name: str) -> List[Key]:
     """The keys of a plugin, but for those that every plugin has."""
     files = _files()
@@ -179,6 +181,7 @@ MAPS: Dict[str, Tuple[str, str]] = {
 """For each kind of file: the sample, and where in it."""
 
 
+@lru_cache(maxsize=None)
 def keys_of_file(kind: str) -> List[Key]:
     """The keys of a kind of file, but for those of a plugin's own."""
     files = _files()

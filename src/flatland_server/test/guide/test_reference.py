@@ -53,6 +53,15 @@ def test_all_keys_of_a_file_are_on_the_pages(kind, marks):
     assert expected - {"model plugins[]"} - marks == set()
 
 
+@pytest.fixture
+def fresh_keys():
+    """The keys are read again: what was read before is not used, and is not kept."""
+    samples.keys_of_plugin.cache_clear()
+    yield
+    samples.keys_of_plugin.cache_clear()
+
+
+@pytest.mark.usefixtures("fresh_keys")
 def test_a_default_that_changes_in_the_code_is_noticed(monkeypatch):
     from flatland_plugins import laser_config
 
