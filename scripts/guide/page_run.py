@@ -21,8 +21,8 @@ from flatland_server import FlatlandError
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.tools.check_world import load
 
-DATA = ("yaml", "xml", "ini", "json", "text", "cpp", "cmake")
-"""Languages of files; a block of them without a name is shown to be read."""
+SHOWN = "text"
+"""The language of blocks that are neither files nor programs, such as definitions of messages."""
 
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -80,8 +80,9 @@ class PageRun:
             self._run_python(block)
         elif block.language == "console":
             self._run_console(block)
-        elif block.language not in DATA:
-            raise self._error(block, f'expected a reason to leave a "{block.language}" block out')
+        elif block.language != SHOWN:
+            message = f'a reason to leave this "{block.language}" block out'
+            raise self._error(block, f"expected the name of a file, or {message}")
 
     def _write(self, block: Block) -> None:
         path = self._folder / block.file
