@@ -1,11 +1,11 @@
-"""Every built-in plugin keeps the contract of plugins, with the keys that docs/plugins.md shows."""
+"""Every built-in plugin keeps the contract of plugins, with all keys that it reads."""
 
-import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any, Dict
 
 import pytest
+import samples
 import yaml
 
 from flatland_server.testing import check_plugin
@@ -13,12 +13,10 @@ from flatland_server.testing import check_plugin
 pytestmark = pytest.mark.slow
 
 PACKAGE = Path(__file__).resolve().parents[2]
-PAGE = (PACKAGE.parents[1] / "docs" / "plugins.md").read_text(encoding="utf-8")
 DECLARED = [
     element.get("name", "")
     for element in ElementTree.parse(PACKAGE / "flatland_plugins.xml").iter("class")
 ]
-[ROBOT] = re.findall(r"```yaml\n# file: robot.model.yaml\n(.*?)```", PAGE, re.DOTALL)
 NOISE: Dict[str, Any] = {
     "odom_pose_noise": [0.1, 0.1, 0.1],
     "odom_twist_noise": [0.1, 0.1, 0.1],
@@ -58,36 +56,43 @@ VARIANTS = [
 """Keys that make a plugin do what it does not do by default."""
 
 
-def section(name: str) -> str:
-    """What docs/plugins.md says of a plugin."""
-    [text] = re.findall(rf"^### {name}$(.*?)(?=^###? |\Z)", PAGE, re.DOTALL | re.MULTILINE)
-    return text
+ROBOT = yaml.safe_dump(samples.TRICYCLE)
+OTHER_NAMES = {
+    "Imu": {"update_rate"},
+    "TricycleDrive": {"max_angular_velocity", "max_steer_acceleration"},
+}
+"""Other names of keys, which cannot be given together with them."""
 
 
-def documented_entry(name: str) -> Dict[str, Any]:
-    """The entry that docs/plugins.md shows; keys shared with DiffDrive are shown there alone."""
-    [block] = re.findall(r"```yaml\n# in \S+\n(.*?)```", section(name), re.DOTALL)
-    [entry] = yaml.safe_load(block)["plugins"]
-    shared = documented_entry("DiffDrive") if "[DiffDrive](#diffdrive)" in section(name) else {}
-    return {**shared, **entry}
-
-
-def prose_keys(name: str) -> set:
-    """What the text around the entry mentions, such as deprecated keys."""
-    return set(re.findall(r"`(\w+)`", section(name)))
+def complete_entry(name: str) -> Dict[str, Any]:
+    """An entry with all keys of a plugin: as in the reference's sample, or with their defaults."""
+    entry: Dict[str, Any] = {"type": name, "name": "plugin", **samples.PLUGINS[name][0]}
+    for path, default in samples.defaults_of_plugin(name).items():
+        if path in OTHER_NAMES.get(name, ()):
+            continue
+        *sections, key = path.split(".")
+        place = entry
+        for section in sections:
+            place = place.setdefault(section, {})
+        place.setdefault(key, default)
+    return entry
 
 
 @pytest.mark.parametrize("name", DECLARED)
 def test_it_keeps_the_contract(name):
-    check_plugin(documented_entry(name), other_keys=prose_keys(name), model=ROBOT)
+    check_plugin(complete_entry(name), other_keys=OTHER_NAMES.get(name, ()), model=ROBOT)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "keys"), VARIANTS, ids=[name for name, _ in VARIANTS])
 def test_it_keeps_the_contract_otherwise_configured(name, keys):
-    entry = {**documented_entry(name), **keys}
+    entry = {**complete_entry(name), **keys}
     world = BESIDE_A_POST if name in ("BoolSensor", "Bumper") else None
 
     check_plugin(
-        entry, other_keys=prose_keys(name), model=ROBOT, world=world, files={"post.yaml": POST}
+        entry,
+        other_keys=OTHER_NAMES.get(name, ()),
+        model=ROBOT,
+        world=world,
+        files={"post.yaml": POST},
     )

@@ -94,7 +94,7 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
 
 
 def test_the_script_of_the_guide_drives_and_scans(library):
-    guide = (ROOT / "docs" / "install.md").read_text()
+    guide = (ROOT / "docs" / "quick_start.md").read_text()
     [script] = re.findall(r"^```python\n(.*?)^```", guide, re.DOTALL | re.MULTILINE)
 
     assert re.search(r"^2\.0 s, 1081 beams, the nearest \d", library.run("-c", script))

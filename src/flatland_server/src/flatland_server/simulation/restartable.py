@@ -104,7 +104,7 @@ class Restartable(ABC):
         """The state of the world, for `load_state`: in this world, or in another process.
 
         From here on, this world goes on, bit for bit, like each one that loads the state. See
-        docs/plugins.md about what is saved of plugins.
+        docs/plugins/programs_and_states.md about what is saved of plugins.
 
         Raises:
             StateError: a plugin's state cannot be saved, or a model has no file that it could be

@@ -1,0 +1,29 @@
+"""The private parameters of nodes, with defaults: what their code asks `rospy.get_param` for."""
+
+from typing import Any, Callable, Dict, List, Tuple
+from unittest import mock
+
+import rospy
+
+from flatland_navigation.parameters import NodeParameters
+from flatland_server.ros.server_config import ServerConfig
+
+READERS: Dict[str, Callable[[], Any]] = {
+    "flatland_server": ServerConfig.read,
+    "navigator": NodeParameters.read,
+}
+"""What reads the parameters of a node."""
+
+
+def parameters_of(node: str) -> List[Tuple[str, Any]]:
+    """The names of a node's parameters without `~`, in the order of reading, and their defaults."""
+    found: Dict[str, Any] = {}
+
+    def note(name: str, default: Any = None) -> Any:
+        if name.startswith("~"):
+            found[name[1:]] = default
+        return "world.yaml" if name.endswith("world_path") else default
+
+    with mock.patch.object(rospy, "get_param", note):
+        READERS[node]()
+    return list(found.items())

@@ -1,0 +1,153 @@
+"""The generated parts of the reference: tables of keys and of arguments, and message definitions.
+
+A page marks where they are by comments, which Markdown does not show:
+
+    <!-- keys of plugin Laser -->                      all keys of a plugin
+    <!-- keys of plugin OmniDrive beyond DiffDrive --> those that the other has not, or otherwise
+    <!-- keys of world -->                             of a kind of file, without its sections
+    <!-- keys of world layers[] -->                    of a section
+    <!-- arguments of flatland_server server.launch -->
+    <!-- parameters of navigator -->                   the private parameters of a node
+    <!-- definitions of flatland_msgs msg -->          up to <!-- end -->
+
+Of a table of keys, the code gives all but the last cell: what a key means is written in the page,
+and so are a unit that the code does not know, and a default that depends on other keys, in italics.
+They are kept when the table is made again.
+"""
+
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Callable, Dict, List, Sequence
+
+import samples
+from key_reads import Key
+from node_parameters import parameters_of
+
+ROOT = Path(__file__).resolve().parents[2]
+HEADER = "| key | type | unit | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+MARK = re.compile(r"<!-- (keys|arguments|parameters) of ([^>]+) -->\n((?:\|.*\n)*)")
+DEFINITIONS = re.compile(r"<!-- definitions of (\w+) (\w+) -->\n(.*?)<!-- end -->", re.DOTALL)
+
+
+def updated(text: str) -> str:
+    """A page with its generated parts as the code has them now."""
+    tables: Dict[str, Callable[[str, str], str]] = {
+        "keys": _keys,
+        "arguments": _arguments,
+        "parameters": _parameters,
+    }
+
+    def table(match: "re.Match[str]") -> str:
+        kind, of, rows = match.groups()
+        return f"<!-- {kind} of {of} -->\n{tables[kind](of, rows)}"
+
+    text = MARK.sub(table, text)
+    return DEFINITIONS.sub(
+        lambda match: (
+            f"<!-- definitions of {match[1]} {match[2]} -->\n"
+            f"{_definitions(match[1], match[2])}<!-- end -->"
+        ),
+        text,
+    )
+
+
+def problems(text: str) -> List[str]:
+    """What a page has to add by hand: meanings, and defaults that depend on other keys."""
+    found = []
+    for match in MARK.finditer(text):
+        for row in match[3].splitlines()[2:]:
+            cells = _cells(row)
+            if not cells[-1]:
+                found.append(f"{match[2]}: {cells[0]}: a meaning is missing")
+            if match[1] == "keys" and not cells[3]:
+                found.append(f"{match[2]}: {cells[0]}: the default depends on other keys: say how")
+    return found
+
+
+def keys_of(subject: str) -> List[Key]:
+    """The keys that a mark asks for."""
+    kind, _, rest = subject.partition(" ")
+    if kind == "plugin":
+        name, _, other = rest.partition(" beyond ")
+        shared = set(samples.keys_of_plugin(other)) if other else set()
+        return [key for key in samples.keys_of_plugin(name) if key not in shared]
+    prefix = f"{rest}." if rest else ""
+    found = [
+        key._replace(name=key.name[len(prefix) :])
+        for key in samples.keys_of_file(kind)
+        if key.name.startswith(prefix)
+    ]
+    return [key for key in found if "[]." not in key.name]
+
+
+def _keys(subject: str, rows: str) -> str:
+    written = {cells[0].strip("`"): cells for cells in map(_cells, rows.splitlines()[2:])}
+    keys = keys_of(subject)
+    order = {name: place for place, name in enumerate(written)}
+    keys.sort(key=lambda key: order.get(key.name, len(order)))
+    return HEADER + "".join(_row(key, written.get(key.name, ["", "", "", "", ""])) for key in keys)
+
+
+def _row(key: Key, written: Sequence[str]) -> str:
+    in_words = written[3] if re.fullmatch(r"\*[^*]+\*", written[3]) else ""
+    is_literal = key.default and not key.default.startswith("*") and key.default != "none"
+    default = f"`{key.default}`" if is_literal else key.default or in_words
+    cells = (f"`{key.name}`", key.type, key.unit or written[2], default, written[4])
+    return "|" + "|".join(f" {cell} " if cell else " " for cell in cells) + "|\n"
+
+
+def _arguments(file: str, rows: str) -> str:
+    package, name = file.split()
+    root = ElementTree.parse(ROOT / "src" / package / "launch" / name).getroot()
+    text = "| argument | default | meaning |\n| --- | --- | --- |\n"
+    for each in root.findall("arg"):
+        if each.get("value") is None:
+            default = each.get("default")
+            shown = "**required**" if default is None else f"`{default}`" if default else ""
+            text += f"| `{each.get('name')}` | {shown} | {each.get('doc', '')} |\n"
+    return text.replace("|  |", "| |")
+
+
+def _parameters(node: str, rows: str) -> str:
+    written = {cells[0].strip("`~"): cells[-1] for cells in map(_cells, rows.splitlines()[2:])}
+    text = "| parameter | default | meaning |\n| --- | --- | --- |\n"
+    for name, default in parameters_of(node):
+        shown = str(default).lower() if isinstance(default, bool) else str(default)
+        shown = f"`{shown}`" if shown else ""
+        text += f"| `~{name}` | {shown} | {written.get(name, '')} |\n"
+    return text.replace("|  |", "| |")
+
+
+def _definitions(package: str, kind: str) -> str:
+    text = ""
+    for path in sorted((ROOT / "src" / package / kind).glob(f"*.{kind}")):
+        definition = path.read_text(encoding="utf-8").rstrip()
+        text += f"\n### {path.stem}\n\n```text\n{definition}\n```\n"
+    return text + "\n"
+
+
+def _cells(row: str) -> List[str]:
+    return [cell.strip() for cell in row.strip().strip("|").split("|")]
+
+
+def pages() -> List[Path]:
+    """The pages with generated parts."""
+    return sorted((ROOT / "docs").rglob("*.md"))
+
+
+def update_all() -> List[str]:
+    """Writes all pages; returns what is to be added by hand."""
+    found = []
+    for path in pages():
+        text = path.read_text(encoding="utf-8")
+        new = updated(text)
+        if new != text:
+            path.write_text(new, encoding="utf-8")
+            print(path.relative_to(ROOT))
+        found += [f"{path.relative_to(ROOT)}: {problem}" for problem in problems(new)]
+    return found
+
+
+if __name__ == "__main__":
+    raise SystemExit("\n".join(update_all()) or None)

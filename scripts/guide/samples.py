@@ -1,0 +1,194 @@
+"""Small files in which each kind of world, layer, model and plugin occurs, for `key_reads`.
+
+What a key's default depends on differs between the samples, so that such a default is noticed.
+"""
+
+import xml.etree.ElementTree as ElementTree
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+from key_reads import Key, observed
+from PIL import Image
+
+from flatland_server.testing import WorldFiles
+
+ROOT = Path(__file__).resolve().parents[2]
+DECLARATIONS = ROOT / "src/flatland_plugins/flatland_plugins.xml"
+
+DISC = {"type": "circle", "radius": 0.1, "density": 1}
+SQUARE = {"type": "polygon", "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "density": 1}
+TRICYCLE: Dict[str, Any] = {
+    "bodies": [
+        {"name": "base_link", "footprints": [SQUARE]},
+        {"name": "front_wheel", "footprints": [DISC]},
+        {"name": "left_wheel", "pose": [-0.9, 0.35, 0], "footprints": [DISC]},
+        {"name": "right_wheel", "pose": [-0.9, -0.35, 0], "footprints": [DISC]},
+    ],
+    "joints": [
+        {
+            "type": "revolute",
+            "name": "steering",
+            "limits": [-1, 1],
+            "bodies": [
+                {"name": "base_link", "anchor": [0, 0]},
+                {"name": "front_wheel", "anchor": [0, 0]},
+            ],
+        },
+        *(
+            {
+                "type": "weld",
+                "name": f"{side}_axle",
+                "bodies": [
+                    {"name": "base_link", "anchor": [-0.9, y]},
+                    {"name": f"{side}_wheel", "anchor": [0, 0]},
+                ],
+            }
+            for side, y in (("left", 0.35), ("right", -0.35))
+        ),
+    ],
+}
+WHEELS = {
+    "front_wheel_joint": "steering",
+    "rear_left_wheel_joint": "left_axle",
+    "rear_right_wheel_joint": "right_axle",
+}
+NOISE = {"odom_pose_noise": [1, 2, 3], "odom_twist_noise": [1, 2, 3]}
+LIMITS = {
+    "linear_dynamics": {"acceleration_limit": 1},
+    "angular_dynamics": {"acceleration_limit": 1},
+}
+ON_BASE = {"body": "base_link"}
+PERSON = {
+    "pose": [2, 0, 0],
+    "goals": [[2, 3], [-2, 3]],
+    "name": "walker",
+    "speed": 1,
+    "radius": 0.3,
+    "legs": True,
+    "color": [1, 1, 1, 1],
+}
+PLUGINS: Dict[str, List[Dict[str, Any]]] = {
+    "BoolSensor": [{}, {}],
+    "Bumper": [{}],
+    "Crowd": [
+        {"pedestrians": [PERSON]},
+        {
+            "pedestrians": [{"pose": [0, 2, 0]}, {"pose": [0, 4, 0]}],
+            "speed": 1,
+            "radius": 0.3,
+            "legs": True,
+            "color": [1, 1, 1, 1],
+        },
+    ],
+    "DiffDrive": [ON_BASE, {**ON_BASE, **NOISE, **LIMITS}, {**ON_BASE, "odom_drift": [1, 1, 1]}],
+    "DummyModelPlugin": [{}],
+    "DummyWorldPlugin": [{}],
+    "Gps": [ON_BASE, ON_BASE],
+    "Imu": [
+        ON_BASE,
+        {
+            **ON_BASE,
+            "orientation_noise": [1, 2, 3],
+            "angular_velocity_noise": [1, 2, 3],
+            "linear_acceleration_noise": [1, 2, 3],
+        },
+    ],
+    "Laser": [
+        {**ON_BASE, "range": 20, "angle": {"min": 0, "max": 1, "increment": 0.5}},
+        {**ON_BASE, "range": 20, "angle": {"min": 1, "max": 0, "increment": -0.5}},
+    ],
+    "ModelTfPublisher": [{}, {}],
+    "OmniDrive": [ON_BASE, {**ON_BASE, **NOISE, **LIMITS}, {**ON_BASE, "odom_drift": [1, 1, 1]}],
+    "RandomWall": [{"layer": "map", "robot_name": "robot"}],
+    "TricycleDrive": [
+        {**ON_BASE, **WHEELS},
+        {**ON_BASE, **WHEELS, **NOISE, **LIMITS},
+        {**ON_BASE, **WHEELS, "odom_drift": [1, 1, 1]},
+    ],
+    "Tween": [{**ON_BASE, "delta": [1, 0, 0]}, {**ON_BASE, "delta": [1, 0, 0], "mode": "trigger"}],
+}
+"""For each class its entries, without the keys that every plugin has."""
+
+WORLD: Dict[str, Any] = {
+    "properties": {},
+    "layers": [{"name": "map", "map": "walls.yaml"}, {"name": "picture", "map": "picture.yaml"}],
+    "models": [{"name": "robot", "model": "robot.model.yaml"}],
+}
+WALLS = ((-9, -9, 9, -9), (9, -9, 9, 9), (9, 9, -9, 9), (-9, 9, -9, -9))
+
+
+def plugin_names() -> List[str]:
+    """The classes that the package declares."""
+    return [each.get("name", "") for each in ElementTree.parse(DECLARATIONS).iter("class")]
+
+
+def is_of_the_world(name: str) -> bool:
+    """Whether a plugin's entry is in a world file."""
+    [base] = [
+        each.get("base_class_type", "")
+        for each in ElementTree.parse(DECLARATIONS).iter("class")
+        if each.get("name") == name
+    ]
+    return base.endswith("WorldPlugin")
+
+
+def _files() -> WorldFiles:
+    files = WorldFiles()
+    files.walls("walls", *WALLS)
+    Image.new("L", (4, 4), 255).save(files.folder / "picture.png")
+    files.write(
+        "picture.yaml",
+        "image: picture.png\nresolution: 1\norigin: [0, 0, 0]\noccupied_thresh: 0.5\n",
+    )
+    return files
+
+
+@lru_cache(maxsize=None)
+def keys_of_plugin(name: str) -> List[Key]:
+    """The keys of a plugin, but for those that every plugin has."""
+    files = _files()
+    of_world = is_of_the_world(name)
+    with observed() as observation:
+        for index, sample in enumerate(PLUGINS[name]):
+            plugins = [{"type": name, "name": f"plugin{index}", **sample}]
+            bodies = TRICYCLE["bodies"][:: -1 if index % 2 else 1]  # another one is the first
+            entries = [] if of_world else plugins
+            files.write("robot.model.yaml", {**TRICYCLE, "bodies": bodies, "plugins": entries})
+            files.load({**WORLD, "plugins": plugins if of_world else []}).world.close()
+    file = "world.yaml" if of_world else "robot.model.yaml"
+    common = ("type", "name", "enabled")
+    return [key for key in observation.keys(file, "plugins[]") if key.name not in common]
+
+
+def defaults_of_plugin(name: str) -> Dict[str, Any]:
+    """The defaults of a plugin's keys by their paths, without those in lists of maps."""
+    files = _files()
+    of_world = is_of_the_world(name)
+    plugins = [{"type": name, "name": "plugin", **PLUGINS[name][0]}]
+    with observed() as observation:
+        files.write("robot.model.yaml", {**TRICYCLE, "plugins": [] if of_world else plugins})
+        files.load({**WORLD, "plugins": plugins if of_world else []}).world.close()
+    return observation.defaults("world.yaml" if of_world else "robot.model.yaml", "plugins[]")
+
+
+MAPS: Dict[str, Tuple[str, str]] = {
+    "world": ("world.yaml", ""),
+    "model": ("robot.model.yaml", ""),
+    "image": ("picture.yaml", ""),
+    "lines": ("walls.yaml", ""),
+}
+"""For each kind of file: the sample, and where in it."""
+
+
+@lru_cache(maxsize=None)
+def keys_of_file(kind: str) -> List[Key]:
+    """The keys of a kind of file, but for those of a plugin's own."""
+    files = _files()
+    plugin = {"type": "DummyModelPlugin", "name": "plugin"}
+    world_plugin = {"type": "DummyWorldPlugin", "name": "plugin"}
+    bodies = [{**TRICYCLE["bodies"][0], "footprints": [DISC, SQUARE]}, *TRICYCLE["bodies"][1:]]
+    files.write("robot.model.yaml", {**TRICYCLE, "bodies": bodies, "plugins": [plugin]})
+    with observed() as observation:
+        files.load({**WORLD, "plugins": [world_plugin]}).world.close()
+    return observation.keys(*MAPS[kind])

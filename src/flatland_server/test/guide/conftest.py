@@ -1,0 +1,75 @@
+"""What the tests of the guide share: a ROS master, and the environment of a reader."""
+
+import os
+import re
+import subprocess
+import time
+import xmlrpc.client
+
+import pytest
+from blocks import blocks_of
+from page_run import PageRun
+from ros_processes import free_port
+
+ROS = re.compile(r"^\$ .*\b(?:ros\w+|python3 \w+\.py)\b", re.MULTILINE)
+MODULES = {"learning.md": "gymnasium", "training.md": "gymnasium"}
+"""What pages need as a whole."""
+
+
+def needs_master(page):
+    return any(
+        block.language == "console" and not block.note("not run:") and ROS.search(block.text)
+        for block in blocks_of(page)
+    )
+
+
+@pytest.fixture(scope="module")
+def master():
+    """A ROS master that the pages share, one after the other."""
+    port = free_port()
+    process = subprocess.Popen(
+        ["rosmaster", "--core", "-p", str(port)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    proxy = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}")
+    deadline = time.monotonic() + 30.0
+    while True:
+        try:
+            proxy.getPid("/guide")
+            break
+        except OSError:
+            assert time.monotonic() < deadline, "waited for the ROS master"
+            time.sleep(0.02)
+    yield proxy, f"http://127.0.0.1:{port}"
+    process.terminate()
+    process.wait(10)
+
+
+@pytest.fixture
+def environment(tmp_path_factory):
+    """That of a reader: a home, the workspace, and the command `flatland` of the tutorials."""
+    home = tmp_path_factory.mktemp("home")
+    command = home / "flatland"
+    command.write_text('#!/bin/sh\nexec /usr/bin/python3 -m flatland_server "$@"\n')
+    command.chmod(0o755)
+    path = f"{home}:{os.environ['PATH']}"
+    return {**os.environ, "HOME": str(home), "ROS_HOME": str(home / "ros"), "PATH": path}
+
+
+@pytest.fixture
+def run_page(tmp_path, environment, request):
+    """Runs a page in an empty folder, with a ROS master if it needs one."""
+
+    def run(page):
+        if page.name in MODULES:
+            pytest.importorskip(MODULES[page.name])
+        if needs_master(page):
+            proxy, uri = request.getfixturevalue("master")
+            environment["ROS_MASTER_URI"] = uri
+            for parameter in proxy.getParamNames("/guide")[2]:  # of the page before
+                if parameter not in ("/run_id", "/rosdistro", "/rosversion"):
+                    proxy.deleteParam("/guide", parameter)
+        PageRun(page, tmp_path, environment).run()
+
+    return run

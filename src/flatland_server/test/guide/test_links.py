@@ -1,0 +1,79 @@
+"""No dead link: in docs, between docs, code and README, to files and to headings."""
+
+import re
+import subprocess
+
+import pytest
+from page_run import ROOT
+
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+FENCE = re.compile(r"^ *```.*?^ *```$", re.DOTALL | re.MULTILINE)
+MENTION = re.compile(r"\bdocs/[\w/]+\.(?:md|png|svg)\b")
+FILES = subprocess.run(
+    ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+    cwd=ROOT,
+    stdout=subprocess.PIPE,
+    text=True,
+    check=False,
+).stdout.split("\n")
+PAGES = [ROOT / name for name in FILES if name.endswith(".md") and (ROOT / name).exists()]
+
+
+def anchors_of(page):
+    """The headings of a page, as forges name them."""
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    found = []
+    for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE):
+        plain = re.sub(r"[`*]|\[([^\]]+)\]\([^)]*\)", r"\1", heading).strip().lower()
+        found.append(re.sub(r"[^\w\- ]", "", plain).replace(" ", "-"))
+    return found
+
+
+def dead_links(page):
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    dead = []
+    for target in LINK.findall(text):
+        if re.match(r"[a-z]+:", target):
+            continue
+        name, _, anchor = target.partition("#")
+        path = (page.parent / name).resolve() if name else page
+        if not path.exists() or (anchor and anchor not in anchors_of(path)):
+            dead.append(target)
+    return dead
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_each_link_leads_somewhere(page):
+    assert dead_links(page) == []
+
+
+def test_each_page_that_code_and_scripts_name_exists():
+    kinds = (".py", ".launch", ".xml", ".yaml", ".cpp", ".hpp", ".txt", ".toml")
+    dead = []
+    for name in FILES:
+        path = ROOT / name
+        if path.is_file() and (path.suffix in kinds or name.startswith("scripts/")):
+            text = path.read_text(encoding="utf-8", errors="replace")
+            dead += [
+                f"{name}: {word}" for word in MENTION.findall(text) if not (ROOT / word).exists()
+            ]
+
+    assert dead == []
+
+
+def test_each_picture_is_on_a_page():
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    pictures = [path.name for path in (ROOT / "docs" / "images").iterdir()]
+
+    assert [name for name in pictures if name not in text] == []
+
+
+def test_a_page_is_read_in_five_minutes():
+    """At 300 words a minute, code and tables left out: those are looked at."""
+    long = {}
+    for page in sorted((ROOT / "docs").rglob("*.md")):
+        text = re.sub(r"^\|.*$", "", FENCE.sub("", page.read_text(encoding="utf-8")), flags=re.M)
+        if "reference" not in page.parts and len(text.split()) > 1500:
+            long[page.name] = len(text.split())
+
+    assert long == {}
