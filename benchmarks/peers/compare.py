@@ -25,6 +25,9 @@ def main(arguments: Optional[List[str]] = None) -> int:
             comparison.versions[simulator.name] = processes[simulator.name].versions
         for number in range(options.rounds):
             _measure_round(comparison, processes, number, options.seconds)
+            _write(comparison, options)
+    except KeyboardInterrupt:
+        print("interrupted: what has been measured so far", file=sys.stderr)
     except PeerError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -64,7 +67,7 @@ def _measure_round(
 
 
 def _report(comparison: Comparison, options: argparse.Namespace) -> None:
-    """Prints the results, and writes them into files."""
+    """Prints the results."""
     rows = comparison.rows()
     print(to_text(rows))
     print()
@@ -84,10 +87,14 @@ def _report(comparison: Comparison, options: argparse.Namespace) -> None:
             f"{target['case']}: {target['found']:.3g} times {target['peer']}, "
             f"asked {target['asked']:g}: {verdict}"
         )
+
+
+def _write(comparison: Comparison, options: argparse.Namespace) -> None:
+    """Writes the results into files; after each round, so that little is lost."""
     if options.json is not None:
         options.json.write_text(comparison.to_json(), encoding="utf-8")
     if options.markdown is not None:
-        options.markdown.write_text(to_markdown(rows), encoding="utf-8")
+        options.markdown.write_text(to_markdown(comparison.rows()), encoding="utf-8")
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -2,6 +2,7 @@
 
 import copy
 import functools
+import gc
 
 import gymnasium as gym
 import numpy as np
@@ -122,11 +123,13 @@ def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
     env.close()
 
 
-def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch):
+def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch, request):
     """In each mode, with 1, 2 and 4 threads; over an end and the reset that follows it."""
     arguments = {"world": "empty_room", "beams": 4, "time_limit": 0.1, "goal_distance": (0.4, 1.2)}
     world = NavigationWorld.load("empty_room", NavigationSettings(**arguments))
     monkeypatch.setattr(NavigationWorld, "load", lambda *_: world)  # its files are read once
+    gc.disable()  # it would look at all objects of all environments again and again
+    request.addfinalizer(gc.enable)
     singles = [make(**arguments) for _ in range(1024)]
     for mode in [mode.value for mode in AutoresetMode]:
         one_by_one = SyncVectorEnv(
