@@ -134,6 +134,7 @@ class Ros:
         port = free_port()
         self._logs = logs
         self._programs = []
+        self._log_files = {}  # by process
         self.environment = {
             **environment,
             "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
@@ -145,7 +146,7 @@ class Ros:
             lambda: self._run("rosparam", "set", "/use_sim_time", "true").returncode == 0,
             "the master",
         )
-        self._run("rosparam", "set", "/flatland_viz/frame_rate", str(self.frame_rate))
+        self.set_parameter("/flatland_viz/frame_rate", self.frame_rate)
         self._probe = subprocess.Popen(
             [sys.executable, Path(__file__).with_name("ros_probe.py")],
             env=self.environment,
@@ -154,6 +155,10 @@ class Ros:
             text=True,
         )
         assert self._probe.stdout.readline() == "ready\n"
+
+    def set_parameter(self, name, value):
+        """Sets a parameter of the ROS master."""
+        self._run("rosparam", "set", name, str(value))
 
     def _run(self, *command):
         return subprocess.run(
@@ -181,7 +186,12 @@ class Ros:
                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
             )
         self._programs.append(program)
+        self._log_files[program.pid] = log
         return program
+
+    def log(self, program):
+        """What a program has written so far."""
+        return self._log_files[program.pid].read_text()
 
     def launch_server(self, world, *arguments):
         """Run server.launch; returns when the simulation runs."""
