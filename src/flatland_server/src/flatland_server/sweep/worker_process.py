@@ -1,0 +1,96 @@
+"""A worker process as its parent sees it."""
+
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from typing import Any, Optional
+
+from flatland_server.exceptions import FlatlandError
+from flatland_server.sweep.jobs import Job
+from flatland_server.sweep.settings import SweepSettings
+
+_MODULE = "flatland_server.sweep.worker"
+
+
+class WorkerProcess:
+    """Starts a worker. It is ready for jobs when its first message has come.
+
+    Args:
+        settings: of the sweep.
+
+    Attributes:
+        connection: its messages; at the end of the file, it has died.
+        is_ready: whether its first message has been received.
+        job: what it does at present, or None.
+    """
+
+    def __init__(self, settings: SweepSettings) -> None:
+        self.connection: Connection[Any, Any]
+        self.connection, other = Pipe()
+        self.is_ready = False
+        self.job: Optional[Job] = None
+        self._start_time = 0.0
+        with other:
+            self._process = subprocess.Popen(
+                [sys.executable or "/usr/bin/python3", "-m", _MODULE, str(other.fileno())],
+                pass_fds=[other.fileno()],
+                stdin=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C in a terminal does not reach it
+            )
+        self._send(settings)
+
+    @property
+    def pid(self) -> int:
+        """Its process."""
+        return self._process.pid
+
+    @property
+    def seconds(self) -> float:
+        """Real time since its job began [s]."""
+        return time.monotonic() - self._start_time
+
+    def begin(self, job: Job) -> None:
+        """Gives it a job."""
+        self.job = job
+        self._start_time = time.monotonic()
+        self._send(job)
+
+    def receive(self) -> Any:
+        """Its next message.
+
+        Raises:
+            EOFError: it has died.
+        """
+        try:
+            return self.connection.recv()
+        except OSError:
+            raise EOFError from None
+
+    def require_ready(self) -> None:
+        """Raises a FlatlandError for a worker that has died before it was ready."""
+        if not self.is_ready:
+            raise FlatlandError(
+                f"a worker process does not start: it {self.death()}. Its command is "
+                f"{sys.executable} -m {_MODULE}"
+            )
+
+    def death(self) -> str:
+        """Waits for its end, and says what it was: "was killed by SIGKILL"."""
+        code = self._process.wait()
+        if code < 0:
+            return f"was killed by {signal.Signals(-code).name}"
+        return f"has ended with exit code {code}"
+
+    def kill(self) -> None:
+        """Ends it at once."""
+        self._process.kill()
+        self._process.wait()
+        self.connection.close()
+
+    def _send(self, message: object) -> None:
+        with suppress(OSError):  # it has died, as its connection says
+            self.connection.send(message)
