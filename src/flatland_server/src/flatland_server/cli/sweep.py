@@ -88,7 +88,7 @@ def _execute(options: argparse.Namespace) -> int:
     if options.restart and (folder / JOURNAL).exists():
         (folder / JOURNAL).unlink()
     with ExitStack() as stack:
-        stack.enter_context(_termination_as_interrupt())
+        stack.enter_context(_interrupts())
         sweep = stack.enter_context(Sweep(settings, folder))
         try:
             return _run(sweep, options, stack)
@@ -143,10 +143,15 @@ def _pool(
 
 
 @contextmanager
-def _termination_as_interrupt() -> Iterator[None]:
-    """Has a request to terminate end the sweep as Ctrl-C does."""
-    former = signal.signal(signal.SIGTERM, signal.default_int_handler)
+def _interrupts() -> Iterator[None]:
+    """Has Ctrl-C and a request to terminate raise a KeyboardInterrupt.
+
+    So does Ctrl-C in a process that a shell has started in the background.
+    """
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    former = {each: signal.signal(each, signal.default_int_handler) for each in numbers}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, former)
+        for number, handler in former.items():
+            signal.signal(number, handler)

@@ -14,11 +14,13 @@ from typing import Any, Dict, Mapping
 
 from flatland_server.config.input_files import MAX_IMAGE, read_input
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.library.simulation import Simulation
+from flatland_server.library.world_content import world_content
 from flatland_server.maps.map_reader import MapConfig
 from flatland_server.sweep.controllers import arguments_of, find_controller, python_file
 from flatland_server.sweep.parameters import set_value, world_changes, world_params
-from flatland_server.sweep.runner import read_world
 from flatland_server.sweep.scenario import Scenario
+from flatland_server.sweep.scenario_file import world_source
 from flatland_server.sweep.settings import Controller, SweepSettings, SweepWorld
 
 _LENGTH = 16
@@ -61,7 +63,10 @@ class Fingerprints:
 def _world(settings: SweepSettings, world: SweepWorld) -> str:
     """Of a world with its models and maps, as the first combination of parameters has it."""
     params = world_params(settings.parameters[0])
-    content = read_world(settings.folder, world, params)
+    source = world_source(world.source, settings.folder)
+    with Simulation(source, params=params):
+        pass  # names what is wrong by its place in the files
+    content = world_content(source, params=params)
     maps: Dict[str, str] = {}
     with closing(YamlPreprocessor()) as preprocessor:
         for layer in content.get("layers") or ():

@@ -166,7 +166,8 @@ class ScenarioRunner:
         if key in self._worlds:
             self._worlds.move_to_end(key)
             return self._worlds[key]
-        content = read_world(self._settings.folder, scenario.world, params)
+        source = world_source(scenario.world.source, self._settings.folder)
+        content = world_content(source, params=params)
         for place, value in changes.items():
             set_value(content, place, value)
         loaded = _Loaded(WorldConfig.from_content(content), params, {})
@@ -174,23 +175,6 @@ class ScenarioRunner:
         while len(self._worlds) > _KEPT_WORLDS:
             self._worlds.popitem(last=False)
         return loaded
-
-
-def read_world(folder: Path, world: SweepWorld, params: Mapping[str, Any]) -> Dict[str, Any]:
-    """The content of a world of a sweep.
-
-    Args:
-        folder: of the scenario file.
-        world: an entry of it.
-        params: for expressions in the world's files.
-
-    Raises:
-        FlatlandError: something in its files is wrong.
-    """
-    source = world_source(world.source, folder)
-    with Simulation(source, params=params):
-        pass  # names what is wrong by its place in the files
-    return world_content(source, params=params)
 
 
 def _robot_of(simulation: Simulation, world: SweepWorld) -> Optional[ModelHandle]:

@@ -39,9 +39,10 @@ def column(name: str, values: Iterable[Any]) -> Column:
     types = {type(value) for value in found if value is not None}
     if not types or types == {bool}:
         return Column(name, BOOL if types else FLOAT, found)
-    if types == {int} and all(abs(value) < 1 << 63 for value in found if value is not None):
+    is_small = all(abs(v) < 1 << 63 for v in found if isinstance(v, int))
+    if types == {int} and is_small:
         return Column(name, INT, found)
-    if types <= {int, float}:
+    if types <= {int, float} and is_small:
         return Column(name, FLOAT, [None if v is None else float(v) for v in found])
     return Column(name, STRING, [None if v is None else _text(v) for v in found])
 
