@@ -53,12 +53,15 @@ class _Lines(Progress):
     def __init__(self, total: int, done: int) -> None:
         super().__init__(total, done)
         self._begin = self._last = time.monotonic()
-        self._first = done
+        self._first = done + 1
+        self._first_time = self._begin
         self._shown = -1
 
     def show(self) -> None:
         now = time.monotonic()
-        if now - self._last >= _LINE_PERIOD or self.done == self._first + 1:
+        if self.done == self._first:
+            self._first_time = now
+        if now - self._last >= _LINE_PERIOD or self.done == self._first:
             self._last = now
             self._print()
 
@@ -68,9 +71,12 @@ class _Lines(Progress):
 
     def _print(self) -> None:
         self._shown = self.done
-        elapsed = time.monotonic() - self._begin
-        rest = elapsed * (self.total - self.done) / max(1, self.done - self._first)
-        left = f", {rest:.0f} s left" if self.done < self.total else ""
+        now = time.monotonic()
+        rest, since_first = self.total - self.done, self.done - self._first
+        left = ""
+        if rest and since_first > 0:  # workers take a while to start: the first one says little
+            left = f", {(now - self._first_time) * rest / since_first:.0f} s left"
+        elapsed = now - self._begin
         self.say(f"{self.done} of {self.total} scenarios, {self._state}, {elapsed:.0f} s{left}")
 
 

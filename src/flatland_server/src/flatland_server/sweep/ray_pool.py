@@ -5,6 +5,7 @@ machine: the same attempts, limits and reasons. What Ray repeats by itself is wh
 machine.
 """
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple
@@ -45,6 +46,7 @@ class RayPool:
         report: Callable[[str], None] = lambda _: None,
         excluded: Optional[Path] = None,
     ) -> None:
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # tells its makers nothing
         try:
             import ray
         except ImportError as error:
