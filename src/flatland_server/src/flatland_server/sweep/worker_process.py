@@ -1,5 +1,6 @@
 """A worker process as its parent sees it."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -14,6 +15,11 @@ from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.settings import SweepSettings
 
 _MODULE = "flatland_server.sweep.worker"
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""How many threads a worker's NumPy uses: 1, unless the user says something else. There are as many
+workers as CPUs; and a matrix product of several threads may be rounded in another way.
+"""
 
 
 class WorkerProcess:
@@ -39,6 +45,7 @@ class WorkerProcess:
                 [sys.executable or "/usr/bin/python3", "-m", _MODULE, str(other.fileno())],
                 pass_fds=[other.fileno()],
                 stdin=subprocess.DEVNULL,
+                env={**dict.fromkeys(_THREADS, "1"), **os.environ},
                 start_new_session=True,  # Ctrl-C in a terminal does not reach it
             )
         self._send(settings)
