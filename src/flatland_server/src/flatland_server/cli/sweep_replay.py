@@ -5,9 +5,12 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, List, Optional
 
-from flatland_server.library.simulation import Simulation
+from PIL import Image
+
+from flatland_server.rendering.image_canvas import ImageCanvas
 from flatland_server.sweep.fingerprints import Fingerprints
 from flatland_server.sweep.journal import read_entries
+from flatland_server.sweep.pictures import draw_goal
 from flatland_server.sweep.run import RunObserver, SweepRun
 from flatland_server.sweep.runner import Result, ScenarioRunner
 from flatland_server.sweep.scenario import scenario_of
@@ -121,8 +124,7 @@ class _Show(RunObserver):
     def on_begin(self, run: SweepRun) -> None:
         from flatland_server.viewer.window import Window  # needs pygame
 
-        follow = run.robot.name if run.path else None
-        self._viewer = RunViewer(run.simulation, follow)
+        self._viewer = RunViewer(run)
         self._window = Window(self._viewer, self._title)
         self._stack.callback(self._window.close)
 
@@ -155,18 +157,19 @@ class RunViewer(Viewer):
     """A view of a run: its steps are made by its controller, when they are due.
 
     Args:
-        simulation: of the run.
-        follow: the robot, or None.
+        run: is shown.
 
     Attributes:
         due: how many steps the controller may make now.
     """
 
-    def __init__(self, simulation: Simulation, follow: Optional[str]) -> None:
-        super().__init__(simulation, _SIZE, follow=follow)
+    def __init__(self, run: SweepRun) -> None:
+        follow = run.robot.name if run.path else None
+        super().__init__(run.simulation, _SIZE, follow=follow)
         self.due = 0
         self.shows_trail = True
-        self.drive = _NoDrive(simulation)
+        self.drive = _NoDrive(run.simulation)
+        self._run = run
         self._has_ended = False
 
     def note_step(self) -> None:
@@ -186,6 +189,11 @@ class RunViewer(Viewer):
     def toggle_pause(self) -> None:
         if not self._has_ended:
             super().toggle_pause()
+
+    def image(self) -> Image.Image:
+        image = super().image()
+        draw_goal(ImageCanvas(image, self.view), self._run)
+        return image
 
     def _step(self) -> None:
         if not self._has_ended:

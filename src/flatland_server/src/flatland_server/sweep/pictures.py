@@ -4,7 +4,7 @@ from typing import Tuple
 
 import numpy as np
 
-from flatland_server.canvas import Rgba
+from flatland_server.canvas import Canvas, Rgba
 from flatland_server.geometry import Point
 from flatland_server.rendering.image_canvas import ImageCanvas
 from flatland_server.rendering.renderer import Renderer, to_png
@@ -18,6 +18,7 @@ _ROOM = 3.0  # m, around the path and the goal
 _LEAST_ASPECT = 0.4
 _GOAL: Rgba = (0.2, 0.65, 0.3, 0.35)
 _GOAL_OUTLINE: Rgba = (0.1, 0.5, 0.2, 0.9)
+_GOAL_WIDTH = 1.5  # px
 _START: Rgba = (0.2, 0.5, 0.8, 1.0)
 _START_SIZE = 9.0  # px
 
@@ -52,9 +53,14 @@ def draw_run(run: SweepRun) -> bytes:
     image = renderer.image(view, trails=[run.path])
     canvas = ImageCanvas(image, view)
     canvas.dots([run.path[0]], _START, _START_SIZE)
-    if run.goal is not None:
-        canvas.disc(run.goal, run.goal_radius, _GOAL, _GOAL_OUTLINE, 1.5)
+    draw_goal(canvas, run)
     return to_png(image)
+
+
+def draw_goal(canvas: Canvas, run: SweepRun) -> None:
+    """Draws where the robot is to go."""
+    if run.goal is not None:
+        canvas.disc(run.goal, run.goal_radius, _GOAL, _GOAL_OUTLINE, _GOAL_WIDTH)
 
 
 def _corners(run: SweepRun) -> Tuple[Point, Point]:

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from flatland_server.cli import main
-from flatland_server.viewer.viewer import Viewer
+from flatland_server.cli.sweep_replay import RunViewer
 
 pytestmark = pytest.mark.slow
 
@@ -195,6 +195,15 @@ class Window:
         pass
 
 
+draw = RunViewer.image
+
+
+def draw_once(viewer):
+    """The first picture, and then none: they take longer than the run."""
+    if Window.count == 1:
+        assert draw(viewer).size == viewer.view.size
+
+
 def test_a_scenario_is_replayed_alone(settings_of, capsys, monkeypatch):
     pytest.importorskip("pygame")
     settings_of(**QUICK, seeds=3)
@@ -211,10 +220,11 @@ def test_a_scenario_is_replayed_alone(settings_of, capsys, monkeypatch):
 
     monkeypatch.setattr("flatland_server.viewer.window.Window", Window)
     Window.frames = 10_000
-    monkeypatch.setattr(Viewer, "image", lambda self: None)
+    monkeypatch.setattr(RunViewer, "image", draw_once)
     ended = itertools.count()
     monkeypatch.setattr(
-        "flatland_server.cli.sweep_replay.RunViewer.end",
+        RunViewer,
+        "end",
         lambda self, outcome: setattr(Window, "frames", Window.count + 2 + next(ended)),
     )
     assert main([*arguments, "--replay", "2", "--view"]) == 0
