@@ -27,8 +27,11 @@ class RunObserver:
         """Is called after the last step, before the simulation is closed."""
 
 
-class RunOver(Exception):
-    """Ends a controller that goes on stepping after the run is over."""
+class RunOver(BaseException):
+    """Ends a controller that goes on stepping after the run is over.
+
+    No Exception, so that no controller handles it.
+    """
 
 
 class SweepRun:

@@ -2,6 +2,7 @@
 
 import base64
 import csv
+import importlib.util
 import itertools
 import json
 import os
@@ -10,12 +11,17 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from flatland_server.cli import main
 from flatland_server.cli.sweep_replay import RunViewer
+from flatland_server.sweep import ray_pool
+from flatland_server.sweep.jobs import Job
+from flatland_server.sweep.runner import ScenarioRunner
+from flatland_server.sweep.scenario import scenarios_of
 
 pytestmark = pytest.mark.slow
 
@@ -268,6 +274,32 @@ def test_wrong_arguments(settings_of, capsys, arguments, code, message):
 
     assert found == code
     assert message in capsys.readouterr().err
+
+
+def test_without_ray_it_is_told_what_to_install(settings_of, capsys):
+    if importlib.util.find_spec("ray") is not None:
+        pytest.skip("Ray is installed")
+    settings_of()
+
+    assert main(["sweep", "scenarios.yaml", "--ray", "local"]) == 1
+
+    assert "flatland: --ray needs Ray: pip install 'flatland2d[ray]'" in capsys.readouterr().err
+
+
+def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_of):
+    """On another machine, whose working directory is a copy of the folder."""
+    settings = settings_of(seeds=1, controllers='[{name: a, call: "drivers.py:ahead"}]')
+    [scenario] = scenarios_of(settings)
+    elsewhere = replace(settings, file=Path("/no/such/folder/scenarios.yaml"))
+    try:
+        done, messages = ray_pool._run_remotely(elsewhere, Job(scenario))
+    finally:
+        for pool in ray_pool._pools.values():
+            pool.close()
+        ray_pool._pools.clear()
+
+    assert done.answer == ScenarioRunner(settings).run(scenario)
+    assert (done.answer.error, messages) == ("", [])
 
 
 def test_a_worker_ends_with_a_parent_that_was_killed(settings_of):
