@@ -5,11 +5,15 @@ from dataclasses import dataclass
 from multiprocessing.connection import wait
 from typing import Callable, Deque, Dict, Iterable, Iterator, List, Optional
 
+from flatland_server.exceptions import FlatlandError
 from flatland_server.sweep.jobs import Answer, Job
 from flatland_server.sweep.runner import Result
 from flatland_server.sweep.settings import SweepSettings
 from flatland_server.sweep.worker import READY
 from flatland_server.sweep.worker_process import WorkerProcess
+
+_MAX_FAILED_STARTS = 5
+"""Workers that may die one after the other before they are ready."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,7 @@ class LocalPool:
         self._size = size
         self._report = report
         self._workers: List[WorkerProcess] = []
+        self._failed_starts = 0
 
     def map(self, jobs: Iterable[Job]) -> Iterator[Done]:
         """Does jobs.
@@ -59,10 +64,11 @@ class LocalPool:
         """
         waiting: Deque[Job] = deque(jobs)
         attempts: Dict[int, int] = {}
+        self._hand_out(waiting, attempts)
         while waiting or any(worker.job for worker in self._workers):
-            self._hand_out(waiting, attempts)
-            for worker in self._wait():
-                done = self._look_after(worker, attempts, waiting)
+            found = [self._look_after(each, attempts, waiting) for each in self._wait()]
+            self._hand_out(waiting, attempts)  # no worker waits for what is done with an answer
+            for done in found:
                 if done is not None:
                     yield done
 
@@ -112,10 +118,10 @@ class LocalPool:
         try:
             message = worker.receive()
         except EOFError:
-            worker.require_ready()
             death = worker.death()
             self._remove(worker)
             if job is None:
+                self._note_early_death(worker, death)
                 return None
             if attempts[job.scenario.number] > self._settings.retries:
                 return self._give_up(job, f"its worker {death}, at each attempt", attempts)
@@ -124,10 +130,18 @@ class LocalPool:
             return None
         if message == READY:
             worker.is_ready = True
+            self._failed_starts = 0
             return None
         assert job is not None
         worker.job = None
         return Done(job, message, worker.seconds, attempts[job.scenario.number])
+
+    def _note_early_death(self, worker: WorkerProcess, death: str) -> None:
+        """Raises a FlatlandError if no worker gets ready."""
+        self._failed_starts += not worker.is_ready
+        if self._failed_starts > _MAX_FAILED_STARTS:
+            command = " ".join(worker.command)
+            raise FlatlandError(f"worker processes do not start: {command} {death}")
 
     def _give_up(self, job: Job, reason: str, attempts: Dict[int, int]) -> Done:
         """The answer to a job that could not be done."""

@@ -10,8 +10,7 @@ from flatland_server.geometry import Point, Pose, wrap_angle
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.simulation import Simulation
 from flatland_server.sweep.clearance import Clearance
-from flatland_server.sweep.scenario_file import steps_in
-from flatland_server.sweep.settings import SweepSettings, Task
+from flatland_server.sweep.settings import SweepSettings, Task, steps_in
 
 
 class RunObserver:

@@ -12,7 +12,14 @@ from flatland_server.geometry import Point, Pose
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.sweep.controllers import POLICY_DRIVER, python_file
 from flatland_server.sweep.parameters import combinations
-from flatland_server.sweep.settings import RANDOM, Controller, SweepSettings, SweepWorld, Task
+from flatland_server.sweep.settings import (
+    RANDOM,
+    Controller,
+    SweepSettings,
+    SweepWorld,
+    Task,
+    steps_in,
+)
 
 MAX_SCENARIOS = 10_000_000
 
@@ -54,21 +61,6 @@ def read_scenario_file(path: Path) -> SweepSettings:
         reader.problem(f"expected at most {MAX_SCENARIOS} scenarios, found more")
     reader.finish()
     return settings
-
-
-def steps_in(duration: float, step_size: float, name: str) -> int:
-    """The number of steps in a duration.
-
-    Raises:
-        UsageError: it is not a multiple of the steps, or shorter than one.
-    """
-    count = round(duration / step_size)
-    if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:
-        raise UsageError(
-            f"expected {name} to be a multiple of the step_size of {step_size:g} s, "
-            f"found {duration:g} s"
-        )
-    return count
 
 
 def world_source(source: str, folder: Path) -> Union[str, Path]:

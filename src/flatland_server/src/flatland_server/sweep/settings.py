@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Mapping, Optional, Tuple, Union
 
+from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
 
 RANDOM = "random"
@@ -100,3 +101,18 @@ class SweepSettings:
     def folder(self) -> Path:
         """The folder that paths in the file are relative to."""
         return self.file.parent
+
+
+def steps_in(duration: float, step_size: float, name: str) -> int:
+    """The number of steps in a duration.
+
+    Raises:
+        UsageError: it is not a multiple of the steps, or shorter than one.
+    """
+    count = round(duration / step_size)
+    if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:
+        raise UsageError(
+            f"expected {name} to be a multiple of the step_size of {step_size:g} s, "
+            f"found {duration:g} s"
+        )
+    return count

@@ -10,7 +10,6 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from typing import Any, Optional
 
-from flatland_server.exceptions import FlatlandError
 from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.settings import SweepSettings
 
@@ -29,6 +28,7 @@ class WorkerProcess:
         settings: of the sweep.
 
     Attributes:
+        command: of the process.
         connection: its messages; at the end of the file, it has died.
         is_ready: whether its first message has been received.
         job: what it does at present, or None.
@@ -41,8 +41,10 @@ class WorkerProcess:
         self.job: Optional[Job] = None
         self._start_time = 0.0
         with other:
+            number = str(other.fileno())
+            self.command = [sys.executable or "/usr/bin/python3", "-m", _MODULE, number]
             self._process = subprocess.Popen(
-                [sys.executable or "/usr/bin/python3", "-m", _MODULE, str(other.fileno())],
+                self.command,
                 pass_fds=[other.fileno()],
                 stdin=subprocess.DEVNULL,
                 env={**dict.fromkeys(_THREADS, "1"), **os.environ},
@@ -76,14 +78,6 @@ class WorkerProcess:
             return self.connection.recv()
         except OSError:
             raise EOFError from None
-
-    def require_ready(self) -> None:
-        """Raises a FlatlandError for a worker that has died before it was ready."""
-        if not self.is_ready:
-            raise FlatlandError(
-                f"a worker process does not start: it {self.death()}. Its command is "
-                f"{sys.executable} -m {_MODULE}"
-            )
 
     def death(self) -> str:
         """Waits for its end, and says what it was: "was killed by SIGKILL"."""

@@ -90,8 +90,8 @@ def test_200_scenarios_interrupted_continued_and_a_worker_killed(settings_of, ca
     assert not any(map(is_running, workers))
 
     process, lines = start("--jobs", "2", "--out", "out", "--pictures", "2")
-    [victim, _] = workers_of(process)
-    os.kill(victim, signal.SIGKILL)
+    for worker in workers_of(process):  # one may still be starting
+        os.kill(worker, signal.SIGKILL)
     output, error = process.communicate(timeout=LIMIT)
     assert process.returncode == 0, error
     assert f"{len(first)} of 200 scenarios are done already\n" in lines
@@ -104,17 +104,25 @@ def test_200_scenarios_interrupted_continued_and_a_worker_killed(settings_of, ca
 
     # Once more: nothing is left to do.
     before = journal()
-    assert main(["sweep", "scenarios.yaml", "--out", "out"]) == 0
+    assert main(["sweep", "scenarios.yaml", "--out", "out", "--pictures", "0"]) == 0
     assert journal() == before
+
+
+def test_workers_that_do_not_start_are_an_error(settings_of, capsys, monkeypatch):
+    settings_of()
+    monkeypatch.setattr("flatland_server.sweep.worker_process._MODULE", "no.such.module")
+
+    assert main(["sweep", "scenarios.yaml", "--jobs", "2"]) == 1
+
+    assert "flatland: worker processes do not start: " in capsys.readouterr().err
 
 
 def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of, capsys):
     names = ("dies", "hangs", "fails", "towards")
     entries = ", ".join(f'{{name: {name}, call: "drivers.py:{name}"}}' for name in names)
     once = '{name: once, call: "drivers.py:dies_once", arguments: {mark: mark}}'
-    settings_of(
-        **QUICK, controllers=f"[{entries}, {once}]", seeds="[2]", real_time_limit=2, retries=1
-    )
+    keys = {"controllers": f"[{entries}, {once}]", "seeds": "[2]"}
+    settings_of(**QUICK, **keys, real_time_limit=2, retries=1)
 
     assert main(["sweep", "scenarios.yaml", "--jobs", "2", "--out", "out"]) == 1
 
@@ -134,6 +142,7 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
     assert attempts == {"1": "2", "2": "1", "3": "1", "4": "1", "5": "2"}
 
     # Those that have failed can be run again, and nothing else is.
+    settings_of(**QUICK, **keys, real_time_limit=1, retries=0)
     count = len(journal())
     assert main(["sweep", "scenarios.yaml", "--retry-failed", "--jobs", "3", "--out", "out"]) == 1
     assert len(journal()) == count + 3
