@@ -140,8 +140,7 @@ class LocalPool:
         """Raises a FlatlandError if no worker gets ready."""
         self._failed_starts += not worker.is_ready
         if self._failed_starts > _MAX_FAILED_STARTS:
-            command = " ".join(worker.command)
-            raise FlatlandError(f"worker processes do not start: {command} {death}")
+            raise FlatlandError(f"worker processes do not start: each {death}")
 
     def _give_up(self, job: Job, reason: str, attempts: Dict[int, int]) -> Done:
         """The answer to a job that could not be done."""

@@ -1,6 +1,6 @@
 """The program of a worker process: runs scenarios that it is sent, until its parent ends.
 
-Messages are pickled, over a socket whose descriptor is the only argument. Input: first the
+`worker_process` starts it. Messages are pickled, over a socket. Input: first the
 `SweepSettings`, then jobs; output: `READY` first, then an answer to each job. The worker ends when
 the socket is closed, also in the middle of a scenario: no process is left behind by a parent that
 was killed.
@@ -9,7 +9,6 @@ was killed.
 import logging
 import os
 import queue
-import sys
 import threading
 from multiprocessing.connection import Connection
 from typing import Any
@@ -20,7 +19,11 @@ READY = "ready"
 
 
 def main(descriptor: int) -> None:
-    """Runs what is sent over a socket."""
+    """Runs what is sent.
+
+    Args:
+        descriptor: of the socket.
+    """
     os.dup2(2, 1)  # what controllers print does not mix with the results on standard output
     logging.basicConfig(format="%(message)s", level=logging.WARNING)
     connection = Connection(descriptor)
@@ -42,7 +45,3 @@ def main(descriptor: int) -> None:
             connection.send(answer)
         except OSError:
             os._exit(0)  # the parent has ended
-
-
-if __name__ == "__main__":
-    main(int(sys.argv[1]))

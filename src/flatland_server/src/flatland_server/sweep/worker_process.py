@@ -13,7 +13,13 @@ from typing import Any, Optional
 from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.settings import SweepSettings
 
-_MODULE = "flatland_server.sweep.worker"
+_PROGRAM = """
+import sys
+if sys.path[0] == "":  # imports nothing from the working directory
+    del sys.path[0]
+from flatland_server.sweep.worker import main
+main(int(sys.argv[1]))
+"""
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """How many threads a worker's NumPy uses: 1, unless the user says something else. There are as many
@@ -28,7 +34,6 @@ class WorkerProcess:
         settings: of the sweep.
 
     Attributes:
-        command: of the process.
         connection: its messages; at the end of the file, it has died.
         is_ready: whether its first message has been received.
         job: what it does at present, or None.
@@ -42,9 +47,9 @@ class WorkerProcess:
         self._start_time = 0.0
         with other:
             number = str(other.fileno())
-            self.command = [sys.executable or "/usr/bin/python3", "-m", _MODULE, number]
+            command = [sys.executable or "/usr/bin/python3", "-c", _PROGRAM, number]
             self._process = subprocess.Popen(
-                self.command,
+                command,
                 pass_fds=[other.fileno()],
                 stdin=subprocess.DEVNULL,
                 env={**dict.fromkeys(_THREADS, "1"), **os.environ},

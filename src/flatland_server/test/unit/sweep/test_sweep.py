@@ -108,9 +108,18 @@ def test_200_scenarios_interrupted_continued_and_a_worker_killed(settings_of, ca
     assert journal() == before
 
 
+def test_workers_import_nothing_from_the_working_directory(folder, settings_of, monkeypatch):
+    settings_of(**QUICK, seeds=1)
+    (folder / "elsewhere").mkdir()
+    (folder / "elsewhere" / "queue.py").write_text("raise SystemExit('planted')\n")
+    monkeypatch.chdir(folder / "elsewhere")
+
+    assert main(["sweep", "../scenarios.yaml", "--jobs", "1", "--pictures", "0"]) == 0
+
+
 def test_workers_that_do_not_start_are_an_error(settings_of, capsys, monkeypatch):
     settings_of()
-    monkeypatch.setattr("flatland_server.sweep.worker_process._MODULE", "no.such.module")
+    monkeypatch.setattr("flatland_server.sweep.worker_process._PROGRAM", "import no_such_module")
 
     assert main(["sweep", "scenarios.yaml", "--jobs", "2"]) == 1
 
