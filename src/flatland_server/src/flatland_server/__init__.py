@@ -66,6 +66,7 @@ from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
 from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.sweep.run import SweepRun
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.message_writer import MessageWriter
@@ -137,6 +138,7 @@ __all__ = [
     "SimulationManager",
     "StateError",
     "Subscription",
+    "SweepRun",
     "Timekeeper",
     "TopicError",
     "Touch",

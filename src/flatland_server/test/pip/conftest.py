@@ -81,9 +81,9 @@ class Environment:
         """The output of its Python."""
         return run(self.python, *arguments, **variables)
 
-    def command(self, name, *arguments):
+    def command(self, name, *arguments, **variables):
         """The output of a command that a package has installed."""
-        return run(self.folder / "bin" / name, *arguments)
+        return run(self.folder / "bin" / name, *arguments, **variables)
 
     def wheel(self, folder, build, *settings):
         """Builds the wheel of the clone.
@@ -122,10 +122,24 @@ def wheel(builder, tmp_path_factory):
 @pytest.fixture(scope="session")
 def library(wheel):
     """An environment in which the wheel is installed."""
+    return with_wheel("library", wheel)
+
+
+@pytest.fixture(scope="session")
+def library_with_ray(wheel):
+    """The same with Ray and pyarrow, half a gigabyte; skips where they cannot be installed."""
+    try:
+        return with_wheel("ray", wheel, "ray==2.60.0", "pyarrow==26.0.1")
+    except pytest.fail.Exception as error:
+        pytest.skip(f"Ray cannot be installed: {error}")
+
+
+def with_wheel(name, wheel, *more):
+    """An environment with a wheel, what it requires, and more."""
     with zipfile.ZipFile(wheel) as archive:
         [metadata] = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
         required = BytesParser().parsebytes(archive.read(metadata)).get_all("Requires-Dist")
     required = [requirement for requirement in required if "extra ==" not in requirement]
-    library = Environment("library", required)
+    library = Environment(name, [*required, *more])
     library.pip("install", "--no-deps", "--no-index", "--force-reinstall", wheel)
     return library

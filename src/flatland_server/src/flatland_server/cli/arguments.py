@@ -64,6 +64,16 @@ def not_negative(text: str) -> float:
     return _number(text, lambda value: 0.0 <= value < math.inf, "a number of 0 or more")
 
 
+def whole_from(minimum: int) -> Callable[[str], int]:
+    """A whole number of at least `minimum`."""
+
+    def whole(text: str) -> int:
+        expected = f"a whole number of {minimum} or more"
+        return int(_number(text, lambda value: value >= minimum and value == int(value), expected))
+
+    return whole
+
+
 def size(text: str) -> Tuple[int, int]:
     """A size such as 640x480 [px]."""
     found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)

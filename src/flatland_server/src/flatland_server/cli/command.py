@@ -6,10 +6,10 @@ import os
 import sys
 from typing import List, Optional
 
-from flatland_server.cli import check, map_to_lines, render, run, view, worlds
+from flatland_server.cli import check, map_to_lines, render, run, sweep, view, worlds
 from flatland_server.exceptions import FlatlandError, YamlError
 
-SUBCOMMANDS = (check, map_to_lines, render, run, view, worlds)
+SUBCOMMANDS = (check, map_to_lines, render, run, sweep, view, worlds)
 
 _INTERRUPTED = 130
 """The exit code of a program that Ctrl-C has ended, as shells have it."""

@@ -53,22 +53,36 @@ class Window:
         pygame.key.set_repeat()  # held keys drive; they do not repeat
         self._font = pygame.font.SysFont(_FONTS, _FONT_SIZE)
         self._actions = self._key_actions()
+        self._clock = pygame.time.Clock()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the user has not closed it yet."""
+        return self._is_open
 
     def run(self) -> None:
         """Shows the simulation until the window is closed."""
-        clock = pygame.time.Clock()
         try:
             while self._is_open:
-                elapsed = clock.tick(_FRAME_RATE) / 1000.0
-                for event in pygame.event.get():
-                    self._handle(event)
-                self._drive()
-                self._viewer.advance(elapsed)
-                self._draw()
+                self.show_frame()
         except KeyboardInterrupt:
             pass  # Ctrl-C in the terminal is as good as closing the window
         finally:
-            pygame.quit()
+            self.close()
+
+    def show_frame(self) -> None:
+        """Waits until the next frame is due, makes the steps that are due by then, and shows it."""
+        elapsed = self._clock.tick(_FRAME_RATE) / 1000.0
+        for event in pygame.event.get():
+            self._handle(event)
+        self._drive()
+        self._viewer.advance(elapsed)
+        self._draw()
+
+    def close(self) -> None:
+        """Closes the window."""
+        self._is_open = False
+        pygame.quit()
 
     def _key_actions(self) -> Dict[int, Callable[[], None]]:
         viewer = self._viewer

@@ -1,0 +1,60 @@
+"""A policy that drives the robot of `flatland sweep`, as it does in its own environment."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from flatland_gym import SCENARIOS
+from flatland_server.sweep.runner import ScenarioRunner
+from flatland_server.sweep.scenario import scenarios_of
+from flatland_server.sweep.scenario_file import read_scenario_file
+
+POLICY = Path(__file__).resolve().parents[1] / "policies" / "discs.npz"
+
+
+def results(folder, **keys):
+    content = {
+        "worlds": [str(SCENARIOS["discs"].world)],
+        "controllers": [{"name": "trained", "policy": str(POLICY)}],
+        "start": "random",
+        "goal": "random",
+        **keys,
+    }
+    path = folder / "scenarios.yaml"
+    path.write_text(json.dumps(content))
+    settings = read_scenario_file(path)
+    runner = ScenarioRunner(settings)
+    return [runner.run(each) for each in scenarios_of(settings)]
+
+
+@pytest.mark.slow
+def test_it_reaches_its_goals(tmp_path):
+    found = results(tmp_path, seeds=20, step_size=0.05, goal_distance=[2, 6])
+
+    assert [result.error for result in found] == [""] * 20
+    assert sum(result.row["success"] for result in found) >= 17
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"goal": None}, "expected a goal for the policy to drive to"),
+        (
+            {"parameters": {"models.robot.plugins.laser.angle.increment": 0.2}},
+            "one lidar of 64 beams, found 31",
+        ),
+    ],
+)
+def test_a_task_that_does_not_fit_is_told(tmp_path, keys, message):
+    [result] = results(tmp_path, **keys)
+
+    assert message in result.error
+
+
+def test_another_file_is_no_policy(tmp_path):
+    (tmp_path / "other.npz").write_text("")
+
+    [result] = results(tmp_path, controllers=[{"name": "a", "policy": "other.npz"}])
+
+    assert "expected a file of a policy" in result.error

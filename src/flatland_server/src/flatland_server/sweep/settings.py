@@ -1,0 +1,118 @@
+"""What a scenario file says, as checked values."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Mapping, Optional, Tuple, Union
+
+from flatland_server.exceptions import UsageError
+from flatland_server.geometry import Point, Pose
+
+RANDOM = "random"
+"""As a start or a goal: drawn from the scenario's seed, in free space."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """Where a robot starts, and where it is to go.
+
+    Attributes:
+        robot: the model that is driven; None: the only one with a drive, if there is one.
+        start: of the robot; `RANDOM`, or None for the pose of the world file.
+        goal: x, y [m]; `RANDOM`, or None for no goal.
+        goal_radius: how near to the goal is a success [m].
+        goal_distance: the least and the largest distance between start and goal [m], if one of them
+            is random.
+        margin: between the robot and all else, at a random start and goal [m].
+    """
+
+    robot: Optional[str] = None
+    start: Union[str, Pose, None] = None
+    goal: Union[str, Point, None] = None
+    goal_radius: float = 0.3
+    goal_distance: Tuple[float, float] = (1.0, 10.0)
+    margin: float = 0.1
+
+
+@dataclass(frozen=True)
+class SweepWorld:
+    """An entry of `worlds`.
+
+    Attributes:
+        name: unique in the sweep.
+        source: the name of a shipped world, or a file relative to the scenario file.
+        task: of the robot in this world.
+    """
+
+    name: str
+    source: str
+    task: Task
+
+
+@dataclass(frozen=True)
+class Controller:
+    """An entry of `controllers`.
+
+    Attributes:
+        name: unique in the sweep.
+        target: the function, as "module:function" or "file.py:function"; empty: the world runs by
+            itself.
+        arguments: keyword arguments of the function.
+        policy: the file of a policy, relative to the scenario file, that the function drives by;
+            empty if there is none.
+    """
+
+    name: str
+    target: str = ""
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    policy: str = ""
+
+
+@dataclass(frozen=True)
+class SweepSettings:
+    """The content of a scenario file.
+
+    Attributes:
+        file: the scenario file.
+        worlds: at least one.
+        controllers: at least one.
+        seeds: of the scenarios, at least one.
+        parameters: the values by their names, one mapping for each combination, at least one.
+        step_size: of the physics [s].
+        control_period: between two actions of a controller [s].
+        time_limit: of a scenario, in simulated time [s].
+        real_time_limit: after which a scenario that does not end is stopped [s].
+        collision_ends: whether a collision ends a scenario.
+        retries: how often a scenario is run again after its worker has died.
+    """
+
+    file: Path
+    worlds: Tuple[SweepWorld, ...]
+    controllers: Tuple[Controller, ...]
+    seeds: Tuple[int, ...]
+    parameters: Tuple[Mapping[str, Any], ...]
+    step_size: float = 0.005
+    control_period: float = 0.05
+    time_limit: float = 60.0
+    real_time_limit: float = 600.0
+    collision_ends: bool = True
+    retries: int = 2
+
+    @property
+    def folder(self) -> Path:
+        """The folder that paths in the file are relative to."""
+        return self.file.parent
+
+
+def steps_in(duration: float, step_size: float, name: str) -> int:
+    """The number of steps in a duration.
+
+    Raises:
+        UsageError: it is not a multiple of the steps, or shorter than one.
+    """
+    count = round(duration / step_size)
+    if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:
+        raise UsageError(
+            f"expected {name} to be a multiple of the step_size of {step_size:g} s, "
+            f"found {duration:g} s"
+        )
+    return count
