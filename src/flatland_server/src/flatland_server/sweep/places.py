@@ -8,7 +8,7 @@ import numpy as np
 from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
-from flatland_server.library.free_space import FreeSpace, discs_of
+from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.simulation import Simulation
 from flatland_server.sweep.settings import RANDOM, Task
@@ -41,6 +41,8 @@ def draw_places(
         return _given(robot, start), goal if isinstance(goal, tuple) else None
     rng = np.random.default_rng([seed, 0])
     space = free_spaces(lambda: _free_space(simulation, robot, task.margin))
+    if space.area == 0.0:
+        raise _no_room(task)
     if start != RANDOM:
         begin = _given(robot, start)
         goals = _at_distance(space.poses(_DRAWN * _TRIES, rng), begin[:2], task)
@@ -66,12 +68,13 @@ def _free_space(simulation: Simulation, robot: ModelHandle, margin: float) -> Fr
     """Where the robot can be, with a margin [m]."""
     walls = [layer.segments for layer in simulation.world.layers]
     others = [each.model for each in simulation.models.values() if each.name != robot.name]
-    return FreeSpace(
+    clearance = robot.model.radius + margin
+    return DistanceGrid(
         np.concatenate([np.empty((0, 4)), *walls]),
-        discs_of((model.pose, model.radius) for model in others),
         robot.model.pose[:2],
-        robot.model.radius + margin,
-    )
+        clearance,
+        discs=discs_of((model.pose, model.radius) for model in others),
+    ).free_space(clearance)
 
 
 def _at_distance(poses: FloatArray, middle: Point, task: Task) -> FloatArray:
