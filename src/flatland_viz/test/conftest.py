@@ -79,7 +79,7 @@ class Screen:
         self.xdotool("key", "--delay", 40, *keys)
 
     def type(self, text):
-        self.xdotool("type", "--delay", 3, text)
+        self.xdotool("type", "--delay", 3, "--", text)
 
     def click(self, pixel, button=1):
         self.move(pixel)
@@ -166,6 +166,10 @@ class Ros:
             )
         self._programs.append(program)
         return program
+
+    def log_of(self, program):
+        """The file with the output of a program."""
+        return next(self._logs.glob(f"{self._programs.index(program)}_*.log"))
 
     def launch_server(self, world, *arguments):
         """Run server.launch; returns when the simulation runs."""

@@ -5,9 +5,15 @@ Pure functions of the topics that the ROS master lists.
 
 from typing import Iterable, List, NamedTuple, Tuple
 
+from flatland_viz.natural_order import natural_key
+
 MARKERS = "rviz/MarkerArray"
 SCAN = "rviz/LaserScan"
 HANDLES = "rviz/InteractiveMarkers"
+
+FOOTPRINTS = "models"
+"""The name of the display with the models' bodies."""
+SCAN_TYPE = "sensor_msgs/LaserScan"
 
 TOPIC_PROPERTIES = {MARKERS: "Marker Topic", SCAN: "Topic", HANDLES: "Update Topic"}
 """The name of the topic's property in rviz, by the class of a display."""
@@ -22,8 +28,8 @@ class Shown(NamedTuple):
 
 
 def laser_scans(published: Iterable[Tuple[str, str]]) -> List[str]:
-    """The topics with laser scans, sorted, of pairs of a topic and its type."""
-    return sorted(topic for topic, kind in published if kind == "sensor_msgs/LaserScan")
+    """The topics with laser scans, in natural order, of pairs of a topic and its type."""
+    return sorted((topic for topic, kind in published if kind == SCAN_TYPE), key=natural_key)
 
 
 def walls_topic(debug: str) -> str:
@@ -35,7 +41,7 @@ def walls_topic(debug: str) -> str:
     return f"{debug}/layers"
 
 
-def wanted(debug: str, handles: str, scans: Iterable[str]) -> List[Shown]:
+def wanted(debug: str, scans: Iterable[str]) -> List[Shown]:
     """All displays of a world.
 
     All layers share one: of the topics on `~debug/topics`, several show the same walls. All models
@@ -43,13 +49,11 @@ def wanted(debug: str, handles: str, scans: Iterable[str]) -> List[Shown]:
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
-        handles: the topic of the interactive markers.
         scans: topics of laser scans.
     """
     return [
         Shown("layers", MARKERS, walls_topic(debug)),
-        Shown("models", MARKERS, f"{debug}/models"),
-        Shown("drag and turn", HANDLES, handles),
+        Shown(FOOTPRINTS, MARKERS, f"{debug}/models"),
         *(Shown(topic.lstrip("/"), SCAN, topic) for topic in scans),
     ]
 

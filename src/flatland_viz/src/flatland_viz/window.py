@@ -5,12 +5,15 @@ from pathlib import Path
 from typing import List, Optional
 
 from python_qt_binding.QtCore import QEvent, QObject, QSize, QTimer
-from python_qt_binding.QtWidgets import QApplication, QFileDialog, QMainWindow, QMessageBox
+from python_qt_binding.QtWidgets import QApplication, QFileDialog, QMainWindow, QMenu, QMessageBox
 
 from flatland_viz.bounds import Bounds, around
 from flatland_viz.displays import wanted
+from flatland_viz.ground_truth import GroundTruth
 from flatland_viz.menus import Menus
+from flatland_viz.model_workbench import ModelWorkbench
 from flatland_viz.scene import Scene
+from flatland_viz.selection import Selection
 from flatland_viz.server import Server
 from flatland_viz.status import Simulation, has_restarted, is_gone, status
 from flatland_viz.status_line import StatusLine
@@ -47,6 +50,11 @@ class Window(QMainWindow):
         self.setStatusBar(self._line)
         self._menus = Menus(self.menuBar(), scene.docks)
         self._menus.enable_spawning(scene.can_spawn)
+        self._ground_truth = GroundTruth(
+            scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
+        )
+        self.selection = Selection()
+        self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
         self._connect()
         self._refresh()
         scene.panel.installEventFilter(self)
@@ -56,6 +64,7 @@ class Window(QMainWindow):
         server, scene, menus = self._server, self._scene, self._menus
         server.simulation_changed.connect(self._on_simulation)
         server.scans_changed.connect(self._on_scans)
+        server.navigation_changed.connect(scene.show_navigation_tools)
         server.walls_changed.connect(self._on_walls)
         server.world_changed.connect(self._on_world)
         server.failed.connect(self._line.show_hint)
@@ -74,6 +83,7 @@ class Window(QMainWindow):
 
     def _on_simulation(self, simulation: Simulation) -> None:
         if has_restarted(self._simulation, self._silence(), simulation):
+            self._workbench.forget()
             for delay in _RESET_DELAYS:
                 QTimer.singleShot(delay, self._scene.begin_again)
         self._simulation = simulation
@@ -90,7 +100,7 @@ class Window(QMainWindow):
         self._menus.show_simulation(None if is_gone(silence) else self._simulation)
 
     def _on_scans(self, scans: List[str]) -> None:
-        self._scene.show_displays(wanted(self._server.debug, self._server.handles, scans))
+        self._scene.show_displays(wanted(self._server.debug, scans))
 
     def _on_walls(self, bounds: Optional[Bounds]) -> None:
         self._scene.set_bounds(around([bounds]))
