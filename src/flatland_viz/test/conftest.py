@@ -21,8 +21,8 @@ from screen_pictures import Screenshots, near
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = ROOT / "src" / "flatland_server" / "worlds" / "office"
 OFFICE_COLORS = (  # of the world's files and our rviz configuration; least number of pixels
+    # An arrow is on the robot.
     ((102, 102, 102), 3000),  # walls
-    ((51, 128, 204), 6),  # robot
     ((194, 145, 87), 100),  # boxes
     ((204, 0, 0), 200),  # scan
 )
@@ -75,6 +75,12 @@ class Screen:
             command, env=self.environment, stdout=subprocess.PIPE, text=True
         ).stdout.split()
 
+    def text(self, *command):
+        """The lines that a program prints."""
+        return subprocess.run(
+            list(map(str, command)), env=self.environment, stdout=subprocess.PIPE, text=True
+        ).stdout.splitlines()
+
     def windows(self, title):
         """The visible windows with this title."""
         return self.xdotool("search", "--onlyvisible", "--name", f"^{title}$")
@@ -95,7 +101,7 @@ class Screen:
         self.xdotool("key", "--delay", 40, *keys)
 
     def type(self, text):
-        self.xdotool("type", "--delay", 3, text)
+        self.xdotool("type", "--delay", 3, "--", text)
 
     def click(self, pixel, button=1):
         self.move(pixel)
@@ -139,6 +145,7 @@ class Ros:
             **environment,
             "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
             "ROS_IP": "127.0.0.1",
+            "XDG_CONFIG_HOME": str(logs / "config"),  # the window's settings
         }
         self.start("rosmaster", "--core", "-p", port)
         # Before any node starts: a node that finds it unset uses real time.
@@ -206,7 +213,7 @@ class Ros:
         """Wait until the simulation started by a program runs."""
 
         def has_come():
-            assert program.poll() is None, [log.read_text() for log in self._logs.iterdir()]
+            assert program.poll() is None, [log.read_text() for log in self._logs.glob("*.log")]
             return self.message("/clock", "rosgraph_msgs/Clock", timeout=1)
 
         wait_until(has_come, "the server to run")

@@ -242,3 +242,17 @@ def test_a_node_that_is_closed_by_a_callback_does_not_get_the_same_message(root,
     transport.process()
 
     assert received == []
+
+
+def test_a_node_lists_its_topics_until_it_is_closed(root):
+    node = root.scoped("robot", "plugin")
+    node.advertise("scan", "sensor_msgs/LaserScan")
+    node.subscribe("cmd_vel", "geometry_msgs/Twist", print)
+    root.advertise("other", str)
+
+    assert node.topics == [
+        ("/robot/scan", "sensor_msgs/LaserScan", True),
+        ("/robot/cmd_vel", "geometry_msgs/Twist", False),
+    ]
+    node.close()
+    assert node.topics == []

@@ -5,17 +5,18 @@ Pure functions of the topics that the ROS master lists.
 
 from typing import Iterable, List, NamedTuple, Tuple
 
+from flatland_viz.natural_order import natural_key
+
 MARKERS = "rviz/MarkerArray"
 SCAN = "rviz/LaserScan"
 HANDLES = "rviz/InteractiveMarkers"
 WALLS = "flatland_viz/Walls"
 
-TOPIC_PROPERTIES = {
-    MARKERS: "Marker Topic",
-    SCAN: "Topic",
-    HANDLES: "Update Topic",
-    WALLS: "Topic",
-}
+FOOTPRINTS = "models"
+"""The name of the display with the models' bodies."""
+SCAN_TYPE = "sensor_msgs/LaserScan"
+
+TOPIC_PROPERTIES = {MARKERS: "Marker Topic", SCAN: "Topic", HANDLES: "Update Topic", WALLS: "Topic"}
 """The name of the topic's property in rviz, by the class of a display."""
 
 
@@ -28,8 +29,8 @@ class Shown(NamedTuple):
 
 
 def laser_scans(published: Iterable[Tuple[str, str]]) -> List[str]:
-    """The topics with laser scans, sorted, of pairs of a topic and its type."""
-    return sorted(topic for topic, kind in published if kind == "sensor_msgs/LaserScan")
+    """The topics with laser scans, in natural order, of pairs of a topic and its type."""
+    return sorted((topic for topic, kind in published if kind == SCAN_TYPE), key=natural_key)
 
 
 def walls_topic(debug: str) -> str:
@@ -41,7 +42,7 @@ def walls_topic(debug: str) -> str:
     return f"{debug}/walls"
 
 
-def wanted(debug: str, handles: str, scans: Iterable[str]) -> List[Shown]:
+def wanted(debug: str, scans: Iterable[str]) -> List[Shown]:
     """All displays of a world.
 
     All layers share one: of the topics on `~debug/topics`, several show the same walls. All models
@@ -49,13 +50,11 @@ def wanted(debug: str, handles: str, scans: Iterable[str]) -> List[Shown]:
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
-        handles: the topic of the interactive markers.
         scans: topics of laser scans.
     """
     return [
         Shown("layers", WALLS, walls_topic(debug)),
-        Shown("models", MARKERS, f"{debug}/models"),
-        Shown("drag and turn", HANDLES, handles),
+        Shown(FOOTPRINTS, MARKERS, f"{debug}/models"),
         *(Shown(topic.lstrip("/"), SCAN, topic) for topic in scans),
     ]
 

@@ -4,6 +4,7 @@ from copy import deepcopy
 from typing import Any, Dict, List
 
 from flatland_viz.displays import HANDLES, MARKERS, SCAN, TOPIC_PROPERTIES, Shown
+from flatland_viz.navigation_tools import NAVIGATION_TOOLS
 
 Config = Dict[str, Any]
 
@@ -12,8 +13,21 @@ _PANELS = (
     {"Class": "rviz/Displays", "Name": "Displays"},
     {"Class": "rviz/Tool Properties", "Name": "Tool Properties"},
 )
-_LEFT_OUT = ("rviz/Select", "rviz/FocusCamera")
-"""Tools of little use from above, for which a window of 1024 pixels has no room."""
+_LEFT_OUT = (
+    "rviz/Select",
+    "rviz/FocusCamera",
+    "rviz/MoveCamera",
+    *(tool.kind for tool in NAVIGATION_TOOLS),
+)
+"""Tools of little use from above, and those that come when there is a use for them."""
+
+INTERACT_TOOL = "flatland_viz/Interact"
+"""The tool for models and the view, in place of rviz's."""
+
+MODELS = "flatland_viz/Models"
+"""The display of the models, one for the window's whole life."""
+VIEW = "flatland_viz/MapView"
+"""The view: rviz's TopDownOrtho with the mouse of maps."""
 
 _POINT_SIZE = "Size (Pixels)"
 
@@ -33,7 +47,13 @@ def for_window(base: Config, frame_rate: int) -> Config:
     manager = config["Visualization Manager"]
     manager["Global Options"]["Frame Rate"] = frame_rate
     manager["Displays"] = [d for d in manager["Displays"] if d["Class"] not in _PER_WORLD]
-    manager["Tools"] = [tool for tool in manager["Tools"] if tool["Class"] not in _LEFT_OUT]
+    manager["Displays"].append({"Class": MODELS, "Name": "Models", "Enabled": True, "Value": True})
+    manager["Tools"] = [
+        {"Class": INTERACT_TOOL} if tool["Class"] == "rviz/Interact" else tool
+        for tool in manager["Tools"]
+        if tool["Class"] not in _LEFT_OUT
+    ]
+    manager["Views"]["Current"]["Class"] = VIEW
     return config
 
 

@@ -1,7 +1,7 @@
 """The embedded rviz: its frame without menus, the displays, the view and the tools."""
 
 import tempfile
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Set
 
 import yaml
 from python_qt_binding.QtCore import QObject, Qt, Signal
@@ -10,9 +10,10 @@ from python_qt_binding.QtWidgets import QDockWidget, QMenu, QToolBar, QWidget, Q
 from rviz import bindings as rviz
 
 from flatland_viz.bounds import EMPTY_WORLD, Bounds, bounds_in, framed, grid_around
-from flatland_viz.displays import WALLS, Shown, changes
+from flatland_viz.displays import SCAN, WALLS, Shown, changes
 from flatland_viz.drawing import limit_anti_aliasing, render_on_change
-from flatland_viz.rviz_config import Config, for_display, for_window
+from flatland_viz.navigation_tools import NavigationTool, show_tools
+from flatland_viz.rviz_config import INTERACT_TOOL, MODELS, Config, for_display, for_window
 from flatland_viz.window_ids import synchronised_window_ids
 
 BACKGROUNDS = {"light": ("#eeeeec", 0.3), "dark": ("#121316", 0.15)}
@@ -38,6 +39,8 @@ class Scene(QObject):
         super().__init__()
         self._base = base
         self._displays: Dict[Shown, Any] = {}
+        self._scan_colors: Dict[str, str] = {}
+        self._hidden_kinds: Set[str] = set()
         self._bounds = EMPTY_WORLD
         self._framed: Optional[List[float]] = None
         self.frame = rviz.VisualizationFrame()
@@ -83,6 +86,17 @@ class Scene(QObject):
                 action.setVisible(False)
 
     @property
+    def toolbar(self) -> QToolBar:
+        """The toolbar with rviz's tools."""
+        [toolbar] = self.frame.findChildren(QToolBar)
+        return toolbar
+
+    @property
+    def tools(self) -> List[Any]:
+        """Rviz's tools, in the order of the toolbar."""
+        return [self._tools.getTool(index) for index in range(self._tools.numTools())]
+
+    @property
     def docks(self) -> List[QDockWidget]:
         """The panels of rviz, hidden at first."""
         docks: List[QDockWidget] = self.frame.findChildren(QDockWidget)
@@ -103,6 +117,8 @@ class Scene(QObject):
             self._displays[shown] = display
             if shown.kind == WALLS:
                 self._follow_walls(display)
+            self._apply_switches(shown)
+            self._apply_color(shown)
 
     def _follow_walls(self, display: Any) -> None:
         """Emits what the walls' display says of them.
@@ -114,6 +130,31 @@ class Scene(QObject):
         self._walls = (bounds, progress)
         bounds.changed.connect(lambda: self.walls_changed.emit(bounds_in(bounds.getValue())))
         progress.changed.connect(lambda: self.walls_progress.emit(progress.getValue()))
+
+    def show_kind(self, kind: str, on: bool) -> None:
+        """Shows or hides the displays of a class, or the one with this name."""
+        self._hidden_kinds = self._hidden_kinds - {kind} if on else self._hidden_kinds | {kind}
+        for shown in self._displays:
+            self._apply_switches(shown)
+
+    def set_scan_colors(self, colors: Dict[str, str]) -> None:
+        """Sets the colours of scans, as `#rrggbb` by topic."""
+        self._scan_colors = colors
+        for shown in self._displays:
+            self._apply_color(shown)
+
+    def _apply_switches(self, shown: Shown) -> None:
+        is_wanted = shown.name not in self._hidden_kinds and shown.kind not in self._hidden_kinds
+        if self._displays[shown].isEnabled() != is_wanted:
+            self._displays[shown].setEnabled(is_wanted)
+
+    def _apply_color(self, shown: Shown) -> None:
+        if shown.kind == SCAN and shown.topic in self._scan_colors:
+            self._displays[shown].subProp("Color").setValue(QColor(self._scan_colors[shown.topic]))
+
+    def follow(self, model: str) -> None:
+        """Makes the view follow a model by its name; the empty string ends that."""
+        self._manager.getViewManager().getCurrent().subProp("Follow").setValue(model)
 
     def begin_again(self) -> None:
         """Discards everything shown of a previous run, and subscribes anew."""
@@ -160,9 +201,18 @@ class Scene(QObject):
             display.subProp("Offset").subProp("Y").setValue(grid.y)
 
     def _grids(self) -> List[Any]:
+        return self._displays_of("rviz/Grid")
+
+    def _displays_of(self, class_id: str) -> List[Any]:
         root = self._manager.getRootDisplayGroup()
         displays = [root.getDisplayAt(index) for index in range(root.numDisplays())]
-        return [display for display in displays if display.getClassId() == "rviz/Grid"]
+        return [display for display in displays if display.getClassId() == class_id]
+
+    @property
+    def models(self) -> Any:
+        """The display of the models."""
+        [display] = self._displays_of(MODELS)
+        return display
 
     def set_background(self, name: str) -> None:
         """Sets the background, one of `BACKGROUNDS`."""
@@ -172,9 +222,18 @@ class Scene(QObject):
         for grid in self._grids():
             grid.subProp("Alpha").setValue(grid_alpha)
 
+    def show_navigation_tools(self, wanted: List[NavigationTool]) -> None:
+        """Shows these of the tools for navigation."""
+        show_tools(self._tools, wanted)
+
     def _tool(self, class_id: str) -> Any:
         tools = [self._tools.getTool(index) for index in range(self._tools.numTools())]
         return next((tool for tool in tools if tool.getClassId() == class_id), None)
+
+    @property
+    def interact_tool(self) -> Any:
+        """The tool that selects and drags models."""
+        return self._tool(INTERACT_TOOL)
 
     @property
     def can_spawn(self) -> bool:

@@ -8,19 +8,33 @@ import threading
 import time
 import xmlrpc.client
 from contextlib import suppress
-from typing import Any, List, Optional
+from typing import Any, Callable, List, Optional, Tuple
 
 import rosgraph
 import rospy
-from flatland_msgs.msg import DebugTopicList, SimulationState
-from flatland_msgs.srv import ChangeRate
+from flatland_msgs.msg import DebugTopicList, ModelList, SimulationState
+from flatland_msgs.srv import (
+    ChangeRate,
+    DeleteModel,
+    MoveModel,
+    OpenWorld,
+    Reset,
+    SpawnModel,
+    Step,
+)
+from geometry_msgs.msg import Pose2D
 from python_qt_binding.QtCore import QObject, Signal
 from std_msgs.msg import UInt8
-from std_srvs.srv import Empty
+from std_srvs.srv import Empty, Trigger
 
 from flatland_viz.displays import laser_scans
 from flatland_viz.error_text import error_text
+from flatland_viz.model_list import Model, models_of
+from flatland_viz.navigation_tools import NavigationTool, wanted_tools
 from flatland_viz.status import Simulation
+
+Pose = Tuple[float, float, float]
+"""x, y [m] and yaw [rad]."""
 
 _SERVER = "flatland_server"
 _POLL_PERIOD = 1.0  # s, of real time
@@ -34,28 +48,42 @@ class Server(QObject):
     """A status.Simulation, five times a second."""
     scans_changed = Signal(object)
     """The topics of all laser scans; at first also if there are none."""
+    navigation_changed = Signal(object)
+    """The NavigationTools that have subscribers."""
     world_changed = Signal(str)
     """The path of the world's file."""
     loading_changed = Signal(int)
     """Percent of a large world that the server has loaded."""
+    models_changed = Signal(object)
+    """The Models by name, in natural order."""
     failed = Signal(str)
     """The error of a service call."""
+    refused = Signal(str, str)
+    """What could not be done with the world, and why: maybe many lines, with file and line."""
+    done = Signal(str)
+    """What a service call has done."""
+    _succeeded = Signal(object)
+    """What is to be called on the window's thread."""
 
     def __init__(self) -> None:
         super().__init__()
         self.debug = rospy.resolve_name(f"{_SERVER}/debug")
-        self.handles = rospy.resolve_name("interactive_model_markers/update")
         self._scans: Optional[List[str]] = None
+        self._navigation: List[NavigationTool] = []
         self._world = ""
         self._poll_now = threading.Event()
         self._is_closed = False
         self._subscribers: List[rospy.Subscriber] = []
+        self._succeeded.connect(lambda then: then())
 
     def start(self) -> None:
         """Subscribes to the server. Connect the signals before."""
         state = rospy.resolve_name(f"{_SERVER}/state")
         self._subscribers = [
             rospy.Subscriber(f"{self.debug}/topics", DebugTopicList, self._on_topics),
+            rospy.Subscriber(
+                rospy.resolve_name(f"{_SERVER}/models"), ModelList, self._on_models, queue_size=1
+            ),
             rospy.Subscriber(state, SimulationState, self._on_state, queue_size=1),
             rospy.Subscriber(rospy.resolve_name(f"{_SERVER}/loading"), UInt8, self._on_loading),
         ]
@@ -93,17 +121,78 @@ class Server(QObject):
         """Sets how many seconds are simulated per second of real time; may be infinite."""
         self._call("change_rate", ChangeRate, rate)
 
-    def _call(self, name: str, service: Any, *arguments: Any) -> None:
-        """Calls a service on a thread of its own; emits `failed` if that does not succeed."""
+    def spawn(
+        self, model: Model, name: str, namespace: str, pose: Pose, then: Callable[[], None]
+    ) -> None:
+        """Spawns another model of the same file; calls `then` if that succeeds."""
+        self._call("spawn_model", SpawnModel, model.file, name, namespace, Pose2D(*pose), then=then)
+
+    def delete(self, name: str, then: Callable[[], None]) -> None:
+        """Deletes a model; calls `then` if that succeeds."""
+        self._call("delete_model", DeleteModel, name, then=then)
+
+    def move(self, name: str, pose: Pose, then: Callable[[], None]) -> None:
+        """Moves a model; calls `then` if that succeeds."""
+        self._call("move_model", MoveModel, name, Pose2D(*pose), then=then)
+
+    def step(self, count: int) -> None:
+        """Makes steps in a pause."""
+        self._call("step", Step, count, [], 0.0)
+
+    def reset(self) -> None:
+        """Makes the world anew, as it was loaded."""
+        done = "The world is as it was loaded."
+        self._call("reset", Reset, False, False, 0, done=done, refused="The world is not reset")
+
+    def reload(self) -> None:
+        """Makes the world anew from its files."""
+        done = "The world's files are loaded."
+        self._call("reload_world", Trigger, done=done, refused="The files are not loaded")
+
+    def open(self, path: str) -> None:
+        """Opens another world in place of this one."""
+        refused = f"{path} is not opened"
+        self._call("open_world", OpenWorld, path, done=f"Opened {path}", refused=refused)
+
+    def _call(
+        self,
+        name: str,
+        service: Any,
+        *arguments: Any,
+        then: Optional[Callable[[], None]] = None,
+        done: str = "",
+        refused: str = "",
+    ) -> None:
+        """Calls a service on a thread of its own; emits `failed` if that does not succeed.
+
+        Args:
+            name: of the service.
+            service: its type.
+            arguments: of the request.
+            then: called on the window's thread if it succeeds.
+            done: a message for `done` on success.
+            refused: the title for `refused`, which is then emitted instead of `failed`.
+        """
+
+        def fail(error: str) -> None:
+            if refused:
+                self._emit(self.refused, refused, error)
+            else:
+                self._emit(self.failed, f"{name}: {error}")
 
         def call() -> None:
             try:
                 response = rospy.ServiceProxy(name, service)(*arguments)
             except (rospy.ServiceException, rospy.ROSException) as error:
-                self._emit(self.failed, f"{name}: {error}")
+                fail(str(error))
                 return
             if not getattr(response, "success", True):
-                self._emit(self.failed, f"{name}: {error_text(response.message)}")
+                fail(error_text(response.message))
+                return
+            if then is not None:
+                self._emit(self._succeeded, then)
+            if done:
+                self._emit(self.done, done)
 
         threading.Thread(target=call, name=name, daemon=True).start()
 
@@ -122,6 +211,9 @@ class Server(QObject):
     def _on_loading(self, message: UInt8) -> None:
         self._emit(self.loading_changed, message.data)
 
+    def _on_models(self, message: ModelList) -> None:
+        self._emit(self.models_changed, models_of(message))
+
     def _on_topics(self, _: DebugTopicList) -> None:
         self._poll_now.set()  # models have come or gone, perhaps with their scans
 
@@ -132,11 +224,13 @@ class Server(QObject):
             self._poll_now.clear()
             try:
                 scans = laser_scans(master.getPublishedTopics(""))
+                subscribed = [topic for topic, _ in master.getSystemState()[1]]
                 world = _parameter(master, rospy.resolve_name(f"{_SERVER}/world_path"))
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
                 pass  # there is no master now; the window shows that there is no server
             else:
                 self._on_polled(scans, world)
+                self._on_subscribed(subscribed)
             self._poll_now.wait(_POLL_PERIOD)
             time.sleep(0.1)  # several models that are spawned together cause one poll
 
@@ -147,6 +241,12 @@ class Server(QObject):
         if world and world != self._world:
             self._world = world
             self._emit(self.world_changed, world)
+
+    def _on_subscribed(self, topics: List[str]) -> None:
+        tools = wanted_tools(topics)
+        if tools != self._navigation:
+            self._navigation = tools
+            self._emit(self.navigation_changed, tools)
 
 
 def _parameter(master: rosgraph.Master, name: str) -> Optional[str]:

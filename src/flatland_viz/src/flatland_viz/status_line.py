@@ -1,6 +1,6 @@
 """The status line: hints of the tools, and the state of the simulation."""
 
-from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtCore import Qt, QTimer
 from python_qt_binding.QtWidgets import QLabel, QProgressBar, QSizePolicy, QStatusBar
 
 from flatland_viz.status import Status
@@ -10,6 +10,9 @@ _STYLE = {
     "paused": "background: #f0c419; color: black",
     "no server": "background: #c62828; color: white",
 }
+
+
+_MESSAGE_TIME = 10_000  # ms
 
 
 class StatusLine(QStatusBar):
@@ -26,6 +29,8 @@ class StatusLine(QStatusBar):
         self._progress.setMaximumSize(160, self.fontMetrics().height())
         self._progress.hide()
         self.addPermanentWidget(self._progress)
+        self._expiry = QTimer(self, singleShot=True, interval=_MESSAGE_TIME)
+        self._expiry.timeout.connect(self._hint.clear)
         self._time = self._field("status_time", "simulated time", "100000.0 s")
         self._speed = self._field("status_speed", "simulated per real time", "1.00 x real time")
         self._state = self._field("status_state", "the simulation", "waiting for the server")
@@ -54,5 +59,13 @@ class StatusLine(QStatusBar):
         self._progress.setVisible(percent < 100)
 
     def show_hint(self, hint: str) -> None:
-        """Shows a hint; rviz's tools write it in rich text."""
+        """Shows a hint until the next one; rviz's tools write it in rich text."""
+        self._expiry.stop()
+        self._hint.setTextFormat(Qt.RichText)
         self._hint.setText(" ".join(hint.split()))
+
+    def show_message(self, message: str) -> None:
+        """Shows what has happened, for some seconds."""
+        self._hint.setTextFormat(Qt.PlainText)
+        self._hint.setText(message)
+        self._expiry.start()

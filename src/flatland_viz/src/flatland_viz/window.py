@@ -4,18 +4,36 @@ import time
 from pathlib import Path
 from typing import List, Optional
 
-from python_qt_binding.QtCore import QEvent, QObject, QSize, QTimer
-from python_qt_binding.QtWidgets import QApplication, QFileDialog, QMainWindow, QMessageBox
+from python_qt_binding.QtCore import QEvent, QObject, Qt, QTimer
+from python_qt_binding.QtWidgets import (
+    QApplication,
+    QFileDialog,
+    QInputDialog,
+    QMainWindow,
+    QMenu,
+    QMessageBox,
+)
 
 from flatland_viz.bounds import Bounds, around
 from flatland_viz.displays import wanted
+from flatland_viz.drive_panel import DrivePanel
+from flatland_viz.ground_truth import GroundTruth
+from flatland_viz.keys_dialog import DRIVING, MOUSE, KeysDialog, page, rows_of
 from flatland_viz.menus import Menus
+from flatland_viz.model_workbench import ModelWorkbench
+from flatland_viz.problem_badge import ProblemBadge
+from flatland_viz.problem_sources import ProblemSources
 from flatland_viz.scene import Scene
+from flatland_viz.selection import Selection
 from flatland_viz.server import Server
+from flatland_viz.settings import Settings
 from flatland_viz.status import Simulation, has_restarted, is_gone, status
 from flatland_viz.status_line import StatusLine
+from flatland_viz.toolbar import Toolbar, key_of
+from flatland_viz.window_size import first_size
 from flatland_viz.world_files import title
 
+_STEPS = "steps"
 _REFRESH_PERIOD = 200  # ms: of the status line
 _MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
 _RESET_DELAYS = (200, 3000)
@@ -29,9 +47,10 @@ class Window(QMainWindow):
     Args:
         server: the connection to it.
         scene: the embedded rviz.
+        problems: what the window tells of them.
     """
 
-    def __init__(self, server: Server, scene: Scene) -> None:
+    def __init__(self, server: Server, scene: Scene, problems: ProblemSources) -> None:
         super().__init__()
         self._server = server
         self._scene = scene
@@ -45,23 +64,49 @@ class Window(QMainWindow):
         self.setCentralWidget(scene.frame)
         self._line = StatusLine()
         self.setStatusBar(self._line)
-        self._menus = Menus(self.menuBar(), scene.docks)
+        self._badge = ProblemBadge(self._line, problems)
+        self._settings = Settings()
+        self.selection = Selection()
+        self._drive = DrivePanel(self.selection, self._settings)
+        self.addDockWidget(Qt.RightDockWidgetArea, self._drive)
+        self._drive.hide()
+        self._menus = Menus(self.menuBar(), [self._drive, *scene.docks], self._settings)
         self._menus.enable_spawning(scene.can_spawn)
+        self._ground_truth = GroundTruth(
+            scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
+        )
+        self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
+        self._toolbar = Toolbar(scene.toolbar, scene.tools)
+        self._toolbar.add(self._menus.step, "step", "Step")
+        self._toolbar.add(self._menus.reset, "reset", "Reset")
+        self._toolbar.add(self._drive.toggleViewAction(), "drive", "Drive")
         self._connect()
         self._refresh()
         scene.panel.installEventFilter(self)
-        self.resize(QSize(1280, 800).boundedTo(QApplication.primaryScreen().availableSize()))
+        self._settings.follow_switches(self._menus.view)
+        if not self._settings.restore_window(self, scene.frame):
+            self.resize(first_size(QApplication.primaryScreen().availableSize()))
 
     def _connect(self) -> None:
         server, scene, menus = self._server, self._scene, self._menus
         server.simulation_changed.connect(self._on_simulation)
         server.scans_changed.connect(self._on_scans)
+        server.navigation_changed.connect(scene.show_navigation_tools)
         server.world_changed.connect(self._on_world)
-        server.failed.connect(self._line.show_hint)
+        server.failed.connect(self._line.show_message)
+        server.done.connect(self._line.show_message)
+        server.refused.connect(self._show_error)
         scene.hints.connect(self._line.show_hint)
         scene.walls_changed.connect(self._on_walls)
         scene.walls_progress.connect(lambda percent: self._line.show_progress("walls", percent))
         server.loading_changed.connect(lambda percent: self._line.show_progress("world", percent))
+        menus.world_chosen.connect(server.open)
+        menus.other_world_asked.connect(self._open_other)
+        menus.reload_asked.connect(server.reload)
+        menus.world_reset_asked.connect(server.reset)
+        menus.step_asked.connect(lambda: server.step(1))
+        menus.steps_asked.connect(self._ask_for_steps)
+        menus.keys_asked.connect(self._show_keys)
         menus.model_chosen.connect(scene.spawn)
         menus.other_model_asked.connect(self._spawn_other)
         menus.screenshot_asked.connect(self._take_screenshot)
@@ -76,6 +121,7 @@ class Window(QMainWindow):
 
     def _on_simulation(self, simulation: Simulation) -> None:
         if has_restarted(self._simulation, self._silence(), simulation):
+            self._workbench.forget()
             for delay in _RESET_DELAYS:
                 QTimer.singleShot(delay, self._scene.begin_again)
         self._simulation = simulation
@@ -92,7 +138,7 @@ class Window(QMainWindow):
         self._menus.show_simulation(None if is_gone(silence) else self._simulation)
 
     def _on_scans(self, scans: List[str]) -> None:
-        self._scene.show_displays(wanted(self._server.debug, self._server.handles, scans))
+        self._scene.show_displays(wanted(self._server.debug, scans))
 
     def _on_walls(self, bounds: Optional[Bounds]) -> None:
         self._scene.set_bounds(around([bounds]))
@@ -103,7 +149,13 @@ class Window(QMainWindow):
         self.setWindowTitle(title(path))
         self._menus.set_world(path)
         if is_other:
+            self._badge.clear()
             self._scene.reset_view()
+
+    def showEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Lets the Drive panel take the window's keys."""
+        super().showEvent(event)
+        self._drive.start()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Keeps the world framed while the view is resized."""
@@ -114,8 +166,45 @@ class Window(QMainWindow):
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Ends the program, whatever dialogs are open."""
         super().closeEvent(event)
+        self._drive.stop()
         self.is_closed = True
         QApplication.quit()
+
+    def finish(self) -> None:
+        """Remembers the window's place, size and panels, and stops a robot that it drives."""
+        self._drive.finish()
+        self._settings.save_window(self, self._scene.frame)
+
+    def _show_error(self, what: str, why: str) -> None:
+        box = QMessageBox(QMessageBox.Warning, "Flatland", what, QMessageBox.Close, self)
+        box.setObjectName("error")
+        box.setStyleSheet("#qt_msgbox_informativelabel { min-width: 30em }")
+        box.setTextFormat(Qt.PlainText)
+        box.setInformativeText(why)
+        box.setTextInteractionFlags(Qt.TextSelectableByMouse)
+        box.setAttribute(Qt.WA_DeleteOnClose)
+        box.open()
+
+    def _open_other(self) -> None:
+        folder = str(Path(self._world).parent) if self._world else ""
+        file, _ = QFileDialog.getOpenFileName(
+            self, "Open a World", folder, "Worlds (*.yaml *.yml);;All files (*)"
+        )
+        if file:
+            self._server.open(file)
+
+    def _ask_for_steps(self) -> None:
+        before = int(self._settings.number(_STEPS, 100))
+        count, is_given = QInputDialog.getInt(self, "Steps", "&Steps:", before, 1, 1_000_000)
+        if is_given:
+            self._settings.set_number(_STEPS, count)
+            self._server.step(count)
+
+    def _show_keys(self) -> None:
+        menus = [(title, rows_of(menu)) for title, menu in self._menus.titled]
+        tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
+        text = page([menus, [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]])
+        KeysDialog(self, text).show()
 
     def _spawn_other(self) -> None:
         folder = str(Path(self._world).parent) if self._world else ""
@@ -140,6 +229,6 @@ class Window(QMainWindow):
         if not Path(file).suffix:
             file += ".png"
         if picture.save(file):
-            self._line.show_hint(f"Saved {file}")
+            self._line.show_message(f"Saved {file}")
         else:
             QMessageBox.warning(self, "Save a screenshot", f"{file} cannot be written.")

@@ -3,6 +3,7 @@
 /// rviz's tool that spawns models by mouse.
 
 #include <geometry_msgs/Pose2D.h>
+#include <ros/subscriber.h>
 #include <rviz/tool.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -14,13 +15,15 @@
 #include "service_caller.hpp"
 #include "spawn_dialog.hpp"
 #include "spawn_properties.hpp"
+#include "world_names.hpp"
 #include "world_plane.hpp"
 
 namespace flatland_viz {
 
 /// First the user chooses a model in a menu. A left click sets its position, another one its
 /// orientation, and the server spawns it. If the server refuses, the menu opens again with the
-/// error. A right click, Escape or another tool cancels all of it.
+/// error, and OK tries again at the same place. A right click, Escape or another tool cancels all
+/// of it.
 class SpawnModelTool : public rviz::Tool {
  public:
   SpawnModelTool();
@@ -45,11 +48,15 @@ class SpawnModelTool : public rviz::Tool {
   void ShowHint();
 
   SpawnProperties properties_;
+  ModelChoice choice_;  // to be spawned
+  WorldNames names_;    // of the models in the world
+  ros::Subscriber models_;
   ServiceCaller server_;
   QPointer<SpawnDialog> dialog_;  // belongs to the window, if there is one
   std::unique_ptr<ModelPreview> preview_;
   Phase phase_ = Phase::kOff;
   geometry_msgs::Pose2D pose_;  // of the model in the world
+  QString placed_file_;         // the model that the server has refused there; empty if none
 };
 
 }  // namespace flatland_viz

@@ -3,34 +3,31 @@
 from flatland_viz.displays import Shown, changes, laser_scans, wanted
 
 DEBUG = "/flatland_server/debug"
-HANDLES = "/interactive_model_markers/update"
 
 
 def test_all_layers_share_a_display_and_each_scan_has_one():
-    shown = wanted(DEBUG, HANDLES, ["/front/scan", "/scan"])
+    shown = wanted(DEBUG, ["/front/scan", "/scan"])
 
     assert [(one.name, one.kind, one.topic) for one in shown] == [
         ("layers", "flatland_viz/Walls", "/flatland_server/debug/walls"),
         ("models", "rviz/MarkerArray", "/flatland_server/debug/models"),
-        ("drag and turn", "rviz/InteractiveMarkers", "/interactive_model_markers/update"),
         ("front/scan", "rviz/LaserScan", "/front/scan"),
         ("scan", "rviz/LaserScan", "/scan"),
     ]
 
 
 def test_an_empty_world_has_the_displays_of_layers_and_models():
-    shown = wanted(DEBUG, HANDLES, [])
+    shown = wanted(DEBUG, [])
 
-    assert [one.name for one in shown] == ["layers", "models", "drag and turn"]
+    assert [one.name for one in shown] == ["layers", "models"]
 
 
 def test_a_server_in_a_namespace_has_its_own_topics():
-    shown = wanted("/a/flatland_server/debug", "/a/handles", [])
+    shown = wanted("/a/flatland_server/debug", [])
 
     assert [one.topic for one in shown] == [
         "/a/flatland_server/debug/walls",
         "/a/flatland_server/debug/models",
-        "/a/handles",
     ]
 
 
@@ -45,9 +42,15 @@ def test_laser_scans_are_found_among_all_topics():
     assert laser_scans(published) == ["/camera/scan", "/scan"]
 
 
+def test_laser_scans_are_in_natural_order():
+    published = [(f"/r{number}/scan", "sensor_msgs/LaserScan") for number in (10, 9, 2)]
+
+    assert laser_scans(published) == ["/r2/scan", "/r9/scan", "/r10/scan"]
+
+
 def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
-    before = wanted(DEBUG, HANDLES, ["/scan"])
-    after = wanted(DEBUG, HANDLES, ["/robot2/scan", "/scan"])
+    before = wanted(DEBUG, ["/scan"])
+    after = wanted(DEBUG, ["/robot2/scan", "/scan"])
 
     gone, new = changes(before, after)
 
@@ -56,13 +59,13 @@ def test_a_new_robot_adds_its_scan_and_changes_no_other_display():
 
 
 def test_the_scan_of_a_deleted_robot_is_removed():
-    before = wanted(DEBUG, HANDLES, ["/robot2/scan", "/scan"])
-    after = wanted(DEBUG, HANDLES, ["/scan"])
+    before = wanted(DEBUG, ["/robot2/scan", "/scan"])
+    after = wanted(DEBUG, ["/scan"])
 
     assert changes(before, after) == ([Shown("robot2/scan", "rviz/LaserScan", "/robot2/scan")], [])
 
 
 def test_equal_displays_stay():
-    shown = wanted(DEBUG, HANDLES, ["/scan"])
+    shown = wanted(DEBUG, ["/scan"])
 
     assert changes(shown, list(shown)) == ([], [])

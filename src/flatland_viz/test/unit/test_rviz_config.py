@@ -34,13 +34,13 @@ def tools(config: Dict[str, Any]) -> List[str]:
 def test_the_window_starts_without_displays_of_a_world(base):
     kinds = [display["Class"] for display in displays(for_window(base, 30))]
 
-    assert kinds == ["rviz/Grid", "rviz/TF"]
+    assert kinds == ["rviz/Grid", "rviz/TF", "flatland_viz/Models"]
 
 
 def test_the_window_looks_from_above(base):
     manager = for_window(base, 30)["Visualization Manager"]
 
-    assert manager["Views"]["Current"]["Class"] == "rviz/TopDownOrtho"
+    assert manager["Views"]["Current"]["Class"] == "flatland_viz/MapView"
     assert manager["Global Options"] == base["Visualization Manager"]["Global Options"]
 
 
@@ -52,11 +52,8 @@ def test_the_window_draws_as_often_as_it_is_told(base):
 
 def test_the_window_has_tools_for_the_world(base):
     assert tools(for_window(base, 30)) == [
-        "rviz/Interact",
-        "rviz/MoveCamera",
+        "flatland_viz/Interact",
         "rviz/Measure",
-        "rviz/SetInitialPose",
-        "rviz/SetGoal",
         "flatland_viz/SpawnModel",
         "flatland_viz/PauseSim",
         "flatland_viz/ChangeRate",

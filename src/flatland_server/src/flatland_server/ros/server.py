@@ -19,6 +19,7 @@ from flatland_server.ros.launch_arguments import check_launch_arguments, parent_
 from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
 from flatland_server.ros.map_to_odom import MapToOdom
+from flatland_server.ros.model_publisher import ModelPublisher
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import ServiceManager
@@ -117,6 +118,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         markers = DebugVisualization(manager.world, config.viz_pub_rate, transport.rospy_calls)
         manager.on_tick.append(markers.update)
         manager.after_jump.append(markers.time_has_jumped)
+        manager.on_tick.append(ModelPublisher(manager, config.viz_pub_rate).update)
         handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
         manager.on_tick.append(handles.update)
     manager.on_tick.append(Diagnostics(manager).update)

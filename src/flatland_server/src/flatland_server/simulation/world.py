@@ -8,7 +8,7 @@ world.step(timekeeper)
 import logging
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
@@ -209,6 +209,13 @@ class World(Restartable, Stepping):
             for plugin in self._plugins.plugins_of(model)
             if self._plugins.failure_of(plugin) is None
         }
+
+    def all_plugins_of(self, model: str) -> List[Tuple[Plugin, bool]]:
+        """The plugins of a model, each with whether it was switched off because of an error."""
+        return [
+            (plugin, self._plugins.failure_of(plugin) is not None)
+            for plugin in self._plugins.plugins_of(model)
+        ]
 
     @property
     def plugin_revision(self) -> int:

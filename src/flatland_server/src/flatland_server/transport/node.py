@@ -4,17 +4,28 @@ Since a plugin knows only its node, it runs unchanged under roslaunch, in a unit
 program without a ROS master. Callbacks run between steps, on the thread of the simulation.
 """
 
-from typing import Any, Callable, Dict, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from flatland_server._deprecated import renamed
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
 from flatland_server.transport.frame_registry import FrameRegistry
-from flatland_server.transport.topic_registry import TopicRegistry
+from flatland_server.transport.topic_registry import TopicRegistry, type_name
 from flatland_server.transport.transport import Frames, Publisher, Subscription, Transport
 
 __all__ = ["Frames", "Node", "Publisher", "Subscription", "Transport"]
+
+
+class NodeTopic(NamedTuple):
+    """A topic that a plugin uses."""
+
+    name: str
+    """Absolute."""
+    type: str
+    """Such as `sensor_msgs/LaserScan`."""
+    is_published: bool
+    """Whether the plugin publishes it; otherwise it subscribes to it."""
 
 
 class Node:
@@ -46,6 +57,7 @@ class Node:
         self._topics = topics if topics is not None else TopicRegistry(transport)
         self._publishers: List[Publisher] = []
         self._subscriptions: List[Subscription] = []
+        self._used_topics: List[NodeTopic] = []
         self._is_closed = False
         self.on_failure: Optional[Callable[[str], None]] = None
         """Called while the exception of a callback is being handled, with a description of the
@@ -82,6 +94,7 @@ class Node:
             name, message_type, latch=latch, queue_size=queue_size
         )
         self._publishers.append(publisher)
+        self._note_topic(name, message_type, is_published=True)
         return publisher
 
     def subscribe(
@@ -114,7 +127,18 @@ class Node:
 
         subscription = self._transport.subscribe(name, message_type, guarded)
         self._subscriptions.append(subscription)
+        self._note_topic(name, message_type, is_published=False)
         return subscription
+
+    @property
+    def topics(self) -> List[NodeTopic]:
+        """The topics that this plugin has opened, in that order; none once it is closed."""
+        return list(self._used_topics)
+
+    def _note_topic(self, name: str, message_type: Any, is_published: bool) -> None:
+        topic = NodeTopic(self._transport.resolve(name), type_name(message_type), is_published)
+        if topic not in self._used_topics:
+            self._used_topics.append(topic)
 
     def _named(self, topic: str, claim: Callable[[str, Any, str], None], message_type: Any) -> str:
         """Claims a topic, and returns its name with the namespace."""
@@ -197,6 +221,7 @@ class Node:
             subscription.close()
         self._publishers.clear()
         self._subscriptions.clear()
+        self._used_topics.clear()
         self.on_failure = None  # it refers to the plugin, which refers to this node
         self._frames.release(self.owner)
         self._topics.release(self.owner)

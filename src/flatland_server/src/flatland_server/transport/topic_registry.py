@@ -24,6 +24,8 @@ _TYPES = {
 }
 _OF_SERVER = {"/clock", "/tf", "/rosout", "/diagnostics"}
 """Topics to which plugins publish through the server alone, if at all."""
+_OF_NODE = ("debug", "model_states", "models", "state")
+"""The same, in the namespace of the server's node."""
 
 
 class TopicRegistry:
@@ -88,7 +90,7 @@ class TopicRegistry:
         markers = self._transport.resolve("interactive_model_markers")
         return (
             name in _OF_SERVER
-            or name in (f"{node}/debug", f"{node}/state", markers)
+            or name in (*(f"{node}/{topic}" for topic in _OF_NODE), markers)
             or name.startswith((f"{node}/debug/", f"{markers}/"))
         )
 

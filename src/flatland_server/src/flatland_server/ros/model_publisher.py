@@ -1,0 +1,136 @@
+"""What the models are, and where they are: for windows and tools.
+
+`~models` (latched) describes the models: files, namespaces, bodies, plugins and their topics.
+`~model_states` has their ground truth while it has subscribers: at a rate of real time those that
+have moved, and once a second all of them. A message without models says that all of them rest.
+"""
+
+import time
+from typing import Any, Dict, List, Tuple
+
+import rospy
+from flatland_msgs.msg import (
+    BodyInfo,
+    ModelInfo,
+    ModelList,
+    ModelState,
+    ModelStates,
+    PluginInfo,
+    TopicInfo,
+)
+from geometry_msgs.msg import Pose2D
+from std_msgs.msg import ColorRGBA
+
+from flatland_server.messages import fill_twist, ros_time
+from flatland_server.models.footprint import Circle
+from flatland_server.models.model import Model
+from flatland_server.models.model_body import BodyConfig
+from flatland_server.plugins.plugin import Plugin
+from flatland_server.real_time_timer import RealTimeTimer
+from flatland_server.simulation.simulation_manager import SimulationManager
+
+_FULL_PERIOD = 1.0  # s of real time, after which models at rest are published again
+
+
+class ModelPublisher:
+    """Publishes flatland_msgs/ModelList and flatland_msgs/ModelStates.
+
+    Args:
+        manager: the simulation with the models.
+        rate: how often the states of moving models are published [Hz of real time].
+    """
+
+    def __init__(self, manager: SimulationManager, rate: float) -> None:
+        self._manager = manager
+        self._timer = RealTimeTimer(1.0 / rate)
+        self._described: List[object] = [None]  # what the last list was made of; none so far
+        self._sent: Dict[Model, Tuple[Any, ...]] = {}  # motion of each model in the last message
+        self._next_full = 0.0
+        self._subscribers = 0
+        self._stamp = -1  # simulated time of the last message [ns]
+        self._list = rospy.Publisher("~models", ModelList, queue_size=1, latch=True)
+        self._states = rospy.Publisher("~model_states", ModelStates, queue_size=1)
+        self._publish_list()
+
+    def update(self) -> None:
+        """Publishes what is due. To be called often, on the simulation's thread."""
+        if self._timer.check_update():
+            self._publish_list()
+            self._publish_states()
+
+    def _publish_list(self) -> None:
+        world = self._manager.world
+        described: List[object] = [*world.models.values(), *world.plugin_failures]
+        if len(described) == len(self._described) and all(
+            one is other or one == other for one, other in zip(described, self._described)
+        ):
+            return
+        self._described = described
+        self._list.publish(
+            [
+                _model_info(model, world.all_plugins_of(model.name))
+                for model in world.models.values()
+            ]
+        )
+
+    def _publish_states(self) -> None:
+        subscribers, before = self._states.get_num_connections(), self._subscribers
+        self._subscribers = subscribers
+        if not subscribers:
+            return
+        now = time.monotonic()
+        if subscribers > before or now >= self._next_full:
+            self._next_full = now + _FULL_PERIOD
+            self._sent.clear()
+        motions = {model: _motion(model) for model in self._manager.world.models.values()}
+        moved = [model for model in motions if self._sent.get(model) != motions[model]]
+        self._sent = motions
+        now_simulated = self._manager.timekeeper.nanoseconds
+        if moved or now_simulated != self._stamp:
+            self._stamp = now_simulated
+            stamp = ros_time(now_simulated)
+            self._states.publish(stamp, [_model_state(model) for model in moved])
+
+
+def _motion(model: Model) -> Tuple[Any, ...]:
+    """The poses of a model's bodies, and the velocity of its base."""
+    poses = [body.pose for body in model.physics_bodies]
+    return (*poses, model.base.physics_body.local_velocity)
+
+
+def _model_state(model: Model) -> ModelState:
+    state = ModelState(name=model.name, pose=Pose2D(*model.pose))
+    fill_twist(state.twist, *model.base.physics_body.local_velocity)
+    state.bodies = [Pose2D(*body.pose) for body in model.bodies.values()]
+    return state
+
+
+def _model_info(model: Model, plugins: List[Tuple[Plugin, bool]]) -> ModelInfo:
+    config = model.config
+    is_of_file = config.is_read and config.content is None
+    return ModelInfo(
+        name=model.name,
+        ns=model.namespace,
+        yaml_path=str(config.path.resolve()) if is_of_file else "",
+        bodies=[_body_info(body, model.name_space_tf(body.name)) for body in config.bodies],
+        plugins=[_plugin_info(plugin, has_failed) for plugin, has_failed in plugins],
+    )
+
+
+def _body_info(config: BodyConfig, frame_id: str) -> BodyInfo:
+    corners = []
+    for footprint in config.footprints:
+        shape = footprint.shape
+        if isinstance(shape, Circle):
+            (x, y), radius = shape.center, shape.radius
+            corners += [(x - radius, y - radius), (x + radius, y + radius)]
+        else:
+            corners += shape.vertices
+    xs, ys = zip(*corners)
+    box = (min(xs), min(ys), max(xs), max(ys))
+    return BodyInfo(config.name, frame_id, *box, ColorRGBA(*config.color))
+
+
+def _plugin_info(plugin: Plugin, has_failed: bool) -> PluginInfo:
+    topics = [TopicInfo(*topic) for topic in plugin.node.topics]
+    return PluginInfo(plugin.name, plugin.type, has_failed, topics)

@@ -1,0 +1,62 @@
+"""The tool with which models are selected and dragged (flatland_viz/Interact), for the window."""
+
+import json
+from typing import Any, Dict
+
+from python_qt_binding.QtCore import QObject, Signal
+
+from flatland_viz.selection import Selection
+
+
+class Interaction(QObject):
+    """Connects the tool with the window's selection.
+
+    Args:
+        tool: rviz's tool.
+        selection: follows the tool, and the tool follows it.
+    """
+
+    state_changed = Signal(object)
+    """Pose and velocity of the selected model, a few times a second: `x`, `y`, `theta`, `vx`,
+    `vy`, `omega`; empty if they are unknown."""
+    moved = Signal(str, object)
+    """The user has dragged a model, which was at this pose (x, y, yaw) before."""
+    menu_asked = Signal(str)
+    """The user asks for the context menu of this model."""
+
+    def __init__(self, tool: Any, selection: Selection) -> None:
+        super().__init__()
+        properties = tool.getPropertyContainer()
+        self._selected, self._state, self._moved, self._menu = (
+            properties.subProp(name) for name in ("Selected", "State", "Moved", "Menu")
+        )
+        self.handles = properties.subProp("Handles")
+        self._selection = selection
+        self._selected.changed.connect(self._on_selected)
+        self._state.changed.connect(lambda: self.state_changed.emit(self.state))
+        self._moved.changed.connect(self._on_moved)
+        self._menu.changed.connect(self._on_menu)
+        selection.changed.connect(self._selected.setValue)
+
+    @property
+    def state(self) -> Dict[str, Any]:
+        """The last state; see `state_changed`."""
+        state: Dict[str, Any] = _from_json(self._state.getValue())
+        return state if state.get("name") == self._selection.name else {}
+
+    def _on_selected(self) -> None:
+        self._selection.select(self._selected.getValue())
+
+    def _on_moved(self) -> None:
+        moved = _from_json(self._moved.getValue())
+        if moved:
+            self.moved.emit(moved["name"], (moved["x"], moved["y"], moved["theta"]))
+
+    def _on_menu(self) -> None:
+        name = self._menu.getValue()
+        if name:
+            self.menu_asked.emit(name)
+
+
+def _from_json(text: str) -> Any:
+    return json.loads(text) if text else {}

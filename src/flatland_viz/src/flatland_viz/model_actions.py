@@ -1,0 +1,222 @@
+"""What can be done with the selected model: in the side panel, in its menu, by keys."""
+
+import math
+from functools import partial
+from typing import Any, Callable, Dict, Optional, Tuple
+
+from python_qt_binding.QtCore import QObject, Signal
+from python_qt_binding.QtGui import QCursor, QKeySequence
+from python_qt_binding.QtWidgets import QAction, QApplication, QDialog, QMenu, QWidget
+
+from flatland_viz.interaction import Interaction
+from flatland_viz.model_list import Model, free_name
+from flatland_viz.move_dialog import MoveDialog
+from flatland_viz.selection import Selection
+from flatland_viz.server import Pose, Server
+from flatland_viz.undo import Undoable, UndoStack
+
+_GAP = 0.3  # m between a model and its duplicate
+
+
+class ModelActions(QObject):
+    """The actions, enabled as they apply.
+
+    Args:
+        window: the parent of dialogs and menus; the keys hold in it.
+        server: carries out what is asked for.
+        selection: the selected model.
+        interaction: the tool that selects and drags.
+        follow: makes the view follow a model by its name; the empty string ends that.
+    """
+
+    hint = Signal(str)
+    """What was done."""
+
+    def __init__(
+        self,
+        window: QWidget,
+        server: Server,
+        selection: Selection,
+        interaction: Interaction,
+        follow: Callable[[str], None],
+    ) -> None:
+        super().__init__(window)
+        self._window = window
+        self._server = server
+        self._selection = selection
+        self._interaction = interaction
+        self._follow_model = follow
+        self._followed = ""
+        self._models: Dict[str, Model] = {}
+        self._undo = UndoStack()
+        self.follow = self._action("&Follow", "follow", self._toggle_follow, "F")
+        self.follow.setCheckable(True)
+        self.drive = self._action("&Drive", "drive", self._drive)
+        self.copy_pose = self._action("&Copy pose", "copy_pose", self._copy_pose, "Ctrl+C")
+        self.move_to = self._action("&Move to...", "move_to", self._ask_where, "M")
+        self.duplicate = self._action("Dup&licate", "duplicate", self._duplicate, "Ctrl+D")
+        self.delete = self._action("D&elete", "delete", self._delete, "Delete")
+        self.undo = self._action("&Undo", "undo", self._undo_last, "Ctrl+Z")
+        self._menu = QMenu(window, objectName="menu_model")
+        self.fill(self._menu)
+        selection.changed.connect(self._show)
+        interaction.moved.connect(self._note_move)
+        interaction.menu_asked.connect(lambda name: self._menu.popup(QCursor.pos()))
+        self._show()
+
+    def _action(self, text: str, name: str, do: Callable[[], None], key: str = "") -> QAction:
+        action = QAction(text, self._window, objectName=f"action_{name}")
+        action.triggered.connect(lambda checked: do())
+        if key:
+            action.setShortcut(QKeySequence(key))
+            action.setToolTip(f"{text.replace('&', '').rstrip('.')} ({key})")
+        self._window.addAction(action)
+        return action
+
+    @property
+    def all(self) -> Tuple[QAction, ...]:
+        """The actions that concern the selected model."""
+        return (
+            self.follow,
+            self.drive,
+            self.copy_pose,
+            self.move_to,
+            self.duplicate,
+            self.delete,
+        )
+
+    def fill(self, menu: QMenu) -> None:
+        """Adds the actions to a menu."""
+        menu.addActions([self.follow, self.drive])
+        menu.addSeparator()
+        menu.addActions([self.copy_pose, self.move_to, self.duplicate])
+        menu.addSeparator()
+        menu.addAction(self.delete)
+
+    def set_models(self, models: Dict[str, Model]) -> None:
+        """Sets the models in the world."""
+        self._models = models
+        if self._followed and self._followed not in models:
+            self._set_followed("")
+        self._show()
+
+    def forget(self) -> None:
+        """Forgets what could be undone: the world has begun anew."""
+        self._undo.clear()
+        self._show()
+
+    @property
+    def _model(self) -> Optional[Model]:
+        return self._models.get(self._selection.name)
+
+    @property
+    def _pose(self) -> Optional[Pose]:
+        """The pose of the selected model."""
+        state = self._interaction.state
+        return (state["x"], state["y"], state["theta"]) if state else None
+
+    def _show(self, *_: Any) -> None:
+        model = self._model
+        for action in self.all:
+            action.setEnabled(model is not None)
+        self.drive.setEnabled(model is not None and bool(model.command_topic))
+        self.duplicate.setEnabled(model is not None and bool(model.file))
+        self.follow.setChecked(model is not None and self._followed == model.name)
+        self.undo.setEnabled(bool(self._undo.text))
+        self.undo.setText(f"&Undo: {self._undo.text}" if self._undo.text else "&Undo")
+
+    def _set_followed(self, name: str) -> None:
+        self._followed = name
+        self._follow_model(name)
+        self._show()
+
+    def _toggle_follow(self) -> None:
+        name = self._selection.name
+        self._set_followed("" if name == self._followed else name)
+        if self._followed:
+            self.hint.emit(f"The view follows {name}.")
+
+    def _drive(self) -> None:
+        self._selection.drive_asked.emit(self._selection.name)
+
+    def _copy_pose(self) -> None:
+        pose = self._pose
+        if pose is not None:
+            text = "[{:.3f}, {:.3f}, {:.4f}]".format(*pose)
+            QApplication.clipboard().setText(text)
+            self.hint.emit(f"Copied {text}, as in a world file")
+
+    def _ask_where(self) -> None:
+        name, pose = self._selection.name, self._pose
+        if pose is None:
+            return
+        dialog = MoveDialog(self._window, name, pose)
+        if dialog.exec_() == QDialog.Accepted:
+            self._move(name, pose, dialog.pose)
+
+    def _move(self, name: str, before: Pose, pose: Pose) -> None:
+        self._server.move(name, pose, partial(self._note_move, name, before))
+
+    def _note_move(self, name: str, before: Pose) -> None:
+        def back() -> None:
+            self._server.move(name, before, _nothing)
+
+        self._push(Undoable(f"Move {name}", back))
+
+    def _duplicate(self) -> None:
+        model, pose = self._model, self._pose
+        if model is None or pose is None:
+            return
+        name = free_name(model.name, self._models)
+        namespace = ""
+        if model.namespace:
+            namespace = free_name(
+                model.namespace, [other.namespace for other in self._models.values()]
+            )
+        by = model.size + _GAP  # to the right of where it looks
+        x = pose[0] + by * math.sin(pose[2])
+        y = pose[1] - by * math.cos(pose[2])
+
+        def spawned() -> None:
+            self._selection.select(name)
+            self._push(
+                Undoable(f"Duplicate {model.name}", lambda: self._server.delete(name, _nothing))
+            )
+
+        self._server.spawn(model, name, namespace, (x, y, pose[2]), spawned)
+
+    def _delete(self) -> None:
+        model, pose = self._model, self._pose
+        if model is None:
+            return
+
+        def deleted() -> None:
+            self.hint.emit(f"Deleted {model.name}.")
+            if model.file and pose is not None:
+                self._push(Undoable(f"Delete {model.name}", restore))
+
+        def restore() -> None:
+            assert pose is not None
+            self._server.spawn(
+                model,
+                model.name,
+                model.namespace,
+                pose,
+                partial(self._selection.select, model.name),
+            )
+
+        self._server.delete(model.name, deleted)
+
+    def _push(self, done: Undoable) -> None:
+        self._undo.push(done)
+        self._show()
+
+    def _undo_last(self) -> None:
+        text = self._undo.undo()
+        if text:
+            self.hint.emit(f"Undone: {text}")
+        self._show()
+
+
+def _nothing() -> None:
+    pass

@@ -1,0 +1,97 @@
+"""The models in the world, as the server describes them (flatland_msgs/ModelList)."""
+
+import re
+from typing import Any, Dict, Iterable, List, NamedTuple, Tuple
+
+from flatland_viz.displays import SCAN_TYPE
+from flatland_viz.natural_order import natural_key
+
+
+class Topic(NamedTuple):
+    """A topic of a model."""
+
+    name: str
+    type: str
+    is_published: bool
+    """By the server; otherwise it subscribes."""
+    plugin: str
+
+
+class Model(NamedTuple):
+    """A model."""
+
+    name: str
+    namespace: str
+    file: str
+    """Absolute; empty if there is none."""
+    plugins: Tuple[str, ...]
+    """Each as `name (Type)`."""
+    failed: Tuple[str, ...]
+    """The names of those that were switched off."""
+    topics: Tuple[Topic, ...]
+    size: float
+    """The longest side of the boxes around its bodies [m]."""
+
+    @property
+    def command_topic(self) -> str:
+        """The topic of its velocity commands; empty if it has no drive."""
+        for topic in self.topics:
+            if not topic.is_published and topic.type == "geometry_msgs/Twist":
+                return topic.name
+        return ""
+
+
+def models_of(message: Any) -> Dict[str, Model]:
+    """The models of a flatland_msgs/ModelList by name, in natural order."""
+    models = {info.name: _model(info) for info in message.models}
+    return {name: models[name] for name in sorted(models, key=natural_key)}
+
+
+def _model(info: Any) -> Model:
+    sides = [
+        side for body in info.bodies for side in (body.max_x - body.min_x, body.max_y - body.min_y)
+    ]
+    return Model(
+        info.name,
+        info.ns,
+        info.yaml_path,
+        tuple(f"{plugin.name} ({plugin.type})" for plugin in info.plugins),
+        tuple(plugin.name for plugin in info.plugins if plugin.has_failed),
+        tuple(
+            Topic(topic.name, topic.type, topic.is_published, plugin.name)
+            for plugin in info.plugins
+            for topic in plugin.topics
+        ),
+        max(sides, default=0.0),
+    )
+
+
+def scan_owners(models: Dict[str, Model]) -> Dict[str, str]:
+    """The models that publish laser scans, by their topics."""
+    return {
+        topic.name: model.name
+        for model in models.values()
+        for topic in model.topics
+        if topic.is_published and topic.type == SCAN_TYPE
+    }
+
+
+def free_name(wanted: str, taken: Iterable[str]) -> str:
+    """A name that is not taken: the wanted one with the next number after the highest.
+
+    r2 becomes r3 if r2 is the highest of the r's, and box becomes box_2.
+    """
+    taken_names = set(taken)
+    if wanted not in taken_names:
+        return wanted
+    match = re.fullmatch(r"(.*?)([0-9]+)", wanted)
+    stem, number = (match[1], int(match[2])) if match else (f"{wanted}_", 1)
+    number += 1
+    while f"{stem}{number}" in taken_names:
+        number += 1
+    return f"{stem}{number}"
+
+
+def sorted_topics(topics: Iterable[Topic]) -> List[Topic]:
+    """Topics in natural order, those that are published first."""
+    return sorted(topics, key=lambda topic: (not topic.is_published, natural_key(topic.name)))

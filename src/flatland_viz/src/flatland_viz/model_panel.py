@@ -1,0 +1,296 @@
+"""The side panel: all models, and what there is to know of the selected one."""
+
+import math
+from pathlib import Path
+from typing import Any, Dict, List, Optional
+
+from python_qt_binding.QtCore import QSize, Qt, QTimer
+from python_qt_binding.QtGui import QColor, QIcon, QPainter, QPalette, QPixmap
+from python_qt_binding.QtWidgets import (
+    QDockWidget,
+    QFormLayout,
+    QFrame,
+    QGridLayout,
+    QHeaderView,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QSizePolicy,
+    QToolButton,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from flatland_viz.interaction import Interaction
+from flatland_viz.model_actions import ModelActions
+from flatland_viz.model_list import Model, Topic, sorted_topics
+from flatland_viz.selection import Selection
+from flatland_viz.topic_monitor import Reading, TopicMonitor
+from flatland_viz.topic_values import position, velocity
+from flatland_viz.world_files import label
+
+_READ_PERIOD = 500  # ms
+_WIDTH = 250
+_BUTTON_COLUMNS = 3
+_DOT = 10  # device-independent pixels
+
+
+class ModelPanel(QDockWidget):
+    """A list of the models, and the selected one's pose, speed, plugins, topics and actions.
+
+    Args:
+        selection: the selected model.
+        interaction: has its pose and velocity.
+        actions: what can be done with it.
+    """
+
+    def __init__(
+        self, selection: Selection, interaction: Interaction, actions: ModelActions
+    ) -> None:
+        super().__init__("Models")
+        self.setObjectName("panel_models")
+        self.setFeatures(QDockWidget.DockWidgetClosable | QDockWidget.DockWidgetMovable)
+        self._selection = selection
+        self._models: Dict[str, Model] = {}
+        self._colors: Dict[str, str] = {}
+        self._time = 0.0
+        self._monitor = TopicMonitor()
+        self._list = QListWidget(objectName="model_list")
+        self._list.setUniformItemSizes(True)
+        self._list.setIconSize(QSize(_DOT, _DOT))
+        self._details = _Details(actions)
+        content = QWidget()
+        column = QVBoxLayout(content)
+        column.setContentsMargins(6, 4, 6, 6)
+        column.addWidget(self._list, 2)
+        column.addWidget(self._details, 5)
+        content.setMinimumWidth(_WIDTH)
+        self.setWidget(content)
+        self._list.currentItemChanged.connect(self._on_chosen)
+        selection.changed.connect(self._show_selected)
+        interaction.state_changed.connect(self._details.show_state)
+        self._reader = QTimer(self)
+        self._reader.timeout.connect(self._read_topics)
+        self._reader.start(_READ_PERIOD)
+        self.visibilityChanged.connect(lambda shown: self._watch())
+        self._show_selected()
+
+    def set_models(self, models: Dict[str, Model]) -> None:
+        """Sets the models in the world, in the order of the list."""
+        self._models = models
+        self._fill_list()
+        self._show_selected()
+
+    def set_colors(self, colors: Dict[str, str]) -> None:
+        """Sets the robots' colours, as `#rrggbb` by name."""
+        self._colors = colors
+        self._fill_list()
+
+    def set_time(self, time: float) -> None:
+        """Sets the simulated time [s], of which rates are computed."""
+        self._time = time
+
+    def _fill_list(self) -> None:
+        self._list.blockSignals(True)
+        self._list.clear()
+        for name in self._models:
+            item = QListWidgetItem(_dot(self._colors.get(name), self.devicePixelRatioF()), name)
+            self._list.addItem(item)
+            if name == self._selection.name:
+                self._list.setCurrentItem(item)
+        self._list.blockSignals(False)
+
+    def _on_chosen(self, item: Optional[QListWidgetItem]) -> None:
+        self._selection.select(item.text() if item is not None else "")
+
+    def _show_selected(self, *_: Any) -> None:
+        name = self._selection.name
+        found = self._list.findItems(name, Qt.MatchExactly) if name else []
+        self._list.blockSignals(True)
+        self._list.setCurrentItem(found[0] if found else None)
+        self._list.blockSignals(False)
+        self._details.show_model(self._models.get(name))
+        self._watch()
+
+    def _watch(self) -> None:
+        """Subscribes to the topics that are shown, and to none while nothing is."""
+        model = self._models.get(self._selection.name) if self.isVisible() else None
+        self._monitor.watch(_shown_topics(model))
+        self._read_topics()
+
+    def _read_topics(self) -> None:
+        if self.isVisible():
+            self._details.show_readings(self._monitor.readings(self._time))
+
+
+class _Details(QWidget):
+    """What there is to know of one model."""
+
+    def __init__(self, actions: ModelActions) -> None:
+        super().__init__()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 4, 0, 0)
+        self._empty = QLabel("Click a model on the map or in the list.", objectName="model_none")
+        self._empty.setWordWrap(True)
+        _make_quiet(self._empty)
+        self._empty.setAlignment(Qt.AlignTop | Qt.AlignLeft)
+        self._content = QWidget()
+        column.addWidget(self._empty, 1)
+        column.addWidget(self._content, 1)
+        rows = QVBoxLayout(self._content)
+        rows.setContentsMargins(0, 0, 0, 0)
+        self._name = QLabel(objectName="model_name")
+        font = self._name.font()
+        font.setBold(True)
+        font.setPointSizeF(1.15 * font.pointSizeF())
+        self._name.setFont(font)
+        rows.addWidget(self._name)
+        rows.addLayout(_buttons(actions))
+        self._form = QFormLayout()
+        self._form.setLabelAlignment(Qt.AlignLeft | Qt.AlignTop)
+        self._form.setHorizontalSpacing(10)
+        self._form.setVerticalSpacing(3)
+        self._pose = self._row("Pose", "model_pose")
+        self._speed = self._row("Speed", "model_speed")
+        self._namespace = self._row("Namespace", "model_namespace")
+        self._file = self._row("File", "model_file")
+        self._plugins = self._row("Plugins", "model_plugins")
+        rows.addLayout(self._form)
+        self._topics = QTreeWidget(objectName="model_topics")
+        self._topics.setRootIsDecorated(False)
+        self._topics.setIndentation(10)
+        self._topics.setSelectionMode(QTreeWidget.NoSelection)
+        self._topics.setFocusPolicy(Qt.NoFocus)
+        self._topics.setFrameShape(QFrame.NoFrame)
+        self._topics.setHeaderLabels(["Topic", "Hz"])
+        header = self._topics.header()
+        header.setStretchLastSection(False)
+        header.setSectionResizeMode(0, QHeaderView.Stretch)
+        header.setSectionResizeMode(1, QHeaderView.ResizeToContents)
+        rows.addWidget(self._topics, 1)
+        self.show_model(None)
+
+    def _row(self, text: str, name: str) -> QLabel:
+        field = QLabel(objectName=name)
+        field.setTextInteractionFlags(Qt.TextSelectableByMouse)
+        field.setWordWrap(True)
+        field.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)  # never widens the panel
+        caption = QLabel(text)
+        _make_quiet(caption)
+        self._form.addRow(caption, field)
+        return field
+
+    def show_model(self, model: Optional[Model]) -> None:
+        self._empty.setVisible(model is None)
+        self._content.setVisible(model is not None)
+        if model is None:
+            return
+        if model.name != self._name.text():
+            self._pose.clear()
+            self._speed.clear()
+        self._name.setText(model.name)
+        self._namespace.setText(f"/{model.namespace}" if model.namespace else "\u2013")
+        self._file.setText(label(Path(model.file)) if model.file else "\u2013")
+        self._file.setToolTip(model.file)
+        failed = [f"{name} has failed" for name in model.failed]
+        self._plugins.setText(", ".join([*model.plugins, *failed]) or "\u2013")
+        topics = _shown_topics(model)
+        self._topics.setVisible(bool(topics))
+        self._topics.clear()
+        for topic in topics:
+            item = QTreeWidgetItem([_short(topic.name, model.namespace), ""])
+            item.setToolTip(0, f"{topic.name}\n{topic.type}\n{_direction(topic)}")
+            item.setData(0, Qt.UserRole, topic.name)
+            item.setTextAlignment(1, Qt.AlignRight | Qt.AlignVCenter)
+            self._topics.addTopLevelItem(item)
+
+    def show_state(self, state: Dict[str, Any]) -> None:
+        if state:
+            self._pose.setText(position(state["x"], state["y"], state["theta"]))
+            self._speed.setText(velocity(state["vx"], state["vy"], state["omega"]))
+
+    def show_readings(self, readings: Dict[str, Reading]) -> None:
+        for index in range(self._topics.topLevelItemCount()):
+            item = self._topics.topLevelItem(index)
+            reading = readings.get(item.data(0, Qt.UserRole))
+            if reading is not None:
+                item.setText(1, _rate(reading.rate))
+                self._show_value(item, reading.value)
+
+    def _show_value(self, item: QTreeWidgetItem, value: str) -> None:
+        """Shows the last message of a topic in a line of its own."""
+        if not item.childCount():
+            if not value:
+                return
+            line = QTreeWidgetItem(item)
+            line.setForeground(0, _quiet(self._topics.palette().color(QPalette.Text)))
+            item.setExpanded(True)
+            line.setFirstColumnSpanned(True)
+        item.child(0).setText(0, value)
+        item.child(0).setToolTip(0, value)
+
+
+def _make_quiet(text: QLabel) -> None:
+    """Gives a text a colour that steps back, on a light background as on a dark one."""
+    palette = text.palette()
+    palette.setColor(QPalette.WindowText, _quiet(palette.color(QPalette.WindowText)))
+    text.setPalette(palette)
+
+
+def _quiet(color: QColor) -> QColor:
+    quiet = QColor(color)
+    quiet.setAlphaF(0.62)
+    return quiet
+
+
+def _buttons(actions: ModelActions) -> QGridLayout:
+    grid = QGridLayout()
+    grid.setSpacing(4)
+    for index, action in enumerate(actions.all):
+        button = QToolButton(objectName=action.objectName().replace("action", "button"))
+        button.setDefaultAction(action)
+        button.setToolButtonStyle(Qt.ToolButtonTextOnly)
+        button.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Fixed)
+        grid.addWidget(button, *divmod(index, _BUTTON_COLUMNS))
+    return grid
+
+
+def _shown_topics(model: Optional[Model]) -> List[Topic]:
+    """The topics of a model in the panel, each once."""
+    if model is None:
+        return []
+    by_name = {topic.name: topic for topic in sorted_topics(model.topics)}
+    return list(by_name.values())
+
+
+def _short(topic: str, namespace: str) -> str:
+    prefix = f"/{namespace}/"
+    return topic[len(prefix) :] if namespace and topic.startswith(prefix) else topic
+
+
+def _direction(topic: Topic) -> str:
+    verb = "published" if topic.is_published else "subscribed"
+    return f"{verb} by {topic.plugin}"
+
+
+def _rate(rate: Optional[float]) -> str:
+    if rate is None:
+        return ""
+    return f"{rate:.0f}" if rate >= 9.95 or math.isclose(rate, round(rate)) else f"{rate:.1f}"
+
+
+def _dot(color: Optional[str], ratio: float) -> QIcon:
+    """A disc of a colour; empty for None."""
+    picture = QPixmap(round(_DOT * ratio), round(_DOT * ratio))
+    picture.setDevicePixelRatio(ratio)
+    picture.fill(Qt.transparent)
+    if color:
+        painter = QPainter(picture)
+        painter.setRenderHint(QPainter.Antialiasing)
+        painter.setPen(Qt.NoPen)
+        painter.setBrush(QColor(color))
+        painter.drawEllipse(0, 0, _DOT, _DOT)
+        painter.end()
+    return QIcon(picture)

@@ -1,0 +1,97 @@
+"""What the window has for working with models: selection, actions, the side panel, switches."""
+
+import json
+from typing import Dict
+
+from python_qt_binding.QtCore import QObject, Qt
+from python_qt_binding.QtWidgets import QMainWindow, QMenu
+
+from flatland_viz.displays import FOOTPRINTS, SCAN
+from flatland_viz.interaction import Interaction
+from flatland_viz.model_actions import ModelActions
+from flatland_viz.model_list import Model, scan_owners
+from flatland_viz.model_panel import ModelPanel
+from flatland_viz.scene import Scene
+from flatland_viz.selection import Selection
+from flatland_viz.server import Server
+from flatland_viz.status import Simulation
+from flatland_viz.status_line import StatusLine
+from flatland_viz.view_switches import ViewSwitches
+
+
+class ModelWorkbench(QObject):
+    """Puts them into the window and connects them.
+
+    Args:
+        window: gets the panel and the menu of models, and has a menu `menu_view`.
+        server: the connection to the server.
+        scene: the embedded rviz.
+        selection: the selected model.
+        line: for what was done.
+    """
+
+    def __init__(
+        self,
+        window: QMainWindow,
+        server: Server,
+        scene: Scene,
+        selection: Selection,
+        line: StatusLine,
+    ) -> None:
+        super().__init__(window)
+        self._scene = scene
+        self._models: Dict[str, Model] = {}
+        interaction = Interaction(scene.interact_tool, selection)
+        self._actions = ModelActions(window, server, selection, interaction, scene.follow)
+        self._actions.hint.connect(line.show_hint)
+        self._panel = ModelPanel(selection, interaction, self._actions)
+        window.addDockWidget(Qt.RightDockWidgetArea, self._panel)
+        self._interaction = interaction
+        self._colors = scene.models.subProp("Colors")
+        self._colors.changed.connect(self._show_colors)
+        server.models_changed.connect(self._on_models)
+        server.simulation_changed.connect(self._on_simulation)
+        self._add_menus(window)
+
+    def _add_menus(self, window: QMainWindow) -> None:
+        bar, view = window.menuBar(), window.findChild(QMenu, "menu_view")
+        menu = QMenu("&Model", bar, objectName="menu_models")
+        bar.insertMenu(view.menuAction(), menu)
+        menu.addAction(self._actions.undo)
+        menu.addSeparator()
+        self._actions.fill(menu)
+        display = self._scene.models
+        ViewSwitches(
+            view,
+            {
+                "labels": display.subProp("Labels").setValue,
+                "headings": display.subProp("Headings").setValue,
+                "handles": self._interaction.handles.setValue,
+                "scans": lambda on: self._scene.show_kind(SCAN, on),
+                "footprints": lambda on: self._scene.show_kind(FOOTPRINTS, on),
+            },
+        )
+        view.addAction(self._panel.toggleViewAction())
+
+    def forget(self) -> None:
+        """Forgets what could be undone: the world has begun anew."""
+        self._actions.forget()
+
+    def _on_models(self, models: Dict[str, Model]) -> None:
+        self._models = models
+        self._actions.set_models(models)
+        self._panel.set_models(models)
+        self._show_colors()
+
+    def _on_simulation(self, simulation: Simulation) -> None:
+        self._panel.set_time(simulation.time)
+
+    def _show_colors(self) -> None:
+        """Gives robots' scans and the list their colours."""
+        text = self._colors.getValue()
+        colors: Dict[str, str] = json.loads(text) if text else {}
+        self._panel.set_colors(colors)
+        owners = scan_owners(self._models)
+        self._scene.set_scan_colors(
+            {topic: colors[name] for topic, name in owners.items() if name in colors}
+        )

@@ -1,0 +1,77 @@
+#pragma once
+
+/// Places robots without a localiser by their ground truth.
+
+#include <flatland_msgs/ModelStates.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/publisher.h>
+#include <ros/subscriber.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace tf2_ros {
+class Buffer;
+}
+
+namespace flatland_viz {
+
+class WorldModels;
+
+/// A robot publishes transforms from its odometry frame to its bodies and sensors. From the map to
+/// that odometry frame is a localiser's to say. While nothing does, scans could not be shown.
+///
+/// This finds the root of the transforms of each body, such as "odom". If it is not connected to
+/// the map, it follows from where the body truly is in the map, and from where the body is in the
+/// root. The transform map -> root goes to the transforms of this window alone or, if
+/// `is_published`, to /tf for all nodes. It ends as soon as another node publishes that transform.
+class GroundTruthFrames {
+ public:
+  GroundTruthFrames(std::shared_ptr<tf2_ros::Buffer> buffer, const WorldModels& models,
+                    ros::NodeHandle& node);
+
+  /// Whether the transforms go to /tf.
+  bool is_published = false;
+
+  void Add(const flatland_msgs::ModelStates& states);
+  /// Discards what is known of the past: simulated time has begun anew.
+  void Clear();
+  /// Computes the transforms at the present time; to be called often.
+  void Update();
+  /// The roots that are placed now, such as "odom".
+  const std::set<std::string>& roots() const { return roots_; }
+
+ private:
+  struct Motion {
+    ros::Time stamp;
+    flatland_msgs::ModelState state;
+  };
+
+  void NoteTransforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event);
+  void NoteStaticTransforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event);
+  /// The root of a frame's transforms; nothing if the frame is connected to the map.
+  std::optional<std::string> FindRoot(const std::string& frame) const;
+  std::optional<geometry_msgs::Pose2D> TruePose(const std::string& model, std::size_t body,
+                                                const ros::Time& time) const;
+  void Place(const std::string& root, const std::string& model, std::size_t body,
+             const std::string& frame);
+
+  std::shared_ptr<tf2_ros::Buffer> buffer_;
+  const WorldModels& models_;
+  ros::Subscriber tf_, static_tf_;
+  ros::Publisher publisher_;
+  std::map<std::string, std::deque<Motion>> motions_;  // by model, the oldest first
+  ros::Time latest_;                                   // the last stamp of states
+  std::set<std::string> roots_;
+  std::set<std::string> of_others_;             // frames to which other nodes publish transforms
+  std::set<std::string> static_of_others_;      // those among them that are published once
+  std::map<std::string, ros::Time> placed_at_;  // the last stamp of each root
+  tf2_msgs::TFMessage outgoing_;
+};
+
+}  // namespace flatland_viz

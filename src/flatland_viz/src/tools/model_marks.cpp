@@ -1,0 +1,141 @@
+#include "model_marks.hpp"
+
+#include <OgreSceneManager.h>
+#include <OgreSceneNode.h>
+#include <OgreViewport.h>
+
+#include <QRectF>
+#include <algorithm>
+#include <cmath>
+
+#include "flat_shape.hpp"
+#include "model_handle.hpp"
+#include "name_label.hpp"
+#include "screen_scale.hpp"
+#include "world_models.hpp"
+#include "world_plane.hpp"
+
+namespace flatland_viz {
+namespace {
+
+constexpr float kHeight = 0.2f;      // m: above the models
+constexpr double kMinArrow = 9;      // pixels from the middle to the tip
+constexpr double kArrowPart = 0.45;  // of the robot's radius
+constexpr double kGap = 4;           // pixels between a model's handle and its name
+constexpr double kOutline = 1.35;    // of the arrow's size, where it stands alone
+
+struct Colors {
+  QColor text, plate, outline;
+};
+
+Colors ColorsOn(const QColor& background) {
+  if (background.lightnessF() > 0.5) {
+    return {QColor(45, 48, 52), QColor(255, 255, 255, 205), QColor(255, 255, 255, 235)};
+  }
+  return {QColor(225, 228, 232), QColor(38, 41, 46, 215), QColor(20, 22, 25, 235)};
+}
+
+/// The shape of a navigation arrow that looks along x: its tip is at 1.
+void AddArrow(FlatShape& shape, double size, const QColor& color) {
+  const auto point = [size](double x, double y) {
+    return Ogre::Vector2(static_cast<float>(size * x), static_cast<float>(size * y));
+  };
+  const Ogre::Vector2 tip = point(1.0, 0.0), notch = point(-0.42, 0.0);
+  shape.AddTriangle(tip, point(-0.8, 0.72), notch, color);
+  shape.AddTriangle(tip, notch, point(-0.8, -0.72), color);
+}
+
+}  // namespace
+
+struct ModelMarks::Mark {
+  Mark(Ogre::SceneManager& scene, Ogre::SceneNode& parent)
+      : heading(scene, parent, 1), label(scene, parent) {}
+
+  FlatShape heading;
+  NameLabel label;
+  QColor color, outline;  // of the heading, as it is drawn
+};
+
+ModelMarks::ModelMarks(Ogre::SceneManager& scene, Ogre::SceneNode& parent)
+    : scene_(scene), parent_(parent) {}
+
+ModelMarks::~ModelMarks() = default;
+
+void ModelMarks::Update(const WorldModels& models, const WorldPlane& world,
+                        const Ogre::Viewport& viewport, const Options& options) {
+  for (auto mark = marks_.begin(); mark != marks_.end();) {
+    mark = models.Find(mark->first) ? std::next(mark) : marks_.erase(mark);
+  }
+  std::vector<const WorldModel*> order;
+  for (const auto& [name, model] : models.models()) order.push_back(&model);
+  const auto importance = [&](const WorldModel* model) {
+    const std::string& name = model->info.name;
+    return name == models.selected() ? 0 : name == models.hovered() ? 1 : 2;
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const auto* a, const auto* b) { return importance(a) < importance(b); });
+
+  const Colors colors = ColorsOn(options.background);
+  std::vector<QRectF> taken;
+  for (const WorldModel* model : order) {
+    std::unique_ptr<Mark>& mark = marks_[model->info.name];
+    if (!mark) mark = std::make_unique<Mark>(scene_, parent_);
+    if (!model->is_placed()) continue;
+    PlaceHeading(*mark, *model, world, viewport, options);
+
+    const bool is_selected = importance(model) == 0;
+    bool is_shown = options.labels && (model->is_robot() || importance(model) < 2);
+    if (is_shown) {
+      LabelStyle style{colors.text, colors.plate, options.pixel_ratio};
+      if (is_selected) style = {Qt::white, model->color(), options.pixel_ratio};
+      if (is_selected && !model->is_robot()) style.plate = QColor(70, 76, 84);
+      mark->label.Set(QString::fromStdString(model->info.name), style);
+
+      geometry_msgs::Pose2D middle;
+      middle.x = model->middle().x();
+      middle.y = model->middle().y();
+      const Ogre::Vector3 at = world.PositionInScene(Compose(model->state.pose, middle), kHeight);
+      const ScreenScale scale = ScreenScale::At(at, viewport);
+      const double handle =
+          ModelHandle::Radius(*model, scale.pixels_per_metre, options.pixel_ratio) *
+          scale.pixels_per_metre;
+      const QSizeF size = mark->label.size();
+      const double down = handle + kGap * options.pixel_ratio + size.height() / 2;
+      mark->label.Place(at + scale.Offset(0, -down), viewport);
+
+      const Ogre::Vector3 seen = scale.camera.Inverse() * at;
+      QRectF place(QPointF(), size);
+      place.moveCenter(
+          QPointF(seen.x * scale.pixels_per_metre, -seen.y * scale.pixels_per_metre + down));
+      is_shown = std::none_of(taken.begin(), taken.end(),
+                              [&](const QRectF& other) { return other.intersects(place); });
+      if (is_shown) taken.push_back(place);
+    }
+    mark->label.SetVisible(is_shown);
+  }
+}
+
+void ModelMarks::PlaceHeading(Mark& mark, const WorldModel& model, const WorldPlane& world,
+                              const Ogre::Viewport& viewport, const Options& options) {
+  const bool is_shown = options.headings && model.is_robot();
+  mark.heading.SetVisible(is_shown);
+  if (!is_shown) return;
+  const QColor outline = ColorsOn(options.background).outline;
+  if (mark.color != model.color() || mark.outline != outline) {
+    mark.color = model.color();
+    mark.outline = outline;
+    mark.heading.Begin();
+    AddArrow(mark.heading, kOutline, outline);
+    AddArrow(mark.heading, 1.0, model.color());
+    mark.heading.End();
+  }
+  // On the base, which is what drives.
+  const geometry_msgs::Pose2D& base = model.state.bodies.front();
+  const Ogre::Vector3 at = world.PositionInScene(base, kHeight);
+  const ScreenScale scale = ScreenScale::At(at, viewport);
+  const double size = std::max(kArrowPart * model.radius() * scale.pixels_per_metre,
+                               kMinArrow * options.pixel_ratio);
+  mark.heading.Place(at, world.OrientationInScene(base), scale.Metres(size));
+}
+
+}  // namespace flatland_viz

@@ -1,0 +1,55 @@
+#pragma once
+
+/// The names and headings of models on the map.
+
+#include <QColor>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace Ogre {
+class SceneManager;
+class SceneNode;
+class Viewport;
+}  // namespace Ogre
+
+namespace flatland_viz {
+
+class FlatShape;
+class NameLabel;
+class WorldModels;
+class WorldPlane;
+struct WorldModel;
+
+/// A robot has an arrow in its colour, which shows where it looks and is never smaller than can be
+/// seen, and its name below it. Other models have their names while they are selected or under the
+/// mouse. Names that would cover others are left out.
+class ModelMarks {
+ public:
+  struct Options {
+    bool labels = true;
+    bool headings = true;
+    QColor background;  ///< of the view
+    double pixel_ratio = 1.0;
+  };
+
+  ModelMarks(Ogre::SceneManager& scene, Ogre::SceneNode& parent);
+  ~ModelMarks();
+
+  /// Draws the models where they are now.
+  void Update(const WorldModels& models, const WorldPlane& world, const Ogre::Viewport& viewport,
+              const Options& options);
+
+ private:
+  struct Mark;
+
+  void PlaceHeading(Mark& mark, const WorldModel& model, const WorldPlane& world,
+                    const Ogre::Viewport& viewport, const Options& options);
+
+  Ogre::SceneManager& scene_;
+  Ogre::SceneNode& parent_;
+  std::map<std::string, std::unique_ptr<Mark>> marks_;
+};
+
+}  // namespace flatland_viz

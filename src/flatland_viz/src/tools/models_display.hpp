@@ -1,0 +1,63 @@
+#pragma once
+
+/// rviz's display of what the models' markers do not show.
+
+#include <rviz/display.h>
+
+#include <QColor>
+#include <memory>
+
+namespace Ogre {
+class Viewport;
+}
+
+namespace rviz {
+class BoolProperty;
+class StringProperty;
+}  // namespace rviz
+
+namespace flatland_viz {
+
+class BeforeRender;
+class GroundTruthFrames;
+class ModelMarks;
+class WorldModels;
+
+/// Names the models, shows where robots look, and places robots by their ground truth where there
+/// is no localiser.
+class ModelsDisplay : public rviz::Display {
+  Q_OBJECT
+
+ public:
+  ModelsDisplay();
+  ~ModelsDisplay() override;
+
+  void update(float wall_dt, float ros_dt) override;
+  void reset() override;
+
+ protected:
+  void onInitialize() override;
+  void onEnable() override;
+  void onDisable() override;
+
+ private:
+  void PlaceFrames();
+  void PlaceMarks(const Ogre::Viewport& viewport, double pixel_ratio);
+  void ListColors();
+  QColor Background() const;
+
+  rviz::BoolProperty* labels_;
+  rviz::BoolProperty* headings_;
+  rviz::StringProperty* colors_;
+
+  rviz::BoolProperty* places_frames_;
+  rviz::BoolProperty* publishes_frames_;
+  rviz::StringProperty* placed_frames_;
+  std::shared_ptr<WorldModels> models_;
+  std::unique_ptr<GroundTruthFrames> frames_;
+  std::unique_ptr<ModelMarks> marks_;
+  std::unique_ptr<BeforeRender> before_render_;
+  unsigned drawn_revision_ = 0;  // of the models
+};
+
+}  // namespace flatland_viz

@@ -1,0 +1,160 @@
+#include "world_models.hpp"
+
+#include <ros/node_handle.h>
+#include <rviz/display_context.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace flatland_viz {
+namespace {
+
+// Told apart on the light background and on the dark one, and none like walls or wood.
+const std::array<QColor, 8> kColors = {
+    QColor(204, 0, 0),    QColor(31, 111, 209), QColor(39, 138, 62),  QColor(214, 110, 0),
+    QColor(142, 78, 198), QColor(15, 145, 150), QColor(210, 60, 150), QColor(128, 110, 20)};
+
+}  // namespace
+
+bool WorldModel::is_robot() const {
+  return std::any_of(info.plugins.begin(), info.plugins.end(),
+                     [](const auto& plugin) { return !plugin.topics.empty(); });
+}
+
+QColor WorldModel::color() const {
+  return kColors[static_cast<std::size_t>(color_index) % kColors.size()];
+}
+
+WorldModel::Box WorldModel::Extent() const {
+  Box box = {1e9, 1e9, -1e9, -1e9};
+  const double c = std::cos(state.pose.theta), s = std::sin(state.pose.theta);
+  for (std::size_t i = 0; i < std::min(state.bodies.size(), info.bodies.size()); ++i) {
+    const flatland_msgs::BodyInfo& body = info.bodies[i];
+    for (const double x : {body.min_x, body.max_x}) {
+      for (const double y : {body.min_y, body.max_y}) {
+        geometry_msgs::Pose2D corner;
+        corner.x = x;
+        corner.y = y;
+        corner = Compose(state.bodies[i], corner);
+        const double dx = corner.x - state.pose.x, dy = corner.y - state.pose.y;
+        box.min_x = std::min(box.min_x, c * dx + s * dy);
+        box.max_x = std::max(box.max_x, c * dx + s * dy);
+        box.min_y = std::min(box.min_y, -s * dx + c * dy);
+        box.max_y = std::max(box.max_y, -s * dx + c * dy);
+      }
+    }
+  }
+  return box;
+}
+
+QPointF WorldModel::middle() const {
+  const Box box = Extent();
+  return {(box.min_x + box.max_x) / 2, (box.min_y + box.max_y) / 2};
+}
+
+double WorldModel::radius() const {
+  const Box box = Extent();
+  return std::hypot(box.max_x - box.min_x, box.max_y - box.min_y) / 2;
+}
+
+bool WorldModel::Contains(double x, double y) const {
+  for (std::size_t i = 0; i < std::min(state.bodies.size(), info.bodies.size()); ++i) {
+    const flatland_msgs::BodyInfo& body = info.bodies[i];
+    const double c = std::cos(state.bodies[i].theta), s = std::sin(state.bodies[i].theta);
+    const double dx = x - state.bodies[i].x, dy = y - state.bodies[i].y;
+    const double u = c * dx + s * dy, v = -s * dx + c * dy;
+    if (u >= body.min_x && u <= body.max_x && v >= body.min_y && v <= body.max_y) return true;
+  }
+  return false;
+}
+
+std::shared_ptr<WorldModels> WorldModels::Of(rviz::DisplayContext& context) {
+  static std::map<rviz::DisplayContext*, std::weak_ptr<WorldModels>> shared;
+  std::shared_ptr<WorldModels> models = shared[&context].lock();
+  if (!models) {
+    models.reset(new WorldModels(context));
+    shared[&context] = models;
+  }
+  return models;
+}
+
+WorldModels::WorldModels(rviz::DisplayContext& context) {
+  ros::NodeHandle node;
+  node.setCallbackQueue(context.getUpdateQueue());
+  list_ = node.subscribe<flatland_msgs::ModelList>(
+      "/flatland_server/models", 1,
+      [this](const flatland_msgs::ModelList::ConstPtr& list) { SetList(*list); });
+  states_ = node.subscribe<flatland_msgs::ModelStates>(
+      "/flatland_server/model_states", 10,
+      [this](const flatland_msgs::ModelStates::ConstPtr& states) { SetStates(*states); },
+      ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+}
+
+const WorldModel* WorldModels::Find(const std::string& name) const {
+  const auto found = models_.find(name);
+  return found == models_.end() ? nullptr : &found->second;
+}
+
+void WorldModels::Select(const std::string& name) {
+  if (name == selected_) return;
+  selected_ = name;
+  ++revision_;
+  Q_EMIT Selected();
+}
+
+void WorldModels::Hover(const std::string& name) {
+  if (name == hovered_) return;
+  hovered_ = name;
+  ++revision_;
+}
+
+void WorldModels::SetList(const flatland_msgs::ModelList& list) {
+  std::map<std::string, WorldModel> models;
+  std::array<int, kColors.size()> uses{};
+  for (const flatland_msgs::ModelInfo& info : list.models) {
+    const WorldModel* before = Find(info.name);
+    if (before && before->is_robot()) ++uses[static_cast<std::size_t>(before->color_index)];
+  }
+  for (const flatland_msgs::ModelInfo& info : list.models) {
+    WorldModel& model = models[info.name];
+    model.info = info;
+    const WorldModel* before = Find(info.name);
+    if (before && before->state.bodies.size() == info.bodies.size()) model.state = before->state;
+    if (before && before->is_robot()) {
+      model.color_index = before->color_index;
+    } else if (model.is_robot()) {  // the colour that the fewest have
+      const auto least = std::min_element(uses.begin(), uses.end());
+      model.color_index = static_cast<int>(least - uses.begin());
+      ++*least;
+    }
+  }
+  const bool knew_selected = Find(selected_) != nullptr;  // otherwise it may be yet to come
+  models_ = std::move(models);
+  if (!Find(hovered_)) hovered_.clear();
+  if (knew_selected && !Find(selected_)) Select("");
+  ++revision_;
+  Q_EMIT Listed();
+}
+
+void WorldModels::SetStates(const flatland_msgs::ModelStates& states) {
+  for (const flatland_msgs::ModelState& state : states.models) {
+    const auto found = models_.find(state.name);
+    if (found == models_.end()) continue;  // it is of a newer list, or of an older one
+    if (found->second.info.bodies.size() == state.bodies.size()) found->second.state = state;
+  }
+  if (!states.models.empty()) ++revision_;
+  Q_EMIT Moved(states);
+}
+
+geometry_msgs::Pose2D Compose(const geometry_msgs::Pose2D& pose,
+                              const geometry_msgs::Pose2D& inner) {
+  geometry_msgs::Pose2D result;
+  const double c = std::cos(pose.theta), s = std::sin(pose.theta);
+  result.x = pose.x + c * inner.x - s * inner.y;
+  result.y = pose.y + s * inner.x + c * inner.y;
+  result.theta = pose.theta + inner.theta;
+  return result;
+}
+
+}  // namespace flatland_viz

@@ -1,0 +1,91 @@
+#pragma once
+
+/// The models in the world, by the server's topics.
+
+#include <flatland_msgs/ModelList.h>
+#include <flatland_msgs/ModelStates.h>
+#include <geometry_msgs/Pose2D.h>
+#include <ros/subscriber.h>
+
+#include <QColor>
+#include <QObject>
+#include <QPointF>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace rviz {
+class DisplayContext;
+}
+
+namespace flatland_viz {
+
+struct WorldModel {
+  flatland_msgs::ModelInfo info;
+  flatland_msgs::ModelState state;
+  int color_index = 0;
+
+  /// Whether its state is known. It is not before the first message.
+  bool is_placed() const { return !state.bodies.empty(); }
+  /// Whether it has topics. A box has none.
+  bool is_robot() const;
+  /// Its accent.
+  QColor color() const;
+  /// The middle of its bodies in its own frame, and the distance from there to the farthest corner
+  /// of their boxes [m].
+  QPointF middle() const;
+  double radius() const;
+  /// Whether a point of the world [m] is within one of its bodies.
+  bool Contains(double x, double y) const;
+
+ private:
+  struct Box {
+    double min_x, min_y, max_x, max_y;
+  };
+  Box Extent() const;
+};
+
+/// Follows the models. All of it happens on the window's thread.
+class WorldModels : public QObject {
+  Q_OBJECT
+
+ public:
+  /// The models of a window. Displays and tools of one window share them.
+  static std::shared_ptr<WorldModels> Of(rviz::DisplayContext& context);
+
+  /// By name.
+  const std::map<std::string, WorldModel>& models() const { return models_; }
+  /// Null if there is no such model.
+  const WorldModel* Find(const std::string& name) const;
+  /// Incremented by every change.
+  unsigned revision() const { return revision_; }
+
+  /// The model that is selected, and the one under the mouse; empty if none is.
+  const std::string& selected() const { return selected_; }
+  const std::string& hovered() const { return hovered_; }
+  void Select(const std::string& name);  ///< also one that is yet to come
+  void Hover(const std::string& name);
+
+ Q_SIGNALS:
+  void Selected();
+  void Listed();
+  void Moved(const flatland_msgs::ModelStates& states);
+
+ private:
+  explicit WorldModels(rviz::DisplayContext& context);
+  void SetList(const flatland_msgs::ModelList& list);
+  void SetStates(const flatland_msgs::ModelStates& states);
+
+  std::map<std::string, WorldModel> models_;
+  std::string selected_;
+  std::string hovered_;
+  unsigned revision_ = 0;
+  ros::Subscriber list_;
+  ros::Subscriber states_;
+};
+
+/// What has the pose `inner` in the frame of `pose`, in the frame in which that is given.
+geometry_msgs::Pose2D Compose(const geometry_msgs::Pose2D& pose,
+                              const geometry_msgs::Pose2D& inner);
+
+}  // namespace flatland_viz

@@ -1,0 +1,357 @@
+"""The window's scene with several robots and no localiser: scans, the mouse, names, selection."""
+
+import math
+import shutil
+import subprocess
+import xmlrpc.client
+
+import numpy as np
+import pytest
+from window_map import RoomMap, near
+
+pytestmark = pytest.mark.slow
+
+BOX = (194, 145, 87)
+CRATE = (1.5, 1.5)
+WORLD = """
+properties: {{}}
+layers: [{{name: room, map: {room}, color: [0.4, 0.4, 0.4, 1]}}]
+models:
+  - {{name: r10, namespace: r10, pose: [-3, 0, 0], model: {robot}}}
+  - {{name: r2, namespace: r2, pose: [0, -1.5, 1.57], model: {robot}}}
+  - {{name: crate, pose: [1.5, 1.5, 0], model: {box}}}
+"""
+GOALS = """
+import rospy
+from geometry_msgs.msg import PoseStamped
+rospy.init_node("goals", disable_rostime=True)
+rospy.Subscriber("/move_base_simple/goal", PoseStamped, lambda goal: print(goal, flush=True))
+rospy.spin()
+"""
+TF = ("/tf", "tf2_msgs/TFMessage")
+
+
+@pytest.fixture(scope="module")
+def window_manager(screen):
+    """A window manager, as users have one."""
+    if not shutil.which("openbox"):
+        pytest.skip("openbox is not installed")
+    manager = subprocess.Popen(["openbox"], env=screen.environment, stderr=subprocess.DEVNULL)
+    yield
+    manager.terminate()
+    manager.wait(10)
+
+
+class SceneWindow:
+    """The window with the test room and its robots."""
+
+    def __init__(self, screen, ros, waiting):
+        self.screen, self.ros, self.waiting = screen, ros, waiting
+        self.id = screen.wait_for_window("Flatland - .*")
+        self.resize(1024, 660)
+
+    def resize(self, width, height):
+        self.screen.xdotool("windowsize", "--sync", self.id, width, height)
+        self.screen.xdotool("windowmove", self.id, 10, 30)
+        self.show_all()
+
+    def show_all(self):
+        """Shows the whole room, by the key; returns its map once it is steady."""
+        self.screen.focus(self.id)
+        self.screen.key("Home")
+        seen = []
+
+        def is_steady():
+            try:
+                seen.append(RoomMap(self.picture("scene") * self._is_view()))
+            except LookupError:
+                seen.clear()
+            return len(seen) > 1 and seen[-1].pixel(0, 0) == seen[-2].pixel(0, 0)
+
+        self.waiting(is_steady, "the whole room", 30)
+        self.map = seen[-1]
+        return self.map
+
+    def _is_view(self):
+        """Whether pixels of the screen are the window's, below its toolbar."""
+        is_view = np.zeros((900, 1400, 1), dtype=int)
+        is_view[110:640, 15:760] = 1
+        return is_view
+
+    def picture(self, name):
+        return self.screen.picture(f"scene_{name}")
+
+    def inside(self, pixels):
+        """The pixels of the room's floor, away from the walls."""
+        left, top = self.map.pixel(-4.7, 2.7)
+        right, bottom = self.map.pixel(4.7, -2.7)
+        return pixels[top:bottom, left:right]
+
+    def drag(self, begin, end, *keys):
+        """With the left button between two pixels, while keys are held."""
+        for key in keys:
+            self.screen.xdotool("keydown", key)
+        self.screen.drag(np.linspace(begin, end, 8))
+        for key in keys:
+            self.screen.xdotool("keyup", key)
+
+    def transforms(self):
+        """The frames to which the next messages on /tf lead, by their parents."""
+        found = {}
+        for _ in range(8):
+            for transform in (self.ros.message(*TF) or {"transforms": []})["transforms"]:
+                found[transform["child_frame_id"]] = transform["header"]["frame_id"]
+        return found
+
+    def subscriptions(self):
+        """The topics to which the window's Python part subscribes."""
+        master = xmlrpc.client.ServerProxy(self.ros.environment["ROS_MASTER_URI"])
+        subscribers = master.getSystemState("/test_gui_scene")[2][1]
+        return {topic for topic, nodes in subscribers if "/flatland_viz" in nodes}
+
+    def click(self, x, y, button=1):
+        """At a point of the world [m]."""
+        self.screen.focus(self.id)
+        self.screen.click(self.map.pixel(x, y), button)
+
+    def place_of_crate(self, name):
+        """The middle of the crate on the screen."""
+        ys, xs = np.nonzero(near(self.picture(name)[100:], BOX, 25))
+        return (xs.mean() + 0.5, ys.mean() + 100.5) if len(xs) > 100 else None
+
+
+@pytest.fixture(scope="module")
+def window(screen, ros, waiting, window_manager, office, tmp_path_factory):
+    """The window, with a server that does not publish map -> odom."""
+    world = tmp_path_factory.mktemp("world") / "world.yaml"
+    names = {
+        "room": office.parent / "test_room" / "room.yaml",
+        "robot": office / "turtlebot.model.yaml",
+        "box": office / "box.model.yaml",
+    }
+    world.write_text(WORLD.format(**names))
+    ros.launch_server(world, "show_viz:=true")
+    return SceneWindow(screen, ros, waiting)
+
+
+def is_colored(pixels):
+    return pixels.max(axis=-1) - pixels.min(axis=-1) > 60
+
+
+def scans(window, name):
+    """How many pixels scans have, and how many of them are on the floor, away from obstacles."""
+    pixels = window.picture(name)
+    free = pixels.copy()
+    for x, y in ((-3.0, 0.0), (0.0, -1.5), CRATE):
+        free[window.map.around(x, y, 0.75)] = 0
+    return is_colored(pixels[100:630, 20:750]).sum(), is_colored(window.inside(free)).sum()
+
+
+def test_scans_show_where_no_localiser_runs(window):
+    """They are placed by ground truth, in this window alone."""
+
+    def shown():
+        number, astray = scans(window, "scans")
+        return number > 300 and astray == 0
+
+    window.waiting(shown, "scans on the walls", 30)
+    assert not {"r2_odom", "r10_odom"} & window.transforms().keys()
+    # While a robot turns, they stay on the walls.
+    turn = {"linear": {"x": 0.0}, "angular": {"z": 1.0}}
+    drive = window.ros.start(
+        "rostopic", "pub", "-r", "10", "/r2/cmd_vel", "geometry_msgs/Twist", str(turn)
+    )
+    window.waiting(lambda: abs(window.ros.pose("r2")[2] - 1.57) > 0.5, "the robot to turn")
+    assert scans(window, "turning")[1] == 0
+    window.ros.end(drive)
+    window.ros.call("/move_model", name="r2", pose={"x": 0.0, "y": -1.5, "theta": 1.57})
+
+
+def test_the_window_publishes_map_to_odom_until_a_localiser_does(window):
+    window.screen.focus(window.id)
+    window.screen.key("alt+s")
+    window.screen.key("m")  # Publish &map -> odom
+    window.waiting(
+        lambda: window.transforms().get("r2_odom") == "map", "the window's transform", 20
+    )
+    localiser = window.ros.start(
+        *("rosrun", "tf2_ros", "static_transform_publisher", *[0] * 6, "map", "r2_odom")
+    )
+    window.waiting(lambda: "r2_odom" not in window.transforms(), "the window to give way", 20)
+    assert window.transforms()["r10_odom"] == "map"
+    window.screen.key("alt+s")
+    window.screen.key("m")
+    window.waiting(lambda: "r10_odom" not in window.transforms(), "the end of it", 20)
+    window.ros.end(localiser)
+
+
+def test_a_drag_moves_the_map_and_the_wheel_zooms_at_the_cursor(window):
+    crate = window.place_of_crate("mouse")
+    begin, by = window.map.pixel(-1.0, 0.0), (70, 40)
+    window.drag(begin, np.add(begin, by))
+    window.waiting(
+        lambda: math.dist(window.place_of_crate("panned"), np.add(crate, by)) < 3, "the map to move"
+    )
+
+    at = np.array(window.place_of_crate("panned"))
+    cursor = np.add(at, (-50, -40))  # beside the crate: nothing covers it
+    window.screen.move(cursor)
+    window.screen.xdotool("click", "--repeat", 5, "--delay", 30, 4)
+    expected = cursor + 1.12**5 * (at - cursor)
+    window.waiting(
+        lambda: math.dist(window.place_of_crate("zoomed"), expected) < 3, "the map to zoom"
+    )
+
+    before = window.show_all().pixel(*CRATE)
+    assert math.dist(before, crate) < 3
+
+
+def test_a_drag_with_ctrl_rotates_the_map_about_the_middle(window):
+    middle = np.array(window.map.pixel(0.0, 0.0))
+    crate = np.subtract(window.place_of_crate("rotated"), middle)
+    begin = np.add(middle, (200, 0))
+    angle = math.radians(30)
+    end = np.add(middle, (200 * math.cos(angle), -200 * math.sin(angle)))  # to the left
+    window.drag(begin, end, "ctrl")
+
+    turn = [[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]]
+    expected = np.add(middle, np.dot(turn, crate))
+    window.waiting(
+        lambda: math.dist(window.place_of_crate("rotated"), expected) < 6, "the map to rotate"
+    )
+    window.show_all()
+
+
+def test_tools_for_navigation_come_with_their_subscribers(window):
+    """2D Nav Goal is in the toolbar, by its key too, while something subscribes to goals."""
+
+    def toolbar():
+        return window.picture("tools")[60:110, :760]
+
+    before = toolbar()
+    subscriber = window.ros.start("/usr/bin/python3", "-c", GOALS)
+    window.waiting(lambda: (toolbar() != before).any(), "the tool", 20)
+    window.screen.focus(window.id)
+    window.screen.move(window.map.pixel(0.0, 1.0))
+    window.screen.key("g")
+    window.drag(window.map.pixel(1.0, 0.0), window.map.pixel(2.0, 0.0))
+    window.waiting(lambda: "position" in window.ros.log(subscriber), "a goal", 20)
+    window.ros.end(subscriber)
+    window.waiting(lambda: (toolbar() == before).all(), "the tool to go", 20)
+
+
+def white(window, name, x, y):
+    """How many white pixels there are around a point of the world: the plate of a name."""
+    return near(window.picture(name)[window.map.around(x, y, 0.9)], (252, 252, 252), 3).sum()
+
+
+def test_robots_have_names_and_headings_that_switches_hide(window):
+    at_robot = window.map.around(-3.0, 0.0, 0.15)
+    red = lambda: near(window.picture("marks")[at_robot], (204, 0, 0), 20).sum()  # noqa: E731
+    window.screen.move(window.map.pixel(4.0, -2.5))
+    window.waiting(lambda: white(window, "marks", -3.0, 0.0) > 100, "its name", 20)
+    assert red() > 40
+    assert white(window, "marks", *CRATE) < 20  # names of what is no robot would be too many
+
+    for key in ("n", "e"):  # View > Names, Headings
+        window.screen.key("alt+v")
+        window.screen.key(key)
+    window.waiting(lambda: white(window, "no_marks", -3.0, 0.0) < 50, "no name", 20)
+    assert red() == 0
+    for key in ("n", "e"):
+        window.screen.key("alt+v")
+        window.screen.key(key)
+    window.waiting(lambda: red() > 40, "the heading", 20)
+
+
+def test_robots_are_seen_from_afar(window):
+    window.screen.move(window.map.pixel(-3.0, 0.0))
+    window.screen.xdotool("click", "--repeat", 20, "--delay", 30, 5)
+    window.waiting(
+        lambda: near(window.picture("far")[110:640, 20:760], (204, 0, 0), 20).sum() > 60,
+        "an arrow of a few pixels",
+        20,
+    )
+    window.show_all()
+
+
+def test_what_is_under_the_mouse_has_a_ring_and_tells_its_state(window):
+    ring = lambda name: near(  # noqa: E731
+        window.picture(name)[window.map.around(*CRATE, 0.6)], (160, 172, 188), 30
+    ).sum()
+    tip = lambda name: near(window.picture(name), (255, 255, 220), 5).sum()  # noqa: E731
+    window.screen.move(window.map.pixel(4.0, -2.5))
+    window.waiting(lambda: tip("away") == 0, "no tooltip")
+    before = ring("away")
+    window.screen.move(window.map.pixel(*CRATE))
+    window.waiting(lambda: ring("hover") > before + 60, "the ring", 20)
+    window.waiting(lambda: tip("hover") > 500, "pose and speed", 20)
+    window.screen.move(window.map.pixel(4.0, -2.5))
+    window.waiting(lambda: ring("away") < before + 20, "its end", 20)
+
+
+def test_a_click_selects_and_the_panel_reads_topics(window):
+    window.click(0.0, -1.5)
+    window.waiting(lambda: "/r2/odometry/filtered" in window.subscriptions(), "the panel", 20)
+    assert "/r10/odometry/filtered" not in window.subscriptions()
+    window.picture("selected")
+    window.click(4.0, 0.5)
+    window.waiting(lambda: "/r2/odometry/filtered" not in window.subscriptions(), "no model", 20)
+
+
+def is_at(window, model, x, y, yaw=None):
+    pose = window.ros.pose(model)
+    return math.dist(pose[:2], (x, y)) < 0.06 and (yaw is None or abs(pose[2] - yaw) < 0.1)
+
+
+def test_a_drag_is_undone(window):
+    window.drag(window.map.pixel(*CRATE), window.map.pixel(2.5, 0.5))
+    window.waiting(lambda: is_at(window, "crate", 2.5, 0.5), "the drag")
+    window.screen.key("ctrl+z")
+    window.waiting(lambda: is_at(window, "crate", *CRATE), "the undo")
+
+
+def test_a_model_is_deleted_by_its_menu_and_comes_back(window):
+    window.click(*CRATE, button=3)
+    window.waiting(lambda: (window.picture("menu") != window.picture("away")).any(), "the menu")
+    window.screen.key("e")
+    window.waiting(lambda: "crate" not in window.ros.models(), "the deletion")
+    window.screen.key("ctrl+z")
+    window.waiting(lambda: "crate" in window.ros.models(), "the undo")
+    window.waiting(lambda: is_at(window, "crate", *CRATE), "it to be where it was")
+
+
+def test_a_duplicate_has_a_name_and_a_namespace_of_its_own(window):
+    window.click(0.0, -1.5)
+    window.waiting(lambda: "/r2/scan" in window.subscriptions(), "the selection")
+    window.screen.key("ctrl+d")
+    window.waiting(lambda: "r3" in window.ros.models(), "the duplicate")
+    window.waiting(lambda: "/r3/scan" in window.subscriptions(), "its selection")
+    window.screen.key("Delete")
+    window.waiting(lambda: "r3" not in window.ros.models(), "the deletion")
+
+
+def test_a_model_is_moved_by_numbers(window):
+    window.click(*CRATE)
+    window.screen.key("m")
+    window.screen.wait_for_window("Move crate")
+    window.picture("move_to")
+    window.screen.type("-1.5")
+    window.screen.key("Return")
+    window.waiting(lambda: is_at(window, "crate", -1.5, CRATE[1]), "the move")
+    window.screen.key("ctrl+z")
+    window.waiting(lambda: is_at(window, "crate", *CRATE), "the undo")
+
+
+def test_the_view_follows(window):
+    middle = window.map.pixel(0.0, 0.0)
+    window.click(*CRATE)
+    window.screen.key("f")
+    follows = lambda: math.dist(window.place_of_crate("follow"), middle) < 6  # noqa: E731
+    window.waiting(follows, "the crate in the middle", 20)
+    window.ros.call("/move_model", name="crate", pose={"x": -2.0, "y": -2.0, "theta": 0.0})
+    window.waiting(lambda: is_at(window, "crate", -2.0, -2.0), "the move")
+    window.waiting(follows, "the view to follow", 20)
+    window.screen.key("f")
+    window.show_all()
+    window.ros.call("/move_model", name="crate", pose={"x": CRATE[0], "y": CRATE[1], "theta": 0.0})

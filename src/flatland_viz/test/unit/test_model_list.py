@@ -1,0 +1,74 @@
+"""The models as the server describes them, and names for new ones."""
+
+import pytest
+from flatland_msgs.msg import BodyInfo, ModelInfo, ModelList, PluginInfo, TopicInfo
+
+from flatland_viz.model_list import free_name, models_of, scan_owners, sorted_topics
+from flatland_viz.natural_order import natural_key
+
+ODOMETRY = TopicInfo("/r2/odometry/filtered", "nav_msgs/Odometry", True)
+COMMAND = TopicInfo("/r2/cmd_vel", "geometry_msgs/Twist", False)
+SCAN = TopicInfo("/r2/scan", "sensor_msgs/LaserScan", True)
+ROBOT = ModelInfo(
+    name="r2",
+    ns="r2",
+    yaml_path="/models/robot.model.yaml",
+    bodies=[
+        BodyInfo(name="base", min_x=-0.5, max_x=0.75, min_y=-0.3, max_y=0.3),
+        BodyInfo(name="mast", min_x=-0.1, max_x=0.1, min_y=-1.0, max_y=0.0),
+    ],
+    plugins=[
+        PluginInfo("drive", "DiffDrive", False, [COMMAND, ODOMETRY]),
+        PluginInfo("laser", "Laser", True, [SCAN]),
+    ],
+)
+
+
+def test_a_robot_is_read():
+    robot = models_of(ModelList([ROBOT]))["r2"]
+
+    assert robot.plugins == ("drive (DiffDrive)", "laser (Laser)")
+    assert robot.failed == ("laser",)
+    assert robot.command_topic == "/r2/cmd_vel"
+    assert robot.size == 1.25
+    published = ["/r2/odometry/filtered", "/r2/scan"]
+    assert [topic.name for topic in sorted_topics(robot.topics)] == [*published, "/r2/cmd_vel"]
+
+
+def test_models_are_in_natural_order_and_own_their_scans():
+    others = [ModelInfo(name=name) for name in ("r10", "crate", "R9")]
+    models = models_of(ModelList([*others, ROBOT]))
+
+    assert list(models) == ["R9", "crate", "r2", "r10"]
+    assert scan_owners(models) == {"/r2/scan": "r2"}
+    assert models["crate"].command_topic == ""
+    assert models["crate"].size == 0.0
+
+
+@pytest.mark.parametrize(
+    "ordered",
+    [
+        ["r2", "r10"],
+        ["r2/scan", "r10/scan"],
+        ["1", "2", "10", "a"],
+        ["box", "box_1", "box_2", "box_11", "boxes"],
+        ["a1b2", "a1b10", "a2b1"],
+    ],
+)
+def test_natural_order(ordered):
+    names = ordered[::-1]
+
+    assert sorted(names, key=natural_key) == ordered
+
+
+@pytest.mark.parametrize(
+    ("wanted", "taken", "free"),
+    [
+        ("r2", ["r1"], "r2"),
+        ("r2", ["r2", "r3"], "r4"),
+        ("box", ["box"], "box_2"),
+        ("box_9", ["box_9"], "box_10"),
+    ],
+)
+def test_a_free_name_counts_on(wanted, taken, free):
+    assert free_name(wanted, taken) == free

@@ -1,0 +1,55 @@
+"""Messages in a few words, for the side panel."""
+
+import math
+
+import pytest
+from flatland_msgs.msg import Collision, Collisions
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan, NavSatFix
+from std_msgs.msg import Bool
+
+from flatland_viz.topic_values import describe, velocity
+
+
+def odometry(x, y, yaw):
+    message = Odometry()
+    pose = message.pose.pose
+    pose.position.x, pose.position.y = x, y
+    pose.orientation.z, pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return message
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "text"),
+    [
+        ("nav_msgs/Odometry", odometry(1.0, -0.001, math.pi / 2), "1.00, 0.00 m, 90°"),
+        (
+            "sensor_msgs/LaserScan",
+            LaserScan(ranges=[math.inf, 2.5, 1.25, math.nan], range_max=10.0),
+            "nearest 1.25 m",
+        ),
+        ("sensor_msgs/LaserScan", LaserScan(ranges=[math.inf], range_max=10.0), "hits nothing"),
+        (
+            "flatland_msgs/Collisions",
+            Collisions(collisions=[Collision(entity_B=name) for name in ("map", "box", "map")]),
+            "touches box, map",
+        ),
+        ("flatland_msgs/Collisions", Collisions(), "touches nothing"),
+        ("std_msgs/Bool", Bool(True), "yes"),
+        (
+            "sensor_msgs/NavSatFix",
+            NavSatFix(latitude=48.1371, longitude=11.5754),
+            "48.137100°, 11.575400°",
+        ),
+        ("geometry_msgs/Twist", Twist(), "0.00 m/s, 0.00 rad/s"),
+        ("some_msgs/Unknown", object(), ""),
+    ],
+)
+def test_messages_are_described(kind, message, text):
+    assert describe(kind, message) == text
+
+
+def test_a_sideways_velocity_is_named_only_if_there_is_one():
+    assert velocity(0.5, 0.0, -0.2) == "0.50 m/s, -0.20 rad/s"
+    assert velocity(0.5, -0.25, 0.0) == "0.50 → -0.25 m/s, 0.00 rad/s"
