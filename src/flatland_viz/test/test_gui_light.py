@@ -10,7 +10,7 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
-WALLS, ROBOT, SCAN = (102, 102, 102), (51, 128, 204), (204, 0, 0)
+WALLS, SCAN = (102, 102, 102), (204, 0, 0)
 VIEW = (slice(70, 750), slice(0, 1270))  # without menus, tools and status line
 TICKS = os.sysconf("SC_CLK_TCK")
 
