@@ -159,8 +159,8 @@ class Scene(QObject):
     def begin_again(self) -> None:
         """Discards everything shown of a previous run, and subscribes anew."""
         self._manager.resetTime()
-        for display in self._displays.values():
-            if display.isEnabled():
+        for shown, display in self._displays.items():
+            if display.isEnabled() and shown.kind != WALLS:  # rviz does not discard walls
                 display.setEnabled(False)
                 display.setEnabled(True)
 

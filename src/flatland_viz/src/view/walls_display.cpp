@@ -85,12 +85,12 @@ void WallsDisplay::onEnable() { Resubscribe(); }
 
 void WallsDisplay::onDisable() {
   subscriber_.shutdown();
-  reset();
+  Clear();
 }
 
 void WallsDisplay::Resubscribe() {
   subscriber_.shutdown();
-  reset();
+  Clear();
   if (!isEnabled() || topic_->getTopicStd().empty()) return;
   try {
     subscriber_ = threaded_nh_.subscribe(topic_->getTopicStd(), 1, &WallsDisplay::Receive, this);
@@ -100,8 +100,7 @@ void WallsDisplay::Resubscribe() {
   }
 }
 
-void WallsDisplay::reset() {
-  Display::reset();
+void WallsDisplay::Clear() {
   std::lock_guard<std::mutex> lock(mutex_);
   received_.reset();
   showing_.reset();

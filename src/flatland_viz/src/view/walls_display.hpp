@@ -25,6 +25,8 @@ class WallLines;
 /// A line is 5 cm wide, but at least a pixel, so that it is visible from afar. Messages are
 /// received on rviz's second thread, and put into buffers in portions: the view stays usable
 /// meanwhile.
+///
+/// Walls stay when simulated time goes back, as they do not depend on it.
 class WallsDisplay : public rviz::Display {
   Q_OBJECT
  public:
@@ -32,7 +34,6 @@ class WallsDisplay : public rviz::Display {
   ~WallsDisplay() override;
 
   void update(float wall_dt, float ros_dt) override;
-  void reset() override;
 
  protected:
   void onEnable() override;
@@ -45,6 +46,7 @@ class WallsDisplay : public rviz::Display {
   /// The walls of a layer that are shown.
   struct Layer;
 
+  void Clear();
   void Receive(const flatland_msgs::Walls::ConstPtr& message);
   void BeginShowing(const flatland_msgs::Walls::ConstPtr& message);
   void ShowMore();
