@@ -275,6 +275,7 @@ FLATLAND_INLINE void ComputeExtents(const Box& first, const Box& second, const V
   Store(WidenRight(diamond_angles), rights);
   Store(WidenLeft(diamond_angles), lefts);
   for (int k = 0; k < 2; ++k) {
+    extents[k].runs = {};
     if (!(extents[k].square_distance > 0.0)) continue;
     extents[k].runs = view.fan.BeamsIn({rights[2 * k], lefts[2 * k + 1]});
   }
