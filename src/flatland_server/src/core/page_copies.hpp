@@ -43,7 +43,7 @@ class PageCopy {
 
   /// The number of its own pages that Restore keeps: those that were written to since the last
   /// Restore are preferred.
-  static constexpr size_t kKeptPages = 14;
+  static constexpr size_t kKeptPages = 12;
 
   void* data() const { return data_; }
   /// Makes it equal to the image again; its address stays.

@@ -21,7 +21,7 @@ constexpr double kEndTolerance = 1e-9;
 /// How often cells and targets are halved, and lines are followed, before a wall counts as seen.
 constexpr int kMaxDepth = 10;
 constexpr int kMaxLines = 48;
-constexpr int kMaxLinesToBox = 6;
+constexpr int kMaxLinesToBox = 1;
 
 Vec2 Middle(const Box& box) { return 0.5 * (box.low + box.high); }
 Box BoxOf(const Segment& segment) {
