@@ -13,7 +13,7 @@ from flatland_server.library.simulation_batch import SimulationBatch
 
 _CLEARANCE = 0.3
 """Of the places where robots begin [m]."""
-_WARM_UP = 700
+_WARM_UP = 1500
 """Scans for each square metre before the measurement, so that all that is done once is done."""
 _SCANS_FROM_A_POSE = 10
 _MEASURED = 2.0

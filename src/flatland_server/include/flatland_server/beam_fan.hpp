@@ -61,11 +61,17 @@ class BeamFan {
   /// The beams in a wedge, and perhaps their neighbours: one run, and a second one if the wedge
   /// contains -x. The other run is empty.
   std::array<Run, 2> BeamsIn(const Wedge& wedge) const {
-    const int begin = before_bucket_[Bucket(wedge.from)];
-    const int end = before_bucket_[Bucket(wedge.to) + 1];
-    if (wedge.from <= wedge.to) return {{{begin, end}, {0, 0}}};
+    return BeamsIn(Bucket(wedge.from), Bucket(wedge.to), wedge.from > wedge.to);
+  }
+  /// The same by the buckets of its two directions; `wraps` if the wedge contains -x.
+  std::array<Run, 2> BeamsIn(int from, int to, bool wraps) const {
+    const int begin = before_bucket_[from];
+    const int end = before_bucket_[to + 1];
+    if (!wraps) return {{{begin, end}, {0, 0}}};
     return {{{begin, size()}, {0, end}}};
   }
+  /// The bucket of a diamond angle is the whole part of (angle + 2) * buckets_per_unit().
+  double buckets_per_unit() const { return buckets_per_unit_; }
   /// The same for the directions from one vector counter-clockwise to another.
   std::array<Run, 2> BeamsBetween(Vec2 from, Vec2 to) const {
     const double right = DiamondAngle(from) - kMargin;

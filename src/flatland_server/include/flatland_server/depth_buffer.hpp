@@ -11,6 +11,7 @@
 #include "flatland_server/beam_fan.hpp"
 #include "flatland_server/geometry.hpp"
 #include "flatland_server/segment_tree.hpp"
+#include "flatland_server/wall_list.hpp"
 
 namespace flatland {
 
@@ -33,6 +34,8 @@ class DepthBuffer {
 
   /// Draws all walls, as seen by a lidar at this pose in their frame.
   void Draw(const SegmentTree& walls, const Pose& lidar);
+  /// The same for a list of those that the lidar can see, and perhaps more.
+  void Draw(const WallList& walls, const Pose& lidar);
 
   /// Indices of the circles in range that what is drawn so far does not hide. Valid until the next
   /// call.

@@ -7,6 +7,8 @@
 /// heuristic: MacDonald and Booth, "Heuristics for Ray Tracing Using Space Subdivision", 1990; here
 /// with perimeters). A leaf holds up to kLeafSize walls. DepthBuffer traverses the tree.
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -23,6 +25,12 @@ struct Box {
   void Add(const Segment& segment);
   void Add(const Box& other);
   double half_perimeter() const { return high.x - low.x + high.y - low.y; }
+  /// Square of the distance of a point [m^2], 0 within.
+  double SquareDistance(Vec2 point) const {
+    const double x = std::max(std::max(low.x - point.x, point.x - high.x), 0.0);
+    const double y = std::max(std::max(low.y - point.y, point.y - high.y), 0.0);
+    return x * x + y * y;
+  }
 };
 
 class SegmentTree {
@@ -57,10 +65,15 @@ class SegmentTree {
   static std::shared_ptr<const SegmentTree> Share(const std::vector<Segment>& segments);
 
   size_t segment_count() const { return segments_.size(); }
+  const std::vector<Segment>& segments() const { return segments_; }
   /// The whole tree, in the form of a node's child. The box of an empty tree is empty.
   const Child& root() const { return root_; }
   const Node& node(const Child& child) const { return nodes_[child.index]; }
   const Leaf& leaf(const Child& child) const { return leaves_[~child.index]; }
+  /// The indices in segments() of a leaf's walls, by their places in it.
+  const std::array<uint32_t, kLeafSize>& indices(const Child& child) const {
+    return indices_[~child.index];
+  }
 
  private:
   using Iterator = std::vector<uint32_t>::iterator;
@@ -72,6 +85,7 @@ class SegmentTree {
   std::vector<Segment> segments_;
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;
+  std::vector<std::array<uint32_t, kLeafSize>> indices_;  // of the walls of each leaf
   Child root_;
 };
 

@@ -5,8 +5,9 @@
 /// Need. A lidar in an office sees a hundred walls of thousands. Drawing front to back, DepthBuffer
 /// skips most of those that are hidden, but finds out anew in each scan that they are.
 ///
-/// Method. The floor is divided into square cells. For a cell where many scans are made, the walls
-/// that can be seen from any point of it are found once, and later scans draw only these. A wall is
+/// Method. The floor is divided into square cells of half a metre. For a cell where many scans are
+/// made, the walls that can be seen from any point of it are found once, and later scans draw only
+/// these: in an office 175, without a tree (WallList), in a third of the time. A wall is
 /// left out if it is proven that all lines from the cell to it are blocked: if a single wall
 /// crosses them all, or, after the cell or the wall has been halved, walls that do so for each
 /// half. To be on the safe side, a wall for which this does not succeed soon counts as seen. So a
@@ -20,6 +21,7 @@
 
 #include "flatland_server/geometry.hpp"
 #include "flatland_server/segment_tree.hpp"
+#include "flatland_server/wall_list.hpp"
 
 namespace flatland {
 
@@ -31,22 +33,22 @@ class VisibleWalls {
   static std::shared_ptr<const VisibleWalls> Share(const std::vector<Segment>& segments);
 
   const SegmentTree& all() const { return *walls_; }
-  /// Walls among which are all those that a lidar at a point can see; valid as long as this object.
-  /// Several threads may call it at a time.
-  const SegmentTree& SeenFrom(Vec2 point) const;
+  /// Walls among which are all those that a lidar at a point can see, or null if they are not known
+  /// (yet); valid as long as this object. Several threads may call it at a time.
+  const WallList* SeenFrom(Vec2 point) const;
 
   /// As many scans are made from a cell before its walls are found: that takes as long as they do.
-  static constexpr int kScansBefore = 512;
+  static constexpr int kScansBefore = 256;
 
  private:
   struct Cell {
     std::atomic<int> scans{0};
-    std::atomic<const SegmentTree*> seen{nullptr};  // null before it is known
+    std::atomic<const WallList*> seen{nullptr};  // null before it is known
   };
 
   /// The index of a point's cell, or -1.
   int CellAt(Vec2 point) const;
-  const SegmentTree& Find(int cell) const;
+  const WallList* Find(int cell) const;
 
   std::shared_ptr<const SegmentTree> walls_;
   Vec2 origin_;             // the bottom left corner of the cells [m]
@@ -55,11 +57,12 @@ class VisibleWalls {
   int rows_ = 0;
   std::unique_ptr<Cell[]> cells_;
   mutable std::mutex mutex_;  // guards the members below
-  mutable std::vector<std::unique_ptr<const SegmentTree>> found_;
+  mutable std::vector<std::unique_ptr<const WallList>> found_;
   mutable size_t found_walls_ = 0;  // in all of them
 };
 
-/// Those walls of a tree that can be seen from a point of a box, and perhaps more.
-std::vector<Segment> WallsSeenFrom(const SegmentTree& walls, const Box& box);
+/// The indices in segments() of those walls of a tree that can be seen from a point of a box, and
+/// perhaps of more, in the order of the leaves.
+std::vector<uint32_t> WallsSeenFrom(const SegmentTree& walls, const Box& box);
 
 }  // namespace flatland

@@ -35,7 +35,8 @@
 ///
 /// Order: the walls of a layer are in a binary tree of bounding boxes (SegmentTree), which is
 /// traversed front to back: of a node's two boxes first the nearer one, while the other waits on a
-/// stack.
+/// stack. Where it is known which walls can be seen (VisibleWalls), they are in a list of blocks
+/// (WallList), the nearest first.
 ///
 /// Early out: a box is skipped with all its walls if every beam of its wedge already ends nearer
 /// than the box begins. In an office, 4 of 100 walls are drawn, and each beam is compared with 5 of
@@ -66,6 +67,9 @@ constexpr double kEdgeOn = 1e-14;
 constexpr double kRangeTolerance = 1e-12;
 /// What reflects may be farther than what does not by this fraction, and is still seen.
 constexpr double kTieTolerance = 1e-9;
+
+/// The nearest blocks of a list are drawn at once: it takes longer to find out that one is hidden.
+constexpr size_t kNearBlocks = 16;
 
 constexpr int kLeafSize = SegmentTree::kLeafSize;
 
@@ -139,24 +143,31 @@ void DrawWallAtLidar(const BeamFan& fan, double* inverse, Vec2 along) {
   }
 }
 
-/// The walls of a leaf as seen by the lidar.
-struct LeafView {
+/// The ends of four walls [m].
+struct FourWalls {
+  Doubles ax, ay, bx, by;
+};
+
+/// The walls of a leaf or block as seen by the lidar.
+struct WallsView {
   // Ends in the lidar's frame [m], b counter-clockwise of a.
   double ax[kLeafSize], ay[kLeafSize], bx[kLeafSize], by[kLeafSize];
   // cross(a, b) [m^2], or 0 if edge-on, or NaN where there is no wall; and its inverse.
   double cross[kLeafSize], inverse_cross[kLeafSize];
-  // The wedge: widened diamond angles of a and b.
-  double from[kLeafSize], to[kLeafSize];
+  // The wedge: the buckets of the widened diamond angles of a and b (BeamFan), and whether it
+  // contains the backward direction.
+  int from[kLeafSize], to[kLeafSize];
+  long long wraps[kLeafSize];
 };
 
-/// Computes four walls of a leaf, beginning at `lane`.
-FLATLAND_INLINE void ViewWalls(const SegmentTree::Leaf& leaf, int lane, const View& view,
-                               LeafView* walls) {
+/// Computes four walls, for the places from `lane` on.
+FLATLAND_INLINE void ViewWalls(const FourWalls& four, int lane, const View& view,
+                               WallsView* walls) {
   const Doubles cos = Fill(view.rotation.cos), sin = Fill(view.rotation.sin);
-  const Doubles world_ax = Load(leaf.ax + lane) - view.origin.x;
-  const Doubles world_ay = Load(leaf.ay + lane) - view.origin.y;
-  const Doubles world_bx = Load(leaf.bx + lane) - view.origin.x;
-  const Doubles world_by = Load(leaf.by + lane) - view.origin.y;
+  const Doubles world_ax = four.ax - view.origin.x;
+  const Doubles world_ay = four.ay - view.origin.y;
+  const Doubles world_bx = four.bx - view.origin.x;
+  const Doubles world_by = four.by - view.origin.y;
   const Doubles first_x = cos * world_ax + sin * world_ay;
   const Doubles first_y = cos * world_ay - sin * world_ax;
   const Doubles second_x = cos * world_bx + sin * world_by;
@@ -174,25 +185,51 @@ FLATLAND_INLINE void ViewWalls(const SegmentTree::Leaf& leaf, int lane, const Vi
   Store(left_y, walls->by + lane);
   Store(is_edge_on ? Fill(0.0) : size, walls->cross + lane);
   Store(1.0 / size, walls->inverse_cross + lane);
-  Store(WidenRight(DiamondAngles(right_x, right_y)), walls->from + lane);
-  Store(WidenLeft(DiamondAngles(left_x, left_y)), walls->to + lane);
+  const Doubles from = WidenRight(DiamondAngles(right_x, right_y));
+  const Doubles to = WidenLeft(DiamondAngles(left_x, left_y));
+  Store(ToInts((from + 2.0) * view.fan.buckets_per_unit()), walls->from + lane);
+  Store(ToInts((to + 2.0) * view.fan.buckets_per_unit()), walls->to + lane);
+  Store(from > to, walls->wraps + lane);
 }
 
-FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
-  LeafView walls;
-  for (int lane = 0; lane < kLeafSize; lane += kGroup) ViewWalls(leaf, lane, view, &walls);
+FLATLAND_INLINE void DrawWalls(const WallsView& walls, const View& view) {
   for (int lane = 0; lane < kLeafSize; ++lane) {
     const Vec2 a{walls.ax[lane], walls.ay[lane]};
     const Vec2 b{walls.bx[lane], walls.by[lane]};
-    const double from = walls.from[lane], to = walls.to[lane];
     if (walls.cross[lane] > 0.0) {
-      const std::array<BeamFan::Run, 2> runs = view.fan.BeamsIn({from, to});
+      const bool wraps = walls.wraps[lane] != 0;
+      const auto runs = view.fan.BeamsIn(walls.from[lane], walls.to[lane], wraps);
       DrawOn(view.fan, view.inverse, runs[0], a, b, walls.inverse_cross[lane]);
-      if (from > to) DrawOn(view.fan, view.inverse, runs[1], a, b, walls.inverse_cross[lane]);
+      if (wraps) DrawOn(view.fan, view.inverse, runs[1], a, b, walls.inverse_cross[lane]);
     } else if (walls.cross[lane] == 0.0 && Dot(a, b) <= 0.0) {
       DrawWallAtLidar(view.fan, view.inverse, b - a);
     }
   }
+}
+
+FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
+  WallsView walls;
+  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
+    ViewWalls(
+        {Load(leaf.ax + lane), Load(leaf.ay + lane), Load(leaf.bx + lane), Load(leaf.by + lane)},
+        lane, view, &walls);
+  }
+  DrawWalls(walls, view);
+}
+
+FLATLAND_INLINE void DrawBlock(const WallList::Block& block, const Segment* segments,
+                               const View& view) {
+  WallsView walls;
+  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
+    const Segment& a = segments[block.indices[lane]];
+    const Segment& b = segments[block.indices[lane + 1]];
+    const Segment& c = segments[block.indices[lane + 2]];
+    const Segment& d = segments[block.indices[lane + 3]];
+    ViewWalls({Doubles{a.a.x, b.a.x, c.a.x, d.a.x}, Doubles{a.a.y, b.a.y, c.a.y, d.a.y},
+               Doubles{a.b.x, b.b.x, c.b.x, d.b.x}, Doubles{a.b.y, b.b.y, c.b.y, d.b.y}},
+              lane, view, &walls);
+  }
+  DrawWalls(walls, view);
 }
 
 /// The outermost corners of a box as seen from outside, to the right and to the left: indices of
@@ -215,19 +252,13 @@ FLATLAND_INLINE const Silhouette& SilhouetteOf(const Box& box, Vec2 origin) {
   return kSilhouettes[side(origin.y, box.low.y, box.high.y)][side(origin.x, box.low.x, box.high.x)];
 }
 
-FLATLAND_INLINE double SquareDistance(const Box& box, Vec2 origin) {
-  const double x = std::max(std::max(box.low.x - origin.x, origin.x - box.high.x), 0.0);
-  const double y = std::max(std::max(box.low.y - origin.y, origin.y - box.high.y), 0.0);
-  return x * x + y * y;
-}
-
-/// Computes what the two boxes of a node cover. A box that contains the lidar gets no runs.
-FLATLAND_INLINE void ComputeExtents(const SegmentTree::Node& node, const View& view,
+/// Computes what two boxes cover. A box that contains the lidar gets no runs.
+FLATLAND_INLINE void ComputeExtents(const Box& first, const Box& second, const View& view,
                                     Extent* extents) {
   double xs[kGroup], ys[kGroup];  // right and left corner of the first box, then of the second
   for (int k = 0; k < 2; ++k) {
-    const Box& box = node.children[k].box;
-    extents[k].square_distance = SquareDistance(box, view.origin);
+    const Box& box = k == 0 ? first : second;
+    extents[k].square_distance = box.SquareDistance(view.origin);
     const Silhouette& seen = SilhouetteOf(box, view.origin);
     const double edges[] = {box.low.x, box.low.y, box.high.x, box.high.y};
     xs[2 * k] = edges[seen.right_x];
@@ -244,6 +275,7 @@ FLATLAND_INLINE void ComputeExtents(const SegmentTree::Node& node, const View& v
   Store(WidenRight(diamond_angles), rights);
   Store(WidenLeft(diamond_angles), lefts);
   for (int k = 0; k < 2; ++k) {
+    extents[k].runs = {};
     if (!(extents[k].square_distance > 0.0)) continue;
     extents[k].runs = view.fan.BeamsIn({rights[2 * k], lefts[2 * k + 1]});
   }
@@ -279,7 +311,7 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
     } else {
       const SegmentTree::Node& node = walls.node(*child);
       Extent extents[2];
-      ComputeExtents(node, view, extents);
+      ComputeExtents(node.children[0].box, node.children[1].box, view, extents);
       const int first = IsSecondNearer(node, extents, view.origin) ? 1 : 0;
       // The farther one waits; the nearer one may hide it meanwhile.
       stack[count++] = {&node.children[1 - first], extents[1 - first]};
@@ -291,6 +323,22 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
     }
     if (next == nullptr) return;
     child = next;
+  }
+}
+
+/// Draws the walls of a list, about front to back.
+FLATLAND_CLONES void DrawList(const WallList& list, const View& view) {
+  const std::vector<WallList::Block>& blocks = list.blocks();
+  const size_t near = std::min(blocks.size(), kNearBlocks);
+  for (size_t i = 0; i < near; ++i) DrawBlock(blocks[i], list.walls(), view);
+  for (size_t i = near; i < blocks.size(); i += 2) {
+    const size_t second = std::min(i + 1, blocks.size() - 1);
+    Extent extents[2];
+    ComputeExtents(blocks[i].box, blocks[second].box, view, extents);
+    if (!IsHidden(view.inverse, extents[0])) DrawBlock(blocks[i], list.walls(), view);
+    if (second > i && !IsHidden(view.inverse, extents[1])) {
+      DrawBlock(blocks[second], list.walls(), view);
+    }
   }
 }
 
@@ -354,10 +402,22 @@ FLATLAND_CLONES void DrawSide(const BeamFan& fan, double* inverse, Vec2 a, Vec2 
   }
 }
 
+/// Sets `count` values, a multiple of kGroup.
+FLATLAND_CLONES void FillAll(double* values, int count, double value) {
+  for (int i = 0; i < count; i += kGroup) Store(Fill(value), values + i);
+}
+
 /// Distances from the greater of two inverse distances each.
 FLATLAND_CLONES void Invert(const double* inverse, const double* other, int count,
                             double min_inverse, float* ranges) {
-  for (int i = 0; i < count; ++i) {
+  int i = 0;
+  for (; i + kGroup <= count; i += kGroup) {
+    const Doubles one = Load(inverse + i), two = Load(other + i);
+    const Doubles nearest = one > two ? one : two;
+    const Doubles distances = nearest > min_inverse ? 1.0 / nearest : Fill(kInfinity);
+    for (int k = 0; k < kGroup; ++k) ranges[i + k] = static_cast<float>(distances[k]);
+  }
+  for (; i < count; ++i) {
     const double nearest = std::max(inverse[i], other[i]);
     ranges[i] = static_cast<float>(nearest > min_inverse ? 1.0 / nearest : kInfinity);
   }
@@ -379,7 +439,8 @@ void DepthBuffer::Begin(const BeamFan& fan, double range) {
   fan_ = &fan;
   range_ = range;
   min_inverse_ = (1.0 - kRangeTolerance) / range;
-  inverse_.assign(fan.padded_size(), min_inverse_);
+  inverse_.resize(fan.padded_size());
+  FillAll(inverse_.data(), fan.padded_size(), min_inverse_);
   non_reflecting_.clear();
 }
 
@@ -403,6 +464,10 @@ void DepthBuffer::DrawPolygon(const Vec2* corners, int count) {
     const bool faces_lidar = cross > kEdgeOn * ManhattanNorm(next) * ManhattanNorm(corner);
     if (faces_lidar) DrawSide(*fan_, inverse_.data(), next, corner, cross);
   }
+}
+
+void DepthBuffer::Draw(const WallList& walls, const Pose& lidar) {
+  DrawList(walls, {*fan_, inverse_.data(), {lidar.x, lidar.y}, Rotation(lidar.yaw)});
 }
 
 const std::vector<int>& DepthBuffer::FindVisible(const BoundingCircles& circles,

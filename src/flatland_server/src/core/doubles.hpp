@@ -23,6 +23,7 @@ constexpr int kGroup = BeamFan::kGroup;
 /// Vectors of numbers, and of the results of comparisons: -1 for true, 0 for false.
 using Doubles = double __attribute__((vector_size(kGroup * sizeof(double))));
 using Mask = long long __attribute__((vector_size(kGroup * sizeof(long long))));
+using Ints = int __attribute__((vector_size(kGroup * sizeof(int))));
 static_assert(kGroup == 4, "Fill lists four numbers");
 
 FLATLAND_INLINE Doubles Fill(double value) { return Doubles{value, value, value, value}; }
@@ -33,9 +34,13 @@ FLATLAND_INLINE Doubles Load(const double* values) {
   return loaded;
 }
 
-FLATLAND_INLINE void Store(const Doubles& stored, double* values) {
+template <class Vector, class T>
+FLATLAND_INLINE void Store(const Vector& stored, T* values) {
   std::memcpy(values, &stored, sizeof(stored));
 }
+
+/// Whole parts of numbers that an int can hold.
+FLATLAND_INLINE Ints ToInts(const Doubles& values) { return __builtin_convertvector(values, Ints); }
 
 FLATLAND_INLINE bool Any(const Mask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 

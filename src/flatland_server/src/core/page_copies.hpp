@@ -5,6 +5,10 @@
 /// A copy is a private mapping of one file in memory: the processor's memory management copies a
 /// page of 4 KiB when it is first written to. So a copy costs what it changes, and nothing has to
 /// keep track of that. Without Linux, each copy is a whole one.
+///
+/// A page that is given back and written to again costs two calls of the kernel, 3 us; to write the
+/// image's content to it, 0.15 us. So Restore keeps some of a copy's own pages. It learns from the
+/// kernel which these are (/proc/self/pagemap); where that is not allowed, it gives back all.
 
 #include <cstddef>
 #include <vector>
@@ -24,6 +28,7 @@ class PageImage {
   friend class PageCopy;
   size_t size_;
   int file_ = -1;
+  void* data_ = nullptr;          // the file, to read
   std::vector<std::byte> bytes_;  // without such files
 };
 
@@ -35,6 +40,10 @@ class PageCopy {
   ~PageCopy();
   PageCopy(const PageCopy&) = delete;
   PageCopy& operator=(const PageCopy&) = delete;
+
+  /// The number of its own pages that Restore keeps: those that were written to since the last
+  /// Restore are preferred.
+  static constexpr size_t kKeptPages = 12;
 
   void* data() const { return data_; }
   /// Makes it equal to the image again; its address stays.

@@ -158,8 +158,10 @@ int32_t SegmentTree::AddLeaf(Iterator begin, Iterator end) {
   for (double* values : {leaf.ax, leaf.ay, leaf.bx, leaf.by}) {
     std::fill_n(values, kLeafSize, std::numeric_limits<double>::quiet_NaN());
   }
+  std::array<uint32_t, kLeafSize>& indices = indices_.emplace_back();
   for (int lane = 0; begin != end; ++begin, ++lane) {
     const Segment& segment = segments_[*begin];
+    indices[lane] = *begin;
     leaf.ax[lane] = segment.a.x;
     leaf.ay[lane] = segment.a.y;
     leaf.bx[lane] = segment.b.x;

@@ -8,12 +8,12 @@
 namespace flatland {
 namespace {
 
-constexpr double kCellSize = 1.0;  // [m]
-constexpr double kMaxCells = 65536;
+constexpr double kCellSize = 0.5;  // [m]
+constexpr double kMaxCells = 262144;
 /// With fewer walls, drawing them all is as fast.
 constexpr size_t kMinWalls = 64;
-/// Of all cells together: 70 bytes each.
-constexpr size_t kMaxFoundWalls = 500'000;
+/// Of all cells together: 8 bytes each.
+constexpr size_t kMaxFoundWalls = 4'000'000;
 /// Cells are made wider by this, for rounding errors [m].
 constexpr double kMargin = 1e-6;
 /// A wall reaches past its ends by this fraction of its length, as it does for DepthBuffer.
@@ -21,7 +21,7 @@ constexpr double kEndTolerance = 1e-9;
 /// How often cells and targets are halved, and lines are followed, before a wall counts as seen.
 constexpr int kMaxDepth = 10;
 constexpr int kMaxLines = 48;
-constexpr int kMaxLinesToBox = 6;
+constexpr int kMaxLinesToBox = 1;
 
 Vec2 Middle(const Box& box) { return 0.5 * (box.low + box.high); }
 Box BoxOf(const Segment& segment) {
@@ -114,7 +114,7 @@ class Finder {
  public:
   Finder(const SegmentTree& walls, const Box& from) : walls_(walls), from_(from) {}
 
-  std::vector<Segment> Find() {
+  std::vector<uint32_t> Find() {
     Visit(walls_.root());
     return std::move(seen_);
   }
@@ -129,19 +129,22 @@ class Finder {
       for (const SegmentTree::Child& each : walls_.node(child).children) Visit(each);
       return;
     }
-    ForEachWall(walls_.leaf(child), [this](const Segment& wall) {
+    ForEachWall(child, [this](uint32_t index, const Segment& wall) {
       lines_ = kMaxLines;
-      if (!IsHidden(from_, Target(wall), kMaxDepth)) seen_.push_back(wall);
+      if (!IsHidden(from_, Target(wall), kMaxDepth)) seen_.push_back(index);
       return true;
     });
   }
 
-  /// Calls `visit(wall)` for the walls of a leaf while it returns true; returns whether it did.
+  /// Calls `visit(index, wall)` for the walls of a leaf while it returns true; returns whether it
+  /// did.
   template <class Visitor>
-  static bool ForEachWall(const SegmentTree::Leaf& leaf, Visitor visit) {
+  bool ForEachWall(const SegmentTree::Child& child, Visitor visit) const {
+    const SegmentTree::Leaf& leaf = walls_.leaf(child);
     for (int i = 0; i < SegmentTree::kLeafSize; ++i) {
       if (std::isnan(leaf.ax[i])) continue;
-      if (!visit(Segment{{leaf.ax[i], leaf.ay[i]}, {leaf.bx[i], leaf.by[i]}})) return false;
+      const uint32_t index = walls_.indices(child)[i];
+      if (!visit(index, walls_.segments()[index])) return false;
     }
     return true;
   }
@@ -183,7 +186,7 @@ class Finder {
       return FindBlocking(children[0], a, b, from, target) ||
              FindBlocking(children[1], a, b, from, target);
     }
-    return !ForEachWall(walls_.leaf(child), [&](const Segment& wall) {
+    return !ForEachWall(child, [&](uint32_t, const Segment& wall) {
       const Vec2 way = b - a;
       const double right = Cross(way, wall.a - a), left = Cross(way, wall.b - a);
       if ((right > 0.0 && left > 0.0) || (right < 0.0 && left < 0.0)) return true;
@@ -203,7 +206,7 @@ class Finder {
 
   const SegmentTree& walls_;
   const Box from_;
-  std::vector<Segment> seen_;
+  std::vector<uint32_t> seen_;
   std::array<Segment, kRecent> recent_;  // walls that have hidden others, the last one first
   int recent_count_ = 0;
   int lines_ = 0;  // that may still be followed for the present wall or box
@@ -212,7 +215,7 @@ class Finder {
 
 }  // namespace
 
-std::vector<Segment> WallsSeenFrom(const SegmentTree& walls, const Box& box) {
+std::vector<uint32_t> WallsSeenFrom(const SegmentTree& walls, const Box& box) {
   if (walls.segment_count() == 0) return {};
   return Finder(walls, box).Find();
 }
@@ -251,33 +254,32 @@ int VisibleWalls::CellAt(Vec2 point) const {
   return static_cast<int>(row) * columns_ + static_cast<int>(column);
 }
 
-const SegmentTree& VisibleWalls::SeenFrom(Vec2 point) const {
+const WallList* VisibleWalls::SeenFrom(Vec2 point) const {
   const int index = cells_ == nullptr ? -1 : CellAt(point);
-  if (index < 0) return *walls_;
+  if (index < 0) return nullptr;
   Cell& cell = cells_[index];
-  const SegmentTree* const seen = cell.seen.load(std::memory_order_acquire);
-  if (seen != nullptr) return *seen;
+  const WallList* const seen = cell.seen.load(std::memory_order_acquire);
+  if (seen != nullptr) return seen;
+  if (cell.scans.load(std::memory_order_relaxed) >= kScansBefore) return nullptr;
   const int scans = cell.scans.fetch_add(1, std::memory_order_relaxed) + 1;
-  return scans == kScansBefore ? Find(index) : *walls_;
+  return scans == kScansBefore ? Find(index) : nullptr;
 }
 
 /// Called by one thread for each cell.
-const SegmentTree& VisibleWalls::Find(int index) const {
-  Cell& cell = cells_[index];
-  cell.seen.store(walls_.get(), std::memory_order_release);  // for others, meanwhile
+const WallList* VisibleWalls::Find(int index) const {
   const Vec2 low = origin_ + cell_size_ * Vec2{double(index % columns_), double(index / columns_)};
   const Vec2 margin{kMargin, kMargin}, size{cell_size_, cell_size_};
   Box box;
   box.Add(Segment{low - margin, low + size + margin});
-  std::vector<Segment> segments = WallsSeenFrom(*walls_, box);
+  const std::vector<uint32_t> indices = WallsSeenFrom(*walls_, box);
   const std::lock_guard lock(mutex_);
-  const bool pays = segments.size() <= walls_->segment_count() / 2 &&
-                    found_walls_ + segments.size() <= kMaxFoundWalls;
-  if (!pays) return *walls_;
-  found_walls_ += segments.size();
-  found_.push_back(std::make_unique<const SegmentTree>(segments));
-  cell.seen.store(found_.back().get(), std::memory_order_release);
-  return *found_.back();
+  const bool pays = indices.size() <= walls_->segment_count() / 2 &&
+                    found_walls_ + indices.size() <= kMaxFoundWalls;
+  if (!pays) return nullptr;
+  found_walls_ += indices.size();
+  found_.push_back(std::make_unique<const WallList>(walls_->segments(), indices, Middle(box)));
+  cells_[index].seen.store(found_.back().get(), std::memory_order_release);
+  return found_.back().get();
 }
 
 }  // namespace flatland

@@ -130,7 +130,11 @@ void World::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& se
   const Vec2 origin{pose.x, pose.y};
   for (const Layer& layer : layers_) {
     if ((layer.bits & settings.layers) == 0 || !choose(layer.bits)) continue;
-    buffer.Draw(layer.walls->SeenFrom(origin), pose);
+    if (const WallList* seen = layer.walls->SeenFrom(origin)) {
+      buffer.Draw(*seen, pose);
+    } else {
+      buffer.Draw(layer.walls->all(), pose);
+    }
   }
   const Rotation rotation(pose.yaw);
   for (const int index : buffer.FindVisible(bounding_circles_, pose)) {
