@@ -167,9 +167,9 @@ class Ros:
         self._programs.append(program)
         return program
 
-    def log_of(self, program):
-        """The file with the output of a program."""
-        return next(self._logs.glob(f"{self._programs.index(program)}_*.log"))
+    def log(self, program):
+        """What a program has written so far."""
+        return next(self._logs.glob(f"{self._programs.index(program)}_*.log")).read_text()
 
     def launch_server(self, world, *arguments):
         """Run server.launch; returns when the simulation runs."""

@@ -98,7 +98,7 @@ class SceneWindow:
     def transforms(self):
         """The frames to which the next messages on /tf lead, by their parents."""
         found = {}
-        for _ in range(8):
+        for _ in range(25):
             for transform in (self.ros.message(*TF) or {"transforms": []})["transforms"]:
                 found[transform["child_frame_id"]] = transform["header"]["frame_id"]
         return found
@@ -179,7 +179,9 @@ def test_the_window_publishes_map_to_odom_until_a_localiser_does(window):
         *("rosrun", "tf2_ros", "static_transform_publisher", *[0] * 6, "map", "r2_odom")
     )
     window.waiting(lambda: "r2_odom" not in window.transforms(), "the window to give way", 20)
-    assert window.transforms()["r10_odom"] == "map"
+    window.waiting(
+        lambda: window.transforms().get("r10_odom") == "map", "the other robot's transform", 20
+    )
     window.screen.key("alt+s")
     window.screen.key("m")
     window.waiting(lambda: "r10_odom" not in window.transforms(), "the end of it", 20)
@@ -232,12 +234,11 @@ def test_tools_for_navigation_come_with_their_subscribers(window):
     before = toolbar()
     subscriber = window.ros.start("/usr/bin/python3", "-c", GOALS)
     window.waiting(lambda: (toolbar() != before).any(), "the tool", 20)
-    log = window.ros.log_of(subscriber)
     window.screen.focus(window.id)
     window.screen.move(window.map.pixel(0.0, 1.0))
     window.screen.key("g")
     window.drag(window.map.pixel(1.0, 0.0), window.map.pixel(2.0, 0.0))
-    window.waiting(lambda: "position" in log.read_text(), "a goal", 20)
+    window.waiting(lambda: "position" in window.ros.log(subscriber), "a goal", 20)
     window.ros.end(subscriber)
     window.waiting(lambda: (toolbar() == before).all(), "the tool to go", 20)
 
