@@ -123,7 +123,7 @@ def main():
 
 def take_spawning(screen):
     """A box at the cursor, being turned. Returns where it is put."""
-    screen.move(20, TOOLBAR + 20)  # where no model takes the mouse
+    screen.move(520, 440)  # the map zooms here
     screen.xdotool("click", "--repeat", ZOOM_CLICKS, "--delay", 50, 4, "sleep", 1)
     x, y = screen.wait_for(ROBOT, 100)
     screen.xdotool("key", "a", "sleep", 1.5, "key", "alt+f", "sleep", 0.2, "key", "ctrl+a")

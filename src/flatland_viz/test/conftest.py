@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[3]
 OFFICE = ROOT / "src" / "flatland_server" / "worlds" / "office"
 OFFICE_COLORS = (  # of the world's files and our rviz configuration; least number of pixels
     # An arrow is on the robot.
-    ((102, 102, 102), 3000),  # walls
+    ((102, 102, 102), 1000),  # walls
     ((194, 145, 87), 100),  # boxes
     ((204, 0, 0), 200),  # scan
 )

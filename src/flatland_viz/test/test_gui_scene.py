@@ -43,15 +43,18 @@ def window_manager(screen):
 
 
 class SceneWindow:
-    """The window with the test room and its robots."""
+    """The window with the test room and its robots.
 
-    def __init__(self, screen, ros, waiting):
+    Args:
+        id: of the window.
+        size: that it gets [pixels].
+        view: rows and columns of the screen within the view.
+    """
+
+    def __init__(self, screen, ros, waiting, id, size, view):
         self.screen, self.ros, self.waiting = screen, ros, waiting
-        self.id = screen.wait_for_window("Flatland - .*")
-        self.resize(1024, 660)
-
-    def resize(self, width, height):
-        self.screen.xdotool("windowsize", "--sync", self.id, width, height)
+        self.id, self._view = id, view
+        self.screen.xdotool("windowsize", self.id, *size)
         self.screen.xdotool("windowmove", self.id, 10, 30)
         self.show_all()
 
@@ -63,7 +66,10 @@ class SceneWindow:
 
         def is_steady():
             try:
-                seen.append(RoomMap(self.picture("scene") * self._is_view()))
+                pixels = self.picture("scene")
+                only_view = np.zeros_like(pixels)
+                only_view[self._view] = pixels[self._view]
+                seen.append(RoomMap(only_view))
             except LookupError:
                 seen.clear()
             return len(seen) > 1 and seen[-1].pixel(0, 0) == seen[-2].pixel(0, 0)
@@ -71,12 +77,6 @@ class SceneWindow:
         self.waiting(is_steady, "the whole room", 30)
         self.map = seen[-1]
         return self.map
-
-    def _is_view(self):
-        """Whether pixels of the screen are the window's, below its toolbar."""
-        is_view = np.zeros((900, 1400, 1), dtype=int)
-        is_view[110:640, 15:760] = 1
-        return is_view
 
     def picture(self, name):
         return self.screen.picture(f"scene_{name}")
@@ -98,7 +98,7 @@ class SceneWindow:
     def transforms(self):
         """The frames to which the next messages on /tf lead, by their parents."""
         found = {}
-        for _ in range(8):
+        for _ in range(25):
             for transform in (self.ros.message(*TF) or {"transforms": []})["transforms"]:
                 found[transform["child_frame_id"]] = transform["header"]["frame_id"]
         return found
@@ -131,7 +131,8 @@ def window(screen, ros, waiting, window_manager, office, tmp_path_factory):
     }
     world.write_text(WORLD.format(**names))
     ros.launch_server(world, "show_viz:=true")
-    return SceneWindow(screen, ros, waiting)
+    id = screen.wait_for_window("Flatland - .*")
+    return SceneWindow(screen, ros, waiting, id, (1024, 660), np.s_[110:640, 15:760])
 
 
 def is_colored(pixels):
@@ -178,7 +179,9 @@ def test_the_window_publishes_map_to_odom_until_a_localiser_does(window):
         *("rosrun", "tf2_ros", "static_transform_publisher", *[0] * 6, "map", "r2_odom")
     )
     window.waiting(lambda: "r2_odom" not in window.transforms(), "the window to give way", 20)
-    assert window.transforms()["r10_odom"] == "map"
+    window.waiting(
+        lambda: window.transforms().get("r10_odom") == "map", "the other robot's transform", 20
+    )
     window.screen.key("alt+s")
     window.screen.key("m")
     window.waiting(lambda: "r10_odom" not in window.transforms(), "the end of it", 20)
@@ -355,3 +358,26 @@ def test_the_view_follows(window):
     window.screen.key("f")
     window.show_all()
     window.ros.call("/move_model", name="crate", pose={"x": CRATE[0], "y": CRATE[1], "theta": 0.0})
+
+
+def test_with_two_pixels_for_one_and_a_dark_background(window):
+    """Another window on the same server: what the mouse points at is what is there."""
+    others = set(window.screen.windows("Flatland - .*"))
+    program = window.ros.start(
+        *("env", "QT_SCALE_FACTOR=2", "rosrun", "flatland_viz", "flatland_viz", "__name:=large")
+    )
+    new = lambda: set(window.screen.windows("Flatland - .*")) - others  # noqa: E731
+    window.waiting(new, "the window")
+    [id] = new()
+    large = SceneWindow(
+        window.screen, window.ros, window.waiting, id, (1380, 830), np.s_[190:800, 20:860]
+    )
+    large.screen.key("alt+v")
+    large.screen.key("b", "d")  # View > Background > Dark
+    large.waiting(
+        lambda: near(large.inside(large.picture("dark")), (18, 19, 22), 3).mean() > 0.8, "the dark"
+    )
+    large.drag(large.map.pixel(*CRATE), large.map.pixel(2.5, -1.0))
+    large.waiting(lambda: is_at(large, "crate", 2.5, -1.0), "the drag")
+    large.picture("dark")
+    large.ros.end(program)

@@ -185,9 +185,12 @@ class Viewer:
 
         def near_view():
             try:
-                return View(self.picture("near"), center, scale, self.models)
+                view = View(self.picture("near"), center, scale, self.models)
             except AssertionError:
                 return None
+            return (
+                view if abs(view.scale / scale - 1.0) < 0.03 else None
+            )  # it has zoomed all the way
 
         return self.waiting(near_view, "the view to zoom", limit=20)
 

@@ -78,7 +78,7 @@ class ModelPanel(QDockWidget):
         self._show_selected()
 
     def set_models(self, models: Dict[str, Model]) -> None:
-        """Sets the models in the world, in the order of the list."""
+        """Sets the models in the world, in natural order. Robots come first in the list."""
         self._models = models
         self._fill_list()
         self._show_selected()
@@ -95,7 +95,7 @@ class ModelPanel(QDockWidget):
     def _fill_list(self) -> None:
         self._list.blockSignals(True)
         self._list.clear()
-        for name in self._models:
+        for name in sorted(self._models, key=lambda name: name not in self._colors):
             item = QListWidgetItem(_dot(self._colors.get(name), self.devicePixelRatioF()), name)
             self._list.addItem(item)
             if name == self._selection.name:
@@ -170,6 +170,7 @@ class _Details(QWidget):
         header.setSectionResizeMode(0, QHeaderView.Stretch)
         header.setSectionResizeMode(1, QHeaderView.ResizeToContents)
         rows.addWidget(self._topics, 1)
+        rows.addStretch(0)  # takes the place of hidden topics
         self.show_model(None)
 
     def _row(self, text: str, name: str) -> QLabel:

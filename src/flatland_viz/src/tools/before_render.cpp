@@ -1,5 +1,6 @@
 #include "before_render.hpp"
 
+#include <OgreRoot.h>
 #include <OgreViewport.h>
 #include <rviz/display_context.h>
 #include <rviz/render_panel.h>
@@ -8,20 +9,17 @@
 namespace flatland_viz {
 
 BeforeRender::BeforeRender(rviz::DisplayContext& context, Place place)
-    : context_(context), place_(std::move(place)), scene_(context.getSceneManager()) {
-  scene_->addListener(this);
+    : context_(context), place_(std::move(place)) {
+  Ogre::Root::getSingleton().addFrameListener(this);
 }
 
-BeforeRender::~BeforeRender() {
-  if (scene_) scene_->removeListener(this);
-}
+BeforeRender::~BeforeRender() { Ogre::Root::getSingleton().removeFrameListener(this); }
 
-void BeforeRender::preUpdateSceneGraph(Ogre::SceneManager* /*scene*/, Ogre::Camera* camera) {
+bool BeforeRender::frameStarted(const Ogre::FrameEvent& /*event*/) {
   const rviz::RenderPanel* panel = context_.getViewManager()->getRenderPanel();
   const Ogre::Viewport* viewport = panel ? panel->getViewport() : nullptr;
-  if (viewport && viewport->getCamera() == camera) place_(*viewport, panel->devicePixelRatioF());
+  if (viewport && viewport->getCamera()) place_(*viewport, panel->devicePixelRatioF());
+  return true;
 }
-
-void BeforeRender::sceneManagerDestroyed(Ogre::SceneManager* /*scene*/) { scene_ = nullptr; }
 
 }  // namespace flatland_viz

@@ -2,7 +2,7 @@
 
 /// Places what depends on the camera, when the camera of a frame is known.
 
-#include <OgreSceneManager.h>
+#include <OgreFrameListener.h>
 
 #include <functional>
 
@@ -16,9 +16,9 @@ class DisplayContext;
 
 namespace flatland_viz {
 
-/// Calls a function before each frame of rviz's main view. Displays and tools are updated before the
-/// view is, so that what they place by its scale would be late by a frame.
-class BeforeRender : public Ogre::SceneManager::Listener {
+/// Calls a function before each frame of rviz's main view. Displays and tools are updated before
+/// the view is, so that what they place by its scale would be late by a frame.
+class BeforeRender : public Ogre::FrameListener {
  public:
   using Place = std::function<void(const Ogre::Viewport& viewport, double pixel_ratio)>;
 
@@ -28,12 +28,10 @@ class BeforeRender : public Ogre::SceneManager::Listener {
   BeforeRender& operator=(const BeforeRender&) = delete;
 
  private:
-  void preUpdateSceneGraph(Ogre::SceneManager* scene, Ogre::Camera* camera) override;
-  void sceneManagerDestroyed(Ogre::SceneManager* scene) override;
+  bool frameStarted(const Ogre::FrameEvent& event) override;
 
   rviz::DisplayContext& context_;
   Place place_;
-  Ogre::SceneManager* scene_;
 };
 
 }  // namespace flatland_viz

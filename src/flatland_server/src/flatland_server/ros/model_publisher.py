@@ -126,7 +126,7 @@ def _body_info(config: BodyConfig, frame_id: str) -> BodyInfo:
             corners += [(x - radius, y - radius), (x + radius, y + radius)]
         else:
             corners += shape.vertices
-    xs, ys = zip(*corners)
+    xs, ys = zip(*(corners or [(0.0, 0.0)]))
     box = (min(xs), min(ys), max(xs), max(ys))
     return BodyInfo(config.name, frame_id, *box, ColorRGBA(*config.color))
 
