@@ -269,9 +269,7 @@ def test_the_office_is_shown_again_after_a_reset(viewer):
     answer = viewer.ros.call("/reset", keep_time=False)
     assert answer["success"], answer["message"]
     if viewer.kind == "rviz":  # which discards everything
-        viewer.waiting(
-            lambda: walls(viewer.picture("reset")) < 0.5 * before, "the walls to go", 20
-        )
+        viewer.waiting(lambda: walls(viewer.picture("reset")) < 0.5 * before, "the walls to go", 20)
     else:  # the window keeps the walls, and subscribes anew to what moves
         while viewer.ros.clock() < 4.0:
             assert walls(viewer.picture("reset")) > 0.8 * before
