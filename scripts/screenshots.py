@@ -125,7 +125,7 @@ def take_spawning(screen):
     """A box at the cursor, being turned. Returns where it is put."""
     screen.move(520, 440)  # the map zooms here
     screen.xdotool("click", "--repeat", ZOOM_CLICKS, "--delay", 50, 4, "sleep", 1)
-    x, y = screen.wait_for(ROBOT, 100)
+    x, y = screen.wait_for(ROBOT, 40)  # an arrow is on it
     screen.xdotool("key", "a", "sleep", 1.5, "key", "alt+f", "sleep", 0.2, "key", "ctrl+a")
     screen.xdotool("type", "--delay", 5, BOX)
     screen.xdotool("key", "Return", "sleep", 1.5)
