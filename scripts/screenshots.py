@@ -138,13 +138,13 @@ def take_spawning(screen):
 
 
 def take_handles(screen, x, y):
-    """The rings around models, and the menu of one that is dragged from here."""
+    """The ring around a model that is dragged from here, and its menu."""
     screen.move(x, y)
     screen.xdotool("mousedown", 1, "sleep", 0.3)
     for step in range(1, 11):
-        screen.xdotool("mousemove", x + 4 * step, y - 10 * step, "sleep", 0.05)
+        screen.xdotool("mousemove", x - 2 * step, y - 8 * step, "sleep", 0.05)
     screen.xdotool("sleep", 0.3, "mouseup", 1, "sleep", 1)
-    screen.move(x + 45, y - 95)
+    screen.move(x - 18, y - 78)
     screen.xdotool("click", 3, "sleep", 1)
     screen.save("handles")
 
