@@ -125,7 +125,7 @@ def take_spawning(screen):
     """A box at the cursor, being turned. Returns where it is put."""
     screen.move(520, 440)  # the map zooms here
     screen.xdotool("click", "--repeat", ZOOM_CLICKS, "--delay", 50, 4, "sleep", 1)
-    x, y = screen.wait_for(ROBOT, 100)
+    x, y = screen.wait_for(ROBOT, 40)  # an arrow is on it
     screen.xdotool("key", "a", "sleep", 1.5, "key", "alt+f", "sleep", 0.2, "key", "ctrl+a")
     screen.xdotool("type", "--delay", 5, BOX)
     screen.xdotool("key", "Return", "sleep", 1.5)
@@ -138,13 +138,13 @@ def take_spawning(screen):
 
 
 def take_handles(screen, x, y):
-    """The rings around models, and the menu of one that is dragged from here."""
+    """The ring around a model that is dragged from here, and its menu."""
     screen.move(x, y)
     screen.xdotool("mousedown", 1, "sleep", 0.3)
     for step in range(1, 11):
-        screen.xdotool("mousemove", x + 4 * step, y - 10 * step, "sleep", 0.05)
+        screen.xdotool("mousemove", x - 2 * step, y - 8 * step, "sleep", 0.05)
     screen.xdotool("sleep", 0.3, "mouseup", 1, "sleep", 1)
-    screen.move(x + 45, y - 95)
+    screen.move(x - 18, y - 78)
     screen.xdotool("click", 3, "sleep", 1)
     screen.save("handles")
 

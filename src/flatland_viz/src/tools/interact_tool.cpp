@@ -294,11 +294,14 @@ void InteractTool::ShowHandles(const Ogre::Viewport& viewport, double pixel_rati
 }
 
 void InteractTool::ShowTooltip() {
-  const WorldModel* model = models_->Find(models_->hovered());
   const ros::WallTime now = ros::WallTime::now();
   const bool is_over_view =
       panel_ && panel_->rect().contains(panel_->mapFromGlobal(QCursor::pos()));
-  if (!is_over_view || !is_active_ || press_ || !model || QApplication::activePopupWidget()) {
+  if (!is_over_view && !press_) models_->Hover("");  // no event tells that the mouse has left
+  const WorldModel* model = models_->Find(models_->hovered());
+  const bool is_wanted = is_over_view && is_active_ && panel_->window()->isActiveWindow() &&
+                         !press_ && !QApplication::activePopupWidget();
+  if (!is_wanted || !model) {
     if (!tooltip_model_.empty()) QToolTip::hideText();
     tooltip_model_.clear();
     return;
