@@ -49,7 +49,8 @@ class Launch:
     def __init__(self, *arguments, output, display=None, command=(str(ROOT / "scripts" / "run"),)):
         self.port = free_port()
         self.uri = f"http://127.0.0.1:{self.port}"
-        environment = {**os.environ, "ROS_MASTER_URI": self.uri}
+        settings = str(output.parent / "config")  # the window's
+        environment = {**os.environ, "ROS_MASTER_URI": self.uri, "XDG_CONFIG_HOME": settings}
         environment.pop("DISPLAY", None)
         if display:
             environment.update(DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")

@@ -14,7 +14,7 @@ from pathlib import Path
 import rospkg
 import rospy
 from flatland_msgs.msg import DebugTopicList
-from flatland_msgs.srv import LoadState, Reset, SaveState, Step
+from flatland_msgs.srv import LoadState, OpenWorld, Reset, SaveState, Step
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
@@ -267,6 +267,29 @@ class State(unittest.TestCase):
         self.assertFalse(answer.success)
         self.assertRegex(answer.message, r'^YamlError: .*noisy_room\.yaml:\d+: .*found \["far"')
         self.assertTrue(step().success)
+
+    def test_another_world_is_opened(self):
+        topics = Recorder("/flatland_server/debug/topics", DebugTopicList)
+        self.addCleanup(topics.close)
+        own = rospy.get_param("/flatland_server/world_path")
+        self.addCleanup(call, "/open_world", OpenWorld, own)
+        step(5)
+
+        answer = call("/open_world", OpenWorld, "/nowhere/world.yaml")
+        self.assertFalse(answer.success)
+        self.assertIn("/nowhere/world.yaml", answer.message)
+        self.assertRegex(call("/open_world", OpenWorld, "a").message, "^ValueError: .*absolute")
+        self.assertEqual(rospy.get_param("/flatland_server/world_path"), own)
+
+        answer = call(
+            "/open_world", OpenWorld, "package://flatland_server/worlds/test_room/world.yaml"
+        )
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(step().time.to_sec(), 0.005)  # still paused, and time begins at 0
+        wait_until(
+            lambda: topics.messages and "model/turtlebot" in topics.messages[-1].topics, "its robot"
+        )
+        self.assertTrue(rospy.get_param("/flatland_server/world_path").endswith("room/world.yaml"))
 
 
 if __name__ == "__main__":

@@ -59,6 +59,12 @@ class Screen:
             command, env=self.environment, stdout=subprocess.PIPE, text=True
         ).stdout.split()
 
+    def text(self, *command):
+        """The lines that a program prints."""
+        return subprocess.run(
+            list(map(str, command)), env=self.environment, stdout=subprocess.PIPE, text=True
+        ).stdout.splitlines()
+
     def windows(self, title):
         """The visible windows with this title."""
         return self.xdotool("search", "--onlyvisible", "--name", f"^{title}$")
@@ -122,6 +128,7 @@ class Ros:
             **environment,
             "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
             "ROS_IP": "127.0.0.1",
+            "XDG_CONFIG_HOME": str(logs / "config"),  # the window's settings
         }
         self.start("rosmaster", "--core", "-p", port)
         # Before any node starts: a node that finds it unset uses real time.
@@ -184,7 +191,7 @@ class Ros:
         """Wait until the simulation started by a program runs."""
 
         def has_come():
-            assert program.poll() is None, [log.read_text() for log in self._logs.iterdir()]
+            assert program.poll() is None, [log.read_text() for log in self._logs.glob("*.log")]
             return self.message("/clock", "rosgraph_msgs/Clock", timeout=1)
 
         wait_until(has_come, "the server to run")

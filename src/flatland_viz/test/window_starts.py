@@ -96,6 +96,7 @@ def run(starts: int, at_once: int, seconds: float, folder: Path) -> Dict[str, in
         "LIBGL_ALWAYS_SOFTWARE": "1",
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
         "ROS_IP": "127.0.0.1",
+        "XDG_CONFIG_HOME": str(folder / "config"),
     }
     master = subprocess.Popen(
         ["rosmaster", "--core", "-p", str(port)],

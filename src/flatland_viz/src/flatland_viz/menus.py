@@ -1,15 +1,20 @@
-"""The window's menus. They emit signals, and do nothing themselves."""
+"""The window's menus. They emit signals, and do nothing themselves.
+
+A key after a tab in an action's text belongs to a tool of rviz, and is only shown.
+"""
 
 import math
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Optional, Tuple
 
 from python_qt_binding.QtCore import QObject, Signal
 from python_qt_binding.QtGui import QKeySequence
 from python_qt_binding.QtWidgets import QAction, QActionGroup, QDockWidget, QMenu, QMenuBar
 
+from flatland_viz.recent_worlds import RecentMenu
 from flatland_viz.scene import BACKGROUNDS
+from flatland_viz.settings import Settings
 from flatland_viz.status import Simulation
 from flatland_viz.world_files import label, model_files
 
@@ -22,8 +27,16 @@ class Menus(QObject):
     Args:
         bar: the menu bar.
         docks: panels that the menus show and hide.
+        settings: what is remembered.
     """
 
+    world_chosen = Signal(str)
+    other_world_asked = Signal()
+    reload_asked = Signal()
+    world_reset_asked = Signal()
+    step_asked = Signal()
+    steps_asked = Signal()
+    keys_asked = Signal()
     model_chosen = Signal(str)
     other_model_asked = Signal()
     screenshot_asked = Signal()
@@ -34,17 +47,20 @@ class Menus(QObject):
     rate_chosen = Signal(float)
     background_chosen = Signal(str)
 
-    def __init__(self, bar: QMenuBar, docks: List[QDockWidget]) -> None:
+    def __init__(self, bar: QMenuBar, docks: List[QDockWidget], settings: Settings) -> None:
         super().__init__(bar)
         self._bar = bar
         self._world: Optional[Path] = None
+        self._recent = RecentMenu(settings)
         self._add_world_menu()
         self._add_simulation_menu()
         self._add_view_menu(docks)
+        self._add_help_menu()
 
     def _menu(self, parent: Any, text: str, name: str) -> QMenu:
         menu: QMenu = parent.addMenu(text)
         menu.setObjectName(name)
+        menu.setToolTipsVisible(True)
         return menu
 
     def _action(
@@ -59,6 +75,18 @@ class Menus(QObject):
 
     def _add_world_menu(self) -> None:
         menu = self._menu(self._bar, "&World", "menu_world")
+        opens = self._action(menu, "&Open...", "action_open", self.other_world_asked.emit, "Ctrl+O")
+        menu.addMenu(self._recent)
+        self._recent.chosen.connect(self.world_chosen)
+        reload = self._action(menu, "Re&load files", "action_reload", self.reload_asked.emit, "F5")
+        reload.setToolTip("After an edit: loads the world's files anew; time goes on.")
+        menu.addSeparator()
+        self.reset = self._action(
+            menu, "Re&set", "action_reset", self.world_reset_asked.emit, "Ctrl+R"
+        )
+        self.reset.setToolTip("Start again: the world as it was loaded, at time 0 (Ctrl+R)")
+        self._with_server = [opens, self._recent, reload, self.reset]
+        menu.addSeparator()
         self._models = self._menu(menu, "&Spawn model", "menu_spawn")
         self._models.aboutToShow.connect(self._list_models)
         self._other_model = self._action(
@@ -66,7 +94,7 @@ class Menus(QObject):
             "Spawn &other...",
             "action_spawn_other",
             self.other_model_asked.emit,
-            "Ctrl+O",
+            "Ctrl+Shift+O",
         )
         menu.addSeparator()
         self._action(
@@ -76,7 +104,9 @@ class Menus(QObject):
             self.screenshot_asked.emit,
             "Ctrl+S",
         )
-        self._action(menu, "&Reset view", "action_reset_view", self.reset_asked.emit, "Home")
+        self._action(
+            menu, "Show the &whole world", "action_reset_view", self.reset_asked.emit, "Home"
+        )
         menu.addSeparator()
         self._action(menu, "&Quit", "action_quit", self.quit_asked.emit, "Ctrl+Q")
 
@@ -102,7 +132,18 @@ class Menus(QObject):
         self._resume = self._action(
             self._simulation, "&Resume", "action_resume", partial(self.pause_asked.emit, False)
         )
-        menu = self._menu(self._simulation, "&Speed", "menu_speed")
+        for action in (self._pause, self._resume):
+            action.setText(f"{action.text()}\tSpace")
+        self._simulation.addSeparator()
+        self.step = self._action(
+            self._simulation, "&Step", "action_step", self.step_asked.emit, "F10"
+        )
+        self.step.setToolTip("Make one step (F10), while paused")
+        self._steps = self._action(
+            self._simulation, "S&teps...", "action_steps", self.steps_asked.emit, "Shift+F10"
+        )
+        self._simulation.addSeparator()
+        menu = self._menu(self._simulation, "&Rate", "menu_speed")
         self._rates = QActionGroup(menu)
         for rate in _RATES:
             text = f"{rate:g} x real time" if math.isfinite(rate) else "as fast as possible"
@@ -115,7 +156,7 @@ class Menus(QObject):
         self.show_simulation(None)
 
     def _add_view_menu(self, docks: List[QDockWidget]) -> None:
-        menu = self._menu(self._bar, "&View", "menu_view")
+        self.view = menu = self._menu(self._bar, "&View", "menu_view")
         backgrounds = QActionGroup(menu)
         choices = self._menu(menu, "&Background", "menu_background")
         for name in BACKGROUNDS:
@@ -132,13 +173,29 @@ class Menus(QObject):
         for dock in docks:
             menu.addAction(dock.toggleViewAction())
 
+    def _add_help_menu(self) -> None:
+        menu = self._menu(self._bar, "&Help", "menu_help")
+        self._action(menu, "&Keys and mouse", "action_keys", self.keys_asked.emit, "F1")
+
+    @property
+    def titled(self) -> List[Tuple[str, QMenu]]:
+        """The menus of the bar, with their titles."""
+        actions = self._bar.actions()
+        return [(action.text().replace("&", ""), action.menu()) for action in actions]
+
     def set_world(self, path: str) -> None:
         """Sets the world's file, which determines the models to choose from."""
         self._world = Path(path)
+        self._recent.add(path)
 
     def show_simulation(self, simulation: Optional[Simulation]) -> None:
         """Enables the actions that apply to the present state; none if it is None."""
         self._simulation.setEnabled(simulation is not None)
+        for each in self._with_server:
+            each.setEnabled(simulation is not None)
+        is_paused = simulation is not None and simulation.is_paused
+        self.step.setEnabled(is_paused)
+        self._steps.setEnabled(is_paused)
         if simulation is None:
             return
         self._pause.setEnabled(not simulation.is_paused)

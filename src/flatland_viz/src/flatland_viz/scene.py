@@ -78,6 +78,17 @@ class Scene(QObject):
                 action.setVisible(False)
 
     @property
+    def toolbar(self) -> QToolBar:
+        """The toolbar with rviz's tools."""
+        [toolbar] = self.frame.findChildren(QToolBar)
+        return toolbar
+
+    @property
+    def tools(self) -> List[Any]:
+        """Rviz's tools, in the order of the toolbar."""
+        return [self._tools.getTool(index) for index in range(self._tools.numTools())]
+
+    @property
     def docks(self) -> List[QDockWidget]:
         """The panels of rviz, hidden at first."""
         docks: List[QDockWidget] = self.frame.findChildren(QDockWidget)

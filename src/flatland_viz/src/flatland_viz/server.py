@@ -13,10 +13,18 @@ from typing import Any, Callable, List, Optional, Tuple
 import rosgraph
 import rospy
 from flatland_msgs.msg import DebugTopicList, ModelList, SimulationState
-from flatland_msgs.srv import ChangeRate, DeleteModel, MoveModel, SpawnModel
+from flatland_msgs.srv import (
+    ChangeRate,
+    DeleteModel,
+    MoveModel,
+    OpenWorld,
+    Reset,
+    SpawnModel,
+    Step,
+)
 from geometry_msgs.msg import Pose2D
 from python_qt_binding.QtCore import QObject, Signal
-from std_srvs.srv import Empty
+from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import MarkerArray
 
 from flatland_viz.bounds import bounds_of_markers
@@ -51,6 +59,10 @@ class Server(QObject):
     """The Models by name, in natural order."""
     failed = Signal(str)
     """The error of a service call."""
+    refused = Signal(str, str)
+    """What could not be done with the world, and why: maybe many lines, with file and line."""
+    done = Signal(str)
+    """What a service call has done."""
     _succeeded = Signal(object)
     """What is to be called on the window's thread."""
 
@@ -130,12 +142,33 @@ class Server(QObject):
         """Moves a model; calls `then` if that succeeds."""
         self._call("move_model", MoveModel, name, Pose2D(*pose), then=then)
 
+    def step(self, count: int) -> None:
+        """Makes steps in a pause."""
+        self._call("step", Step, count, [], 0.0)
+
+    def reset(self) -> None:
+        """Makes the world anew, as it was loaded."""
+        done = "The world is as it was loaded."
+        self._call("reset", Reset, False, False, 0, done=done, refused="The world is not reset")
+
+    def reload(self) -> None:
+        """Makes the world anew from its files."""
+        done = "The world's files are loaded."
+        self._call("reload_world", Trigger, done=done, refused="The files are not loaded")
+
+    def open(self, path: str) -> None:
+        """Opens another world in place of this one."""
+        refused = f"{path} is not opened"
+        self._call("open_world", OpenWorld, path, done=f"Opened {path}", refused=refused)
+
     def _call(
         self,
         name: str,
         service: Any,
         *arguments: Any,
         then: Optional[Callable[[], None]] = None,
+        done: str = "",
+        refused: str = "",
     ) -> None:
         """Calls a service on a thread of its own; emits `failed` if that does not succeed.
 
@@ -144,18 +177,29 @@ class Server(QObject):
             service: its type.
             arguments: of the request.
             then: called on the window's thread if it succeeds.
+            done: a message for `done` on success.
+            refused: the title for `refused`, which is then emitted instead of `failed`.
         """
+
+        def fail(error: str) -> None:
+            if refused:
+                self._emit(self.refused, refused, error)
+            else:
+                self._emit(self.failed, f"{name}: {error}")
 
         def call() -> None:
             try:
                 response = rospy.ServiceProxy(name, service)(*arguments)
             except (rospy.ServiceException, rospy.ROSException) as error:
-                self._emit(self.failed, f"{name}: {error}")
+                fail(str(error))
                 return
             if not getattr(response, "success", True):
-                self._emit(self.failed, f"{name}: {error_text(response.message)}")
-            elif then is not None:
+                fail(error_text(response.message))
+                return
+            if then is not None:
                 self._emit(self._succeeded, then)
+            if done:
+                self._emit(self.done, done)
 
         threading.Thread(target=call, name=name, daemon=True).start()
 

@@ -1,6 +1,8 @@
 """The status line: hints of the tools, and the state of the simulation."""
 
-from python_qt_binding.QtCore import Qt
+from html import escape
+
+from python_qt_binding.QtCore import Qt, QTimer
 from python_qt_binding.QtWidgets import QLabel, QSizePolicy, QStatusBar
 
 from flatland_viz.status import Status
@@ -10,6 +12,9 @@ _STYLE = {
     "paused": "background: #f0c419; color: black",
     "no server": "background: #c62828; color: white",
 }
+
+
+_MESSAGE_TIME = 10_000  # ms
 
 
 class StatusLine(QStatusBar):
@@ -22,6 +27,8 @@ class StatusLine(QStatusBar):
         # A long hint is truncated; it must not widen the window.
         self._hint.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self.addWidget(self._hint, 1)
+        self._expiry = QTimer(self, singleShot=True, interval=_MESSAGE_TIME)
+        self._expiry.timeout.connect(self._hint.clear)
         self._time = self._field("status_time", "simulated time", "100000.0 s")
         self._speed = self._field("status_speed", "simulated per real time", "1.00 x real time")
         self._state = self._field("status_state", "the simulation", "waiting for the server")
@@ -44,5 +51,11 @@ class StatusLine(QStatusBar):
             self._state.setStyleSheet(_STYLE.get(status.state, ""))
 
     def show_hint(self, hint: str) -> None:
-        """Shows a hint; rviz's tools write it in rich text."""
+        """Shows a hint until the next one; rviz's tools write it in rich text."""
+        self._expiry.stop()
         self._hint.setText(" ".join(hint.split()))
+
+    def show_message(self, message: str) -> None:
+        """Shows what has happened, for some seconds."""
+        self.show_hint(escape(message))
+        self._expiry.start()

@@ -15,6 +15,7 @@ import yaml
 
 _WAKE_PERIOD = 50  # ms
 _FRAME_RATE = 30  # Hz
+_LONGEST_WAIT = 5000  # ms: for the world, until the window opens without it
 
 
 _END_SERVER = "--end-server-on-close"
@@ -69,8 +70,12 @@ def _show_window(ends_server: bool) -> int:
     server = Server()
     window = Window(server, Scene(_base_config(), _frame_rate()))
     server.start()
-    window.show()
-    window.activateWindow()  # gives it the keyboard where there is no window manager
+    # Opened by a launch file, it waits for the world: one that is refused ends the launch.
+    if ends_server:
+        server.simulation_changed.connect(lambda _: _show(window))
+        QTimer.singleShot(_LONGEST_WAIT, lambda: _show(window))
+    else:
+        _show(window)
 
     # rviz has installed roscpp's handlers. Python's run between bytecodes only, hence the timer.
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -82,12 +87,19 @@ def _show_window(ends_server: bool) -> int:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the shutdown
+    window.save_settings()
     window.hide()  # at once; rospy takes a second to shut down
     if ends_server and window.is_closed:
         server.shut_down()
     server.close()
     rospy.signal_shutdown("the window is closed")
     return 0
+
+
+def _show(window: Any) -> None:
+    if not window.isVisible() and not window.is_closed:
+        window.show()
+        window.activateWindow()  # gives it the keyboard where there is no window manager
 
 
 def _base_config() -> Any:

@@ -4,21 +4,33 @@ import time
 from pathlib import Path
 from typing import List, Optional
 
-from python_qt_binding.QtCore import QEvent, QObject, QSize, QTimer
-from python_qt_binding.QtWidgets import QApplication, QFileDialog, QMainWindow, QMenu, QMessageBox
+from python_qt_binding.QtCore import QEvent, QObject, Qt, QTimer
+from python_qt_binding.QtWidgets import (
+    QApplication,
+    QFileDialog,
+    QInputDialog,
+    QMainWindow,
+    QMenu,
+    QMessageBox,
+)
 
 from flatland_viz.bounds import Bounds, around
 from flatland_viz.displays import wanted
 from flatland_viz.ground_truth import GroundTruth
+from flatland_viz.keys_dialog import DRIVING, MOUSE, KeysDialog, page, rows_of
 from flatland_viz.menus import Menus
 from flatland_viz.model_workbench import ModelWorkbench
 from flatland_viz.scene import Scene
 from flatland_viz.selection import Selection
 from flatland_viz.server import Server
+from flatland_viz.settings import Settings
 from flatland_viz.status import Simulation, has_restarted, is_gone, status
 from flatland_viz.status_line import StatusLine
+from flatland_viz.toolbar import Toolbar, key_of
+from flatland_viz.window_size import first_size
 from flatland_viz.world_files import title
 
+_STEPS = "steps"
 _REFRESH_PERIOD = 200  # ms: of the status line
 _MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
 _RESET_DELAYS = (200, 3000)
@@ -48,17 +60,23 @@ class Window(QMainWindow):
         self.setCentralWidget(scene.frame)
         self._line = StatusLine()
         self.setStatusBar(self._line)
-        self._menus = Menus(self.menuBar(), scene.docks)
+        self._settings = Settings()
+        self._menus = Menus(self.menuBar(), scene.docks, self._settings)
         self._menus.enable_spawning(scene.can_spawn)
         self._ground_truth = GroundTruth(
             scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
         )
         self.selection = Selection()
         self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
+        self._toolbar = Toolbar(scene.toolbar, scene.tools)
+        self._toolbar.add(self._menus.step, "step", "Step")
+        self._toolbar.add(self._menus.reset, "reset", "Reset")
         self._connect()
         self._refresh()
         scene.panel.installEventFilter(self)
-        self.resize(QSize(1280, 800).boundedTo(QApplication.primaryScreen().availableSize()))
+        self._settings.follow_switches(self._menus.view)
+        if not self._settings.restore_window(self, scene.frame):
+            self.resize(first_size(QApplication.primaryScreen().availableSize()))
 
     def _connect(self) -> None:
         server, scene, menus = self._server, self._scene, self._menus
@@ -67,8 +85,17 @@ class Window(QMainWindow):
         server.navigation_changed.connect(scene.show_navigation_tools)
         server.walls_changed.connect(self._on_walls)
         server.world_changed.connect(self._on_world)
-        server.failed.connect(self._line.show_hint)
+        server.failed.connect(self._line.show_message)
+        server.done.connect(self._line.show_message)
+        server.refused.connect(self._show_error)
         scene.hints.connect(self._line.show_hint)
+        menus.world_chosen.connect(server.open)
+        menus.other_world_asked.connect(self._open_other)
+        menus.reload_asked.connect(server.reload)
+        menus.world_reset_asked.connect(server.reset)
+        menus.step_asked.connect(lambda: server.step(1))
+        menus.steps_asked.connect(self._ask_for_steps)
+        menus.keys_asked.connect(self._show_keys)
         menus.model_chosen.connect(scene.spawn)
         menus.other_model_asked.connect(self._spawn_other)
         menus.screenshot_asked.connect(self._take_screenshot)
@@ -125,6 +152,41 @@ class Window(QMainWindow):
         self.is_closed = True
         QApplication.quit()
 
+    def save_settings(self) -> None:
+        """Remembers the window's place, size and panels."""
+        self._settings.save_window(self, self._scene.frame)
+
+    def _show_error(self, what: str, why: str) -> None:
+        box = QMessageBox(QMessageBox.Warning, "Flatland", what, QMessageBox.Close, self)
+        box.setObjectName("error")
+        box.setStyleSheet("#qt_msgbox_informativelabel { min-width: 30em }")
+        box.setTextFormat(Qt.PlainText)
+        box.setInformativeText(why)
+        box.setTextInteractionFlags(Qt.TextSelectableByMouse)
+        box.setAttribute(Qt.WA_DeleteOnClose)
+        box.open()
+
+    def _open_other(self) -> None:
+        folder = str(Path(self._world).parent) if self._world else ""
+        file, _ = QFileDialog.getOpenFileName(
+            self, "Open a World", folder, "Worlds (*.yaml *.yml);;All files (*)"
+        )
+        if file:
+            self._server.open(file)
+
+    def _ask_for_steps(self) -> None:
+        before = int(self._settings.number(_STEPS, 100))
+        count, is_given = QInputDialog.getInt(self, "Steps", "&Steps:", before, 1, 1_000_000)
+        if is_given:
+            self._settings.set_number(_STEPS, count)
+            self._server.step(count)
+
+    def _show_keys(self) -> None:
+        menus = [(title, rows_of(menu)) for title, menu in self._menus.titled]
+        tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
+        text = page([menus, [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]])
+        KeysDialog(self, text).show()
+
     def _spawn_other(self) -> None:
         folder = str(Path(self._world).parent) if self._world else ""
         file, _ = QFileDialog.getOpenFileName(
@@ -148,6 +210,6 @@ class Window(QMainWindow):
         if not Path(file).suffix:
             file += ".png"
         if picture.save(file):
-            self._line.show_hint(f"Saved {file}")
+            self._line.show_message(f"Saved {file}")
         else:
             QMessageBox.warning(self, "Save a screenshot", f"{file} cannot be written.")

@@ -1,13 +1,16 @@
 """The services that control time and state: steps, resets, and saved states."""
 
 from pathlib import Path
-from typing import Any, Callable, Type
+from typing import Any, Callable, Type, Union
 
 import rospy
 from flatland_msgs.srv import (
     LoadState,
     LoadStateRequest,
     LoadStateResponse,
+    OpenWorld,
+    OpenWorldRequest,
+    OpenWorldResponse,
     Reset,
     ResetRequest,
     ResetResponse,
@@ -20,6 +23,7 @@ from flatland_msgs.srv import (
 )
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from flatland_server.config.file_names import to_path
 from flatland_server.messages import ros_time
 from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -33,7 +37,7 @@ _DEFAULT_TIMEOUT = 10.0
 
 
 class StateServices:
-    """Offers /step, /reset, /reload_world, /save_state and /load_state.
+    """Offers /step, /reset, /reload_world, /open_world, /save_state and /load_state.
 
     Like the services for models, they read and write files on rospy's threads, and change the world
     on the simulation's thread, between two steps.
@@ -50,6 +54,7 @@ class StateServices:
         offer("step", Step, StepResponse, self._step)
         offer("reset", Reset, ResetResponse, self._reset)
         offer("reload_world", Trigger, TriggerResponse, self._reload_world)
+        offer("open_world", OpenWorld, OpenWorldResponse, self._open_world)
         offer("save_state", SaveState, SaveStateResponse, self._save_state)
         offer("load_state", LoadState, LoadStateResponse, self._load_state)
 
@@ -69,6 +74,12 @@ class StateServices:
         config: WorldConfig = self._manager.world.read_config()
         self._change(lambda: self._manager.reload(config))
         return TriggerResponse(success=True, message=f"{config.path} is loaded")
+
+    def _open_world(self, request: OpenWorldRequest) -> OpenWorldResponse:
+        config: WorldConfig = self._manager.world.read_config(_absolute(to_path(request.path)))
+        self._change(lambda: self._manager.reload(config, keep_time=False))
+        rospy.set_param("~world_path", str(config.path))  # viewers show it
+        return OpenWorldResponse(success=True, message=f"{config.path} is open")
 
     def _save_state(self, request: SaveStateRequest) -> SaveStateResponse:
         path = _absolute(request.path)
@@ -97,7 +108,7 @@ class StateServices:
         self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
 
 
-def _absolute(path: str) -> Path:
+def _absolute(path: Union[str, Path]) -> Path:
     """A path of a request; the server's working directory says nothing to a client."""
     if not Path(path).is_absolute():
         raise ValueError(f'expected an absolute path, found "{path}"')

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from contextlib import closing
+from pathlib import Path
 from typing import TYPE_CHECKING, Callable, Dict, List, Optional, cast
 
 from flatland_server import _core
@@ -74,17 +75,21 @@ class Restartable(ABC):
             lambda: self._replace(lambda: self._start(config, chosen)), "the world is not reset"
         )
 
-    def read_config(self) -> WorldConfig:
-        """Reads the world's files again, for `reload`; may be called in any thread.
+    def read_config(self, path: Optional[Path] = None) -> WorldConfig:
+        """Reads a world's files, for `reload`; may be called in any thread.
+
+        Args:
+            path: of the world file; None reads this world's own again.
 
         Raises:
             FlatlandError: something in them is wrong, or the world was made without a file.
         """
-        if self._config.path is None:
+        path = path or self._config.path
+        if path is None:
             raise FlatlandError("the world was made without a file")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
             return WorldConfig.from_file(
-                self._config.path,
+                path,
                 preprocessor,
                 simplify_map=self._config.simplify_map,
                 model_folders=self._config.model_folders[1:],  # the first is the world's own

@@ -154,16 +154,19 @@ class SimulationManager:
             self.timekeeper.jump_to(0)
         self._has_jumped()
 
-    def reload(self, config: WorldConfig) -> None:
-        """Replaces the world's contents by those of another configuration; time goes on.
+    def reload(self, config: WorldConfig, *, keep_time: bool = True) -> None:
+        """Replaces the world's contents by those of another configuration.
 
         Args:
             config: see `World.read_config`.
+            keep_time: whether simulated time goes on, instead of beginning at 0.
 
         Raises:
             FlatlandError: a model or plugin does not start. The world is unchanged.
         """
         self.world.reload(config)
+        if not keep_time:
+            self.timekeeper.jump_to(0)
         self._has_jumped()
 
     def save_state(self) -> bytes:

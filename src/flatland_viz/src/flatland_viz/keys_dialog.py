@@ -1,0 +1,85 @@
+"""The window's keys and what the mouse does, on one page."""
+
+from html import escape
+from typing import Iterable, List, Sequence, Tuple
+
+from python_qt_binding.QtCore import QSize, Qt
+from python_qt_binding.QtGui import QKeySequence
+from python_qt_binding.QtWidgets import (
+    QApplication,
+    QDialog,
+    QDialogButtonBox,
+    QFrame,
+    QLabel,
+    QMenu,
+    QScrollArea,
+    QVBoxLayout,
+)
+
+from flatland_viz.window_size import first_size
+
+Rows = List[Tuple[str, str]]
+"""Keys, and what they do."""
+
+MOUSE: Rows = [
+    ("left button on a model", "drag it by its middle, turn it by its ring"),
+    ("right button on a model", "its menu"),
+    ("wheel", "zoom"),
+]
+DRIVING: Rows = [
+    ("arrows, W A S D", "drive, while the Drive panel is open"),
+    ("Q, E", "to the left and right, for drives that can"),
+    ("Shift", "half as fast"),
+]
+
+
+def rows_of(menu: QMenu) -> Rows:
+    """The actions of a menu and its submenus that have a key."""
+    rows: Rows = []
+    for action in menu.actions():
+        if action.menu() is not None:
+            rows += rows_of(action.menu())
+            continue
+        key = action.shortcut().toString(QKeySequence.NativeText)
+        if key:
+            rows.append((key, action.text().replace("&", "").rstrip(".")))
+    return rows
+
+
+def page(columns: Sequence[Sequence[Tuple[str, Rows]]]) -> str:
+    """Columns of titled tables as rich text; a table without rows is left out."""
+    cells = ("".join(_table(*each) for each in column if each[1]) for column in columns)
+    return f"<table><tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr></table>"
+
+
+def _table(title: str, rows: Iterable[Tuple[str, str]]) -> str:
+    lines = "".join(
+        f"<tr><td style='padding: 2px 14px 2px 0'><b>{escape(key).replace(' ', '&nbsp;')}</b></td>"
+        f"<td style='padding: 2px 24px 2px 0'>{escape(text)}</td></tr>"
+        for key, text in rows
+    )
+    return f"<h4>{escape(title)}</h4><table cellspacing='0'>{lines}</table>"
+
+
+class KeysDialog(QDialog):
+    """Shows the page; the window can be used meanwhile."""
+
+    def __init__(self, parent: object, text: str) -> None:
+        super().__init__(parent)
+        self.setObjectName("keys_dialog")
+        self.setWindowTitle("Keys and Mouse")
+        self.setAttribute(Qt.WA_DeleteOnClose)
+        label = QLabel(text)
+        label.setTextFormat(Qt.RichText)
+        label.setAlignment(Qt.AlignTop)
+        buttons = QDialogButtonBox(QDialogButtonBox.Close)
+        buttons.rejected.connect(self.close)
+        area = QScrollArea()
+        area.setFrameShape(QFrame.NoFrame)
+        area.setWidget(label)
+        layout = QVBoxLayout(self)
+        layout.addWidget(area)
+        layout.addWidget(buttons)
+        bar = area.verticalScrollBar().sizeHint().width()
+        wanted = label.sizeHint() + QSize(2 * bar, buttons.sizeHint().height() + 3 * bar)
+        self.resize(first_size(QApplication.primaryScreen().availableSize()).boundedTo(wanted))

@@ -1,0 +1,91 @@
+"""What the window remembers from one start to the next, in ~/.config/flatland/window.conf."""
+
+from typing import Any, List, Optional
+
+from python_qt_binding.QtCore import QByteArray, QSettings
+from python_qt_binding.QtWidgets import QAction, QMainWindow, QMenu
+
+_SWITCHES = "switches"
+
+
+class Settings:
+    """Named values in a file of the user's. A file that cannot be written is ignored."""
+
+    def __init__(self) -> None:
+        self._store = QSettings("flatland", "window")
+
+    def text(self, key: str, default: str = "") -> str:
+        """A string; `default` if there is none."""
+        return str(self._store.value(key, default))
+
+    def set_text(self, key: str, value: str) -> None:
+        """Remembers a string."""
+        self._store.setValue(key, value)
+
+    def number(self, key: str, default: float) -> float:
+        """A number; `default` if there is none."""
+        try:
+            return float(self._store.value(key, default))
+        except (TypeError, ValueError):
+            return default
+
+    def set_number(self, key: str, value: float) -> None:
+        """Remembers a number."""
+        self._store.setValue(key, value)
+
+    def list(self, key: str) -> List[str]:
+        """A list of strings; empty if there is none."""
+        value: Any = self._store.value(key, [])
+        return [value] if isinstance(value, str) else [str(each) for each in value or []]
+
+    def set_list(self, key: str, value: List[str]) -> None:
+        """Remembers a list of strings."""
+        self._store.setValue(key, value)
+
+    def follow_switches(self, menu: QMenu) -> None:
+        """Restores the checked actions of a menu and its submenus, and remembers changes.
+
+        Each must have an object name. To be called when their signals are connected.
+        """
+        for action in menu.actions():
+            if action.menu() is not None:
+                self.follow_switches(action.menu())
+            elif action.isCheckable() and action.objectName():
+                self._follow(action)
+
+    def _follow(self, action: QAction) -> None:
+        key = f"{_SWITCHES}/{action.objectName()}"
+        before = self._store.value(key)
+        is_on = str(before) == "true"
+        # One of several is switched off by another one.
+        can_change = is_on or action.actionGroup() is None
+        if before is not None and is_on != action.isChecked() and can_change:
+            action.trigger()
+        action.toggled.connect(lambda is_on: self._store.setValue(key, is_on))
+
+    def restore_window(self, window: QMainWindow, inner: QMainWindow) -> bool:
+        """Gives the window its former place, size and panels. Returns whether it had any.
+
+        Qt keeps it within the screen.
+
+        Args:
+            window: the window.
+            inner: the one within it, which has panels of its own.
+        """
+        geometry = _bytes(self._store.value("geometry"))
+        for key, each in (("panels", window), ("inner_panels", inner)):
+            panels = _bytes(self._store.value(key))
+            if panels is not None:
+                each.restoreState(panels)
+        return geometry is not None and bool(window.restoreGeometry(geometry))
+
+    def save_window(self, window: QMainWindow, inner: QMainWindow) -> None:
+        """Remembers what `restore_window` restores."""
+        self._store.setValue("geometry", window.saveGeometry())
+        self._store.setValue("panels", window.saveState())
+        self._store.setValue("inner_panels", inner.saveState())
+        self._store.sync()
+
+
+def _bytes(value: Any) -> Optional[QByteArray]:
+    return value if isinstance(value, QByteArray) else None

@@ -1,0 +1,82 @@
+"""rviz's toolbar in the window: tooltips with keys, and buttons of our own behind the tools."""
+
+from pathlib import Path
+from typing import Any, List
+
+import rospkg
+from python_qt_binding.QtCore import QEvent, QObject, Qt
+from python_qt_binding.QtGui import QIcon
+from python_qt_binding.QtWidgets import QAction, QToolBar
+
+_SPACE = " "
+
+
+def key_of(tool: Any) -> str:
+    """The key of one of rviz's tools, as it is shown; empty if it has none."""
+    key: str = tool.getShortcutKey()
+    if key == _SPACE:
+        return "Space"
+    return key.upper() if key.isprintable() else ""
+
+
+def icon(name: str) -> QIcon:
+    """An icon of this package."""
+    folder = Path(rospkg.RosPack().get_path("flatland_viz")) / "icons"
+    return QIcon(str(folder / f"{name}.svg"))
+
+
+class Toolbar(QObject):
+    """Adds to the toolbar, and shows icons alone where there is no room for their names.
+
+    Args:
+        bar: rviz's toolbar.
+        tools: rviz's tools, which it has a button for each.
+    """
+
+    def __init__(self, bar: QToolBar, tools: List[Any]) -> None:
+        super().__init__(bar)
+        self._bar = bar
+        self._is_fitting = False
+        self._full_width = 0
+        for tool in tools:
+            for action in bar.actions():
+                if action.text() == tool.getName():
+                    self._describe(action, tool)
+        bar.addSeparator()
+        bar.installEventFilter(self)
+
+    @staticmethod
+    def _describe(action: QAction, tool: Any) -> None:
+        key = key_of(tool)
+        title = f"{action.text()} ({key})" if key else action.text()
+        description = " ".join(tool.getDescription().split())
+        action.setToolTip(f"<p><b>{title}</b><br>{description}</p>" if description else title)
+
+    def add(self, action: QAction, icon_name: str, text: str) -> None:
+        """Adds a button for an action of the menus.
+
+        Args:
+            action: what it does.
+            icon_name: of a file in the folder `icons`.
+            text: its name in the toolbar, which may be shorter than in the menu.
+        """
+        action.setIcon(icon(icon_name))
+        action.setIconText(text)
+        action.setIconVisibleInMenu(False)
+        self._bar.addAction(action)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Fits the toolbar to its width, and to names that have changed."""
+        if event.type() in (QEvent.Resize, QEvent.LayoutRequest) and not self._is_fitting:
+            self._is_fitting = True
+            self._fit()
+            self._is_fitting = False
+        return False
+
+    def _fit(self) -> None:
+        if self._bar.toolButtonStyle() != Qt.ToolButtonIconOnly:
+            self._full_width = self._bar.layout().sizeHint().width()
+        is_narrow = self._bar.width() < self._full_width
+        style = Qt.ToolButtonIconOnly if is_narrow else Qt.ToolButtonTextBesideIcon
+        if style != self._bar.toolButtonStyle():
+            self._bar.setToolButtonStyle(style)

@@ -1,0 +1,164 @@
+"""The window's menus and panels on a desktop with a window manager, by keys and mouse.
+
+The server's topics and services have the results.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from desktop import desktop
+
+pytestmark = pytest.mark.slow
+
+STATES = {"paused": (240, 196, 25), "no server": (198, 40, 40)}
+WORLDS = Path(__file__).resolve().parents[2] / "flatland_server" / "worlds"
+ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
+BOX = WORLDS / "office" / "box.model.yaml"
+WORLD = f"""properties: {{}}
+layers:
+  - {{name: room, map: {WORLDS}/test_room/room.yaml, color: [0.4, 0.4, 0.4, 1]}}
+models:
+  - {{name: turtlebot, pose: [0, 0, 0], model: {ROBOT}}}
+"""
+
+
+@pytest.fixture(scope="module")
+def display():
+    with desktop("1280x800") as name:
+        yield name
+
+
+class Window:
+    """The window with a world of one robot, which can be edited."""
+
+    def __init__(self, screen, ros, waiting, folder):
+        self.screen, self.ros, self.waiting = screen, ros, waiting
+        self.world = folder / "room" / "world.yaml"
+        self.world.parent.mkdir()
+        self.world.write_text(WORLD)
+        ros.launch_server(self.world, "show_viz:=true")
+        self.id = screen.wait_for_window("Flatland - room/world.yaml")
+
+    def key(self, *keys):
+        """Keys for the window, not for one of its dialogs."""
+        self.screen.focus(self.id)
+        self.screen.key(*keys)
+
+    def wait_for_dialog(self, title):
+        self.screen.wait_for_window(title)
+
+    def wait_for_state(self, **values):
+        def holds():
+            state = self.ros.state()
+            return all(state[name] == value for name, value in values.items())
+
+        self.waiting(holds, str(values), 20)
+
+    def says(self, state):
+        """Whether the status line shows a state of the simulation, by its background."""
+        line = self.screen.picture("window_status")[-60:, 640:]
+        return (abs(line - np.array(STATES[state])).max(axis=2) < 6).sum() > 200
+
+    def wait_for_models(self, *names):
+        self.waiting(lambda: self.ros.models() == [*names], f"the models {names}", 20)
+
+
+@pytest.fixture(scope="module")
+def window(screen, ros, waiting, tmp_path_factory):
+    return Window(screen, ros, waiting, tmp_path_factory.mktemp("worlds"))
+
+
+@pytest.fixture
+def paused(window):
+    window.ros.call("/pause")
+    window.wait_for_state(paused=True)
+    yield window
+    window.ros.call("/resume")
+    window.wait_for_state(paused=False)
+
+
+def test_the_window_fits_on_the_screen_with_its_title_bar(window):
+    [line] = [
+        line
+        for line in window.screen.text("xwininfo", "-id", window.id, "-stats", "-frame")
+        if "-geometry" in line
+    ]
+    width, height, x, y = map(int, re.findall(r"\d+", line))
+    assert x + width <= 1280
+    assert y + height <= 800
+    assert width > 1200
+    assert height > 700
+
+
+def test_reset_starts_again(window):
+    window.ros.spawn(BOX, "crate", 2.0, 1.0)
+    before = window.ros.state()["stamp"]
+    window.key("ctrl+r")
+    window.wait_for_models("turtlebot")
+    assert window.ros.state()["stamp"] < before
+    window.screen.picture("window_reset")
+
+
+def test_single_steps_and_several(paused):
+    before = paused.ros.state()["stamp"]
+    paused.waiting(lambda: paused.says("paused"), '"paused" in the status line', 20)
+    paused.key("F10")
+    paused.wait_for_state(stamp=pytest.approx(before + 0.005))
+    paused.key("shift+F10")
+    paused.wait_for_dialog("Steps")
+    paused.screen.key("ctrl+a")
+    paused.screen.type("20")
+    paused.screen.picture("window_steps")
+    paused.screen.key("Return")
+    paused.wait_for_state(stamp=pytest.approx(before + 0.105))
+
+
+def test_files_are_reloaded_after_an_edit(window):
+    crate = f"  - {{name: crate, pose: [2, 1, 0], model: {BOX}}}\n"
+    window.world.write_text(WORLD + crate)
+    window.key("F5")
+    window.wait_for_models("turtlebot", "crate")
+
+    window.world.write_text(WORLD + crate.replace("pose", "pos"))
+    window.key("F5")
+    window.wait_for_dialog("Flatland")
+    window.screen.picture("window_refused")
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Flatland")
+    assert window.ros.models() == ["turtlebot", "crate"]
+
+    window.world.write_text(WORLD)
+    window.key("F5")
+    window.wait_for_models("turtlebot")
+
+
+def test_another_world_is_opened_and_the_first_one_again(window):
+    other = WORLDS / "test_room" / "world.yaml"
+    window.key("ctrl+o")
+    window.wait_for_dialog("Open a World")
+    window.screen.type(str(other))
+    window.screen.picture("window_open")
+    window.screen.key("Return")
+    window.screen.wait_for_window("Flatland - test_room/world.yaml")
+    topics = "/flatland_server/debug/topics"
+    assert "layer/hall" in window.ros.message(topics, "flatland_msgs/DebugTopicList")["topics"]
+
+    window.key("alt+w", "r")  # the menu of recent worlds
+    window.screen.picture("window_recent")
+    window.screen.key("Return")
+    window.screen.wait_for_window("Flatland - room/world.yaml")
+
+
+def test_the_keys_are_shown(window):
+    window.key("F1")
+    window.wait_for_dialog("Keys and Mouse")
+
+    def shows_text():
+        middle = window.screen.picture("window_keys")[200:500, 340:940]
+        return (middle.max(axis=2) < 60).sum() > 2000
+
+    window.waiting(shows_text, "the keys", 20)
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Keys and Mouse")
