@@ -3,6 +3,7 @@
 
 import math
 import sys
+import tempfile
 import unittest
 
 import rospkg
@@ -10,6 +11,7 @@ import rospy
 from flatland_msgs.msg import DebugTopicList, SimulationState
 from flatland_msgs.srv import ChangeRate, GetModelMarkers
 from rostest_tools import Recorder, wait_until
+from service_calls import delete, spawn
 from std_srvs.srv import Empty
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
 from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate, MarkerArray
@@ -87,6 +89,44 @@ class InteractiveMarkers(unittest.TestCase):
         self.wait_for_pose(4.0, -0.2, 1.0)
         wait_until(lambda: places() and abs(places()[-1] - 4.0) < 1e-6, "the handle to follow")
         updates.close()
+
+    def test_the_ring_is_around_the_footprints_of_a_model(self):
+        shape = "[[0.2, -0.4], [0.2, 0.4], [-1.2, 0.4], [-1.2, -0.4]]"  # a forklift, from its wheel
+        footprint = f"{{type: polygon, points: {shape}, density: 1}}"
+        base = f"bodies: [{{name: base, footprints: [{footprint}]}}]"
+        with tempfile.NamedTemporaryFile("w", suffix=".model.yaml") as file:
+            file.write(base)
+            file.flush()
+            self.assertTrue(spawn(file.name, "forklift", "", 2.0, 3.0, math.pi / 2).success)
+        self.addCleanup(delete, "forklift")
+        [handle] = wait_until(
+            lambda: [handle for handle in handles() if handle.name == "forklift"], "its handle"
+        )
+        self.assertAlmostEqual(handle.pose.position.x, 2.0)
+        self.assertAlmostEqual(handle.pose.position.y, 2.5)
+        self.assertAlmostEqual(handle.scale, 2.5 * math.hypot(0.7, 0.4), places=5)
+        [drag, _] = handle.controls
+        corners = [p.x + drag.markers[0].pose.position.x for p in drag.markers[0].points]
+        self.assertAlmostEqual(max(corners), 0.7)
+
+        for event in (Feedback.MOUSE_DOWN, Feedback.MOUSE_UP):  # turned about its middle
+            self.send(event, 2.0, 2.5, 0.0, model="forklift")
+        markers = Recorder("/flatland_server/debug/model/forklift", MarkerArray)
+        self.addCleanup(markers.close)
+
+        def has_turned():
+            latest = [each for message in markers.messages[-1:] for each in message.markers]
+            places = [(each.pose.position.x, each.pose.position.y) for each in latest]
+            return places and math.dist(places[0], (2.5, 2.5)) < 1e-3
+
+        wait_until(has_turned, "the forklift to turn")
+
+    def test_a_new_subscriber_is_served_in_a_pause(self):
+        rospy.ServiceProxy("/pause", Empty)()
+        self.wait_for_state(paused=True)
+        updates = Recorder("/interactive_model_markers/update", InteractiveMarkerUpdate)
+        self.addCleanup(updates.close)
+        updates.next(holds=lambda update: update.type == InteractiveMarkerUpdate.KEEP_ALIVE)
 
     def test_a_drag_in_a_pause_does_not_end_it(self):
         rospy.ServiceProxy("/pause", Empty)()

@@ -92,13 +92,13 @@ def test_the_window_fits_on_the_screen_with_its_title_bar(window):
     assert height > 700
 
 
-def test_reset_starts_again(window):
-    window.ros.spawn(BOX, "crate", 2.0, 1.0)
-    before = window.ros.state()["stamp"]
-    window.key("ctrl+r")
-    window.wait_for_models("turtlebot")
-    assert window.ros.state()["stamp"] < before
-    window.screen.picture("window_reset")
+def test_reset_starts_again(paused):
+    paused.ros.spawn(BOX, "crate", 2.0, 1.0)
+    assert paused.ros.state()["stamp"] > 0.0
+    paused.key("ctrl+r")
+    paused.wait_for_state(stamp=0.0)
+    paused.wait_for_models("turtlebot")
+    paused.screen.picture("window_reset")
 
 
 def test_single_steps_and_several(paused):
@@ -149,6 +149,47 @@ def test_another_world_is_opened_and_the_first_one_again(window):
     window.screen.picture("window_recent")
     window.screen.key("Return")
     window.screen.wait_for_window("Flatland - room/world.yaml")
+
+
+def shows_ring(window):
+    """Whether the robot has its handle, in the middle of the view: it is bluish."""
+    middle = window.screen.picture("window_ring")[370:480, 580:700]
+    return (middle[..., 2] - middle[..., 0] > 30).sum() > 500
+
+
+def test_handles_are_there_after_a_reset_in_a_pause(paused):
+    paused.key("Home")
+    paused.waiting(lambda: shows_ring(paused), "the ring", 20)
+    paused.key("ctrl+r")
+    paused.waiting(lambda: not shows_ring(paused), "rviz to discard it", 20)
+    paused.waiting(lambda: shows_ring(paused), "the ring again", 20)
+    assert paused.ros.state()["paused"]
+
+
+def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
+    window.screen.move((900, 300))
+    window.key("a")
+    window.wait_for_dialog("Spawn Model")
+    window.screen.key("alt+f", "ctrl+a")
+    window.screen.type(BOX)
+    window.screen.key("alt+n", "ctrl+a")
+    window.screen.type("turtlebot")
+    window.screen.key("Return")
+    window.screen.wait_until_closed("Spawn Model")
+    for place in ((900, 300), (1000, 300)):
+        window.screen.click(place)
+    window.wait_for_dialog("Spawn Model")  # the name is taken
+    window.screen.picture("window_taken")
+    window.screen.type("crate")  # the name is selected
+    window.screen.key("Return")
+    window.screen.wait_until_closed("Spawn Model")
+    window.wait_for_models("turtlebot", "crate")
+    x, y, yaw = window.ros.pose("crate")
+    window.screen.picture("window_spawned")
+    assert x > 1.0
+    assert y > 0.5
+    assert yaw == pytest.approx(0.0, abs=0.02)
+    window.ros.call("/delete_model", name="crate")
 
 
 def test_the_keys_are_shown(window):

@@ -25,7 +25,7 @@ void PauseSimTool::Show(bool is_paused) {
   setName(is_paused ? "Resume" : "Pause");
   setIcon(is_paused ? resume_icon_ : pause_icon_);
   context_->getToolManager()->refreshTool(this);
-  if (is_change) setStatus(is_paused ? "The simulation is paused." : "The simulation is running.");
+  if (is_change) setStatus(is_paused ? "The simulation is paused." : "");
 }
 
 void PauseSimTool::Run() {

@@ -56,6 +56,7 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
   connect(file_, &QLineEdit::textChanged, this, &SpawnDialog::SuggestName);
   connect(name_, &QLineEdit::textEdited, this,
           [this](const QString& name) { has_own_name_ = !name.isEmpty(); });
+  buttons_->button(QDialogButtonBox::Cancel)->setAutoDefault(false);
   connect(buttons_, &QDialogButtonBox::accepted, this, &SpawnDialog::accept);
   connect(buttons_, &QDialogButtonBox::rejected, this, &SpawnDialog::reject);
 }
@@ -127,8 +128,11 @@ ModelChoice SpawnDialog::choice() const {
   return choice;
 }
 
-void SpawnDialog::Open(const QString& error) {
+void SpawnDialog::Open(const QString& error, bool is_placed) {
   SetInputEnabled(true);
+  QPushButton* ok = buttons_->button(QDialogButtonBox::Ok);
+  ok->setText(is_placed ? "&Spawn" : "&Place");
+  ok->setToolTip(is_placed ? "Spawn it where it was placed." : "Choose its place by mouse.");
   message_->ShowError(error);
   open();
   raise();
@@ -136,6 +140,7 @@ void SpawnDialog::Open(const QString& error) {
   QLineEdit* first = file_->text().isEmpty() ? file_ : name_;
   first->setFocus();
   first->selectAll();
+  ok->setDefault(true);  // while it was disabled, Enter has become Cancel's
 }
 
 void SpawnDialog::Wait(const QString& reason) {
@@ -150,7 +155,7 @@ void SpawnDialog::SetInputEnabled(bool is_enabled) {
 
 void SpawnDialog::accept() {
   if (choice().file.isEmpty()) {
-    Open("Select the YAML file of a model.");
+    Open("Select the YAML file of a model.", false);
   } else {
     Q_EMIT Submitted(choice());
   }

@@ -25,8 +25,8 @@ class SpawnDialog : public QDialog {
 
   ModelChoice choice() const;
 
-  /// Enables input, and shows an error if there is one.
-  void Open(const QString& error = {});
+  /// Enables input, and shows an error if there is one. `is_placed`: the model has its place already.
+  void Open(const QString& error, bool is_placed);
   /// Disables all input but Cancel, and shows the reason.
   void Wait(const QString& reason);
 

@@ -61,19 +61,25 @@ void SpawnModelTool::activate() {
 
 void SpawnModelTool::OpenMenu(const QString& error) {
   phase_ = Phase::kMenu;
-  preview_.reset();
   if (!dialog_) {
     rviz::WindowManagerInterface* windows = context_->getWindowManager();
     dialog_ = new SpawnDialog(windows ? windows->getParentWindow() : nullptr, properties_.Read());
     connect(dialog_, &SpawnDialog::Submitted, this, &SpawnModelTool::AskForMarkers);
     connect(dialog_, &QDialog::rejected, this, &rviz::Tool::close);
   }
-  dialog_->Open(error);
+  dialog_->Open(error, !placed_file_.isEmpty());
   ShowHint();
 }
 
 void SpawnModelTool::AskForMarkers(const ModelChoice& choice) {
   properties_.Write(choice);
+  if (choice.file == placed_file_) {
+    dialog_->Wait("The server spawns the model ...");
+    Spawn();
+    return;
+  }
+  placed_file_.clear();
+  preview_.reset();
   dialog_->Wait("Asking the server what the model looks like ...");
   GetModelMarkers::Request request;
   request.yaml_path = choice.file.toStdString();
@@ -146,6 +152,7 @@ void SpawnModelTool::Spawn() {
   phase_ = Phase::kSpawning;
   ShowHint();
   const ModelChoice choice = properties_.Read();
+  placed_file_ = choice.file;
   SpawnModel::Request request;
   request.yaml_path = choice.file.toStdString();
   request.name = choice.Name().toStdString();
@@ -169,8 +176,10 @@ void SpawnModelTool::Spawn() {
 }
 
 void SpawnModelTool::End() {
+  if (phase_ != Phase::kOff) setStatus("");  // the hint would stay
   phase_ = Phase::kOff;
   server_.Cancel();
+  placed_file_.clear();
   preview_.reset();
   if (!dialog_) return;
   dialog_->hide();

@@ -20,7 +20,8 @@ namespace flatland_viz {
 
 /// First the user chooses a model in a menu. A left click sets its position, another one its
 /// orientation, and the server spawns it. If the server refuses, the menu opens again with the
-/// error. A right click, Escape or another tool cancels all of it.
+/// error, and OK tries again at the same place. A right click, Escape or another tool cancels all
+/// of it.
 class SpawnModelTool : public rviz::Tool {
  public:
   SpawnModelTool();
@@ -50,6 +51,7 @@ class SpawnModelTool : public rviz::Tool {
   std::unique_ptr<ModelPreview> preview_;
   Phase phase_ = Phase::kOff;
   geometry_msgs::Pose2D pose_;  // of the model in the world
+  QString placed_file_;         // the model that the server has refused there; empty if none
 };
 
 }  // namespace flatland_viz

@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import Dict, List, Tuple
+from typing import Dict, List, NamedTuple, Tuple
 
 import rospy
 from visualization_msgs.msg import (
@@ -32,6 +32,19 @@ _DRAG_TIMEOUT = 3.0
 _KEEP_ALIVE_PERIOD = rospy.Duration(0.5)
 """Of ROS time, simulated or not: rviz uses it to time out servers."""
 
+_REAL_KEEP_ALIVE_PERIOD = 1.0
+"""The same in real seconds, for pauses: a new subscriber shows nothing before the first message."""
+
+
+class _Handle(NamedTuple):
+    """What is shown of a model."""
+
+    model: Model
+    centre: Pose
+    """The middle of its footprints, in the model's frame."""
+    pose: Tuple[float, float, float]
+    """Of its base, at the last update."""
+
 
 class InteractiveMarkerManager:
     """Offers an interactive marker for each model at `interactive_model_markers`.
@@ -55,7 +68,8 @@ class InteractiveMarkerManager:
         self._frame_id = frame_id
         self._server = transport.rospy_calls.marker_server("interactive_model_markers")
         self._keep_alive_due = rospy.Time()
-        self._shown: Dict[str, Tuple[Model, Tuple[float, float, float]]] = {}  # with base's pose
+        self._keep_alive_timer = RealTimeTimer(_REAL_KEEP_ALIVE_PERIOD)
+        self._shown: Dict[str, _Handle] = {}
         self._drags: Dict[str, float] = {}  # real time of the last feedback, by model
         self._resumes = False
 
@@ -78,6 +92,7 @@ class InteractiveMarkerManager:
         now = rospy.get_rostime()
         has_jumped_back = now + _KEEP_ALIVE_PERIOD < self._keep_alive_due
         is_due = now >= self._keep_alive_due or has_jumped_back
+        is_due |= self._manager.is_paused and self._keep_alive_timer.check_update()
         if is_due and self._server.update_pub.get_num_connections() > 0:
             self._keep_alive_due = now + _KEEP_ALIVE_PERIOD
             self._server.keep_alive()
@@ -85,7 +100,7 @@ class InteractiveMarkerManager:
     def _follow_models(self) -> Tuple[List[str], List[str]]:
         """Adds and removes markers. Returns the names of the models that are gone, and new."""
         models = self._world.models
-        gone = [name for name, (model, _) in self._shown.items() if models.get(name) is not model]
+        gone = [name for name, shown in self._shown.items() if models.get(name) is not shown.model]
         for name in gone:
             del self._shown[name]
             self._server.erase(name)
@@ -94,9 +109,10 @@ class InteractiveMarkerManager:
         new = [name for name in models if name not in self._shown]
         for name in new:
             model = models[name]
-            self._shown[name] = (model, model.base.physics_body.pose)
+            centre, radius = _circle_around(model)
+            self._shown[name] = _Handle(model, centre, model.base.physics_body.pose)
             self._server.insert(
-                _interactive_marker(model, self._frame_id),
+                _interactive_marker(model, centre, radius, self._frame_id),
                 lambda feedback: self._transport.post(lambda: self._on_feedback(feedback)),
             )
         return gone, new
@@ -108,11 +124,12 @@ class InteractiveMarkerManager:
         the end, so that a model would jump back from where the mouse has left it.
         """
         has_moved = False
-        for name, (model, shown_pose) in self._shown.items():
-            pose = model.base.physics_body.pose
-            if pose != shown_pose and name not in self._drags:
-                self._shown[name] = (model, pose)
-                has_moved |= self._server.setPose(name, _pose_message(model.pose))
+        for name, shown in self._shown.items():
+            pose = shown.model.base.physics_body.pose
+            if pose != shown.pose and name not in self._drags:
+                self._shown[name] = shown._replace(pose=pose)
+                place = shown.model.pose.compose(shown.centre)
+                has_moved |= self._server.setPose(name, _pose_message(place))
         return has_moved
 
     def _on_feedback(self, feedback: InteractiveMarkerFeedback) -> None:
@@ -140,7 +157,8 @@ class InteractiveMarkerManager:
             2.0 * (turn.w * turn.z + turn.x * turn.y),
             1.0 - 2.0 * (turn.y * turn.y + turn.z * turn.z),
         )
-        pose = Pose(position.x, position.y, yaw)
+        centre = self._shown[name].centre if name in self._shown else Pose(0.0, 0.0, 0.0)
+        pose = Pose(position.x, position.y, yaw).compose(centre.inverse())
         try:
             self._world.move_model(name, pose)
         except FlatlandError:
@@ -166,16 +184,48 @@ def _pose_message(pose: Pose) -> object:
     return message
 
 
-def _interactive_marker(model: Model, frame_id: str) -> InteractiveMarker:
-    """The marker of a model: its footprints to drag it, and a ring to turn it."""
-    marker = InteractiveMarker(name=model.name, pose=_pose_message(model.pose))
+def _circle_around(model: Model) -> Tuple[Pose, float]:
+    """A circle around a model as it is now: its centre, in the model's frame, and its radius [m].
+
+    The centre is that of the bounding box of the model's footprints, but for sensors if there are
+    others.
+    """
+    to_model = model.pose.inverse()
+    solid: List[Tuple[float, float]] = []
+    sensors: List[Tuple[float, float]] = []
+    for body in model.bodies.values():
+        for footprint in body.config.footprints:
+            for corner in footprint.shape.outline():
+                point = to_model.apply(*body.physics_body.world_point(corner))
+                (sensors if footprint.sensor else solid).append(point)
+    points = solid or sensors or [(0.0, 0.0)]
+    xs, ys = zip(*points)
+    # To the millimetre: what is symmetric has its centre at its origin.
+    x, y = round((min(xs) + max(xs)) / 2, 3), round((min(ys) + max(ys)) / 2, 3)
+    return Pose(x, y, 0.0), max(math.dist((x, y), point) for point in points)
+
+
+def _interactive_marker(
+    model: Model, centre: Pose, radius: float, frame_id: str
+) -> InteractiveMarker:
+    """The marker of a model: its footprints to drag it, and a ring to turn it.
+
+    Args:
+        model: the model.
+        centre: of the ring, in the model's frame.
+        radius: of a circle around the model [m].
+        frame_id: of the world.
+    """
+    marker = InteractiveMarker(name=model.name, pose=_pose_message(model.pose.compose(centre)))
     marker.header.frame_id = frame_id  # no stamp: feedback comes in this frame
     marker.menu_entries = [MenuEntry(id=_DELETE, title=f"Delete {model.name}")]
     shapes = [shape for shape in preview(model.config) if shape.type == Marker.TRIANGLE_LIST]
     for shape in shapes:
         shape.color.a = 0.01  # for the mouse only; other markers show the model
+        shape.pose.position.x -= centre.x
+        shape.pose.position.y -= centre.y
         shape.pose.position.z = _HANDLE_Z
-    marker.scale = 2.5 * max(0.2, model.radius)
+    marker.scale = 2.5 * max(0.2, radius)
     drag = InteractiveMarkerControl(
         name="drag",
         interaction_mode=InteractiveMarkerControl.MOVE_PLANE,

@@ -1,0 +1,80 @@
+"""The window on small screens and at double size, and what it remembers."""
+
+import re
+from pathlib import Path
+
+import pytest
+from desktop import desktop
+
+pytestmark = pytest.mark.slow
+
+ROOM = Path(__file__).resolve().parents[2] / "flatland_server/worlds/test_room/world.yaml"
+TITLE = "Flatland - test_room/world.yaml"
+WIDTH, HEIGHT = 1024, 700
+DARK = (18, 19, 22)
+
+
+@pytest.fixture(scope="module")
+def display():
+    with desktop(f"{WIDTH}x{HEIGHT}") as name:
+        yield name
+
+
+@pytest.fixture(scope="module")
+def server(ros):
+    return ros.launch_server(ROOM, "show_viz:=true", "use_rviz:=true")
+
+
+@pytest.fixture
+def open_window(ros, screen):
+    """Opens the window; it is closed after the test."""
+    programs = []
+
+    def start(scale):
+        command = ("env", f"QT_SCALE_FACTOR={scale}", "rosrun", "flatland_viz", "flatland_viz")
+        programs.append(ros.start(*command))
+        return screen.wait_for_window(TITLE)
+
+    yield start
+    for program in programs:
+        ros.end(program)
+
+
+def frame_of(screen, window):
+    """Width, height, x and y of a window with its title bar."""
+    [line] = [
+        line
+        for line in screen.text("xwininfo", "-id", window, "-frame", "-stats")
+        if "-geom" in line
+    ]
+    return tuple(map(int, re.findall(r"\d+", line)))
+
+
+def is_dark(pixels):
+    return (abs(pixels - DARK).max(axis=2) < 3).mean() > 0.4
+
+
+@pytest.mark.parametrize("scale", [1, 2])
+def test_the_window_fits_and_remembers(server, open_window, screen, waiting, ros, scale):
+    window = open_window(scale)
+    width, height, x, y = frame_of(screen, window)
+    assert x + width <= WIDTH
+    assert y + height <= HEIGHT
+    name = f"small_{scale}x"
+    if scale == 1:
+        screen.key("alt+v", "b", "d")
+    waiting(lambda: is_dark(screen.picture(name)), "the dark background", 30)
+    screen.key("ctrl+q")
+    screen.wait_until_closed(TITLE)
+
+
+def test_a_world_that_is_refused_opens_no_window(run, screen, display, tmp_path):
+    world = tmp_path / "world.yaml"
+    world.write_text("properties: {}\nlayers: []\nmodels: [{name: a, model: nowhere.model.yaml}]\n")
+    launch = run(str(world), display=display)
+    seen = set()
+    while launch.process.poll() is None:
+        seen.update(screen.windows("Flatland.*"))
+    assert launch.process.returncode != 0
+    assert "nowhere.model.yaml" in launch.output
+    assert not seen
