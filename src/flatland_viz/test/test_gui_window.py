@@ -4,6 +4,7 @@ The server's topics and services have the results.
 """
 
 import re
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from desktop import desktop
 
 pytestmark = pytest.mark.slow
 
+KNOB = (60, 130, 196)  # colour of the pad's knob
 STATES = {"paused": (240, 196, 25), "no server": (198, 40, 40)}
 WORLDS = Path(__file__).resolve().parents[2] / "flatland_server" / "worlds"
 ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
@@ -60,6 +62,35 @@ class Window:
         """Whether the status line shows a state of the simulation, by its background."""
         line = self.screen.picture("window_status")[-60:, 640:]
         return (abs(line - np.array(STATES[state])).max(axis=2) < 6).sum() > 200
+
+    def find_knob(self):
+        """The middle of the Drive panel's pad at rest; None if it is not shown."""
+        right = self.screen.picture("window_knob")[:, 900:]
+        ys, xs = np.nonzero(abs(right - KNOB).max(axis=2) < 3)
+        return (900 + xs.mean(), ys.mean()) if 300 < len(xs) < 1500 else None
+
+    @contextmanager
+    def held(self, key):
+        """A key is held down."""
+        self.screen.focus(self.id)
+        self.screen.xdotool("keydown", key)
+        try:
+            yield
+        finally:
+            self.screen.xdotool("keyup", key)
+
+    def command(self):
+        """Speed [m/s] and turn [rad/s] that are commanded now."""
+        twist = self.ros.message("/cmd_vel", "geometry_msgs/Twist")
+        return twist["linear"]["x"], twist["angular"]["z"]
+
+    def wait_for_rest(self):
+        def rests():
+            odometry = self.ros.message("/odometry/ground_truth", "nav_msgs/Odometry")
+            twist = odometry["twist"]["twist"]
+            return abs(twist["linear"]["x"]) + abs(twist["angular"]["z"]) < 1e-3
+
+        self.waiting(rests, "the robot to stop", 20)
 
     def wait_for_models(self, *names):
         self.waiting(lambda: self.ros.models() == [*names], f"the models {names}", 20)
@@ -190,6 +221,74 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     assert y > 0.5
     assert yaw == pytest.approx(0.0, abs=0.02)
     window.ros.call("/delete_model", name="crate")
+
+
+@pytest.fixture
+def drive(window):
+    """The window with the Drive panel, and the robot at rest."""
+    window.ros.call("/reset", keep_time=False)
+    window.key("ctrl+d")
+    window.waiting(window.find_knob, "the pad", 20)
+    yield window
+    window.screen.xdotool("keyup", "Up", "keyup", "a")
+    window.key("ctrl+d")
+    window.waiting(lambda: not window.find_knob(), "the panel to close", 20)
+
+
+def test_a_robot_is_driven_by_keys_and_stops_when_they_are_released(drive):
+    x, _, yaw = drive.ros.pose("turtlebot")
+    with drive.held("Up"):
+        assert drive.command() == (0.5, 0.0)
+        drive.waiting(lambda: drive.ros.pose("turtlebot")[0] > x + 0.1, "the robot to move", 20)
+        drive.screen.picture("window_drive")
+    drive.wait_for_rest()
+    with drive.held("a"):  # elsewhere the key of Spawn Model
+        assert drive.command() == (0.0, 1.0)
+    drive.wait_for_rest()
+    assert drive.ros.pose("turtlebot")[2] > yaw + 0.02
+    assert not drive.screen.windows("Spawn Model")
+
+
+def test_a_robot_stops_when_the_window_loses_the_keyboard_or_the_panel_is_closed(drive):
+    with drive.held("Up"):
+        drive.command()
+        drive.screen.key("F1")
+        drive.wait_for_dialog("Keys and Mouse")
+        drive.wait_for_rest()
+    drive.screen.key("Escape")
+    drive.screen.wait_until_closed("Keys and Mouse")
+    with drive.held("Up"):
+        drive.command()
+        drive.screen.key("ctrl+d")
+        drive.wait_for_rest()
+    drive.key("ctrl+d")
+    drive.waiting(drive.find_knob, "the pad", 20)
+
+
+def test_a_robot_is_driven_by_dragging_the_pad(drive):
+    x, y = drive.find_knob()
+
+    def while_held():
+        forwards, turn = drive.command()
+        assert forwards == pytest.approx(0.5)
+        assert turn == pytest.approx(-0.5, abs=0.1)
+        drive.screen.picture("window_pad")
+
+    drive.screen.drag([(x, y), (x + 14, y - 30), (x + 28, y - 60)], while_held)
+    drive.wait_for_rest()
+
+
+def test_another_node_that_drives_the_same_robot_is_named(drive):
+    other = drive.ros.start("rostopic", "pub", "-r", "5", "/cmd_vel", "geometry_msgs/Twist", "{}")
+    amber = (253, 241, 207)
+
+    def warns():
+        pixels = drive.screen.picture("window_others")[:, 900:]
+        return (abs(pixels - amber).max(axis=2) < 3).sum() > 500
+
+    drive.waiting(warns, "the warning", 20)
+    drive.ros.end(other)
+    drive.waiting(lambda: not warns(), "the warning to go", 20)
 
 
 def test_the_keys_are_shown(window):

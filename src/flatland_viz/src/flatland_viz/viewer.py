@@ -87,7 +87,7 @@ def _show_window(ends_server: bool) -> int:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the shutdown
-    window.save_settings()
+    window.finish()
     window.hide()  # at once; rospy takes a second to shut down
     if ends_server and window.is_closed:
         server.shut_down()

@@ -16,6 +16,7 @@ from python_qt_binding.QtWidgets import (
 
 from flatland_viz.bounds import Bounds, around
 from flatland_viz.displays import wanted
+from flatland_viz.drive_panel import DrivePanel
 from flatland_viz.ground_truth import GroundTruth
 from flatland_viz.keys_dialog import DRIVING, MOUSE, KeysDialog, page, rows_of
 from flatland_viz.menus import Menus
@@ -61,16 +62,20 @@ class Window(QMainWindow):
         self._line = StatusLine()
         self.setStatusBar(self._line)
         self._settings = Settings()
-        self._menus = Menus(self.menuBar(), scene.docks, self._settings)
+        self.selection = Selection()
+        self._drive = DrivePanel(self.selection, self._settings)
+        self.addDockWidget(Qt.RightDockWidgetArea, self._drive)
+        self._drive.hide()
+        self._menus = Menus(self.menuBar(), [self._drive, *scene.docks], self._settings)
         self._menus.enable_spawning(scene.can_spawn)
         self._ground_truth = GroundTruth(
             scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
         )
-        self.selection = Selection()
         self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
         self._toolbar = Toolbar(scene.toolbar, scene.tools)
         self._toolbar.add(self._menus.step, "step", "Step")
         self._toolbar.add(self._menus.reset, "reset", "Reset")
+        self._toolbar.add(self._drive.toggleViewAction(), "drive", "Drive")
         self._connect()
         self._refresh()
         scene.panel.installEventFilter(self)
@@ -140,6 +145,11 @@ class Window(QMainWindow):
         if is_other:
             self._scene.reset_view()
 
+    def showEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Lets the Drive panel take the window's keys."""
+        super().showEvent(event)
+        self._drive.start()
+
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Keeps the world framed while the view is resized."""
         if event.type() == QEvent.Resize:
@@ -149,11 +159,13 @@ class Window(QMainWindow):
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Ends the program, whatever dialogs are open."""
         super().closeEvent(event)
+        self._drive.stop()
         self.is_closed = True
         QApplication.quit()
 
-    def save_settings(self) -> None:
-        """Remembers the window's place, size and panels."""
+    def finish(self) -> None:
+        """Remembers the window's place, size and panels, and stops a robot that it drives."""
+        self._drive.close_topics()
         self._settings.save_window(self, self._scene.frame)
 
     def _show_error(self, what: str, why: str) -> None:

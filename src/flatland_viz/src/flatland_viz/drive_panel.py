@@ -1,0 +1,230 @@
+"""The Drive panel: a robot is driven by keys or by a pad."""
+
+from typing import Any, List, Optional, Set
+
+from python_qt_binding.QtCore import QEvent, QObject, Qt
+from python_qt_binding.QtWidgets import (
+    QAbstractItemView,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QDockWidget,
+    QDoubleSpinBox,
+    QFormLayout,
+    QLabel,
+    QLineEdit,
+    QTextEdit,
+    QVBoxLayout,
+    QWidget,
+)
+
+from flatland_viz.drive_command import KEYS, SLOW, Command, Speeds, of_keys, of_pad, velocity
+from flatland_viz.drive_pad import DrivePad
+from flatland_viz.drive_publisher import DrivePublisher
+from flatland_viz.drive_robots import PublisherWatch, Robot, Robots
+from flatland_viz.selection import Selection
+from flatland_viz.settings import Settings
+
+_SPEED, _TURN = "drive/speed", "drive/turn"
+_TYPING = (QLineEdit, QAbstractSpinBox, QTextEdit, QAbstractItemView)
+"""Widgets that need the keys themselves."""
+_AWAY = (QEvent.FocusOut, QEvent.Hide, QEvent.Close)
+_WARNING = "background: #fdf1cf; color: #5b4300; border-radius: 3px; padding: 4px"
+
+
+class DrivePanel(QDockWidget):
+    """Drives a robot while keys or the pad are held, and stops it when they are released.
+
+    Keys work in the whole window while the panel is open. The robot stops, too, when the window
+    loses the keyboard and when the panel is closed.
+
+    Args:
+        selection: the robot that is selected is the one to drive.
+        settings: remember the speeds.
+    """
+
+    def __init__(self, selection: Selection, settings: Settings) -> None:
+        super().__init__("&Drive")
+        self.setWindowTitle("Drive")
+        self.toggleViewAction().setShortcut("Ctrl+D")
+        self.toggleViewAction().setToolTip("Drive a robot by keys or mouse (Ctrl+D)")
+        self.setObjectName("panel_drive")
+        self._settings = settings
+        self._robots: List[Robot] = []
+        self._held: Set[int] = set()
+        self._is_slow = False
+        self._command = Command()
+        self._publisher = DrivePublisher()
+        self._watch = PublisherWatch()
+        self._follower = Robots()
+        self._filtered: Optional[QObject] = None
+        self._build()
+        self._pad.moved.connect(lambda right, up: self._drive(of_pad(right, up)))
+        self._choice.currentIndexChanged.connect(self._open)
+        self._follower.changed.connect(self._set_robots)
+        self._watch.changed.connect(self._show_others)
+        self.visibilityChanged.connect(lambda _: self._open())
+        selection.changed.connect(self._choose)
+        selection.drive_asked.connect(self._begin)
+        self._set_robots([])
+
+    def _build(self) -> None:
+        self._choice = QComboBox(objectName="drive_robot")
+        self._choice.setFocusPolicy(Qt.TabFocus)  # the keys go on driving after a click
+        self._pad = DrivePad()
+        self._speed = self._spin_box(_SPEED, 0.5, 0.05, 20.0, " m/s")
+        self._turn = self._spin_box(_TURN, 1.0, 0.1, 20.0, " rad/s")
+        self._turn_label = QLabel("Turn")
+        self._now = QLabel(objectName="drive_now")
+        self._keys = QLabel("Arrows or W A S D; Shift: slowly")
+        font = self._keys.font()
+        font.setPointSizeF(0.9 * font.pointSizeF())
+        self._keys.setFont(font)
+        self._notice = QLabel(objectName="drive_notice", wordWrap=True)
+        self._notice.hide()
+        form = QFormLayout()
+        form.addRow("Robot", self._choice)
+        form.addRow("Speed", self._speed)
+        form.addRow(self._turn_label, self._turn)
+        content = QWidget()
+        layout = QVBoxLayout(content)
+        layout.addLayout(form)
+        layout.addWidget(self._pad, 0, Qt.AlignHCenter)
+        layout.addWidget(self._now, 0, Qt.AlignHCenter)
+        layout.addWidget(self._keys, 0, Qt.AlignHCenter)
+        layout.addWidget(self._notice)
+        layout.addStretch()
+        self.setWidget(content)
+        self._show_command()
+
+    def _spin_box(
+        self, key: str, default: float, step: float, limit: float, unit: str
+    ) -> QDoubleSpinBox:
+        box = QDoubleSpinBox(objectName=key.replace("/", "_"))
+        box.setRange(step, limit)
+        box.setSingleStep(step)
+        box.setSuffix(unit)
+        box.setValue(self._settings.number(key, default))
+        box.valueChanged.connect(lambda value: self._settings.set_number(key, value))
+        box.valueChanged.connect(lambda _: self._send())
+        box.lineEdit().returnPressed.connect(lambda: self._pad.setFocus())
+        return box
+
+    def start(self) -> None:
+        """Follows the server and the window's keys. To be called when the window is shown."""
+        if self._filtered is None:
+            self._filtered = self.window().windowHandle()
+            self._filtered.installEventFilter(self)
+            self._follower.start()
+
+    def close_topics(self) -> None:
+        """Stops the robot, and closes all topics."""
+        self.stop()
+        self._publisher.open("")
+        self._watch.close()
+        self._follower.close()
+
+    def stop(self) -> None:
+        """Stops the robot, whatever is held."""
+        self._held.clear()
+        self._pad.release()
+        self._drive(Command())
+
+    @property
+    def _robot(self) -> Optional[Robot]:
+        name = self._choice.currentText()
+        return next((robot for robot in self._robots if robot.name == name), None)
+
+    def _set_robots(self, robots: List[Robot]) -> None:
+        before = self._choice.currentText()
+        self._robots = robots
+        names = [robot.name for robot in robots]
+        self._choice.blockSignals(True)
+        self._choice.clear()
+        self._choice.addItems(names)
+        self._choice.setCurrentIndex(max(0, names.index(before) if before in names else 0))
+        self._choice.blockSignals(False)
+        self.widget().setEnabled(bool(robots))
+        self._open()
+
+    def _choose(self, name: str) -> None:
+        if any(robot.name == name for robot in self._robots):
+            self._choice.setCurrentText(name)
+
+    def _begin(self, name: str) -> None:
+        """Opens the panel to drive a robot."""
+        self._choose(name)
+        self.show()
+        self.raise_()
+        self._pad.setFocus()
+
+    def _open(self) -> None:
+        """Opens the topic of the robot, while the panel can be seen."""
+        robot = self._robot if self.isVisible() else None
+        topic = robot.topic if robot else ""
+        if not topic:
+            self.stop()
+        self._publisher.open(topic)
+        self._watch.watch(topic)
+        self._choice.setToolTip(topic)
+        steers = robot is not None and robot.steers
+        self._turn_label.setText("Steer" if steers else "Turn")
+        self._turn.setSuffix(" rad" if steers else " rad/s")
+        self._show_others(topic, [])
+        self._send()
+
+    def _show_others(self, topic: str, nodes: List[str]) -> None:
+        text = ""
+        if not self._robots:
+            text = "No robot in this world can be driven."
+        elif nodes:
+            names = ", ".join(nodes)
+            text = f"{names} publish{'es' if len(nodes) == 1 else ''} on {topic} too."
+        self._notice.setText(text)
+        self._notice.setStyleSheet(_WARNING if nodes else "")
+        self._notice.setVisible(bool(text))
+
+    def _drive(self, command: Command) -> None:
+        self._command = command
+        self._send()
+
+    def _send(self) -> None:
+        speeds = Speeds(self._speed.value(), self._turn.value())
+        factor = SLOW if self._is_slow else 1.0
+        self._publisher.command(velocity(self._command, speeds, factor))
+        self._show_command()
+
+    def _show_command(self) -> None:
+        x, y, turn = (value + 0.0 for value in self._publisher.velocity)  # no "-0.00"
+        sideways = f"  {y:+.2f} m/s sideways" if y else ""
+        self._now.setText(f"{x:+.2f} m/s{sideways}  {turn:+.2f}{self._turn.suffix()}")
+        factor = SLOW if self._is_slow else 1.0
+        self._pad.show_knob(-factor * self._command.turn, factor * self._command.forwards)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Takes the keys of the window while the panel is open."""
+        kind = event.type()
+        if kind in (QEvent.KeyPress, QEvent.KeyRelease):
+            return self._take_key(event, kind == QEvent.KeyPress)
+        if kind in _AWAY:
+            self.stop()
+        return False
+
+    def _take_key(self, event: Any, is_press: bool) -> bool:
+        """Returns whether the key is for driving."""
+        if event.key() == Qt.Key_Shift:
+            self._is_slow = is_press
+            self._send()
+            return False
+        if event.key() not in KEYS or not self.isVisible():
+            return False
+        is_for_others = bool(event.modifiers() & (Qt.ControlModifier | Qt.AltModifier))
+        is_for_others |= isinstance(QApplication.focusWidget(), _TYPING)
+        if is_press and (is_for_others or not self._robots):
+            return False
+        if not is_press and event.key() not in self._held and not event.isAutoRepeat():
+            return False
+        if not event.isAutoRepeat():
+            (self._held.add if is_press else self._held.discard)(event.key())
+            self._drive(of_keys(self._held))
+        return True

@@ -1,0 +1,57 @@
+"""Publishes the commands of the Drive panel."""
+
+from typing import Optional, Tuple
+
+import rospy
+from geometry_msgs.msg import Twist
+from python_qt_binding.QtCore import QObject, QTimer
+
+_PERIOD = 66  # ms: 15 Hz
+_ZERO = (0.0, 0.0, 0.0)
+
+
+class DrivePublisher(QObject):
+    """Repeats a command until it is zero; zero is published once.
+
+    A drive goes on with its last command, so there is always a zero behind others.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._publisher: Optional[rospy.Publisher] = None
+        self._topic = ""
+        self._velocity = _ZERO
+        self._timer = QTimer(self, interval=_PERIOD)
+        self._timer.timeout.connect(self._publish)
+
+    def open(self, topic: str) -> None:
+        """Publishes on this topic from now on, on none if it is empty. Stops the former robot."""
+        if topic == self._topic:
+            return
+        self.command(_ZERO)
+        if self._publisher is not None:
+            self._publisher.unregister()
+        self._topic = topic
+        self._publisher = rospy.Publisher(topic, Twist, queue_size=1) if topic else None
+
+    @property
+    def velocity(self) -> Tuple[float, float, float]:
+        """The present command: along x and y [m/s], and about z [rad/s]."""
+        return self._velocity
+
+    def command(self, velocity: Tuple[float, float, float]) -> None:
+        """Commands velocities along x and y [m/s], and about z [rad/s]."""
+        if self._publisher is None or velocity == self._velocity:
+            return
+        self._velocity = velocity
+        self._publish()
+        if velocity == _ZERO:
+            self._timer.stop()
+        elif not self._timer.isActive():
+            self._timer.start()
+
+    def _publish(self) -> None:
+        message = Twist()
+        message.linear.x, message.linear.y, message.angular.z = self._velocity
+        if self._publisher is not None and not rospy.is_shutdown():
+            self._publisher.publish(message)
