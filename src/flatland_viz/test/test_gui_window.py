@@ -171,7 +171,7 @@ def test_another_world_is_opened_and_the_first_one_again(window):
     window.wait_for_dialog("Open a World")
     window.screen.type(str(other))
     window.screen.picture("window_open")
-    window.screen.key("Return")
+    window.screen.key("Tab", "Return")  # the first one ends the completion of the name
     window.screen.wait_for_window("Flatland - test_room/world.yaml")
     topics = "/flatland_server/debug/topics"
     assert "layer/hall" in window.ros.message(topics, "flatland_msgs/DebugTopicList")["topics"]
@@ -289,6 +289,64 @@ def test_another_node_that_drives_the_same_robot_is_named(drive):
     drive.waiting(warns, "the warning", 20)
     drive.ros.end(other)
     drive.waiting(lambda: not warns(), "the warning to go", 20)
+
+
+BADGE = {"warning": (240, 196, 25), "error": (198, 40, 40)}
+
+
+def badge_of(window, kind):
+    """The middle of the badge in the status line; None if there is none of this colour."""
+    line = window.screen.picture("window_badge")[740:, 300:1000]
+    ys, xs = np.nonzero(abs(line - BADGE[kind]).max(axis=2) < 6)
+    return (300 + xs.mean(), 740 + ys.mean()) if len(xs) > 300 else None
+
+
+def open_problems(window, kind, name):
+    """Opens the list by a click on the badge."""
+    window.screen.click(window.waiting(lambda: badge_of(window, kind), "the badge", 30))
+    window.wait_for_dialog("Problems")
+
+    def is_drawn():
+        dialog = window.screen.picture(name)[240:580, 280:1000]
+        return (dialog > 250).all(axis=2).mean() > 0.4  # white lists
+
+    window.waiting(is_drawn, "the list", 20)
+
+
+def clear_problems(window, kind):
+    window.screen.key("alt+l", "Escape")
+    window.screen.wait_until_closed("Problems")
+    window.waiting(lambda: not badge_of(window, kind), "the badge to go", 20)
+
+
+def test_warnings_of_the_server_are_counted_and_listed(window):
+    for _ in range(2):
+        window.ros.call("/delete_model", name="nothing")
+    open_problems(window, "warning", "window_problems")
+    clear_problems(window, "warning")
+
+
+def test_errors_of_diagnostics_are_red(window):
+    topic = ("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+    message = "{status: [{level: 2, name: 'arm: motor', message: 'too hot'}]}"
+    program = window.ros.start("rostopic", "pub", "-r", "2", *topic, message)
+    open_problems(window, "error", "window_errors")
+    clear_problems(window, "error")
+    window.ros.end(program)
+
+
+def test_a_frame_of_two_nodes_is_a_problem(window):
+    command = ("rosrun", "tf2_ros", "static_transform_publisher", *[0] * 6)
+    programs = [
+        window.ros.start(*command, parent, "shelf", f"__name:=tf_{parent}")
+        for parent in ("map", "room")
+    ]
+    open_problems(window, "warning", "window_frames")
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Problems")
+    for program in programs:
+        window.ros.end(program)
+    window.waiting(lambda: not badge_of(window, "warning"), "the badge to go", 30)
 
 
 def test_the_keys_are_shown(window):

@@ -127,6 +127,7 @@ class DrivePanel(QDockWidget):
     def stop(self) -> None:
         """Stops the robot, whatever is held."""
         self._held.clear()
+        self._is_slow = False
         self._pad.release()
         self._drive(Command())
 
@@ -225,6 +226,7 @@ class DrivePanel(QDockWidget):
         if not is_press and event.key() not in self._held and not event.isAutoRepeat():
             return False
         if not event.isAutoRepeat():
+            self._is_slow = bool(event.modifiers() & Qt.ShiftModifier)
             (self._held.add if is_press else self._held.discard)(event.key())
             self._drive(of_keys(self._held))
         return True

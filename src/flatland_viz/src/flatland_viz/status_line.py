@@ -1,7 +1,5 @@
 """The status line: hints of the tools, and the state of the simulation."""
 
-from html import escape
-
 from python_qt_binding.QtCore import Qt, QTimer
 from python_qt_binding.QtWidgets import QLabel, QSizePolicy, QStatusBar
 
@@ -53,9 +51,11 @@ class StatusLine(QStatusBar):
     def show_hint(self, hint: str) -> None:
         """Shows a hint until the next one; rviz's tools write it in rich text."""
         self._expiry.stop()
+        self._hint.setTextFormat(Qt.RichText)
         self._hint.setText(" ".join(hint.split()))
 
     def show_message(self, message: str) -> None:
         """Shows what has happened, for some seconds."""
-        self.show_hint(escape(message))
+        self._hint.setTextFormat(Qt.PlainText)
+        self._hint.setText(message)
         self._expiry.start()

@@ -57,6 +57,7 @@ def _show_window(ends_server: bool) -> int:
     from python_qt_binding.QtCore import Qt, QTimer
     from python_qt_binding.QtWidgets import QApplication
 
+    from flatland_viz.problem_sources import ProblemSources
     from flatland_viz.scene import Scene
     from flatland_viz.server import Server
     from flatland_viz.window import Window
@@ -67,8 +68,10 @@ def _show_window(ends_server: bool) -> int:
     application.setApplicationDisplayName("")  # it would be appended to the window's title
     sys.excepthook = _report  # PyQt aborts the process otherwise
 
+    problems = ProblemSources()
+    problems.start()  # before rviz, which takes seconds: the server logs as it loads the world
     server = Server()
-    window = Window(server, Scene(_base_config(), _frame_rate()))
+    window = Window(server, Scene(_base_config(), _frame_rate()), problems)
     server.start()
     # Opened by a launch file, it waits for the world: one that is refused ends the launch.
     if ends_server:
@@ -91,6 +94,7 @@ def _show_window(ends_server: bool) -> int:
     window.hide()  # at once; rospy takes a second to shut down
     if ends_server and window.is_closed:
         server.shut_down()
+    problems.close()
     server.close()
     rospy.signal_shutdown("the window is closed")
     return 0

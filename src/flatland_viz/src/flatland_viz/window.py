@@ -21,6 +21,8 @@ from flatland_viz.ground_truth import GroundTruth
 from flatland_viz.keys_dialog import DRIVING, MOUSE, KeysDialog, page, rows_of
 from flatland_viz.menus import Menus
 from flatland_viz.model_workbench import ModelWorkbench
+from flatland_viz.problem_badge import ProblemBadge
+from flatland_viz.problem_sources import ProblemSources
 from flatland_viz.scene import Scene
 from flatland_viz.selection import Selection
 from flatland_viz.server import Server
@@ -45,9 +47,10 @@ class Window(QMainWindow):
     Args:
         server: the connection to it.
         scene: the embedded rviz.
+        problems: what the window tells of them.
     """
 
-    def __init__(self, server: Server, scene: Scene) -> None:
+    def __init__(self, server: Server, scene: Scene, problems: ProblemSources) -> None:
         super().__init__()
         self._server = server
         self._scene = scene
@@ -61,6 +64,7 @@ class Window(QMainWindow):
         self.setCentralWidget(scene.frame)
         self._line = StatusLine()
         self.setStatusBar(self._line)
+        self._badge = ProblemBadge(self._line, problems)
         self._settings = Settings()
         self.selection = Selection()
         self._drive = DrivePanel(self.selection, self._settings)
@@ -143,6 +147,7 @@ class Window(QMainWindow):
         self.setWindowTitle(title(path))
         self._menus.set_world(path)
         if is_other:
+            self._badge.clear()
             self._scene.reset_view()
 
     def showEvent(self, event: QEvent) -> None:  # noqa: N802

@@ -1,0 +1,145 @@
+"""The badge in the status line that counts problems, and the list that it opens."""
+
+from typing import List, Optional
+
+from python_qt_binding.QtCore import Qt, Signal
+from python_qt_binding.QtGui import QColor
+from python_qt_binding.QtWidgets import (
+    QApplication,
+    QDialog,
+    QDialogButtonBox,
+    QHeaderView,
+    QPlainTextEdit,
+    QStatusBar,
+    QToolButton,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from flatland_viz.problem_sources import ProblemSources
+from flatland_viz.problems import Problem, Problems, summary
+from flatland_viz.window_size import first_size
+
+_STYLE = (
+    "QToolButton {{ background: {}; color: {}; border: 0; border-radius: 3px; padding: 1px 8px }}"
+)
+_WARNING = _STYLE.format("#f0c419", "black")
+_ERROR = _STYLE.format("#c62828", "white")
+_RED = QColor("#d32f2f")  # readable on white as on dark grey
+_COLUMNS = ("Time", "Count", "From", "Problem")
+
+
+class ProblemBadge(QToolButton):
+    """Says how many problems there are; hidden if there are none. A click lists them.
+
+    Args:
+        line: the status line that it is put into.
+        sources: report the problems.
+    """
+
+    def __init__(self, line: QStatusBar, sources: ProblemSources) -> None:
+        super().__init__()
+        self.setObjectName("problems")
+        self.setToolTip("What the server, /diagnostics and transforms warn of. Click to read it.")
+        self._problems = Problems()
+        self._list: Optional[ProblemList] = None
+        line.insertPermanentWidget(1, self)  # behind the hint
+        self.clicked.connect(self._open)
+        sources.logged.connect(self._add)
+        sources.lasts.connect(self._report)
+        self._show_count()
+
+    def _add(self, source: str, text: str, is_error: bool, time: float) -> None:
+        self._problems.add(source, text, is_error, time)
+        self._show_count()
+
+    def _report(self, group: str, states: object, time: float) -> None:
+        before = self._problems.latest_first
+        self._problems.report(group, states, time)  # type: ignore[arg-type]
+        if self._problems.latest_first != before:
+            self._show_count()
+
+    def clear(self) -> None:
+        """Forgets all problems."""
+        self._problems.clear()
+        self._show_count()
+
+    def _show_count(self) -> None:
+        problems = self._problems.latest_first
+        self.setVisible(bool(problems))
+        self.setText(f"{len(problems)} problem{'s' if len(problems) != 1 else ''}")
+        self.setStyleSheet(_ERROR if self._problems.has_errors else _WARNING)
+        if self._list is not None:
+            self._list.show_problems(problems)
+
+    def _open(self) -> None:
+        if self._list is None:
+            self._list = ProblemList(self.window())
+            self._list.clear_asked.connect(self.clear)
+            self._list.show_problems(self._problems.latest_first)
+        self._list.show()
+        self._list.raise_()
+        self._list.activateWindow()
+
+
+class ProblemList(QDialog):
+    """A list of problems, the latest first."""
+
+    clear_asked = Signal()
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setObjectName("problem_list")
+        self.setWindowTitle("Problems")
+        self._tree = QTreeWidget(objectName="problem_tree")
+        self._tree.setHeaderLabels(_COLUMNS)
+        self._tree.setRootIsDecorated(False)
+        self._tree.setAlternatingRowColors(True)
+        self._tree.setVerticalScrollMode(QTreeWidget.ScrollPerPixel)
+        self._tree.setSelectionMode(QTreeWidget.ExtendedSelection)
+        self._tree.currentItemChanged.connect(self._show_text)
+        self._tree.header().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self._tree.header().setSectionResizeMode(len(_COLUMNS) - 1, QHeaderView.Stretch)
+        self._text = QPlainTextEdit(objectName="problem_text", readOnly=True)
+        self._text.setMaximumHeight(6 * self.fontMetrics().lineSpacing())
+        buttons = QDialogButtonBox(QDialogButtonBox.Close)
+        buttons.rejected.connect(self.close)
+        clear = buttons.addButton("C&lear", QDialogButtonBox.ResetRole)
+        clear.clicked.connect(self.clear_asked)
+        copy = buttons.addButton("&Copy", QDialogButtonBox.ActionRole)
+        copy.clicked.connect(self._copy)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self._tree)
+        layout.addWidget(self._text)
+        layout.addWidget(buttons)
+        width, height = 760, 320
+        screen = first_size(QApplication.primaryScreen().availableSize())
+        self.resize(min(width, screen.width()), min(height, screen.height()))
+
+    def show_problems(self, problems: List[Problem]) -> None:
+        """Fills the list; the latest is selected."""
+        self._tree.clear()
+        for problem in problems:
+            time = f"{problem.time:.1f} s" if problem.time else ""  # without a stamp
+            row = (time, str(problem.times), problem.source, summary(problem.text))
+            item = QTreeWidgetItem(self._tree, row)
+            item.setData(0, Qt.UserRole, problem.text)
+            for column in (0, 1):
+                item.setTextAlignment(column, Qt.AlignRight | Qt.AlignTop)
+            item.setTextAlignment(2, Qt.AlignTop)
+            if problem.is_error:
+                item.setForeground(len(row) - 1, _RED)
+        if problems:
+            self._tree.setCurrentItem(self._tree.topLevelItem(0))
+
+    def _show_text(self, item: Optional[QTreeWidgetItem]) -> None:
+        self._text.setPlainText(item.data(0, Qt.UserRole) if item else "")
+
+    def _copy(self) -> None:
+        items = self._tree.selectedItems() or [
+            self._tree.topLevelItem(index) for index in range(self._tree.topLevelItemCount())
+        ]
+        lines = ["\t".join(item.text(i) for i in range(len(_COLUMNS))) for item in items]
+        QApplication.clipboard().setText("\n".join(lines))

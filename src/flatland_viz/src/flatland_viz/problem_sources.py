@@ -1,0 +1,105 @@
+"""Where problems come from: the server's log, /diagnostics, and frames with two publishers."""
+
+import threading
+import xmlrpc.client
+from typing import Any, List, Set, Tuple
+
+import rosgraph
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from python_qt_binding.QtCore import QObject, Signal
+from rosgraph_msgs.msg import Log
+from tf2_msgs.msg import TFMessage
+
+from flatland_viz.problems import frames_published_twice
+
+_SERVER = "flatland_server"
+_LASTS = "is switched off"
+"""In the log, of a plugin that has failed: /diagnostics reports it as long as it lasts."""
+
+_FRAMES_PERIOD = 5.0  # s of real time
+_SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
+_TRANSFORMS = ("/tf", "/tf_static")
+
+
+class ProblemSources(QObject):
+    """Reports problems by signals, from `start` until `close`.
+
+    A log has no memory: what the server logs while it loads a world is seen only if this is started
+    before. So it is to be started early.
+    """
+
+    logged = Signal(str, str, bool, float)
+    """An event: source, text, whether it is an error, and its simulated time [s]."""
+    lasts = Signal(str, object, float)
+    """The states of a group, as `Problems.report` takes them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._subscribers: List[rospy.Subscriber] = []
+        self._closed = threading.Event()
+
+    def start(self) -> None:
+        """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
+        self._subscribers = [
+            rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100),
+            rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10),
+        ]
+        threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
+
+    def close(self) -> None:
+        """Unsubscribes. No signal is emitted after this."""
+        self._closed.set()
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+
+    def _on_log(self, message: Log) -> None:
+        is_warning = message.name == rospy.resolve_name(_SERVER) and message.level >= Log.WARN
+        if is_warning and _LASTS not in message.msg:
+            stamp = message.header.stamp.to_sec()
+            self._emit(self.logged, message.name, message.msg, message.level >= Log.ERROR, stamp)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        """Each message has all states of its node, whose names begin with the node's."""
+        states = [
+            (status.name, status.message, status.level >= DiagnosticStatus.ERROR)
+            for status in message.status
+            if status.level > DiagnosticStatus.OK
+        ]
+        self._emit(self.lasts, _group(message), states, message.header.stamp.to_sec())
+
+    def _watch_frames(self) -> None:
+        """Looks at transforms for a while, again and again, if several nodes publish some."""
+        master = rosgraph.Master(rospy.get_name())
+        while not self._closed.wait(_FRAMES_PERIOD):
+            try:
+                published, _, _ = master.getSystemState()
+            except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
+                continue  # there is no master now
+            nodes = {node for topic, names in published if topic in _TRANSFORMS for node in names}
+            seen = self._sample_frames() if len(nodes) > 1 else set()
+            states = [("transforms", text, False) for text in frames_published_twice(seen)]
+            self._emit(self.lasts, "frames", states, rospy.get_time())
+
+    def _sample_frames(self) -> Set[Tuple[str, str, str]]:
+        """Parent, child and node of the transforms that are published meanwhile."""
+        seen: Set[Tuple[str, str, str]] = set()
+
+        def note(message: Any) -> None:
+            node = message._connection_header["callerid"]
+            for each in message.transforms:
+                seen.add((each.header.frame_id, each.child_frame_id, node))
+
+        subscribers = [rospy.Subscriber(topic, TFMessage, note) for topic in _TRANSFORMS]
+        self._closed.wait(_SAMPLE_TIME)
+        for subscriber in subscribers:
+            subscriber.unregister()
+        return seen
+
+    def _emit(self, signal: Any, *values: Any) -> None:
+        if not self._closed.is_set():
+            signal.emit(*values)
+
+
+def _group(message: Any) -> str:
+    return f"/diagnostics of {message._connection_header['callerid']}"

@@ -1,0 +1,93 @@
+"""The problems that the window has been told of, each once, with a count."""
+
+from typing import Dict, Iterable, List, NamedTuple, Set, Tuple
+
+
+class Problem(NamedTuple):
+    """A warning or an error."""
+
+    source: str
+    """What reports it, such as the name of a node."""
+    text: str
+    is_error: bool
+    times: int
+    """How often it was reported; 1 for a state that lasts."""
+    time: float
+    """Simulated time of the last report [s]."""
+
+
+Key = Tuple[str, str]  # source and text
+
+
+class Problems:
+    """Collects events, which are counted, and states, which last until they are reported no more.
+
+    Clearing removes a state, too; it is shown again when it has ended and begun again.
+    """
+
+    def __init__(self) -> None:
+        self._problems: Dict[Key, Problem] = {}  # the latest last
+        self._lasting: Dict[str, Set[Key]] = {}  # by the group that reports them
+
+    def add(self, source: str, text: str, is_error: bool, time: float) -> None:
+        """Counts an event."""
+        before = self._problems.pop((source, text), None)
+        times = before.times + 1 if before else 1
+        self._problems[source, text] = Problem(source, text, is_error, times, time)
+
+    def report(self, group: str, states: Iterable[Tuple[str, str, bool]], time: float) -> None:
+        """Reports all states of a group that there are now.
+
+        Args:
+            group: what reports these states, independently of others.
+            states: source, text and whether it is an error, of each.
+            time: simulated time [s].
+        """
+        present = {(source, text): is_error for source, text, is_error in states}
+        former = self._lasting.get(group, set())
+        for key in former - present.keys():
+            self._problems.pop(key, None)
+        for key in present.keys() - former:
+            self._problems[key] = Problem(*key, present[key], 1, time)
+        self._lasting[group] = set(present)
+
+    def clear(self) -> None:
+        """Removes all problems."""
+        self._problems.clear()
+
+    @property
+    def latest_first(self) -> List[Problem]:
+        """All problems."""
+        return list(reversed(self._problems.values()))
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether one of them is an error."""
+        return any(problem.is_error for problem in self._problems.values())
+
+
+def summary(text: str) -> str:
+    """A text on one line: of a traceback, what was logged with it, and the exception."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    has_traceback = any(line.startswith("Traceback (") for line in lines)
+    return f"{lines[0]}: {lines[-1]}" if has_traceback else " ".join(lines)
+
+
+def frames_published_twice(seen: Iterable[Tuple[str, str, str]]) -> List[str]:
+    """What is wrong with transforms of several nodes, in plain words.
+
+    Args:
+        seen: parent, child and the node that publishes it, of transforms.
+    """
+    nodes: Dict[str, Set[str]] = {}
+    parents: Dict[str, Set[str]] = {}
+    for parent, child, node in seen:
+        nodes.setdefault(child, set()).add(node)
+        parents.setdefault(child, set()).add(parent)
+    texts = []
+    for child in sorted(nodes):
+        if len(nodes[child]) > 1:
+            names = " and ".join(sorted(nodes[child]))
+            frames = " and ".join(f'"{parent}"' for parent in sorted(parents[child]))
+            texts.append(f'{names} publish the frame "{child}" from {frames}; switch one off')
+    return texts

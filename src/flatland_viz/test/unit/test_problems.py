@@ -1,0 +1,60 @@
+"""How the window collects problems."""
+
+from flatland_viz.problems import Problem, Problems, frames_published_twice, summary
+
+FAILED = ("server: plugin a/b", "switched off", True)
+
+
+def test_events_are_counted_and_the_latest_comes_first():
+    problems = Problems()
+    problems.add("/server", "a", False, 1.0)
+    problems.add("/server", "b", True, 2.0)
+    problems.add("/server", "a", False, 3.0)
+
+    assert problems.latest_first == [
+        Problem("/server", "a", False, 2, 3.0),
+        Problem("/server", "b", True, 1, 2.0),
+    ]
+    assert problems.has_errors
+
+
+def test_states_last_until_they_are_reported_no_more():
+    problems = Problems()
+    problems.report("d", [FAILED], 1.0)
+    problems.report("d", [FAILED], 2.0)
+    problems.report("other", [], 2.0)
+    assert problems.latest_first == [Problem(*FAILED, 1, 1.0)]
+
+    problems.report("d", [], 3.0)
+    assert problems.latest_first == []
+
+
+def test_a_state_that_was_cleared_comes_back_when_it_begins_again():
+    problems = Problems()
+    problems.report("d", [FAILED], 1.0)
+    problems.clear()
+    problems.report("d", [FAILED], 2.0)
+    assert not problems.latest_first
+
+    problems.report("d", [], 3.0)
+    problems.report("d", [FAILED], 4.0)
+    assert [problem.time for problem in problems.latest_first] == [4.0]
+
+
+def test_frames_of_one_node_are_no_problem():
+    assert frames_published_twice([("map", "odom", "/a"), ("odom", "base", "/a")]) == []
+
+
+def test_frames_of_two_nodes_are_named():
+    seen = [("map", "odom", "/server"), ("world", "odom", "/amcl"), ("odom", "base", "/server")]
+
+    assert frames_published_twice(seen) == [
+        '/amcl and /server publish the frame "odom" from "map" and "world"; switch one off'
+    ]
+
+
+def test_a_traceback_is_shown_by_its_exception():
+    text = "the plugin failed\nTraceback (most recent call last):\n  File x\nValueError: no"
+
+    assert summary(text) == "the plugin failed: ValueError: no"
+    assert summary("two\n lines") == "two lines"
