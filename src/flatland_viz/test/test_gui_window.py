@@ -171,7 +171,13 @@ def test_another_world_is_opened_and_the_first_one_again(window):
     window.wait_for_dialog("Open a World")
     window.screen.type(str(other))
     window.screen.picture("window_open")
-    window.screen.key("Tab", "Return")  # the first one ends the completion of the name
+
+    def is_closed():
+        if window.screen.windows("Open a World"):
+            window.screen.key("Return")  # or it takes a completion of the name, and closes that
+        return not window.screen.windows("Open a World")
+
+    window.waiting(is_closed, "the dialog to close", 20)
     window.screen.wait_for_window("Flatland - test_room/world.yaml")
     topics = "/flatland_server/debug/topics"
     assert "layer/hall" in window.ros.message(topics, "flatland_msgs/DebugTopicList")["topics"]
@@ -221,6 +227,27 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     assert y > 0.5
     assert yaw == pytest.approx(0.0, abs=0.02)
     window.ros.call("/delete_model", name="crate")
+
+
+def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
+    window.screen.move((900, 300))
+    window.key("a")
+    window.wait_for_dialog("Spawn Model")
+    window.screen.key("alt+f", "ctrl+a")
+    window.screen.type(ROBOT)
+    window.screen.key("Tab")
+    window.screen.picture("window_second")
+    window.screen.key("Return")
+    window.screen.wait_until_closed("Spawn Model")
+    for place in ((900, 300), (1000, 300)):
+        window.screen.click(place)
+    window.wait_for_models("turtlebot", "turtlebot_2")
+    models = window.ros.message("/flatland_server/models", "flatland_msgs/ModelList")["models"]
+    assert [(model["name"], model["ns"]) for model in models] == [
+        ("turtlebot", ""),
+        ("turtlebot_2", "turtlebot_2"),
+    ]
+    window.ros.call("/delete_model", name="turtlebot_2")
 
 
 @pytest.fixture
@@ -324,6 +351,15 @@ def test_warnings_of_the_server_are_counted_and_listed(window):
         window.ros.call("/delete_model", name="nothing")
     open_problems(window, "warning", "window_problems")
     clear_problems(window, "warning")
+
+
+def test_robots_that_share_their_commands_are_a_problem(window):
+    window.ros.spawn(ROBOT, "r2", 2.0, 1.0)
+    open_problems(window, "warning", "window_shared")
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Problems")
+    window.ros.call("/delete_model", name="r2")
+    window.key("ctrl+r")
 
 
 def test_errors_of_diagnostics_are_red(window):

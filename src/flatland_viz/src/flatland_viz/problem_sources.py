@@ -1,4 +1,4 @@
-"""Where problems come from: the server's log, /diagnostics, and frames with two publishers."""
+"""Where problems come from: the server's log, /diagnostics, models and transforms."""
 
 import threading
 import xmlrpc.client
@@ -7,11 +7,14 @@ from typing import Any, List, Set, Tuple
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from flatland_msgs.msg import ModelList
 from python_qt_binding.QtCore import QObject, Signal
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 
-from flatland_viz.problems import frames_published_twice
+from flatland_viz.drive_robots import robots_of
+from flatland_viz.model_list import models_of
+from flatland_viz.problems import frames_published_twice, shared_commands
 
 _SERVER = "flatland_server"
 _LASTS = "is switched off"
@@ -43,6 +46,9 @@ class ProblemSources(QObject):
         """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
         self._subscribers = [
             rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100),
+            rospy.Subscriber(
+                rospy.resolve_name(f"{_SERVER}/models"), ModelList, self._on_models, queue_size=1
+            ),
             rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10),
         ]
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
@@ -58,6 +64,11 @@ class ProblemSources(QObject):
         if is_warning and _LASTS not in message.msg:
             stamp = message.header.stamp.to_sec()
             self._emit(self.logged, message.name, message.msg, message.level >= Log.ERROR, stamp)
+
+    def _on_models(self, message: ModelList) -> None:
+        robots = robots_of(models_of(message).values())
+        states = [("models", text, False) for text in shared_commands(robots)]
+        self._emit(self.lasts, "models", states, rospy.get_time())
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """Each message has all states of its node, whose names begin with the node's."""

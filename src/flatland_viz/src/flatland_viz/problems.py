@@ -1,6 +1,8 @@
 """The problems that the window has been told of, each once, with a count."""
 
-from typing import Dict, Iterable, List, NamedTuple, Set, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Sequence, Set, Tuple
+
+from flatland_viz.drive_robots import Robot
 
 
 class Problem(NamedTuple):
@@ -71,6 +73,25 @@ def summary(text: str) -> str:
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     has_traceback = any(line.startswith("Traceback (") for line in lines)
     return f"{lines[0]}: {lines[-1]}" if has_traceback else " ".join(lines)
+
+
+def shared_commands(robots: Iterable[Robot]) -> List[str]:
+    """Which robots are driven by the same commands, in plain words."""
+    names: Dict[str, List[str]] = {}
+    for robot in robots:
+        names.setdefault(robot.topic, []).append(robot.name)
+    return [
+        f"{listed(sharing)} subscribe to {topic}: one command drives them all; "
+        "give each a namespace"
+        for topic, sharing in names.items()
+        if len(sharing) > 1
+    ]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names as in a sentence, and at most four of them."""
+    few = [*names[:3], f"{len(names) - 3} others"] if len(names) > 4 else names
+    return f"{', '.join(few[:-1])} and {few[-1]}"
 
 
 def frames_published_twice(seen: Iterable[Tuple[str, str, str]]) -> List[str]:

@@ -15,7 +15,8 @@ QString NameFromFile(const QString& file) {
 
 QString ModelChoice::Name() const {
   const QString name = own_name.isEmpty() ? NameFromFile(file) : own_name;
-  return is_numbered ? QString("%1_%2").arg(name).arg(number) : name;
+  if (is_numbered) return QString("%1_%2").arg(name).arg(number);
+  return own_name.isEmpty() && !proposed_name.isEmpty() ? proposed_name : name;
 }
 
 }  // namespace flatland_viz

@@ -8,13 +8,17 @@ namespace flatland_viz {
 
 struct ModelChoice {
   QString file;
-  QString own_name;  ///< given by the user; if empty, the name is taken from the file
-  QString ns;        ///< of the model's topics and frames
+  QString own_name;       ///< given by the user; if empty, the name is taken from the file
+  QString proposed_name;  ///< instead of the file's, if that is taken; empty if it is not
+  QString own_ns;         ///< given by the user: in front of the model's topics and frames
+  QString proposed_ns;    ///< used if the user has given none
   bool is_numbered = false;
   int number = 1;  ///< appended to the name, if it is numbered
 
   /// The name of the model, such as "box" or "box_1".
   QString Name() const;
+  /// The namespace of the model; empty for none.
+  QString Namespace() const { return own_ns.isEmpty() ? proposed_ns : own_ns; }
 };
 
 /// The name of a file without its folder and endings: "box" for "/models/box.model.yaml".

@@ -21,9 +21,10 @@ namespace flatland_viz {
 SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
     : QDialog(parent),
       has_own_name_(!choice.own_name.isEmpty()),
+      has_own_namespace_(!choice.own_ns.isEmpty()),
       file_(new QLineEdit(choice.file)),
       name_(new QLineEdit(choice.own_name)),
-      namespace_(new QLineEdit(choice.ns)),
+      namespace_(new QLineEdit(choice.own_ns)),
       is_numbered_(new QCheckBox("Append a n&umber:")),
       number_(new QSpinBox),
       inputs_(new QWidget),
@@ -52,10 +53,18 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
   layout->addWidget(message_);
   layout->addWidget(buttons_);
 
-  SuggestName();
-  connect(file_, &QLineEdit::textChanged, this, &SpawnDialog::SuggestName);
-  connect(name_, &QLineEdit::textEdited, this,
-          [this](const QString& name) { has_own_name_ = !name.isEmpty(); });
+  Suggest();
+  connect(file_, &QLineEdit::textChanged, this, &SpawnDialog::Suggest);
+  connect(is_numbered_, &QCheckBox::toggled, this, &SpawnDialog::Suggest);
+  connect(number_, QOverload<int>::of(&QSpinBox::valueChanged), this, &SpawnDialog::Suggest);
+  connect(name_, &QLineEdit::textEdited, this, [this](const QString& name) {
+    has_own_name_ = !name.isEmpty();
+    Suggest();
+  });
+  connect(namespace_, &QLineEdit::textEdited, this, [this] {
+    has_own_namespace_ = true;  // also if it is empty
+    WarnOfTwin();
+  });
   buttons_->button(QDialogButtonBox::Cancel)->setAutoDefault(false);
   connect(buttons_, &QDialogButtonBox::accepted, this, &SpawnDialog::accept);
   connect(buttons_, &QDialogButtonBox::rejected, this, &SpawnDialog::reject);
@@ -114,15 +123,47 @@ void SpawnDialog::SelectFile() {
   chooser->activateWindow();
 }
 
-void SpawnDialog::SuggestName() {
-  if (!has_own_name_) name_->setText(NameFromFile(file_->text()));
+void SpawnDialog::SetNames(const WorldNames& names) {
+  names_ = names;
+  if (inputs_->isEnabled()) Suggest();
+}
+
+void SpawnDialog::Suggest() {
+  if (!has_own_name_ && !name_->hasFocus()) {
+    const QString name = NameFromFile(file_->text());
+    name_->setText(is_numbered_->isChecked() ? name : names_.FreeName(name));
+  }
+  if (!has_own_namespace_) {
+    const QString file = file_->text().trimmed();
+    namespace_->setText(names_.FindTwin(file, {}) ? choice().Name() : QString());
+  }
+  WarnOfTwin();
+}
+
+void SpawnDialog::WarnOfTwin() {
+  const flatland_msgs::ModelInfo* twin =
+      names_.FindTwin(file_->text().trimmed(), namespace_->text().trimmed());
+  if (!twin) {
+    message_->ShowInfo({});
+    return;
+  }
+  const QString name = QString::fromStdString(twin->name), commands = CommandTopic(*twin);
+  message_->ShowInfo(commands.isEmpty()
+                         ? QString("%1 has the same topics. Give this one a namespace.").arg(name)
+                         : QString("%1 listens to %2, too: one command would drive both. Give this "
+                                   "one a namespace.")
+                               .arg(name, commands));
 }
 
 ModelChoice SpawnDialog::choice() const {
   ModelChoice choice;
   choice.file = file_->text().trimmed();
-  if (has_own_name_) choice.own_name = name_->text().trimmed();
-  choice.ns = namespace_->text().trimmed();
+  if (has_own_name_) {
+    choice.own_name = name_->text().trimmed();
+  } else {
+    choice.proposed_name = name_->text().trimmed();
+  }
+  (has_own_namespace_ ? choice.own_ns : choice.proposed_ns) = namespace_->text().trimmed();
   choice.is_numbered = is_numbered_->isChecked();
   choice.number = number_->value();
   return choice;
@@ -130,10 +171,11 @@ ModelChoice SpawnDialog::choice() const {
 
 void SpawnDialog::Open(const QString& error, bool is_placed) {
   SetInputEnabled(true);
+  Suggest();
   QPushButton* ok = buttons_->button(QDialogButtonBox::Ok);
   ok->setText(is_placed ? "&Spawn" : "&Place");
   ok->setToolTip(is_placed ? "Spawn it where it was placed." : "Choose its place by mouse.");
-  message_->ShowError(error);
+  if (!error.isEmpty()) message_->ShowError(error);
   open();
   raise();
   activateWindow();  // gives it the keyboard where there is no window manager

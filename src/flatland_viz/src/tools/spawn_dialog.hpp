@@ -5,6 +5,7 @@
 #include <QDialog>
 
 #include "model_choice.hpp"
+#include "world_names.hpp"
 
 class QCheckBox;
 class QDialogButtonBox;
@@ -25,7 +26,11 @@ class SpawnDialog : public QDialog {
 
   ModelChoice choice() const;
 
-  /// Enables input, and shows an error if there is one. `is_placed`: the model has its place already.
+  /// Proposes names that are free among these.
+  void SetNames(const WorldNames& names);
+
+  /// Enables input, and shows an error if there is one. `is_placed`: the model has its place
+  /// already.
   void Open(const QString& error, bool is_placed);
   /// Disables all input but Cancel, and shows the reason.
   void Wait(const QString& reason);
@@ -39,10 +44,13 @@ class SpawnDialog : public QDialog {
   QWidget* MakeFileRow();
   QWidget* MakeNumberRow();
   void SelectFile();
-  void SuggestName();
+  void Suggest();
+  void WarnOfTwin();
   void SetInputEnabled(bool is_enabled);
 
+  WorldNames names_;
   bool has_own_name_;
+  bool has_own_namespace_;
   QLineEdit* file_;
   QLineEdit* name_;
   QLineEdit* namespace_;

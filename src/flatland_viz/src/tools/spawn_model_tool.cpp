@@ -48,6 +48,13 @@ void SpawnModelTool::onInitialize() {
           [this](rviz::Tool* current) {
             if (current != this) End();
           });
+  ros::NodeHandle node;
+  node.setCallbackQueue(context_->getUpdateQueue());
+  models_ = node.subscribe<flatland_msgs::ModelList>(
+      "/flatland_server/models", 1, [this](const flatland_msgs::ModelList::ConstPtr& models) {
+        names_ = WorldNames(*models);
+        if (dialog_) dialog_->SetNames(names_);
+      });
 }
 
 void SpawnModelTool::activate() {
@@ -64,6 +71,7 @@ void SpawnModelTool::OpenMenu(const QString& error) {
   if (!dialog_) {
     rviz::WindowManagerInterface* windows = context_->getWindowManager();
     dialog_ = new SpawnDialog(windows ? windows->getParentWindow() : nullptr, properties_.Read());
+    dialog_->SetNames(names_);
     connect(dialog_, &SpawnDialog::Submitted, this, &SpawnModelTool::AskForMarkers);
     connect(dialog_, &QDialog::rejected, this, &rviz::Tool::close);
   }
@@ -73,6 +81,7 @@ void SpawnModelTool::OpenMenu(const QString& error) {
 
 void SpawnModelTool::AskForMarkers(const ModelChoice& choice) {
   properties_.Write(choice);
+  choice_ = choice;
   if (choice.file == placed_file_) {
     dialog_->Wait("The server spawns the model ...");
     Spawn();
@@ -151,12 +160,12 @@ void SpawnModelTool::Follow(const rviz::ViewportMouseEvent& event) {
 void SpawnModelTool::Spawn() {
   phase_ = Phase::kSpawning;
   ShowHint();
-  const ModelChoice choice = properties_.Read();
+  const ModelChoice choice = choice_;
   placed_file_ = choice.file;
   SpawnModel::Request request;
   request.yaml_path = choice.file.toStdString();
   request.name = choice.Name().toStdString();
-  request.ns = choice.ns.toStdString();
+  request.ns = choice.Namespace().toStdString();
   request.pose = pose_;
   server_.Call<SpawnModel>(
       "/spawn_model", request,
@@ -167,7 +176,12 @@ void SpawnModelTool::Spawn() {
           OpenMenu(QString::fromStdString(ErrorText(response.message)));
         } else {
           ModelChoice next = choice;
-          if (choice.is_numbered) ++next.number;
+          if (choice.is_numbered) {
+            ++next.number;
+          } else {
+            next.own_name.clear();  // both are taken now
+            next.own_ns.clear();
+          }
           properties_.Write(next);
           Q_EMIT close();
           setStatus(QString("Spawned %1.").arg(choice.Name().toHtmlEscaped()));

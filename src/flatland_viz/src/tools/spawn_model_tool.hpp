@@ -3,6 +3,7 @@
 /// rviz's tool that spawns models by mouse.
 
 #include <geometry_msgs/Pose2D.h>
+#include <ros/subscriber.h>
 #include <rviz/tool.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -14,6 +15,7 @@
 #include "service_caller.hpp"
 #include "spawn_dialog.hpp"
 #include "spawn_properties.hpp"
+#include "world_names.hpp"
 #include "world_plane.hpp"
 
 namespace flatland_viz {
@@ -46,6 +48,9 @@ class SpawnModelTool : public rviz::Tool {
   void ShowHint();
 
   SpawnProperties properties_;
+  ModelChoice choice_;  // to be spawned
+  WorldNames names_;    // of the models in the world
+  ros::Subscriber models_;
   ServiceCaller server_;
   QPointer<SpawnDialog> dialog_;  // belongs to the window, if there is one
   std::unique_ptr<ModelPreview> preview_;

@@ -24,7 +24,7 @@ ModelChoice SpawnProperties::Read() const {
   ModelChoice choice;
   choice.file = file_->getString();
   choice.own_name = name_->getString();
-  choice.ns = namespace_->getString();
+  choice.own_ns = namespace_->getString();
   choice.is_numbered = is_numbered_->getBool();
   choice.number = number_->getInt();
   return choice;
@@ -33,7 +33,7 @@ ModelChoice SpawnProperties::Read() const {
 void SpawnProperties::Write(const ModelChoice& choice) {
   file_->setString(choice.file);
   name_->setString(choice.own_name);
-  namespace_->setString(choice.ns);
+  namespace_->setString(choice.own_ns);
   is_numbered_->setBool(choice.is_numbered);
   number_->setInt(choice.number);
 }

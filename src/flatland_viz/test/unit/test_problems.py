@@ -1,6 +1,14 @@
 """How the window collects problems."""
 
-from flatland_viz.problems import Problem, Problems, frames_published_twice, summary
+from flatland_viz.drive_robots import Robot
+from flatland_viz.problems import (
+    Problem,
+    Problems,
+    frames_published_twice,
+    listed,
+    shared_commands,
+    summary,
+)
 
 FAILED = ("server: plugin a/b", "switched off", True)
 
@@ -51,6 +59,15 @@ def test_frames_of_two_nodes_are_named():
     assert frames_published_twice(seen) == [
         '/amcl and /server publish the frame "odom" from "map" and "world"; switch one off'
     ]
+
+
+def test_robots_with_the_same_commands_are_named():
+    robots = [Robot("r1", "/cmd_vel", False), Robot("r2", "/cmd_vel", True)]
+
+    [text] = shared_commands([*robots, Robot("r3", "/r3/cmd_vel", False)])
+
+    assert text.startswith("r1 and r2 subscribe to /cmd_vel:")
+    assert listed("abcde") == "a, b, c and 2 others"
 
 
 def test_a_traceback_is_shown_by_its_exception():
