@@ -11,6 +11,7 @@ pytestmark = pytest.mark.slow
 ROOM = Path(__file__).resolve().parents[2] / "flatland_server/worlds/test_room/world.yaml"
 TITLE = "Flatland - test_room/world.yaml"
 WIDTH, HEIGHT = 1024, 700
+KNOB = (60, 130, 196)
 DARK = (18, 19, 22)
 
 
@@ -54,6 +55,11 @@ def is_dark(pixels):
     return (abs(pixels - DARK).max(axis=2) < 3).mean() > 0.4
 
 
+def has_pad(pixels):
+    """Whether the Drive panel is shown, with its knob."""
+    return (abs(pixels[:, WIDTH // 2 :] - KNOB).max(axis=2) < 3).sum() > 300
+
+
 @pytest.mark.parametrize("scale", [1, 2])
 def test_the_window_fits_and_remembers(server, open_window, screen, waiting, ros, scale):
     window = open_window(scale)
@@ -64,6 +70,17 @@ def test_the_window_fits_and_remembers(server, open_window, screen, waiting, ros
     if scale == 1:
         screen.key("alt+v", "b", "d")
     waiting(lambda: is_dark(screen.picture(name)), "the dark background", 30)
+    screen.key("ctrl+d")
+    waiting(lambda: has_pad(screen.picture(f"{name}_drive")), "the pad to drive", 20)
+    screen.key("ctrl+d", "F1")
+    screen.wait_for_window("Keys and Mouse")
+    width, height, x, y = frame_of(screen, screen.windows("Keys and Mouse")[-1])
+    assert width <= WIDTH
+    assert height <= HEIGHT
+    screen.picture(f"{name}_keys")
+    screen.key("Escape")
+    screen.wait_until_closed("Keys and Mouse")
+    screen.focus(window)
     screen.key("ctrl+q")
     screen.wait_until_closed(TITLE)
 

@@ -165,10 +165,17 @@ def test_files_are_reloaded_after_an_edit(window):
     window.wait_for_models("turtlebot")
 
 
+def is_drawn(window, name):
+    """Whether a dialog with a white list is drawn in the middle of the screen."""
+    middle = window.screen.picture(name)[240:480, 440:940]
+    return (middle > 250).all(axis=2).mean() > 0.4
+
+
 def test_another_world_is_opened_and_the_first_one_again(window):
     other = WORLDS / "test_room" / "world.yaml"
     window.key("ctrl+o")
     window.wait_for_dialog("Open a World")
+    window.waiting(lambda: is_drawn(window, "window_open"), "the dialog to be drawn", 20)
     window.screen.type(str(other))
     window.screen.picture("window_open")
 
@@ -332,12 +339,7 @@ def open_problems(window, kind, name):
     """Opens the list by a click on the badge."""
     window.screen.click(window.waiting(lambda: badge_of(window, kind), "the badge", 30))
     window.wait_for_dialog("Problems")
-
-    def is_drawn():
-        dialog = window.screen.picture(name)[240:580, 280:1000]
-        return (dialog > 250).all(axis=2).mean() > 0.4  # white lists
-
-    window.waiting(is_drawn, "the list", 20)
+    window.waiting(lambda: is_drawn(window, name), "the list", 20)
 
 
 def clear_problems(window, kind):
@@ -383,6 +385,26 @@ def test_a_frame_of_two_nodes_is_a_problem(window):
     for program in programs:
         window.ros.end(program)
     window.waiting(lambda: not badge_of(window, "warning"), "the badge to go", 30)
+
+
+def has_hint(window):
+    """Whether the status line shows a hint or message."""
+    line = window.screen.picture("window_hint")[758:782, 10:400]
+    return (line.max(axis=2) < 100).sum() > 40
+
+
+def test_hints_go_when_they_no_longer_apply(window):
+    window.screen.move((900, 40))  # not over the view, which has hints of its own
+    window.key("a")
+    window.wait_for_dialog("Spawn Model")
+    window.waiting(lambda: has_hint(window), "the hint", 20)
+    window.screen.key("Escape")
+    window.screen.wait_until_closed("Spawn Model")
+    window.waiting(lambda: not has_hint(window), "the hint to go", 20)
+    window.key("space")
+    window.waiting(lambda: has_hint(window), "the message", 20)
+    window.key("space")
+    window.waiting(lambda: not has_hint(window), "the message to go", 20)
 
 
 def test_the_keys_are_shown(window):

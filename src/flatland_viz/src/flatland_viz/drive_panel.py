@@ -117,10 +117,9 @@ class DrivePanel(QDockWidget):
             self._filtered.installEventFilter(self)
             self._follower.start()
 
-    def close_topics(self) -> None:
-        """Stops the robot, and closes all topics."""
+    def finish(self) -> None:
+        """Stops the robot, and follows nothing any more. To be called at the end."""
         self.stop()
-        self._publisher.open("")
         self._watch.close()
         self._follower.close()
 

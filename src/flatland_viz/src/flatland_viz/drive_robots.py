@@ -40,17 +40,22 @@ class Robots(QObject):
     changed = Signal(object)
     """The robots, a list of Robot."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._is_closed = False
+
     def start(self) -> None:
         """Subscribes. Connect the signal before."""
         topic = rospy.resolve_name("flatland_server/models")
-        self._subscriber = rospy.Subscriber(topic, ModelList, self._on_models, queue_size=1)
+        rospy.Subscriber(topic, ModelList, self._on_models, queue_size=1)
 
     def _on_models(self, message: ModelList) -> None:
-        self.changed.emit(robots_of(models_of(message).values()))
+        if not self._is_closed:
+            self.changed.emit(robots_of(models_of(message).values()))
 
     def close(self) -> None:
-        """Unsubscribes."""
-        self._subscriber.unregister()
+        """No signal is emitted after this; rospy unsubscribes as it shuts down."""
+        self._is_closed = True
 
 
 class PublisherWatch(QObject):

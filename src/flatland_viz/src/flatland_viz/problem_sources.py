@@ -2,7 +2,7 @@
 
 import threading
 import xmlrpc.client
-from typing import Any, List, Set, Tuple
+from typing import Any, Set, Tuple
 
 import rosgraph
 import rospy
@@ -39,25 +39,19 @@ class ProblemSources(QObject):
 
     def __init__(self) -> None:
         super().__init__()
-        self._subscribers: List[rospy.Subscriber] = []
         self._closed = threading.Event()
 
     def start(self) -> None:
         """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
-        self._subscribers = [
-            rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100),
-            rospy.Subscriber(
-                rospy.resolve_name(f"{_SERVER}/models"), ModelList, self._on_models, queue_size=1
-            ),
-            rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10),
-        ]
+        models = rospy.resolve_name(f"{_SERVER}/models")
+        rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100)
+        rospy.Subscriber(models, ModelList, self._on_models, queue_size=1)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
 
     def close(self) -> None:
-        """Unsubscribes. No signal is emitted after this."""
+        """Ends the thread. No signal is emitted after this; rospy unsubscribes as it shuts down."""
         self._closed.set()
-        for subscriber in self._subscribers:
-            subscriber.unregister()
 
     def _on_log(self, message: Log) -> None:
         is_warning = message.name == rospy.resolve_name(_SERVER) and message.level >= Log.WARN

@@ -170,7 +170,7 @@ class Window(QMainWindow):
 
     def finish(self) -> None:
         """Remembers the window's place, size and panels, and stops a robot that it drives."""
-        self._drive.close_topics()
+        self._drive.finish()
         self._settings.save_window(self, self._scene.frame)
 
     def _show_error(self, what: str, why: str) -> None:
