@@ -195,21 +195,6 @@ def test_another_world_is_opened_and_the_first_one_again(window):
     window.screen.wait_for_window("Flatland - room/world.yaml")
 
 
-def shows_ring(window):
-    """Whether the robot has its handle, in the middle of the view: it is bluish."""
-    middle = window.screen.picture("window_ring")[370:480, 580:700]
-    return (middle[..., 2] - middle[..., 0] > 30).sum() > 500
-
-
-def test_handles_are_there_after_a_reset_in_a_pause(paused):
-    paused.key("Home")
-    paused.waiting(lambda: shows_ring(paused), "the ring", 20)
-    paused.key("ctrl+r")
-    paused.waiting(lambda: not shows_ring(paused), "rviz to discard it", 20)
-    paused.waiting(lambda: shows_ring(paused), "the ring again", 20)
-    assert paused.ros.state()["paused"]
-
-
 def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     window.screen.move((900, 300))
     window.key("a")

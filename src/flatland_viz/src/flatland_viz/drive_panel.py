@@ -1,6 +1,6 @@
 """The Drive panel: a robot is driven by keys or by a pad."""
 
-from typing import Any, List, Optional, Set
+from typing import Any, Dict, List, Optional, Set
 
 from python_qt_binding.QtCore import QEvent, QObject, Qt
 from python_qt_binding.QtWidgets import (
@@ -21,7 +21,8 @@ from python_qt_binding.QtWidgets import (
 from flatland_viz.drive_command import KEYS, SLOW, Command, Speeds, of_keys, of_pad, velocity
 from flatland_viz.drive_pad import DrivePad
 from flatland_viz.drive_publisher import DrivePublisher
-from flatland_viz.drive_robots import PublisherWatch, Robot, Robots
+from flatland_viz.drive_robots import PublisherWatch, Robot, robots_of
+from flatland_viz.model_list import Model
 from flatland_viz.selection import Selection
 from flatland_viz.settings import Settings
 
@@ -56,17 +57,15 @@ class DrivePanel(QDockWidget):
         self._command = Command()
         self._publisher = DrivePublisher()
         self._watch = PublisherWatch()
-        self._follower = Robots()
         self._filtered: Optional[QObject] = None
         self._build()
         self._pad.moved.connect(lambda right, up: self._drive(of_pad(right, up)))
         self._choice.currentIndexChanged.connect(self._open)
-        self._follower.changed.connect(self._set_robots)
         self._watch.changed.connect(self._show_others)
         self.visibilityChanged.connect(lambda _: self._open())
         selection.changed.connect(self._choose)
         selection.drive_asked.connect(self._begin)
-        self._set_robots([])
+        self.set_models({})
 
     def _build(self) -> None:
         self._choice = QComboBox(objectName="drive_robot")
@@ -111,17 +110,15 @@ class DrivePanel(QDockWidget):
         return box
 
     def start(self) -> None:
-        """Follows the server and the window's keys. To be called when the window is shown."""
+        """Takes the window's keys. To be called when the window is shown."""
         if self._filtered is None:
             self._filtered = self.window().windowHandle()
             self._filtered.installEventFilter(self)
-            self._follower.start()
 
     def finish(self) -> None:
         """Stops the robot, and follows nothing any more. To be called at the end."""
         self.stop()
         self._watch.close()
-        self._follower.close()
 
     def stop(self) -> None:
         """Stops the robot, whatever is held."""
@@ -135,9 +132,10 @@ class DrivePanel(QDockWidget):
         name = self._choice.currentText()
         return next((robot for robot in self._robots if robot.name == name), None)
 
-    def _set_robots(self, robots: List[Robot]) -> None:
+    def set_models(self, models: Dict[str, Model]) -> None:
+        """Sets the models in the world."""
         before = self._choice.currentText()
-        self._robots = robots
+        self._robots = robots = robots_of(models.values())
         names = [robot.name for robot in robots]
         self._choice.blockSignals(True)
         self._choice.clear()

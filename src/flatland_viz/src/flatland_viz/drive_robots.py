@@ -6,10 +6,9 @@ from typing import Iterable, List, NamedTuple
 
 import rosgraph
 import rospy
-from flatland_msgs.msg import ModelList
 from python_qt_binding.QtCore import QObject, Signal
 
-from flatland_viz.model_list import Model, models_of
+from flatland_viz.model_list import Model
 
 _STEERS = "(TricycleDrive)"
 _POLL_PERIOD = 1.0  # s of real time
@@ -32,30 +31,6 @@ def robots_of(models: Iterable[Model]) -> List[Robot]:
         for model in models
         if model.command_topic
     ]
-
-
-class Robots(QObject):
-    """Follows the models of a server, from `start` until `close`."""
-
-    changed = Signal(object)
-    """The robots, a list of Robot."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._is_closed = False
-
-    def start(self) -> None:
-        """Subscribes. Connect the signal before."""
-        topic = rospy.resolve_name("flatland_server/models")
-        rospy.Subscriber(topic, ModelList, self._on_models, queue_size=1)
-
-    def _on_models(self, message: ModelList) -> None:
-        if not self._is_closed:
-            self.changed.emit(robots_of(models_of(message).values()))
-
-    def close(self) -> None:
-        """No signal is emitted after this; rospy unsubscribes as it shuts down."""
-        self._is_closed = True
 
 
 class PublisherWatch(QObject):

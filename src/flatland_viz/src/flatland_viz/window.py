@@ -95,6 +95,7 @@ class Window(QMainWindow):
         server.walls_changed.connect(self._on_walls)
         server.world_changed.connect(self._on_world)
         server.failed.connect(self._line.show_message)
+        server.models_changed.connect(self._drive.set_models)
         server.done.connect(self._line.show_message)
         server.refused.connect(self._show_error)
         scene.hints.connect(self._line.show_hint)
