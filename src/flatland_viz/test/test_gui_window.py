@@ -57,8 +57,8 @@ class Window:
     def press(self, key):
         """A key of one of rviz's tools: with the mouse over the view."""
         self.screen.focus(self.id)
-        self.screen.move((890, 310))
-        self.screen.move((900, 300))
+        self.screen.move((690, 260))
+        self.screen.move((700, 250))
         self.screen.key(key)
 
     def wait_for_dialog(self, title):
@@ -217,7 +217,7 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     window.screen.type("turtlebot")
     window.screen.key("Return")
     window.screen.wait_until_closed("Spawn Model")
-    for place in ((900, 300), (1000, 300)):
+    for place in ((700, 250), (800, 250)):
         window.screen.click(place)
     window.wait_for_dialog("Spawn Model")  # the name is taken
     window.screen.picture("window_taken")
@@ -242,7 +242,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
     window.screen.picture("window_second")
     window.screen.key("Return")
     window.screen.wait_until_closed("Spawn Model")
-    for place in ((900, 300), (1000, 300)):
+    for place in ((700, 250), (800, 250)):
         window.screen.click(place)
     window.wait_for_models("turtlebot", "turtlebot_2")
     models = window.ros.message("/flatland_server/models", "flatland_msgs/ModelList")["models"]
