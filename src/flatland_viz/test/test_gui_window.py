@@ -13,6 +13,7 @@ from desktop import desktop
 
 pytestmark = pytest.mark.slow
 
+WALLS = (102, 102, 102)
 KNOB = (60, 130, 196)  # colour of the pad's knob
 STATES = {"paused": (240, 196, 25), "no server": (198, 40, 40)}
 WORLDS = Path(__file__).resolve().parents[2] / "flatland_server" / "worlds"
@@ -42,11 +43,23 @@ class Window:
         self.world.write_text(WORLD)
         ros.launch_server(self.world, "show_viz:=true")
         self.id = screen.wait_for_window("Flatland - room/world.yaml")
+        waiting(self.shows_walls, "the walls")
+
+    def shows_walls(self):
+        pixels = self.screen.picture("window_first")
+        return (abs(pixels - WALLS).max(axis=2) < 10).sum() > 2000
 
     def key(self, *keys):
         """Keys for the window, not for one of its dialogs."""
         self.screen.focus(self.id)
         self.screen.key(*keys)
+
+    def press(self, key):
+        """A key of one of rviz's tools: with the mouse over the view."""
+        self.screen.focus(self.id)
+        self.screen.move((690, 260))
+        self.screen.move((700, 250))
+        self.screen.key(key)
 
     def wait_for_dialog(self, title):
         self.screen.wait_for_window(title)
@@ -196,8 +209,7 @@ def test_another_world_is_opened_and_the_first_one_again(window):
 
 
 def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
-    window.screen.move((900, 300))
-    window.key("a")
+    window.press("a")
     window.wait_for_dialog("Spawn Model")
     window.screen.key("alt+f", "ctrl+a")
     window.screen.type(BOX)
@@ -205,7 +217,7 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
     window.screen.type("turtlebot")
     window.screen.key("Return")
     window.screen.wait_until_closed("Spawn Model")
-    for place in ((900, 300), (1000, 300)):
+    for place in ((700, 250), (800, 250)):
         window.screen.click(place)
     window.wait_for_dialog("Spawn Model")  # the name is taken
     window.screen.picture("window_taken")
@@ -222,8 +234,7 @@ def test_a_spawn_that_was_refused_is_tried_again_at_its_place(window):
 
 
 def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
-    window.screen.move((900, 300))
-    window.key("a")
+    window.press("a")
     window.wait_for_dialog("Spawn Model")
     window.screen.key("alt+f", "ctrl+a")
     window.screen.type(ROBOT)
@@ -231,7 +242,7 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
     window.screen.picture("window_second")
     window.screen.key("Return")
     window.screen.wait_until_closed("Spawn Model")
-    for place in ((900, 300), (1000, 300)):
+    for place in ((700, 250), (800, 250)):
         window.screen.click(place)
     window.wait_for_models("turtlebot", "turtlebot_2")
     models = window.ros.message("/flatland_server/models", "flatland_msgs/ModelList")["models"]
@@ -379,16 +390,15 @@ def has_hint(window):
 
 
 def test_hints_go_when_they_no_longer_apply(window):
-    window.screen.move((900, 40))  # not over the view, which has hints of its own
-    window.key("a")
+    window.press("a")
     window.wait_for_dialog("Spawn Model")
     window.waiting(lambda: has_hint(window), "the hint", 20)
     window.screen.key("Escape")
     window.screen.wait_until_closed("Spawn Model")
     window.waiting(lambda: not has_hint(window), "the hint to go", 20)
-    window.key("space")
+    window.press("space")
     window.waiting(lambda: has_hint(window), "the message", 20)
-    window.key("space")
+    window.press("space")
     window.waiting(lambda: not has_hint(window), "the message to go", 20)
 
 
