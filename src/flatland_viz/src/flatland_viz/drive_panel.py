@@ -47,8 +47,8 @@ class DrivePanel(QDockWidget):
     def __init__(self, selection: Selection, settings: Settings) -> None:
         super().__init__("&Drive")
         self.setWindowTitle("Drive")
-        self.toggleViewAction().setShortcut("Ctrl+D")
-        self.toggleViewAction().setToolTip("Drive a robot by keys or mouse (Ctrl+D)")
+        self.toggleViewAction().setShortcut("F4")
+        self.toggleViewAction().setToolTip("Drive a robot by keys or mouse (F4)")
         self.setObjectName("panel_drive")
         self._settings = settings
         self._robots: List[Robot] = []
