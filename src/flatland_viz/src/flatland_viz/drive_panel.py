@@ -13,6 +13,7 @@ from python_qt_binding.QtWidgets import (
     QFormLayout,
     QLabel,
     QLineEdit,
+    QScrollArea,
     QTextEdit,
     QVBoxLayout,
     QWidget,
@@ -65,6 +66,7 @@ class DrivePanel(QDockWidget):
         self.visibilityChanged.connect(lambda _: self._open())
         selection.changed.connect(self._choose)
         selection.drive_asked.connect(self._begin)
+        self.toggleViewAction().triggered.connect(lambda is_on: self.raise_() if is_on else None)
         self.set_models({})
 
     def _build(self) -> None:
@@ -93,7 +95,11 @@ class DrivePanel(QDockWidget):
         layout.addWidget(self._keys, 0, Qt.AlignHCenter)
         layout.addWidget(self._notice)
         layout.addStretch()
-        self.setWidget(content)
+        area = QScrollArea()  # on a small screen
+        area.setFrameShape(QScrollArea.NoFrame)
+        area.setWidgetResizable(True)
+        area.setWidget(content)
+        self.setWidget(area)
         self._show_command()
 
     def _spin_box(
