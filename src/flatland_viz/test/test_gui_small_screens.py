@@ -52,7 +52,7 @@ def frame_of(screen, window):
 
 
 def is_dark(pixels):
-    return (abs(pixels - DARK).max(axis=2) < 3).mean() > 0.4
+    return (abs(pixels - DARK).max(axis=2) < 3).mean() > 0.2
 
 
 def has_pad(pixels):
@@ -70,9 +70,9 @@ def test_the_window_fits_and_remembers(server, open_window, screen, waiting, ros
     if scale == 1:
         screen.key("alt+v", "b", "d")
     waiting(lambda: is_dark(screen.picture(name)), "the dark background", 30)
-    screen.key("ctrl+d")
+    screen.key("F4")
     waiting(lambda: has_pad(screen.picture(f"{name}_drive")), "the pad to drive", 20)
-    screen.key("ctrl+d", "F1")
+    screen.key("F4", "F1")
     screen.wait_for_window("Keys and Mouse")
     width, height, x, y = frame_of(screen, screen.windows("Keys and Mouse")[-1])
     assert width <= WIDTH

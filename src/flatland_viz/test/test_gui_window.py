@@ -257,11 +257,11 @@ def test_a_second_robot_gets_a_name_and_a_namespace_of_its_own(window):
 def drive(window):
     """The window with the Drive panel, and the robot at rest."""
     window.ros.call("/reset", keep_time=False)
-    window.key("ctrl+d")
+    window.key("F4")
     window.waiting(window.find_knob, "the pad", 20)
     yield window
     window.screen.xdotool("keyup", "Up", "keyup", "a")
-    window.key("ctrl+d")
+    window.key("F4")
     window.waiting(lambda: not window.find_knob(), "the panel to close", 20)
 
 
@@ -289,9 +289,9 @@ def test_a_robot_stops_when_the_window_loses_the_keyboard_or_the_panel_is_closed
     drive.screen.wait_until_closed("Keys and Mouse")
     with drive.held("Up"):
         drive.command()
-        drive.screen.key("ctrl+d")
+        drive.screen.key("F4")
         drive.wait_for_rest()
-    drive.key("ctrl+d")
+    drive.key("F4")
     drive.waiting(drive.find_knob, "the pad", 20)
 
 

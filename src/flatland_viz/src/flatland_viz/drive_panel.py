@@ -13,6 +13,7 @@ from python_qt_binding.QtWidgets import (
     QFormLayout,
     QLabel,
     QLineEdit,
+    QScrollArea,
     QTextEdit,
     QVBoxLayout,
     QWidget,
@@ -47,8 +48,8 @@ class DrivePanel(QDockWidget):
     def __init__(self, selection: Selection, settings: Settings) -> None:
         super().__init__("&Drive")
         self.setWindowTitle("Drive")
-        self.toggleViewAction().setShortcut("Ctrl+D")
-        self.toggleViewAction().setToolTip("Drive a robot by keys or mouse (Ctrl+D)")
+        self.toggleViewAction().setShortcut("F4")
+        self.toggleViewAction().setToolTip("Drive a robot by keys or mouse (F4)")
         self.setObjectName("panel_drive")
         self._settings = settings
         self._robots: List[Robot] = []
@@ -65,6 +66,7 @@ class DrivePanel(QDockWidget):
         self.visibilityChanged.connect(lambda _: self._open())
         selection.changed.connect(self._choose)
         selection.drive_asked.connect(self._begin)
+        self.toggleViewAction().triggered.connect(lambda is_on: self.raise_() if is_on else None)
         self.set_models({})
 
     def _build(self) -> None:
@@ -93,7 +95,11 @@ class DrivePanel(QDockWidget):
         layout.addWidget(self._keys, 0, Qt.AlignHCenter)
         layout.addWidget(self._notice)
         layout.addStretch()
-        self.setWidget(content)
+        area = QScrollArea()  # on a small screen
+        area.setFrameShape(QScrollArea.NoFrame)
+        area.setWidgetResizable(True)
+        area.setWidget(content)
+        self.setWidget(area)
         self._show_command()
 
     def _spin_box(

@@ -22,9 +22,10 @@ Rows = List[Tuple[str, str]]
 """Keys, and what they do."""
 
 MOUSE: Rows = [
-    ("left button on a model", "drag it by its middle, turn it by its ring"),
+    ("click on a model", "selects it; drag it by its middle, turn it by its ring"),
     ("right button on a model", "its menu"),
-    ("wheel", "zoom"),
+    ("drag elsewhere", "moves the map; with Ctrl, turns it"),
+    ("wheel", "zooms at the cursor"),
 ]
 DRIVING: Rows = [
     ("arrows, W A S D", "drive, while the Drive panel is open"),

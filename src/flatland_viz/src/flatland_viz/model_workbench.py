@@ -44,8 +44,8 @@ class ModelWorkbench(QObject):
         interaction = Interaction(scene.interact_tool, selection)
         self._actions = ModelActions(window, server, selection, interaction, scene.follow)
         self._actions.hint.connect(line.show_hint)
-        self._panel = ModelPanel(selection, interaction, self._actions)
-        window.addDockWidget(Qt.RightDockWidgetArea, self._panel)
+        self.panel = ModelPanel(selection, interaction, self._actions)
+        window.addDockWidget(Qt.RightDockWidgetArea, self.panel)
         self._interaction = interaction
         self._colors = scene.models.subProp("Colors")
         self._colors.changed.connect(self._show_colors)
@@ -71,7 +71,7 @@ class ModelWorkbench(QObject):
                 "footprints": lambda on: self._scene.show_kind(FOOTPRINTS, on),
             },
         )
-        view.addAction(self._panel.toggleViewAction())
+        view.addAction(self.panel.toggleViewAction())
 
     def forget(self) -> None:
         """Forgets what could be undone: the world has begun anew."""
@@ -80,17 +80,17 @@ class ModelWorkbench(QObject):
     def _on_models(self, models: Dict[str, Model]) -> None:
         self._models = models
         self._actions.set_models(models)
-        self._panel.set_models(models)
+        self.panel.set_models(models)
         self._show_colors()
 
     def _on_simulation(self, simulation: Simulation) -> None:
-        self._panel.set_time(simulation.time)
+        self.panel.set_time(simulation.time)
 
     def _show_colors(self) -> None:
         """Gives robots' scans and the list their colours."""
         text = self._colors.getValue()
         colors: Dict[str, str] = json.loads(text) if text else {}
-        self._panel.set_colors(colors)
+        self.panel.set_colors(colors)
         owners = scan_owners(self._models)
         self._scene.set_scan_colors(
             {topic: colors[name] for topic, name in owners.items() if name in colors}

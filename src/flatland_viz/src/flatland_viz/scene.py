@@ -72,7 +72,7 @@ class Scene(QObject):
         self.frame.statusBar().hide()
         self.frame.setHideButtonVisibility(False)
         self.panel.setObjectName("view")
-        self.panel.setMinimumSize(300, 200)
+        self.panel.setMinimumSize(200, 150)
         for dock in self.docks:
             dock.setObjectName(f"panel_{dock.windowTitle().lower().replace(' ', '_')}")
             dock.hide()

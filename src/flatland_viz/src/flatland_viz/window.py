@@ -76,6 +76,7 @@ class Window(QMainWindow):
             scene.models, self._line, self.menuBar().findChild(QMenu, "menu_simulation")
         )
         self._workbench = ModelWorkbench(self, server, scene, self.selection, self._line)
+        self.tabifyDockWidget(self._workbench.panel, self._drive)  # no room for both at double size
         self._toolbar = Toolbar(scene.toolbar, scene.tools)
         self._toolbar.add(self._menus.step, "step", "Step")
         self._toolbar.add(self._menus.reset, "reset", "Reset")
