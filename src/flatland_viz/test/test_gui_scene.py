@@ -260,7 +260,7 @@ def test_robots_have_names_and_headings_that_switches_hide(window):
         window.screen.key("alt+v")
         window.screen.key(key)
     window.waiting(lambda: white(window, "no_marks", -3.0, 0.0) < 50, "no name", 20)
-    assert red() == 0
+    window.waiting(lambda: red() == 0, "no heading", 20)
     for key in ("n", "e"):
         window.screen.key("alt+v")
         window.screen.key(key)
