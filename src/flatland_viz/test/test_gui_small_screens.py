@@ -13,6 +13,7 @@ TITLE = "Flatland - test_room/world.yaml"
 WIDTH, HEIGHT = 1024, 700
 KNOB = (60, 130, 196)
 DARK = (18, 19, 22)
+PALE = (147, 147, 147)  # what the room's walls are on it; on a light background they are (102, 102, 102)
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +56,10 @@ def is_dark(pixels):
     return (abs(pixels - DARK).max(axis=2) < 3).mean() > 0.2
 
 
+def has_pale_walls(pixels):
+    return (abs(pixels - PALE).max(axis=2) < 6).sum() > 300
+
+
 def has_pad(pixels):
     """Whether the Drive panel is shown, with its knob."""
     return (abs(pixels[:, WIDTH // 2 :] - KNOB).max(axis=2) < 3).sum() > 300
@@ -70,6 +75,7 @@ def test_the_window_fits_and_remembers(server, open_window, screen, waiting, ros
     if scale == 1:
         screen.key("alt+v", "b", "d")
     waiting(lambda: is_dark(screen.picture(name)), "the dark background", 30)
+    waiting(lambda: has_pale_walls(screen.picture(name)), "walls that stand out on it", 20)
     screen.key("F4")
     waiting(lambda: has_pad(screen.picture(f"{name}_drive")), "the pad to drive", 20)
     screen.key("F4", "F1")

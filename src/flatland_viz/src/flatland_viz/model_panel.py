@@ -283,15 +283,15 @@ def _rate(rate: Optional[float]) -> str:
 
 
 def _dot(color: Optional[str], ratio: float) -> QIcon:
-    """A disc of a colour; empty for None."""
+    """A disc of a colour with a white edge, which a selected row needs; empty for None."""
     picture = QPixmap(round(_DOT * ratio), round(_DOT * ratio))
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.transparent)
     if color:
         painter = QPainter(picture)
         painter.setRenderHint(QPainter.Antialiasing)
-        painter.setPen(Qt.NoPen)
+        painter.setPen(Qt.white)
         painter.setBrush(QColor(color))
-        painter.drawEllipse(0, 0, _DOT, _DOT)
+        painter.drawEllipse(0, 0, _DOT - 1, _DOT - 1)
         painter.end()
     return QIcon(picture)

@@ -61,6 +61,10 @@ Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color) {
   return material;
 }
 
+void SetLineColor(Ogre::Material& material, const Ogre::ColourValue& color) {
+  material.setSelfIllumination(color);
+}
+
 void SetLineWidth(Ogre::Material& material, float width) {
   for (Ogre::Technique* technique : material.getTechniques()) {
     for (Ogre::Pass* pass : technique->getPasses()) pass->setLineWidth(width);

@@ -30,6 +30,9 @@ class WallLines : public Ogre::SimpleRenderable {
 /// MaterialManager.
 Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color);
 
+/// Sets the colour of all lines with such a material, but not how transparent they are.
+void SetLineColor(Ogre::Material& material, const Ogre::ColourValue& color);
+
 /// Sets the width of all lines with a material [px].
 void SetLineWidth(Ogre::Material& material, float width);
 

@@ -26,6 +26,8 @@ constexpr std::size_t kSegmentsPerBuffer = 8192;    // Neighbours in the list ar
 constexpr std::size_t kSegmentsPerUpdate = 500000;  // takes some 30 ms
 constexpr float kWidth = 0.05f;                     // m
 constexpr float kWidest = 8.0f;                     // px
+constexpr float kContrast = 0.4f;        // of the brightness; walls with less are changed
+constexpr float kWantedContrast = 0.5f;  // and have so much then
 
 /// The bounding box of all walls, as numbers in a string; empty if there are none.
 QString BoundsOf(const flatland_msgs::Walls& walls) {
@@ -38,6 +40,24 @@ QString BoundsOf(const flatland_msgs::Walls& walls) {
   }
   if (!(low[0] <= high[0])) return QString();
   return QString("%1 %2 %3 %4").arg(low[0]).arg(low[1]).arg(high[0]).arg(high[1]);
+}
+
+/// How bright a colour looks: 0 to 1 (luma, ITU-R BT.601).
+float Luma(const Ogre::ColourValue& color) {
+  return 0.299f * color.r + 0.587f * color.g + 0.114f * color.b;
+}
+
+/// A colour that can be seen on a background: as it is, or mixed with white or black.
+Ogre::ColourValue ColorOn(const Ogre::ColourValue& background, const Ogre::ColourValue& color) {
+  const float ground = Luma(background), luma = Luma(color);
+  if (std::abs(luma - ground) >= kContrast) return color;
+  const Ogre::ColourValue other =
+      ground < 0.5f ? Ogre::ColourValue::White : Ogre::ColourValue::Black;
+  const float wanted = ground < 0.5f ? ground + kWantedContrast : ground - kWantedContrast;
+  const float share = (wanted - luma) / (Luma(other) - luma);
+  Ogre::ColourValue mixed = color * (1.0f - share) + other * share;
+  mixed.a = color.a;
+  return mixed;
 }
 
 /// The scale of a view from above [px/m]; 0 for other views.
@@ -53,8 +73,9 @@ float PixelsPerMetre(const rviz::RenderPanel& panel) {
 
 struct WallsDisplay::Layer {
   Layer(const std_msgs::ColorRGBA& color, Ogre::SceneNode* parent)
-      : node(parent->createChildSceneNode()),
-        material(MakeLineMaterial(Ogre::ColourValue(color.r, color.g, color.b, color.a))) {}
+      : color(color.r, color.g, color.b, color.a),
+        node(parent->createChildSceneNode()),
+        material(MakeLineMaterial(this->color)) {}
 
   ~Layer() {
     lines.clear();
@@ -62,6 +83,7 @@ struct WallsDisplay::Layer {
     Ogre::MaterialManager::getSingleton().remove(material);
   }
 
+  Ogre::ColourValue color;  // in the world's file
   Ogre::SceneNode* node;
   Ogre::MaterialPtr material;
   std::vector<std::unique_ptr<WallLines>> lines;
@@ -159,7 +181,7 @@ void WallsDisplay::ShowMore() {
   progress_->setValue(100);
 }
 
-/// Moves the walls to where their frame is now, and gives them a width in pixels.
+/// Moves the walls to where their frame is now, and gives them a width in pixels and a colour.
 void WallsDisplay::Place() {
   Ogre::Vector3 position = Ogre::Vector3::ZERO;
   Ogre::Quaternion orientation = Ogre::Quaternion::IDENTITY;
@@ -175,11 +197,13 @@ void WallsDisplay::Place() {
   const rviz::RenderPanel& panel = *context_->getViewManager()->getRenderPanel();
   const float pixel = static_cast<float>(panel.devicePixelRatioF());
   const float width = std::min(std::max(kWidth * PixelsPerMetre(panel), pixel), kWidest * pixel);
+  const Ogre::ColourValue background = panel.getViewport()->getBackgroundColour();
   getSceneNode()->setPosition(position);
   getSceneNode()->setOrientation(orientation);
   for (const auto& layer : layers_) {
     layer->node->setVisible(is_known);
     SetLineWidth(*layer->material, width);
+    SetLineColor(*layer->material, ColorOn(background, layer->color));
   }
 }
 
