@@ -68,7 +68,17 @@ class InteractiveMarkers(unittest.TestCase):
 
         wait_until(is_there, f"{BOX} to be at {x}, {y}, {yaw}")
 
+    def wait_for_handle(self):
+        """Until the handle is where the model is: after a drag in a pause it follows later."""
+
+        def is_there():
+            [x] = [each.pose.position.x for each in handles() if each.name == BOX]
+            return abs(x - self.markers.messages[-1].markers[0].pose.position.x) < 1e-3
+
+        wait_until(is_there, "the handle to follow")
+
     def test_a_drag_moves_the_model_while_the_simulation_waits(self):
+        self.wait_for_handle()
         updates = Recorder("/interactive_model_markers/update", InteractiveMarkerUpdate)
         updates.next()
 

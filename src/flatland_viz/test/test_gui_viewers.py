@@ -143,11 +143,16 @@ class Viewer:
     def take_hold(self, pixel):
         """Moves the mouse onto a handle, and waits until rviz shows its hint.
 
-        A hint stays until the next frame; so that of the handle before must be gone first.
+        A hint stays until the next frame; so that of the handle before must be gone first. A
+        message takes its place for some seconds, until the mouse moves after that.
         """
         frames = 2.5 / self.ros.frame_rate
-        self.move_beside()
-        self.waiting(lambda: np.array_equal(self.hint(0.0), self._no_handle), "no hint", 20)
+
+        def is_beside():
+            self.move_beside()
+            return np.array_equal(self.hint(frames), self._no_handle)
+
+        self.waiting(is_beside, "no hint of a handle", 20)
 
         def is_found():
             self.screen.move(pixel)
