@@ -68,17 +68,7 @@ class InteractiveMarkers(unittest.TestCase):
 
         wait_until(is_there, f"{BOX} to be at {x}, {y}, {yaw}")
 
-    def wait_for_handle(self):
-        """Until the handle is where the model is: after a drag in a pause it follows later."""
-
-        def is_there():
-            [x] = [each.pose.position.x for each in handles() if each.name == BOX]
-            return abs(x - self.markers.messages[-1].markers[0].pose.position.x) < 1e-3
-
-        wait_until(is_there, "the handle to follow")
-
     def test_a_drag_moves_the_model_while_the_simulation_waits(self):
-        self.wait_for_handle()
         updates = Recorder("/interactive_model_markers/update", InteractiveMarkerUpdate)
         updates.next()
 
@@ -89,12 +79,13 @@ class InteractiveMarkers(unittest.TestCase):
 
         self.send(Feedback.MOUSE_DOWN, 6.0, -0.2, 0.3)
         self.wait_for_state(paused=True)
-        for x in (5.5, 5.0, 4.5):
+        dragged = (5.6, 5.1, 4.6)  # elsewhere than other tests, whose last pose may come late
+        for x in dragged:
             self.send(Feedback.POSE_UPDATE, x, -0.2, 0.8)
             self.wait_for_pose(x, -0.2, 0.8)
         self.assertTrue(self.state.messages[-1].paused)
         # rviz would put the model back to a pose that comes during the drag, at its end.
-        self.assertEqual(places(), [])
+        self.assertFalse({round(x, 3) for x in places()}.intersection(dragged))
         self.send(Feedback.MOUSE_UP, 4.0, -0.2, 1.0)
         self.wait_for_state(paused=False)
         self.wait_for_pose(4.0, -0.2, 1.0)
