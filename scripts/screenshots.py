@@ -13,8 +13,8 @@ from PIL import Image
 ROOT = Path(sys.argv[1])
 IMAGES = ROOT / "docs" / "images"
 BOX = ROOT / "src" / "flatland_server" / "worlds" / "office" / "box.model.yaml"
-SIZE = (1280, 800)
-TOOLBAR = 62  # rows
+SIZE = (1296, 868)  # of the screen: the window's, and room for the frame that it has not got here
+TOOLBAR = 90  # rows, below those above the window
 PORT = 11399
 ROBOT, SCAN = (51, 128, 204), (204, 0, 0)
 LIMIT = 60.0  # s
@@ -69,9 +69,14 @@ class Screen:
         return Image.open(io.BytesIO(raw.stdout)).convert("RGB")
 
     def save(self, name):
-        """Keeps a picture."""
+        """Keeps a picture of the window."""
         path = IMAGES / f"{name}.png"
-        self.picture().save(path, optimize=True)
+        command = "xdotool search --onlyvisible --name '^Flatland - ' getwindowgeometry --shell"
+        lines = subprocess.check_output(command, shell=True, env=self.environment, text=True)
+        place = {key: int(value) for key, value in (line.split("=") for line in lines.split())}
+        left, top = place["X"], place["Y"]
+        area = (left, top, left + place["WIDTH"], top + place["HEIGHT"])
+        self.picture().crop(area).save(path, optimize=True)
         print(path.relative_to(ROOT))
 
     def xdotool(self, *arguments):

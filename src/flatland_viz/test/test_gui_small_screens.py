@@ -13,7 +13,11 @@ TITLE = "Flatland - test_room/world.yaml"
 WIDTH, HEIGHT = 1024, 700
 KNOB = (60, 130, 196)
 DARK = (18, 19, 22)
-PALE = (147, 147, 147)  # what the room's walls are on it; on a light background they are (102, 102, 102)
+PALE = (
+    147,
+    147,
+    147,
+)  # what the room's walls are on it; on a light background they are (102, 102, 102)
 
 
 @pytest.fixture(scope="module")
