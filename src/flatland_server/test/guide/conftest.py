@@ -1,15 +1,16 @@
 """What the tests of the guide share: a ROS master, and the environment of a reader."""
 
+import contextlib
 import os
 import re
 import subprocess
-import time
 import xmlrpc.client
 
 import pytest
 from blocks import blocks_of
 from page_run import PageRun
 from ros_processes import free_port
+from waiting import wait_until
 
 ROS = re.compile(r"^\$ .*\b(?:ros\w+|python3 \w+\.py)\b", re.MULTILINE)
 MODULES = {"learning.md": "gymnasium", "training.md": "gymnasium"}
@@ -33,14 +34,13 @@ def master():
         stderr=subprocess.DEVNULL,
     )
     proxy = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}")
-    deadline = time.monotonic() + 30.0
-    while True:
-        try:
-            proxy.getPid("/guide")
-            break
-        except OSError:
-            assert time.monotonic() < deadline, "waited for the ROS master"
-            time.sleep(0.02)
+
+    def answers():
+        with contextlib.suppress(OSError):
+            return bool(proxy.getPid("/guide"))
+        return False
+
+    wait_until(answers, "the ROS master", 30.0)
     yield proxy, f"http://127.0.0.1:{port}"
     process.terminate()
     process.wait(10)

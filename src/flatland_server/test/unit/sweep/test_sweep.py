@@ -10,11 +10,11 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from waiting import wait_until
 
 from flatland_server.cli import main
 from flatland_server.cli.sweep_replay import RunViewer
@@ -328,7 +328,4 @@ def test_a_worker_ends_with_a_parent_that_was_killed(settings_of):
     process.kill()
     process.communicate(timeout=LIMIT)
 
-    deadline = time.monotonic() + LIMIT
-    while any(map(is_running, workers)):
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+    wait_until(lambda: not any(map(is_running, workers)), "the workers to end", LIMIT)
