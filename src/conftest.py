@@ -5,7 +5,10 @@ and a folder for ROS's logs.
 """
 
 import contextlib
+import gc
+import itertools
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -25,6 +28,23 @@ def pytest_configure(config):
     if worker:
         for variable in ("ROS_HOME", "ROS_LOG_DIR"):
             os.environ[variable] = str(Path(os.environ[variable], worker))
+
+
+def pytest_collection_finish():
+    """Takes the thousands of collected tests out of what each garbage collection looks at."""
+    gc.collect()
+    gc.freeze()
+
+
+FOLDERS = itertools.count()
+"""A number for each test's folder."""
+
+
+@pytest.fixture
+def tmp_path(request, tmp_path_factory):
+    """A folder of the test's own. pytest's lists those of all earlier tests to find a number."""
+    name = re.sub(r"\W", "_", request.node.name)[:30]
+    return tmp_path_factory.mktemp(f"{next(FOLDERS)}_{name}", numbered=False)
 
 
 LONGEST = ("test_rostests.py", "test_gui_viewers.py", "test_launch.py")
