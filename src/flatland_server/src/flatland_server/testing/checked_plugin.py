@@ -121,6 +121,7 @@ class CheckedPlugin:
         self.is_of_world = issubclass(plugin_class, WorldPlugin)
         self.file = "world.yaml" if self.is_of_world else "robot.model.yaml"
         """The file that the entry is in."""
+        self._empty: Optional[World] = None
 
     def _room(self) -> Document:
         corners = [(-5, -5), (5, -5), (5, 5), (-5, 5)]
@@ -170,13 +171,32 @@ class CheckedPlugin:
     def refusal(self, entry: Document) -> List[str]:
         """The lines of the message that an entry is refused with; none if it is loaded.
 
-        Anything that it raises other than a FlatlandError is raised here too.
+        Anything that it raises other than a FlatlandError is raised here too. A model's plugin is
+        spawned with its model into a world that is loaded once: the walls are read once.
         """
         try:
-            self.load(entry).simulation.world.close()
+            if self.is_of_world:
+                self.load(entry).simulation.world.close()
+            else:
+                self._spawn_and_delete(entry)
         except FlatlandError as error:
             return str(error).replace(f"{self.files.folder}/", "").splitlines()
         return []
+
+    def _spawn_and_delete(self, entry: Document) -> None:
+        if self._empty is None:
+            without_robot = {"properties": {}, "layers": [], **self._world}
+            path = self.files.write("empty.world.yaml", without_robot)
+            self._empty = World.from_file(path, ObservingTransport(()), loader=self.files.loader)
+        self.write(entry)
+        path = self.files.folder / "robot.model.yaml"
+        self._empty.spawn_model(path, ROBOT, "", Pose())
+        self._empty.delete_model(ROBOT)
+
+    def close(self) -> None:
+        """Ends what was started for several checks."""
+        if self._empty is not None:
+            self._empty.close()
 
     def lines(self, path: KeyPath) -> Tuple[int, int]:
         """The lines in which a key of the entry that was loaded last, and its value, begin."""

@@ -1,5 +1,6 @@
 """The contract of plugins: what holds for every one of them."""
 
+import contextlib
 from typing import Any, Callable, Collection, Iterator, Mapping, Optional, Tuple, Union
 
 import yaml
@@ -101,7 +102,8 @@ def check_plugin(
         case.load().simulation.world.close()
     except FlatlandError as error:
         raise PluginContractError(f"{label} is refused as it is given:\n{error}") from error
-    problems = [problem for check in CHECKS for problem in check(case)]
+    with contextlib.closing(case):
+        problems = [problem for check in CHECKS for problem in check(case)]
     if problems:
         shown = "\n- ".join(problems[:_MOST_SHOWN])
         more = f"\nand {len(problems) - _MOST_SHOWN} more" if len(problems) > _MOST_SHOWN else ""
