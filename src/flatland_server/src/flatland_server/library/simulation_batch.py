@@ -4,8 +4,7 @@ import inspect
 import math
 import os
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -323,12 +322,7 @@ class SimulationBatch:
     def __enter__(self) -> "SimulationBatch":
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        traceback: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _require_open(self) -> _core.WorldBatch:

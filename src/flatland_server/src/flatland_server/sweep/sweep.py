@@ -2,8 +2,7 @@
 
 import shlex
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Protocol, Type
+from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Protocol
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.sweep.fingerprints import Fingerprints
@@ -74,12 +73,7 @@ class Sweep:
     def __enter__(self) -> "Sweep":
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        traceback: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def rest(self, with_failed: bool = False) -> List[Scenario]:
