@@ -3,8 +3,17 @@
 import sys
 from pathlib import Path
 
+import numpy as np
 from example_run import EXAMPLES, PERIOD, ExampleRun
 from PIL import Image
+
+from flatland_server.rendering.image_canvas import ImageCanvas
+from flatland_server.rendering.renderer import Renderer
+from flatland_server.sweep.pictures import draw_goal
+from flatland_server.sweep.run import RunObserver
+from flatland_server.sweep.runner import ScenarioRunner
+from flatland_server.sweep.scenario import scenario_of
+from flatland_server.sweep.scenario_file import read_scenario_file
 
 MOVING = Path(__file__).resolve().parents[1] / "docs" / "images" / "flatland.gif"
 PICTURES = {  # the arguments of the launch file, the time [s], and what is drawn
@@ -16,6 +25,9 @@ PICTURES = {  # the arguments of the launch file, the time [s], and what is draw
     "navigation": (("robots:=2",), 8.0, {"follow": "r1", "width": 22, "size": (900, 440)}),
     "training": ((), 0.0, {"size": (600, 600)}),
 }
+SWEEP = "sweep"
+SCENARIOS = (11, 31, 51)  # the same task, with each controller and a noisy lidar
+SCENARIO_SIZE = (360, 360)
 FRAMES, FRAME_PERIOD = 60, 0.2  # s of simulated time
 FRAME_DURATION = 100  # ms
 MOVING_SIZE = (760, 420)
@@ -23,7 +35,10 @@ MOVING_SIZE = (760, 420)
 
 def main(names):
     """Draws examples; all of them and the moving picture, unless some are named."""
-    for name in names or PICTURES:
+    for name in names or [*PICTURES, SWEEP]:
+        if name == SWEEP:
+            draw_sweep()
+            continue
         arguments, time, options = PICTURES[name]
         run = ExampleRun(name, *arguments)
         while run.simulation.time < time:
@@ -32,6 +47,32 @@ def main(names):
         run.close()
     if not names:
         draw_moving_picture()
+
+
+class Artist(RunObserver):
+    """Draws the whole world of a run at its end, with the path of its robot."""
+
+    pixels = None
+
+    def on_end(self, run):
+        renderer = Renderer(run.simulation.world, run.simulation.timekeeper)
+        view = renderer.view(SCENARIO_SIZE)
+        image = renderer.image(view, trails=[run.path])
+        draw_goal(ImageCanvas(image, view), run)
+        self.pixels = np.asarray(image.convert("RGB"))
+
+
+def draw_sweep():
+    """The runs of one task by several controllers, side by side."""
+    settings = read_scenario_file(EXAMPLES / SWEEP / "scenarios.yaml")
+    runner = ScenarioRunner(settings)
+    pictures = []
+    for number in SCENARIOS:
+        artist = Artist()
+        runner.run(scenario_of(settings, number), artist)
+        pictures.append(artist.pixels)
+    picture = Image.fromarray(np.hstack(pictures))
+    picture.save(EXAMPLES / SWEEP / "picture.png", optimize=True)
 
 
 def draw_moving_picture():

@@ -6,10 +6,13 @@ import signal
 import subprocess
 import time
 from pathlib import Path
-from typing import List, Mapping, NamedTuple, Optional, Tuple
+from typing import List, Mapping, NamedTuple, Optional, Tuple, Union
+
+from forks import Forks, Program, python_words
 
 LIMIT = 60.0
 """How long a command may take, and a program to print what it prints at its start [s]."""
+_KILLED = 5.0  # s: until a program that was killed has ended
 
 
 class Command(NamedTuple):
@@ -63,29 +66,42 @@ class Shell:
     Args:
         folder: where it begins.
         environment: its variables.
+        forks: start commands that are Python programs; without it, bash starts all.
     """
 
-    def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
-        self._folder = folder
+    def __init__(
+        self, folder: Path, environment: Mapping[str, str], forks: Optional[Forks] = None
+    ) -> None:
+        self._folder = folder  # of the files that it needs
+        self._current = folder
         self._environment = dict(environment)
-        self._programs: List[Tuple[subprocess.Popen, Path]] = []
+        self._forks = forks
+        self._programs: List[Tuple[Union[Program, subprocess.Popen[bytes]], Path]] = []
 
-    def run(self, command: str) -> "subprocess.CompletedProcess[str]":
-        """Runs a command to its end; what it prints is in `stdout`, errors included."""
+    def run(self, command: str) -> Tuple[str, int]:
+        """Runs a command to its end.
+
+        Returns:
+            What it prints, errors included, and its exit code.
+
+        Raises:
+            subprocess.TimeoutExpired: it takes too long.
+        """
+        output = self._folder / ".output"
         state = self._folder / ".shell"
-        script = f"{command}\n_code=$?; export -p > {state}.env; pwd > {state}.pwd; exit $_code"
-        result = subprocess.run(
-            ["bash", "-c", f"{self._restored(state)}{script}"],
-            cwd=self._folder,
-            env=self._environment,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=LIMIT,
-            check=False,
-        )
-        return result
+        keep = f"env -0 > {state}.env; pwd > {state}.pwd"
+        program = self._start(command, f"{command}\n_code=$?; {keep}; exit $_code", output)
+        try:
+            code = program.wait(LIMIT)
+        except subprocess.TimeoutExpired:
+            os.killpg(program.pid, signal.SIGKILL)
+            program.wait(_KILLED)
+            raise
+        if isinstance(program, subprocess.Popen) and Path(f"{state}.pwd").exists():
+            variables = Path(f"{state}.env").read_text().rstrip("\0").split("\0")
+            self._environment = dict(each.split("=", 1) for each in variables)
+            self._current = Path(Path(f"{state}.pwd").read_text().rstrip("\n"))
+        return output.read_text(), code
 
     def start(self, command: str, output: str) -> Optional[str]:
         """Starts a program that goes on, and waits until it has printed what is shown.
@@ -93,12 +109,22 @@ class Shell:
         Returns:
             None, or what it has printed if that is something else.
         """
-        state = self._folder / ".shell"
         log = self._folder / f".program{len(self._programs)}.log"
-        with log.open("w") as file:
-            program = subprocess.Popen(
-                ["bash", "-c", f"{self._restored(state)}exec {command}"],
-                cwd=self._folder,
+        self._programs.append((self._start(command, f"exec {command}", log), log))
+        return self.wait_for(output)
+
+    def _start(
+        self, command: str, script: str, output: Path
+    ) -> Union[Program, "subprocess.Popen[bytes]"]:
+        """Starts a command: a Python program in a fork, or else a script in bash."""
+        variables = {**self._environment, "PWD": str(self._current)}
+        words = self._forks and python_words(command, variables)
+        if self._forks and words:
+            return self._forks.start(words, self._current, variables, output)
+        with output.open("w") as file:
+            return subprocess.Popen(
+                ["bash", "-c", script],
+                cwd=self._current,
                 env=self._environment,
                 stdin=subprocess.DEVNULL,
                 stdout=file,
@@ -106,8 +132,6 @@ class Shell:
                 start_new_session=True,
                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
             )
-        self._programs.append((program, log))
-        return self.wait_for(output)
 
     def wait_for(self, output: str) -> Optional[str]:
         """Waits until the program that was started last has printed what is shown; see `start`."""
@@ -125,19 +149,13 @@ class Shell:
     def close(self) -> None:
         """Ends the programs that were started, as Ctrl-C does, the last one first."""
         for program, _ in reversed(self._programs):
-            for number, limit in ((signal.SIGINT, 20.0), (signal.SIGKILL, 5.0)):
+            for number, limit in ((signal.SIGINT, 20.0), (signal.SIGKILL, _KILLED)):
                 if program.poll() is None:
                     os.killpg(program.pid, number)
                     try:
                         program.wait(limit)
                     except subprocess.TimeoutExpired:
                         continue
-
-    @staticmethod
-    def _restored(state: Path) -> str:
-        if not Path(f"{state}.env").exists():
-            return ""
-        return f'source {state}.env; cd "$(cat {state}.pwd)"\n'
 
 
 def without_colors(text: str) -> str:

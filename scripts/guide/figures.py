@@ -238,7 +238,11 @@ def render_tutorials() -> None:
     page = ROOT / "docs" / "tutorials"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for tutorial in ("world", "robot", "people_and_doors"):
+        for tutorial, world, options in (
+            ("world", "rooms.world", {"sensors": True}),
+            ("robot", "world", {"sensors": True}),
+            ("people_and_doors", "people.world", {"names": True}),
+        ):
             for block in blocks_of(page / f"{tutorial}.md"):
                 if block.file:
                     lines = block.text.splitlines(keepends=True)
@@ -246,15 +250,10 @@ def render_tutorials() -> None:
                     (folder / block.file).write_text("".join(lines[is_data:]))
                 elif block.language == "python" and tutorial == "world":
                     exec(block.text.replace('"map.png"', f'"{folder}/map.png"'))
-            with Simulation(folder / "world.yaml", seed=2) as simulation:
+            with Simulation(folder / f"{world}.yaml", seed=2) as simulation:
                 if tutorial == "people_and_doors":
                     simulation.publish("/door/tween_trigger", messages.get("std_msgs/Bool")(True))
                     simulation.step(700)
-                options = {
-                    "world": {"sensors": True},
-                    "robot": {"sensors": True},
-                    "people_and_doors": {"names": True},
-                }[tutorial]
                 short = tutorial.partition("_")[0]
                 size = (720, 220 if short == "people" else 440)
                 simulation.save_picture(IMAGES / f"tutorial_{short}.png", size=size, **options)

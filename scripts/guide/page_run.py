@@ -12,10 +12,11 @@ import subprocess
 import sys
 import traceback
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Sequence
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence
 
 from blocks import FILE, Block, blocks_of
 from console import Command, Shell, commands_of, pattern_of, without_colors
+from forks import Forks
 
 from flatland_server import FlatlandError
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -39,12 +40,19 @@ class PageRun:
         page: the Markdown file.
         folder: an empty one.
         environment: for its shell.
+        forks: start Python programs; see `Shell`.
     """
 
-    def __init__(self, page: Path, folder: Path, environment: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        page: Path,
+        folder: Path,
+        environment: Mapping[str, str],
+        forks: Optional[Forks] = None,
+    ) -> None:
         self._page = page
         self._folder = folder
-        self._shell = Shell(folder, environment)
+        self._shell = Shell(folder, environment, forks)
         self._names: Dict[str, Any] = {"__name__": "__main__"}
         self._written: List[str] = []
 
@@ -128,15 +136,15 @@ class PageRun:
 
     def _run_command(self, block: Block, command: Command, code: int) -> None:
         try:
-            result = self._shell.run(command.text)
+            printed, ended_with = self._shell.run(command.text)
         except subprocess.TimeoutExpired as error:
             raise self._error(
                 block, f"$ {command.text}\ntook more than {error.timeout} s"
             ) from None
-        found = without_colors(result.stdout)
-        if result.returncode != code:
+        found = without_colors(printed)
+        if ended_with != code:
             raise self._error(
-                block, f"$ {command.text}\nended with {result.returncode}, not {code}:\n{found}"
+                block, f"$ {command.text}\nended with {ended_with}, not {code}:\n{found}"
             )
         if not pattern_of(command.output).match(found if found.endswith("\n") else f"{found}\n"):
             raise self._difference(block, command, found)

@@ -8,10 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from flatland_server.sweep.fingerprints import Fingerprints
+from flatland_server.sweep.runner import ScenarioRunner
+from flatland_server.sweep.scenario import scenarios_of
+from flatland_server.sweep.scenario_file import read_scenario_file
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[3]
-EXAMPLES = sorted(path.parent.name for path in (ROOT / "examples").glob("*/*.launch"))
+EXAMPLES = sorted(path.parent.name for path in (ROOT / "examples").glob("*/README.md"))
 
 spec = importlib.util.spec_from_file_location("example_run", ROOT / "scripts" / "example_run.py")
 example_run = importlib.util.module_from_spec(spec)
@@ -44,7 +49,8 @@ def test_each_folder_has_its_files_and_is_in_the_list():
     assert sorted(listed) == EXAMPLES
     for name in EXAMPLES:
         folder = ROOT / "examples" / name
-        assert (folder / f"{name}.launch").is_file()
+        starts = [folder / f"{name}.launch", folder / "scenarios.yaml"]
+        assert sum(path.is_file() for path in starts) == 1
         assert (folder / "picture.png").is_file()
         readme = (folder / "README.md").read_text()
         assert f"scripts/run examples/{name}" in readme
@@ -98,6 +104,39 @@ def test_two_robots_navigate(start):
     step_until(run, lambda: run.drivers[1].reached >= 1, limit=60)
 
 
+def test_the_sweep_compares_controllers():
+    """With an exact lidar all of them arrive; with a noisy one, the planner waits."""
+    settings = read_scenario_file(ROOT / "examples" / "sweep" / "scenarios.yaml")
+    scenarios = scenarios_of(settings)
+    fingerprints = Fingerprints(settings)
+    assert len({fingerprints.of(scenario) for scenario in scenarios}) == 120
+    runner = ScenarioRunner(settings)
+    outcomes = {
+        str(scenario): runner.run(scenario).row["outcome"]
+        for scenario in scenarios
+        if scenario.number in (1, 21, 31, 41, 61)
+    }
+    late = [name for name, outcome in outcomes.items() if outcome != "goal"]
+    assert len(outcomes) == 5
+    assert len(late) == 1
+    assert "controller planner" in late[0]
+    assert "noise_std_dev = 0.2" in late[0]
+
+
+def test_a_folder_starts_its_sweep(tmp_path):
+    """The options after the folder are the sweep's; a folder among them is not started."""
+    result = subprocess.run(
+        [ROOT / "scripts" / "run", ROOT / "examples" / "sweep", "--replay", "41", "--out", "."],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert result.returncode == 0, result.stdout
+    assert "controller trained" in result.stdout
+    assert "outcome: goal" in result.stdout
+
+
 def test_a_folder_starts_its_launch_file(run):
     launch = run(str(ROOT / "examples" / "warehouse"), "show_viz:=false")
     launch.wait_for("running")
@@ -107,7 +146,7 @@ def test_a_folder_starts_its_launch_file(run):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["docs"], "expected one launch file in"),
+        (["docs"], "expected one launch file in docs, or a scenarios.yaml"),
         (["examples/navigation", "robot:=2"], 'no argument "robot" (did you mean "robots"?)'),
     ],
 )

@@ -52,6 +52,7 @@ class NavigatorNode:
         self._last_control = -1.0
         self._lock = threading.Lock()  # held while a pose is handled
         self._has_ended = False
+        self._is_ready = False
         self._waits_since = math.inf
         self._published_path: Optional[FloatArray] = None
         self._commands = rospy.Publisher("cmd_vel", Twist, queue_size=1)
@@ -92,6 +93,7 @@ class NavigatorNode:
         if self._poses and time < self._poses[-1][0]:
             self._restart()
         self._poses.append((time, pose))
+        self._note_readiness()
         self._take_goal()
         if time - self._last_control < self._period - 1e-6:
             return
@@ -99,6 +101,12 @@ class NavigatorNode:
         self._take_scan(message.child_frame_id)
         if self._navigator.status is Status.ACTIVE:
             self._control(pose, time)
+
+    def _note_readiness(self) -> None:
+        """Says once that a goal would be received: an earlier one is lost without a word."""
+        if not self._is_ready and self._goals.get_num_connections():
+            self._is_ready = True
+            rospy.loginfo("ready for goals")
 
     def _restart(self) -> None:
         """Drops poses and goals: simulated time has gone back, as that of a restarted server."""

@@ -8,7 +8,8 @@ import xmlrpc.client
 
 import pytest
 from blocks import blocks_of
-from page_run import PageRun
+from forks import Forks
+from page_run import ROOT, PageRun
 from ros_processes import free_port
 from waiting import wait_until
 
@@ -46,19 +47,25 @@ def master():
     process.wait(10)
 
 
+@pytest.fixture(scope="session")
+def forks():
+    """Starts the Python programs of all pages."""
+    forks = Forks()
+    yield forks
+    forks.close()
+
+
 @pytest.fixture
 def environment(tmp_path_factory):
     """That of a reader: a home, the workspace, and the command `flatland` of the tutorials."""
     home = tmp_path_factory.mktemp("home")
-    command = home / "flatland"
-    command.write_text('#!/bin/sh\nexec /usr/bin/python3 -m flatland_server "$@"\n')
-    command.chmod(0o755)
+    (home / "flatland").symlink_to(ROOT / "src" / "flatland_server" / "nodes" / "flatland")
     path = f"{home}:{os.environ['PATH']}"
     return {**os.environ, "HOME": str(home), "ROS_HOME": str(home / "ros"), "PATH": path}
 
 
 @pytest.fixture
-def run_page(tmp_path, environment, request):
+def run_page(tmp_path, environment, forks, request):
     """Runs a page in an empty folder, with a ROS master if it needs one."""
 
     def run(page):
@@ -70,6 +77,6 @@ def run_page(tmp_path, environment, request):
             for parameter in proxy.getParamNames("/guide")[2]:  # of the page before
                 if parameter not in ("/run_id", "/rosdistro", "/rosversion"):
                     proxy.deleteParam("/guide", parameter)
-        PageRun(page, tmp_path, environment).run()
+        PageRun(page, tmp_path, environment, forks).run()
 
     return run

@@ -4,6 +4,7 @@ import re
 import subprocess
 
 import pytest
+from blocks import blocks_of
 from page_run import ROOT
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
@@ -66,6 +67,28 @@ def test_each_picture_is_on_a_page():
     pictures = [path.name for path in (ROOT / "docs" / "images").iterdir()]
 
     assert [name for name in pictures if name not in text] == []
+
+
+def test_each_picture_can_be_made_again():
+    """One script names all of them."""
+    command = [ROOT / "scripts" / "pictures", "--list"]
+    listed = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+    folders = ("docs/", "examples/", "README")
+    kinds = (".png", ".gif", ".svg", ".jpg", ".webp")
+    pictures = [name for name in FILES if name.startswith(folders) and name.endswith(kinds)]
+
+    assert sorted(listed.split()) == sorted(name for name in pictures if (ROOT / name).exists())
+
+
+def test_no_two_tutorials_have_different_files_of_one_name():
+    """They are done in one folder, and some go on with the files of others."""
+    files = {}
+    for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
+        for block in blocks_of(page):
+            if block.file and not block.is_addition:
+                files.setdefault(block.file, set()).add((page.name, block.text))
+
+    assert {name: pages for name, pages in files.items() if len(pages) > 1} == {}
 
 
 def test_a_page_is_read_in_five_minutes():

@@ -16,6 +16,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Dict, Mapping, Optional
 
+from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError, UsageError, suggestion
 from flatland_server.sweep.parameters import controller_arguments
 from flatland_server.sweep.settings import Controller
@@ -35,6 +36,19 @@ def python_file(target: str, folder: Path) -> Optional[Path]:
     """
     module = target.rpartition(":")[0]
     return folder / module if module.endswith(".py") else None
+
+
+def policy_file(controller: Controller, folder: Path) -> Path:
+    """The file of a controller's policy.
+
+    Args:
+        controller: an entry of a scenario file with a policy.
+        folder: of the scenario file.
+
+    Raises:
+        FlatlandError: it is a `package://` name of a package that is not there.
+    """
+    return folder / to_path(controller.policy)
 
 
 def find_controller(controller: Controller, folder: Path) -> ControllerFunction:
@@ -87,7 +101,7 @@ def arguments_of(
     """
     arguments = {**controller.arguments, **controller_arguments(parameters)}
     if controller.policy:
-        arguments["file"] = str(folder / controller.policy)
+        arguments["file"] = str(policy_file(controller, folder))
     try:
         inspect.signature(function).bind(None, **arguments)
     except TypeError as error:

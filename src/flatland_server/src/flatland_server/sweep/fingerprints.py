@@ -17,7 +17,12 @@ from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_content import world_content
 from flatland_server.maps.map_reader import MapConfig
-from flatland_server.sweep.controllers import arguments_of, find_controller, python_file
+from flatland_server.sweep.controllers import (
+    arguments_of,
+    find_controller,
+    policy_file,
+    python_file,
+)
 from flatland_server.sweep.parameters import set_value, world_changes, world_params
 from flatland_server.sweep.scenario import Scenario
 from flatland_server.sweep.scenario_file import world_source
@@ -95,7 +100,7 @@ def _controller(controller: Controller, folder: Path, parameters: Mapping[str, A
     if file is not None:
         parts.append(_file(file))
     if controller.policy:
-        parts.append(_file(folder / controller.policy))
+        parts.append(_file(policy_file(controller, folder)))
     return _digest(parts)
 
 
