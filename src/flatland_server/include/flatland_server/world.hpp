@@ -114,6 +114,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   bool Contains(Body body) const { return bodies_.Contains(body); }
   /// Number of bodies, layers included.
   int body_count() const;
+  /// Number of walls of large layers that Box2D has at present.
+  int held_wall_count() const;
   /// Static, kinematic or dynamic.
   b2BodyType GetType(Body body) const { return Find(body).GetType(); }
   /// Whether Box2D simulates it; a body at rest falls asleep.

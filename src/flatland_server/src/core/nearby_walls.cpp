@@ -79,6 +79,12 @@ void NearbyWalls::Release(b2World& world, const std::vector<uint32_t>& blocks) {
   }
 }
 
+int NearbyWalls::held_wall_count() const {
+  int count = 0;
+  for (const auto& [number, block] : held_) ForEachWall(number, [&](uint32_t) { ++count; });
+  return count;
+}
+
 b2Fixture* NearbyWalls::Find(uint32_t wall) const {
   Box box;
   box.Add(walls_->segments()[wall]);

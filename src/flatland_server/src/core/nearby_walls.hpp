@@ -48,6 +48,7 @@ class NearbyWalls {
   /// Forgets what was held, when its b2World is no more.
   void Clear() { held_.clear(); }
   int held_count() const { return static_cast<int>(held_.size()); }
+  int held_wall_count() const;
   /// The fixture of a wall, or null if its block is not held.
   b2Fixture* Find(uint32_t wall) const;
 

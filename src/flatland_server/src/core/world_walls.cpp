@@ -81,6 +81,12 @@ int World::body_count() const {
   return count;
 }
 
+int World::held_wall_count() const {
+  int count = 0;
+  for (const auto& each : large_layers_) count += each->held_wall_count();
+  return count;
+}
+
 NearbyWalls* World::LargeLayerOf(const BodyRecord& record) const {
   return record.large_layer < 0 ? nullptr : large_layers_[record.large_layer].get();
 }
