@@ -3,7 +3,7 @@
 from typing import Any
 
 from python_qt_binding.QtCore import QEvent, QObject, QSize
-from python_qt_binding.QtWidgets import QAction, QMenu, QStatusBar, QToolButton
+from python_qt_binding.QtWidgets import QAction, QMenu, QSizePolicy, QStatusBar, QToolButton
 
 _HINT = (
     "Nothing publishes a transform from map to {frames}. This window draws the robots at their "
@@ -11,18 +11,7 @@ _HINT = (
 )
 _PUBLISHED = "map \u2192 odom published"
 _SHORT = "No map \u2192 odom"
-
-
-def placement_text(frames: str) -> str:
-    """What the status line says of frames that are placed by ground truth.
-
-    Args:
-        frames: separated by commas.
-    """
-    first, *others = frames.split(", ")
-    if others:
-        return f"{_SHORT}: robots drawn at their true poses"
-    return f"No map \u2192 {first}: robot drawn at its true pose"
+_LONG = "No map \u2192 odom: robots drawn at true poses"
 
 
 class _Button(QToolButton):
@@ -30,6 +19,7 @@ class _Button(QToolButton):
 
     def __init__(self, name: str) -> None:
         super().__init__(objectName=name)
+        self.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Fixed)
         self._texts = ("", "")
 
     def set_texts(self, long: str, short: str) -> None:
@@ -100,5 +90,5 @@ class GroundTruth(QObject):
         if is_published:
             self._button.set_texts(_PUBLISHED, _PUBLISHED)
         else:
-            self._button.set_texts(placement_text(frames), _SHORT)
+            self._button.set_texts(_LONG, _SHORT)
         self._button.setToolTip(_HINT.format(frames=frames))

@@ -35,7 +35,7 @@ from flatland_viz.world_files import label
 _READ_PERIOD = 500  # ms
 _WIDTH = 250
 _BUTTON_COLUMNS = 3
-_DOT = 10  # device-independent pixels
+_DOT, _MARGIN = 10, 4  # device-independent pixels
 _SELECTED = QColor(70, 76, 84)
 """Background of the selected row: no robot has this colour."""
 
@@ -143,7 +143,7 @@ class _Details(QWidget):
     def __init__(self, actions: ModelActions) -> None:
         super().__init__()
         column = QVBoxLayout(self)
-        column.setContentsMargins(0, 4, 0, 0)
+        column.setContentsMargins(0, _MARGIN, 0, 0)
         self._empty = QLabel("Click a model on the map or in the list.", objectName="model_none")
         self._empty.setWordWrap(True)
         _make_quiet(self._empty)
@@ -218,6 +218,11 @@ class _Details(QWidget):
             item.setData(0, Qt.UserRole, topic.name)
             item.setTextAlignment(1, Qt.AlignRight | Qt.AlignVCenter)
             self._topics.addTopLevelItem(item)
+
+
+    def heightForWidth(self, width: int) -> int:  # noqa: N802
+        """The height from which on a scroll area scrolls: with the list of topics at its lowest."""
+        return int(self._content.layout().minimumHeightForWidth(width)) + _MARGIN
 
     def show_state(self, state: Dict[str, Any]) -> None:
         if state:
