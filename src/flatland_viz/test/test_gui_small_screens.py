@@ -12,6 +12,8 @@ ROOM = Path(__file__).resolve().parents[2] / "flatland_server/worlds/test_room/w
 TITLE = "Flatland - test_room/world.yaml"
 WIDTH, HEIGHT = 1024, 700
 KNOB = (60, 130, 196)
+SELECTED = (70, 76, 84)
+FIRST_ROW = {1: 86, 2: 165}  # of the list of models, from the top of the screen [px], by scale
 DARK = (18, 19, 22)
 PALE = (
     147,
@@ -47,13 +49,10 @@ def open_window(ros, screen):
 
 
 def frame_of(screen, window):
-    """Width, height, x and y of a window with its title bar."""
-    [line] = [
-        line
-        for line in screen.text("xwininfo", "-id", window, "-frame", "-stats")
-        if "-geom" in line
-    ]
-    return tuple(map(int, re.findall(r"\d+", line)))
+    """Width, height, x and y of a window with its title bar [px]."""
+    text = "\n".join(screen.text("xwininfo", "-id", window, "-frame", "-stats"))
+    fields = ("Width", "Height", "Absolute upper-left X", "Absolute upper-left Y")
+    return tuple(int(re.search(rf"{field}: +(-?\d+)", text)[1]) for field in fields)
 
 
 def is_dark(pixels):
@@ -64,6 +63,10 @@ def has_pale_walls(pixels):
     return (abs(pixels - PALE).max(axis=2) < 6).sum() > 300
 
 
+def has_selected_row(pixels):
+    return (abs(pixels[:, WIDTH // 2 :] - SELECTED).max(axis=2) < 3).sum() > 1000
+
+
 def has_pad(pixels):
     """Whether the Drive panel is shown, with its knob."""
     return (abs(pixels[:, WIDTH // 2 :] - KNOB).max(axis=2) < 3).sum() > 300
@@ -72,16 +75,27 @@ def has_pad(pixels):
 @pytest.mark.parametrize("scale", [1, 2])
 def test_the_window_fits_and_remembers(server, open_window, screen, waiting, ros, scale):
     window = open_window(scale)
-    width, height, x, y = frame_of(screen, window)
-    assert x + width <= WIDTH
-    assert y + height <= HEIGHT
+
+    def is_within_the_screen():
+        width, height, x, y = frame_of(screen, window)
+        return x + width <= WIDTH and y + height <= HEIGHT
+
+    assert is_within_the_screen()
     name = f"small_{scale}x"
+
+    def selects():
+        screen.click((WIDTH - 200 * scale, FIRST_ROW[scale]))
+        return has_selected_row(screen.picture(f"{name}_selected"))
+
+    waiting(selects, "a selected model", 20)
+    assert is_within_the_screen()
     if scale == 1:
         screen.key("alt+v", "b", "d")
     waiting(lambda: is_dark(screen.picture(name)), "the dark background", 30)
     waiting(lambda: has_pale_walls(screen.picture(name)), "walls that stand out on it", 20)
     screen.key("F4")
     waiting(lambda: has_pad(screen.picture(f"{name}_drive")), "the pad to drive", 20)
+    assert is_within_the_screen()
     screen.key("F4", "F1")
     screen.wait_for_window("Keys and Mouse")
     width, height, x, y = frame_of(screen, screen.windows("Keys and Mouse")[-1])

@@ -26,11 +26,20 @@ struct BodyRecord {
     double bounding_radius = 0.0;  // of its shape [m]; see VisibleFixture
   };
 
+  /// The walls of large layers that Box2D has for a dynamic body; see NearbyWalls.
+  struct Nearby {
+    bool is_current = false;                    // false: they must be looked up again
+    b2Vec2 center = b2Vec2_zero;                // of mass, when they were looked up [m]
+    std::vector<std::vector<uint32_t>> blocks;  // of each large layer
+  };
+
   b2Body* body = nullptr;
   bool is_layer = false;
+  int large_layer = -1;                             // its number among the large layers, or -1
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
-  std::vector<FixtureRecord> fixtures;              // by Fixture::index
-  MassSum mass;                                     // of the fixtures, for a dynamic body
+  std::vector<FixtureRecord> fixtures;  // by Fixture::index; a large layer has none here
+  MassSum mass;                         // of the fixtures, for a dynamic body
+  Nearby nearby;
 };
 
 }  // namespace flatland

@@ -6,10 +6,14 @@
 /// children such that their boxes are small for the number of walls in them (the surface area
 /// heuristic: MacDonald and Booth, "Heuristics for Ray Tracing Using Space Subdivision", 1990; here
 /// with perimeters). A leaf holds up to kLeafSize walls. DepthBuffer traverses the tree.
+///
+/// A leaf has a copy of its walls' coordinates, side by side; in a large tree, to save memory, only
+/// their indices.
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -24,6 +28,11 @@ struct Box {
 
   void Add(const Segment& segment);
   void Add(const Box& other);
+  /// Whether the two have a point in common.
+  bool Meets(const Box& other) const {
+    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
+           other.low.y <= high.y;
+  }
   double half_perimeter() const { return high.x - low.x + high.y - low.y; }
   /// Square of the distance of a point [m^2], 0 within.
   double SquareDistance(Vec2 point) const {
@@ -38,6 +47,11 @@ class SegmentTree {
   static constexpr int kLeafSize = 8;
   /// No path from the root is longer than this.
   static constexpr int kMaxDepth = 96;
+  /// Trees of more walls are large.
+  static constexpr size_t kMaxCopied = 500'000;
+
+  /// Called with the number of walls that are in the tree so far, every 50,000 and at the end.
+  using Progress = std::function<void(size_t done)>;
 
   /// Walls from (ax, ay) to (bx, by) [m], as a structure of arrays, so that several are computed at
   /// a time. Unused places are NaN.
@@ -59,33 +73,75 @@ class SegmentTree {
     Child children[2];
   };
 
-  explicit SegmentTree(const std::vector<Segment>& segments);
+  using Indices = std::array<uint32_t, kLeafSize>;
+
+  /// `max_copied` is the largest number of segments of which leaves have copies.
+  explicit SegmentTree(std::vector<Segment> segments, const Progress& progress = {},
+                       size_t max_copied = kMaxCopied);
 
   /// An existing tree of equal segments, or a new one. So all worlds with the same map share one.
-  static std::shared_ptr<const SegmentTree> Share(const std::vector<Segment>& segments);
+  static std::shared_ptr<const SegmentTree> Share(std::vector<Segment> segments,
+                                                  const Progress& progress = {});
 
   size_t segment_count() const { return segments_.size(); }
+  size_t leaf_count() const { return indices_.size(); }
   const std::vector<Segment>& segments() const { return segments_; }
   /// The whole tree, in the form of a node's child. The box of an empty tree is empty.
   const Child& root() const { return root_; }
   const Node& node(const Child& child) const { return nodes_[child.index]; }
-  const Leaf& leaf(const Child& child) const { return leaves_[~child.index]; }
-  /// The indices in segments() of a leaf's walls, by their places in it.
-  const std::array<uint32_t, kLeafSize>& indices(const Child& child) const {
-    return indices_[~child.index];
+  /// A leaf's copies of its walls, or null in a large tree.
+  const Leaf* leaf(const Child& child) const {
+    return leaves_.empty() ? nullptr : &leaves_[~child.index];
+  }
+  /// The indices in segments() of a leaf's walls, by their places in it. Unused places repeat the
+  /// last one.
+  const Indices& indices(const Child& child) const { return indices_[~child.index]; }
+  /// Calls `visit(index)`, with an index in segments(), for each wall of a leaf while it returns
+  /// true; returns whether it did. Leaves are numbered in the order of the tree.
+  template <class Visit>
+  bool ForEachWall(size_t leaf, Visit visit) const {
+    const Indices& indices = indices_[leaf];
+    for (int i = 0; i < kLeafSize; ++i) {
+      if (i > 0 && indices[i] == indices[i - 1]) break;
+      if (!visit(indices[i])) return false;
+    }
+    return true;
+  }
+  /// Calls `visit(leaf)`, with the number of a leaf, in ascending order, for each leaf with a box
+  /// that meets this one.
+  template <class Visit>
+  void ForEachLeafAt(const Box& box, Visit visit) const {
+    if (!segments_.empty()) ForEachLeafAt(root_, box, visit);
   }
 
  private:
   using Iterator = std::vector<uint32_t>::iterator;
 
-  Child Build(Iterator begin, Iterator end, int depth);
+  /// How far the tree is filled.
+  struct Filling {
+    const Progress& progress;
+    bool has_copies;  // in its leaves
+    size_t done = 0;  // walls in leaves
+  };
+
+  Child Build(Iterator begin, Iterator end, int depth, Filling& filling);
   Iterator Split(Iterator begin, Iterator end, int depth);
-  int32_t AddLeaf(Iterator begin, Iterator end);
+  int32_t AddLeaf(Iterator begin, Iterator end, Filling& filling);
+  void AddCopies(Iterator begin, Iterator end);
+  template <class Visit>
+  void ForEachLeafAt(const Child& child, const Box& box, Visit& visit) const {
+    if (!child.box.Meets(box)) return;
+    if (child.is_leaf()) {
+      visit(static_cast<size_t>(~child.index));
+      return;
+    }
+    for (const Child& each : node(child).children) ForEachLeafAt(each, box, visit);
+  }
 
   std::vector<Segment> segments_;
   std::vector<Node> nodes_;
-  std::vector<Leaf> leaves_;
-  std::vector<std::array<uint32_t, kLeafSize>> indices_;  // of the walls of each leaf
+  std::vector<Leaf> leaves_;      // none in a large tree
+  std::vector<Indices> indices_;  // of the walls of each leaf
   Child root_;
 };
 

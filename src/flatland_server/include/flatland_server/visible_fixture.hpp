@@ -13,6 +13,9 @@
 
 namespace flatland {
 
+/// Centre of the bounding circle of a circle or polygon, in the body's frame [m].
+b2Vec2 CentroidOf(const b2Shape& shape);
+
 /// Radius of the bounding circle of a circle or polygon about its centroid [m].
 double BoundingRadius(const b2Shape& shape);
 

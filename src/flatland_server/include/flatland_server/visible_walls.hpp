@@ -30,9 +30,11 @@ class VisibleWalls {
   explicit VisibleWalls(std::shared_ptr<const SegmentTree> walls);
 
   /// Those of an equal layer, or new ones. So all worlds with the same map share them.
-  static std::shared_ptr<const VisibleWalls> Share(const std::vector<Segment>& segments);
+  static std::shared_ptr<const VisibleWalls> Share(std::vector<Segment> segments,
+                                                   const SegmentTree::Progress& progress = {});
 
   const SegmentTree& all() const { return *walls_; }
+  const std::shared_ptr<const SegmentTree>& shared() const { return walls_; }
   /// Walls among which are all those that a lidar at a point can see, or null if they are not known
   /// (yet); valid as long as this object. Several threads may call it at a time.
   const WallList* SeenFrom(Vec2 point) const;

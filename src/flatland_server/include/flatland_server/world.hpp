@@ -55,6 +55,8 @@ struct Mounted {
 
 struct WorldState;
 
+class NearbyWalls;
+
 /// See shared_world.hpp.
 class SharedWorld;
 
@@ -67,14 +69,20 @@ class World : private b2DestructionListener, private b2ContactListener {
   using Tween = Handle<Mounted<BodyTween>>;
   using LidarHandle = Handle<Mounted<Lidar>>;
 
+  /// Layers of more walls are large: Box2D has only those walls that are near dynamic bodies, which
+  /// are few. That saves 400 bytes a wall; but contacts may be found in another order, so that a
+  /// step is the same up to rounding.
+  static constexpr std::size_t kLargeLayer = 500'000;
+
   /// Solver iterations per step, each 1 or more.
-  World(int velocity_iterations, int position_iterations);
+  World(int velocity_iterations, int position_iterations, std::size_t large_layer = kLargeLayer);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   /// A world that makes the same steps, bit for bit, of one that has made none yet. Handles name
   /// the same things in both. It has no contact listener, and nothing has chosen events. Throws
-  /// std::invalid_argument if a step was made. No body may have been removed before.
+  /// std::invalid_argument if a step was made. No body may have been removed before. In the copy,
+  /// Box2D has all walls of large layers.
   std::unique_ptr<World> Copy() const;
 
   /// Marks the world as in use while it exists; throws std::logic_error if it is in use already.
@@ -98,14 +106,16 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
   ///
   /// @param progress  called with the number of walls added so far, every 50,000 and at the end
-  Body AddLayer(const std::vector<Segment>& walls, LayerBits layers,
+  Body AddLayer(std::vector<Segment> walls, LayerBits layers,
                 const std::function<void(std::size_t added)>& progress = {});
   /// Also removes its fixtures, joints, drives, tweens and lidars.
   void RemoveBody(Body body);
   /// Whether the body still exists.
   bool Contains(Body body) const { return bodies_.Contains(body); }
   /// Number of bodies, layers included.
-  int body_count() const { return world_->GetBodyCount(); }
+  int body_count() const;
+  /// Number of walls of large layers that Box2D has at present.
+  int held_wall_count() const;
   /// Static, kinematic or dynamic.
   b2BodyType GetType(Body body) const { return Find(body).GetType(); }
   /// Whether Box2D simulates it; a body at rest falls asleep.
@@ -305,6 +315,12 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   b2Body& Find(Body body) const;
   b2Fixture& Find(Fixture fixture) const;
+  /// That of the model's body, or of the layer, that something in Box2D belongs to.
+  const BodyRecord& RecordOf(b2Body& body) const {
+    return bodies_.Get(bodies_.HandleAt(static_cast<uint32_t>(body.GetUserData().pointer)));
+  }
+  /// The large layer that a fixture is a wall of, or null.
+  NearbyWalls* FindLargeLayer(Fixture fixture) const;
   Body AddRecord(BodyRecord record);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
   /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.
@@ -312,6 +328,23 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Wakes the bodies that a static body may touch; Box2D does not do so.
   void WakeBodiesNear(const b2Body& body);
   void ApplyDeferredForces();
+
+  // Large layers.
+
+  /// That of a layer's record, or null if it is not a large layer's.
+  NearbyWalls* LargeLayerOf(const BodyRecord& record) const;
+  /// The number of a body's fixtures, or of a layer's walls.
+  std::size_t FixtureCountOf(const BodyRecord& record) const;
+  /// A fixture of a body, or null for a wall that Box2D does not have at present.
+  b2Fixture* FixtureOrNull(const BodyRecord& record, uint32_t index) const;
+  /// Makes sure that Box2D has all walls that a dynamic body may reach in the next step.
+  void HoldWallsNearBodies();
+  void HoldWallsNear(BodyRecord& record);
+  void ReleaseWallsNear(BodyRecord& record);
+  /// The same, when Box2D's world is replaced by one without them.
+  void ForgetHeldWalls();
+  /// Whether a fixture of a dynamic body overlaps a wall of a large layer that it collides with.
+  bool OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) const;
 
   // Joints.
 
@@ -378,6 +411,8 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   SlotMap<BodyRecord> bodies_{"body"};
   std::vector<Layer> layers_;
+  std::size_t large_layer_;
+  std::vector<std::shared_ptr<NearbyWalls>> large_layers_;
   std::vector<DeferredForce> deferred_forces_;
   SlotMap<b2Joint*> joints_{"joint"};
   SlotMap<Mounted<BodyDrive>> drives_{"drive"};

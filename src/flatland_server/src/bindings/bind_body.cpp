@@ -19,6 +19,14 @@ DynamicsLimits ToLimits(const Triple& t) {
   return {std::get<0>(t), std::get<1>(t), std::get<2>(t)};
 }
 
+PyFixture FixtureOf(const PyBody& self, uint32_t index) {
+  const PyFixture fixture{self.world, {self.handle, index}};
+  if (index >= static_cast<uint32_t>(self.world->GetFixtureCount(self.handle))) {
+    throw py::index_error("the body has no such fixture");
+  }
+  return fixture;
+}
+
 const char* TypeName(b2BodyType type) {
   return type == b2_staticBody ? "static" : type == b2_kinematicBody ? "kinematic" : "dynamic";
 }
@@ -73,6 +81,7 @@ void BindShapes(py::class_<PyBody>& body) {
   DefineWithSettings(body, "add_circle", &AddCircle, py::arg("center"), py::arg("radius"));
   DefineWithSettings(body, "add_polygon", &AddPolygon, py::arg("vertices"));
   body.def_property_readonly("fixtures", &FixturesOf);
+  body.def("fixture", &FixtureOf, py::arg("index"));
   body.def_property_readonly("overlapping", [](const PyBody& self) {
     std::vector<PyBody> bodies;
     for (const World::Body& other : self.world->GetOverlappingBodies(self.handle)) {

@@ -217,14 +217,15 @@ FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
   DrawWalls(walls, view);
 }
 
-FLATLAND_INLINE void DrawBlock(const WallList::Block& block, const Segment* segments,
-                               const View& view) {
+/// Draws the walls with these indices.
+FLATLAND_INLINE void DrawIndexed(const SegmentTree::Indices& indices, const Segment* segments,
+                                 const View& view) {
   WallsView walls;
   for (int lane = 0; lane < kLeafSize; lane += kGroup) {
-    const Segment& a = segments[block.indices[lane]];
-    const Segment& b = segments[block.indices[lane + 1]];
-    const Segment& c = segments[block.indices[lane + 2]];
-    const Segment& d = segments[block.indices[lane + 3]];
+    const Segment& a = segments[indices[lane]];
+    const Segment& b = segments[indices[lane + 1]];
+    const Segment& c = segments[indices[lane + 2]];
+    const Segment& d = segments[indices[lane + 3]];
     ViewWalls({Doubles{a.a.x, b.a.x, c.a.x, d.a.x}, Doubles{a.a.y, b.a.y, c.a.y, d.a.y},
                Doubles{a.b.x, b.b.x, c.b.x, d.b.x}, Doubles{a.b.y, b.b.y, c.b.y, d.b.y}},
               lane, view, &walls);
@@ -307,7 +308,11 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
   while (true) {
     const SegmentTree::Child* next = nullptr;
     if (child->is_leaf()) {
-      DrawLeaf(walls.leaf(*child), view);
+      if (const SegmentTree::Leaf* leaf = walls.leaf(*child)) {
+        DrawLeaf(*leaf, view);
+      } else {
+        DrawIndexed(walls.indices(*child), walls.segments().data(), view);
+      }
     } else {
       const SegmentTree::Node& node = walls.node(*child);
       Extent extents[2];
@@ -330,14 +335,14 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
 FLATLAND_CLONES void DrawList(const WallList& list, const View& view) {
   const std::vector<WallList::Block>& blocks = list.blocks();
   const size_t near = std::min(blocks.size(), kNearBlocks);
-  for (size_t i = 0; i < near; ++i) DrawBlock(blocks[i], list.walls(), view);
+  for (size_t i = 0; i < near; ++i) DrawIndexed(blocks[i].indices, list.walls(), view);
   for (size_t i = near; i < blocks.size(); i += 2) {
     const size_t second = std::min(i + 1, blocks.size() - 1);
     Extent extents[2];
     ComputeExtents(blocks[i].box, blocks[second].box, view, extents);
-    if (!IsHidden(view.inverse, extents[0])) DrawBlock(blocks[i], list.walls(), view);
+    if (!IsHidden(view.inverse, extents[0])) DrawIndexed(blocks[i].indices, list.walls(), view);
     if (second > i && !IsHidden(view.inverse, extents[1])) {
-      DrawBlock(blocks[second], list.walls(), view);
+      DrawIndexed(blocks[second].indices, list.walls(), view);
     }
   }
 }

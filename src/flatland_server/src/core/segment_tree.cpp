@@ -15,6 +15,7 @@ namespace {
 using Iterator = std::vector<uint32_t>::iterator;
 
 constexpr int kBins = 16;
+constexpr size_t kProgressStep = 50'000;  // walls between two reports of progress
 /// From this depth on each node is split in half, whatever the boxes: this limits the depth.
 constexpr int kMaxHeuristicDepth = 64;
 
@@ -112,63 +113,86 @@ void Box::Add(const Box& other) {
   high = {std::max(high.x, other.high.x), std::max(high.y, other.high.y)};
 }
 
-std::shared_ptr<const SegmentTree> SegmentTree::Share(const std::vector<Segment>& segments) {
+std::shared_ptr<const SegmentTree> SegmentTree::Share(std::vector<Segment> segments,
+                                                      const Progress& progress) {
   static std::mutex mutex;
   static std::unordered_multimap<size_t, std::weak_ptr<const SegmentTree>> trees;
-  const std::lock_guard lock(mutex);
   const size_t hash = HashOf(segments);
-  for (auto [i, end] = trees.equal_range(hash); i != end; ++i) {
-    const std::shared_ptr<const SegmentTree> tree = i->second.lock();
-    if (tree && AreEqual(tree->segments_, segments)) return tree;
+  const auto find = [&](const std::vector<Segment>& wanted) {
+    for (auto [i, end] = trees.equal_range(hash); i != end; ++i) {
+      const std::shared_ptr<const SegmentTree> tree = i->second.lock();
+      if (tree && AreEqual(tree->segments_, wanted)) return tree;
+    }
+    return std::shared_ptr<const SegmentTree>();
+  };
+  {
+    const std::lock_guard lock(mutex);
+    if (auto tree = find(segments)) return tree;
   }
+  // Not locked: `progress` may wait for another thread, which may be in here too.
+  auto tree = std::make_shared<const SegmentTree>(std::move(segments), progress);
+  const std::lock_guard lock(mutex);
+  if (auto other = find(tree->segments_)) return other;
   // Drops unused trees; this takes no time compared with building a new one.
   for (auto i = trees.begin(); i != trees.end();) {
     i = i->second.expired() ? trees.erase(i) : std::next(i);
   }
-  auto tree = std::make_shared<const SegmentTree>(segments);
   trees.emplace(hash, tree);
   return tree;
 }
 
-SegmentTree::SegmentTree(const std::vector<Segment>& segments) : segments_(segments) {
+SegmentTree::SegmentTree(std::vector<Segment> segments, const Progress& progress, size_t max_copied)
+    : segments_(std::move(segments)) {
   if (segments_.empty()) return;
   std::vector<uint32_t> indices(segments_.size());
   std::iota(indices.begin(), indices.end(), 0);
-  root_ = Build(indices.begin(), indices.end(), 0);
+  Filling filling{progress, segments_.size() <= max_copied};
+  root_ = Build(indices.begin(), indices.end(), 0, filling);
 }
 
-SegmentTree::Child SegmentTree::Build(Iterator begin, Iterator end, int depth) {
+SegmentTree::Child SegmentTree::Build(Iterator begin, Iterator end, int depth, Filling& filling) {
   Child child;
   for (Iterator i = begin; i != end; ++i) child.box.Add(segments_[*i]);
   if (end - begin <= kLeafSize) {
-    child.index = AddLeaf(begin, end);
+    child.index = AddLeaf(begin, end, filling);
     return child;
   }
   child.index = static_cast<int32_t>(nodes_.size());
   nodes_.emplace_back();
   const Iterator middle = Split(begin, end, depth);
-  const Child low = Build(begin, middle, depth + 1);
-  const Child high = Build(middle, end, depth + 1);
+  const Child low = Build(begin, middle, depth + 1, filling);
+  const Child high = Build(middle, end, depth + 1, filling);
   nodes_[child.index] = {{low, high}};
   return child;
 }
 
-int32_t SegmentTree::AddLeaf(Iterator begin, Iterator end) {
+int32_t SegmentTree::AddLeaf(Iterator begin, Iterator end, Filling& filling) {
+  const auto count = static_cast<size_t>(end - begin);
+  Indices& indices = indices_.emplace_back();
+  std::fill(std::copy(begin, end, indices.begin()), indices.end(), *(end - 1));
+  if (filling.has_copies) AddCopies(begin, end);
+  const size_t before = filling.done;
+  filling.done += count;
+  const bool is_due = before / kProgressStep != filling.done / kProgressStep;
+  if (filling.progress && (is_due || filling.done == segments_.size())) {
+    filling.progress(filling.done);
+  }
+  return ~static_cast<int32_t>(indices_.size() - 1);
+}
+
+void SegmentTree::AddCopies(Iterator begin, Iterator end) {
   Leaf leaf;
   for (double* values : {leaf.ax, leaf.ay, leaf.bx, leaf.by}) {
     std::fill_n(values, kLeafSize, std::numeric_limits<double>::quiet_NaN());
   }
-  std::array<uint32_t, kLeafSize>& indices = indices_.emplace_back();
   for (int lane = 0; begin != end; ++begin, ++lane) {
     const Segment& segment = segments_[*begin];
-    indices[lane] = *begin;
     leaf.ax[lane] = segment.a.x;
     leaf.ay[lane] = segment.a.y;
     leaf.bx[lane] = segment.b.x;
     leaf.by[lane] = segment.b.y;
   }
   leaves_.push_back(leaf);
-  return ~static_cast<int32_t>(leaves_.size() - 1);
 }
 
 /// Reorders the walls such that those of the first child come before those of the second. Returns

@@ -5,18 +5,18 @@
 namespace flatland {
 namespace {
 
-b2Vec2 CentroidOf(const b2Shape& shape) {
-  return shape.GetType() == b2Shape::e_circle
-             ? static_cast<const b2CircleShape&>(shape).m_p
-             : static_cast<const b2PolygonShape&>(shape).m_centroid;
-}
-
 Vec2 ToWorld(const b2Transform& body, b2Vec2 local) {
   return {body.p.x + double{body.q.c} * local.x - double{body.q.s} * local.y,
           body.p.y + double{body.q.s} * local.x + double{body.q.c} * local.y};
 }
 
 }  // namespace
+
+b2Vec2 CentroidOf(const b2Shape& shape) {
+  return shape.GetType() == b2Shape::e_circle
+             ? static_cast<const b2CircleShape&>(shape).m_p
+             : static_cast<const b2PolygonShape&>(shape).m_centroid;
+}
 
 double BoundingRadius(const b2Shape& shape) {
   if (shape.GetType() == b2Shape::e_circle) return shape.m_radius;

@@ -140,13 +140,9 @@ class Finder {
   /// did.
   template <class Visitor>
   bool ForEachWall(const SegmentTree::Child& child, Visitor visit) const {
-    const SegmentTree::Leaf& leaf = walls_.leaf(child);
-    for (int i = 0; i < SegmentTree::kLeafSize; ++i) {
-      if (std::isnan(leaf.ax[i])) continue;
-      const uint32_t index = walls_.indices(child)[i];
-      if (!visit(index, walls_.segments()[index])) return false;
-    }
-    return true;
+    return walls_.ForEachWall(static_cast<size_t>(~child.index), [&](uint32_t index) {
+      return visit(index, walls_.segments()[index]);
+    });
   }
 
   bool IsHidden(const Box& from, const Target& target, int depth) {
@@ -232,10 +228,11 @@ VisibleWalls::VisibleWalls(std::shared_ptr<const SegmentTree> walls) : walls_(st
   cells_ = std::make_unique<Cell[]>(static_cast<size_t>(columns_) * rows_);
 }
 
-std::shared_ptr<const VisibleWalls> VisibleWalls::Share(const std::vector<Segment>& segments) {
+std::shared_ptr<const VisibleWalls> VisibleWalls::Share(std::vector<Segment> segments,
+                                                        const SegmentTree::Progress& progress) {
   static std::mutex mutex;
   static std::unordered_map<const SegmentTree*, std::weak_ptr<const VisibleWalls>> known;
-  std::shared_ptr<const SegmentTree> tree = SegmentTree::Share(segments);
+  std::shared_ptr<const SegmentTree> tree = SegmentTree::Share(std::move(segments), progress);
   const std::lock_guard lock(mutex);
   std::weak_ptr<const VisibleWalls>& found = known[tree.get()];
   if (std::shared_ptr<const VisibleWalls> walls = found.lock()) return walls;

@@ -39,10 +39,11 @@ void Unwind(b2Body& body) {
 
 }  // namespace
 
-World::World(int velocity_iterations, int position_iterations)
+World::World(int velocity_iterations, int position_iterations, std::size_t large_layer)
     : world_(std::make_unique<b2World>(b2Vec2_zero)),
       velocity_iterations_(velocity_iterations),
-      position_iterations_(position_iterations) {
+      position_iterations_(position_iterations),
+      large_layer_(large_layer) {
   Require(velocity_iterations >= 1 && position_iterations >= 1,
           "a solver needs at least one iteration");
   world_->SetDestructionListener(this);
@@ -70,6 +71,7 @@ void World::Step(double dt, const AccessGuard&) {
   for_each(drives_, begin);
   for_each(tricycles_, begin);
   for_each(tweens_, [&](BodyTween& tween, b2Body& body) { AdvanceTween(tween, body, dt); });
+  HoldWallsNearBodies();
   world_->Step(static_cast<float>(dt), velocity_iterations_, position_iterations_);
   for_each(drives_, end);
   for_each(tricycles_, end);

@@ -1,16 +1,10 @@
-/// World: bodies and layers.
+/// World: bodies.
 
-#include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
-namespace {
-
-constexpr std::size_t kProgressStep = 50000;  // walls between two reports of progress
-
-}  // namespace
 
 b2Body& World::Find(Body body) const {
   RequireAccess();
@@ -41,38 +35,6 @@ World::Body World::AddBody(const BodySettings& settings) {
   return AddRecord(std::move(record));
 }
 
-World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers,
-                            const std::function<void(std::size_t added)>& progress) {
-  for (const Segment& wall : walls) {
-    RequirePosition(wall.a);
-    RequirePosition(wall.b);
-    Require(wall.a.x != wall.b.x || wall.a.y != wall.b.y, "a wall's ends must not be one point");
-  }
-  const AccessGuard guard(*this);
-  const b2BodyDef definition;
-  BodyRecord record;
-  record.body = world_->CreateBody(&definition);
-  record.is_layer = true;
-  record.fixtures.reserve(walls.size());
-  b2FixtureDef fixture;
-  fixture.filter.categoryBits = layers;
-  fixture.filter.maskBits = layers;
-  for (const Segment& wall : walls) {
-    b2EdgeShape edge;
-    edge.SetTwoSided(ToBox2D(wall.a), ToBox2D(wall.b));
-    fixture.shape = &edge;
-    fixture.userData.pointer = record.fixtures.size();
-    record.fixtures.push_back({record.body->CreateFixture(&fixture), false, 0.0});
-    const std::size_t added = record.fixtures.size();
-    if (progress && (added % kProgressStep == 0 || added == walls.size())) progress(added);
-  }
-  layers_.push_back({VisibleWalls::Share(walls), layers});
-  const bool has_layers_alone = body_count() == static_cast<int>(layers_.size());
-  if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*world_);
-  ++revision_;
-  return AddRecord(std::move(record));
-}
-
 void World::RemoveBody(Body body) {
   const AccessGuard guard(*this);
   BodyRecord& record = bodies_.Get(body);
@@ -86,6 +48,7 @@ void World::RemoveBody(Body body) {
   remove_from(lidars_);
   ++revision_;
   world_->DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
+  ReleaseWallsNear(record);
   bodies_.Remove(body);
   ApplyDeferredForces();
 }

@@ -4,6 +4,7 @@
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
+#include "nearby_walls.hpp"
 
 namespace flatland {
 namespace {
@@ -23,7 +24,7 @@ b2Fixture* CopyFixture(b2Body& body, b2Fixture& old) {
 std::unique_ptr<World> World::Copy() const {
   const AccessGuard guard(*this);
   Require(box2d::InverseStep(*world_) == 0.0f, "a world that has made a step is not copied");
-  auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_);
+  auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_, large_layer_);
   copy->bodies_ = bodies_;
   copy->layers_ = layers_;
   copy->joints_ = joints_;
@@ -37,6 +38,16 @@ std::unique_ptr<World> World::Copy() const {
     record.body = copy->world_->CreateBody(&definition);
     record.contact_events = kNoContactEvents;
     bool has_mass = false;
+    record.nearby = {};
+    if (const NearbyWalls* large = LargeLayerOf(record)) {
+      record.large_layer = -1;
+      for (uint32_t i = 0; i < large->size(); ++i) {
+        record.fixtures.push_back({AddWall(*record.body, large->walls().segments()[i], i,
+                                           large->layers(), large->GetMaterial(i)),
+                                   false, 0.0});
+      }
+      return;
+    }
     for (BodyRecord::FixtureRecord& each : record.fixtures) {
       each.fixture = CopyFixture(*record.body, *each.fixture);
       has_mass = has_mass || each.fixture->GetDensity() != 0.0f;

@@ -6,6 +6,7 @@
 
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
+#include "nearby_walls.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
@@ -13,21 +14,21 @@ namespace {
 
 /// Whether two shapes overlap or touch, without the skin of a centimetre that Box2D puts around
 /// polygons and edges.
-bool Overlap(const b2Fixture& a, const b2Fixture& b) {
-  const auto radius = [](const b2Fixture& fixture) {
-    return fixture.GetType() == b2Shape::e_circle ? fixture.GetShape()->m_radius : 0.0f;
+bool Overlap(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_of_b) {
+  const auto radius = [](const b2Shape& shape) {
+    return shape.GetType() == b2Shape::e_circle ? shape.m_radius : 0.0f;
   };
   b2DistanceInput input;
   input.proxyA.Set(a.GetShape(), 0);
-  input.proxyB.Set(b.GetShape(), 0);
+  input.proxyB.Set(&b, 0);
   input.transformA = a.GetBody()->GetTransform();
-  input.transformB = b.GetBody()->GetTransform();
+  input.transformB = transform_of_b;
   input.useRadii = false;
   b2SimplexCache cache;
   cache.count = 0;
   b2DistanceOutput output;
   b2Distance(&output, &cache, &input);
-  return output.distance <= radius(a) + radius(b) + 10.0f * b2_epsilon;
+  return output.distance <= radius(*a.GetShape()) + radius(b) + 10.0f * b2_epsilon;
 }
 
 }  // namespace
@@ -67,6 +68,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
     body.SetMassData(&data);
   }
   record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
+  record.nearby.is_current = false;  // it reaches farther
   ++revision_;
   return {handle, static_cast<uint32_t>(record.fixtures.size() - 1)};
 }
@@ -78,14 +80,30 @@ b2Fixture& World::Find(Fixture fixture) const {
   return *fixtures[fixture.index].fixture;
 }
 
+NearbyWalls* World::FindLargeLayer(Fixture fixture) const {
+  RequireAccess();
+  NearbyWalls* const large = LargeLayerOf(bodies_.Get(fixture.body));
+  Require(large == nullptr || fixture.index < large->size(), "the body has no such fixture");
+  return large;
+}
+
 int World::GetFixtureCount(Body body) const {
   RequireAccess();
-  return static_cast<int>(bodies_.Get(body).fixtures.size());
+  return static_cast<int>(FixtureCountOf(bodies_.Get(body)));
 }
 
 FixtureSettings World::GetSettings(Fixture fixture) const {
-  const b2Fixture& found = Find(fixture);
   FixtureSettings settings;
+  if (const NearbyWalls* large = FindLargeLayer(fixture)) {
+    const Material& material = large->GetMaterial(fixture.index);
+    settings.friction = material.friction;
+    settings.restitution = material.restitution;
+    settings.collides = large->layers() != 0;
+    settings.visible = false;
+    settings.layers = large->layers();
+    return settings;
+  }
+  const b2Fixture& found = Find(fixture);
   settings.density = found.GetDensity();
   settings.friction = found.GetFriction();
   settings.restitution = found.GetRestitution();
@@ -98,27 +116,41 @@ FixtureSettings World::GetSettings(Fixture fixture) const {
 
 void World::SetFriction(Fixture fixture, double friction) {
   RequireNotNegative(friction, "friction must be finite and not negative");
+  if (NearbyWalls* large = FindLargeLayer(fixture)) {
+    const float restitution = large->GetMaterial(fixture.index).restitution;
+    large->SetMaterial(fixture.index, {static_cast<float>(friction), restitution});
+    return;
+  }
   Find(fixture).SetFriction(static_cast<float>(friction));
 }
 
 void World::SetRestitution(Fixture fixture, double restitution) {
   RequireNotNegative(restitution, "restitution must be finite and not negative");
+  if (NearbyWalls* large = FindLargeLayer(fixture)) {
+    const float friction = large->GetMaterial(fixture.index).friction;
+    large->SetMaterial(fixture.index, {friction, static_cast<float>(restitution)});
+    return;
+  }
   Find(fixture).SetRestitution(static_cast<float>(restitution));
 }
 
 bool World::TestPoint(Fixture fixture, Vec2 point) const {
   RequirePosition(point);
-  return Find(fixture).TestPoint(ToBox2D(point));
+  return FindLargeLayer(fixture) == nullptr && Find(fixture).TestPoint(ToBox2D(point));
 }
 
 std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
   const b2Body& body = Find(handle);
   const AccessGuard guard(*this);
+  const BodyRecord& record = bodies_.Get(handle);
   struct Collector : b2QueryCallback {
     bool ReportFixture(b2Fixture* other) override {
       b2Body* const owner = other->GetBody();
       const bool is_found = std::find(found.begin(), found.end(), owner) != found.end();
-      if (!is_found && owner != own->GetBody() && PushesOut(*other)) found.push_back(owner);
+      const bool is_wall_of_large_layer = world->RecordOf(*owner).body != owner;
+      if (!is_found && !is_wall_of_large_layer && owner != own->GetBody() && PushesOut(*other)) {
+        found.push_back(owner);
+      }
       return true;
     }
     bool PushesOut(b2Fixture& other) const {
@@ -127,21 +159,47 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
       const bool is_dynamic = own->GetBody()->GetType() == b2_dynamicBody ||
                               other.GetBody()->GetType() == b2_dynamicBody;
       return is_dynamic && !other.IsSensor() && (a.maskBits & b.categoryBits) != 0 &&
-             (b.maskBits & a.categoryBits) != 0 && Overlap(*own, other);
+             (b.maskBits & a.categoryBits) != 0 &&
+             Overlap(*own, *other.GetShape(), other.GetBody()->GetTransform());
     }
+    const World* world = nullptr;
     const b2Fixture* own = nullptr;
     std::vector<b2Body*> found;
   } collector;
+  collector.world = this;
   for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
     if (f->IsSensor()) continue;
     collector.own = f;
     world_->QueryAABB(&collector, f->GetAABB(0));
+  }
+  if (const NearbyWalls* large = LargeLayerOf(record)) {
+    bodies_.ForEach([&](Body, const BodyRecord& other) {
+      if (OverlapsWall(other, *large)) collector.found.push_back(other.body);
+    });
+  }
+  for (const auto& large : large_layers_) {
+    if (OverlapsWall(record, *large)) {
+      collector.found.push_back(bodies_.Get(bodies_.HandleAt(large->owner())).body);
+    }
   }
   std::vector<Body> bodies;
   for (b2Body* other : collector.found) {
     bodies.push_back(bodies_.HandleAt(static_cast<uint32_t>(other->GetUserData().pointer)));
   }
   return bodies;
+}
+
+bool World::OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) const {
+  if (record.body->GetType() != b2_dynamicBody) return false;
+  return std::any_of(record.fixtures.begin(), record.fixtures.end(), [&](const auto& each) {
+    const b2Fixture& fixture = *each.fixture;
+    const b2Filter& filter = fixture.GetFilterData();
+    const LayerBits common = filter.maskBits & filter.categoryBits & layer.layers();
+    if (fixture.IsSensor() || common == 0) return false;
+    return layer.Overlaps(fixture.GetAABB(0), [&](const b2Shape& wall, const b2Transform& pose) {
+      return Overlap(fixture, wall, pose);
+    });
+  });
 }
 
 }  // namespace flatland

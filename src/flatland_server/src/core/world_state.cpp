@@ -9,13 +9,13 @@
 #include "world_state.hpp"
 
 #include <cstring>
-#include <unordered_map>
 
 #include "archive.hpp"
 #include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
+#include "nearby_walls.hpp"
 
 namespace flatland {
 namespace {
@@ -135,15 +135,18 @@ void SerializeMounted(Archive& archive, const Map& map, const std::vector<uint32
 WorldState World::CollectState() const {
   WorldState state;
   state.inverse_step = box2d::InverseStep(*world_);
-  std::unordered_map<const b2Body*, uint32_t> order;
-  bodies_.ForEach([&](Body, const BodyRecord& record) {
-    order[record.body] = static_cast<uint32_t>(state.bodies.size());
+  std::vector<uint32_t> order(bodies_.slot_count());  // by the index of a handle
+  bodies_.ForEach([&](Body handle, const BodyRecord& record) {
+    order[handle.index] = static_cast<uint32_t>(state.bodies.size());
     state.bodies.push_back(StateOf(*record.body, record.fixtures));
+    if (const NearbyWalls* large = LargeLayerOf(record)) {
+      state.bodies.back().materials = large->GetMaterials();
+    }
   });
   joints_.ForEach([&](Joint, b2Joint* joint) { state.joints.push_back(ImpulsesOf(*joint)); });
   for (b2Contact* c = world_->GetContactList(); c != nullptr; c = c->GetNext()) {
     const auto end_of = [&](b2Fixture& fixture) {
-      return ContactState::End{order.at(fixture.GetBody()),
+      return ContactState::End{order[fixture.GetBody()->GetUserData().pointer],
                                static_cast<uint32_t>(fixture.GetUserData().pointer)};
     };
     // Without points, the rest of a manifold is not initialised.
@@ -178,7 +181,7 @@ void World::Serialize(Archive& archive, WorldState& state) const {
   archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
   for (size_t i = 0; i < records.size(); ++i) {
     BodyState& body = state.bodies[i];
-    const size_t fixtures = records[i]->fixtures.size();
+    const size_t fixtures = FixtureCountOf(*records[i]);
     archive.Same(records[i]->body->GetType(), "the type of a body");
     archive.Same(static_cast<uint32_t>(fixtures), "the number of footprints or walls of a body");
     archive(body);
@@ -206,9 +209,10 @@ void World::Serialize(Archive& archive, WorldState& state) const {
       bool with_sensor = false;
       for (const ContactState::End& end : {contact.a, contact.b}) {
         if (end.body >= records.size()) Archive::Fail();
-        const auto& fixtures = records[end.body]->fixtures;
-        if (end.fixture >= fixtures.size()) Archive::Fail();
-        with_sensor = with_sensor || fixtures[end.fixture].fixture->IsSensor();
+        const BodyRecord& record = *records[end.body];
+        if (end.fixture >= FixtureCountOf(record)) Archive::Fail();
+        const bool is_sensor = !record.is_layer && record.fixtures[end.fixture].fixture->IsSensor();
+        with_sensor = with_sensor || is_sensor;
       }
       // The solver asserts that solid fixtures that touch have points.
       const bool has_points = contact.manifold.pointCount > 0;
@@ -259,6 +263,7 @@ void World::Rebuild(const WorldState& state) {
       const Material& material = of_body.materials[of_body.materials.size() == 1 ? 0 : i];
       record.fixtures[i].fixture = CopyFixture(*body, *record.fixtures[i].fixture, material);
     }
+    if (NearbyWalls* large = LargeLayerOf(record)) large->SetMaterials(of_body.materials);
     record.body = body;
     records.push_back(&record);
     has_layers_alone = has_layers_alone && record.is_layer;
@@ -282,14 +287,16 @@ void World::Rebuild(const WorldState& state) {
     tricycles_.ForEach(
         [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Replace(old, joint); });
   });
+  ForgetHeldWalls();
+  world_ = std::move(rebuilt);
+  HoldWallsNearBodies();
   for (auto contact = state.contacts.rbegin(); contact != state.contacts.rend(); ++contact) {
-    const auto fixture = [&](const ContactState::End& end) -> b2Fixture& {
-      return *records[end.body]->fixtures[end.fixture].fixture;
-    };
-    CopyContact(*rebuilt, fixture(contact->a), fixture(contact->b), *contact);
+    b2Fixture* const a = FixtureOrNull(*records[contact->a.body], contact->a.fixture);
+    b2Fixture* const b = FixtureOrNull(*records[contact->b.body], contact->b.fixture);
+    // A wall that Box2D does not have is too far away to be touched.
+    if (a != nullptr && b != nullptr) CopyContact(*world_, *a, *b, *contact);
   }
   for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, state.bodies[i]);
-  world_ = std::move(rebuilt);
   ChooseContactReports();
   ++revision_;
 }

@@ -30,6 +30,9 @@ struct Material {
   }
 };
 
+/// That of walls: Box2D's own.
+constexpr Material kDefaultMaterial{0.2f, 0.0f};
+
 struct BodyState {
   b2Vec2 position = b2Vec2_zero;  // of the origin [m]
   b2Sweep sweep{};                // the centre of mass and the angle, now and before the last step

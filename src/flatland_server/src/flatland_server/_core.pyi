@@ -281,6 +281,13 @@ class Body(_WithoutConstructor):
     @property
     def fixtures(self) -> list[Fixture]:
         """Its fixtures, in the order in which they were added."""
+
+    def fixture(self, index: int) -> Fixture:
+        """One of its fixtures, without a list of all: a layer may have millions of walls.
+
+        Raises:
+            IndexError: it has no such fixture.
+        """
     @property
     def overlapping(self) -> list[Body]:
         """The other bodies with a fixture that overlaps one of this body, and is to be pushed out.

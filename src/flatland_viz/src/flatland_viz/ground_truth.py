@@ -2,13 +2,51 @@
 
 from typing import Any
 
-from python_qt_binding.QtCore import QObject
-from python_qt_binding.QtWidgets import QAction, QMenu, QStatusBar, QToolButton
+from python_qt_binding.QtCore import QEvent, QObject, QSize
+from python_qt_binding.QtWidgets import QAction, QMenu, QSizePolicy, QStatusBar, QToolButton
 
 _HINT = (
-    "Nothing publishes a transform from map to {frames}. This window places the robots by their "
+    "Nothing publishes a transform from map to {frames}. This window draws the robots at their "
     "true poses; other nodes do not know where they are."
 )
+_PUBLISHED = "map \u2192 odom published"
+_SHORT = "No map \u2192 odom"
+_LONG = "No map \u2192 odom: robots drawn at true poses"
+
+
+class _Button(QToolButton):
+    """A button with a shorter text for narrow windows."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(objectName=name)
+        self.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Fixed)
+        self._texts = ("", "")
+
+    def set_texts(self, long: str, short: str) -> None:
+        self._texts = (long, short)
+        self._choose()
+        self.updateGeometry()
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """With the long text."""
+        return self._size_with(self._texts[0])
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """With the short text."""
+        return self._size_with(self._texts[1])
+
+    def resizeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Shows the text that there is room for."""
+        super().resizeEvent(event)
+        self._choose()
+
+    def _size_with(self, text: str) -> QSize:
+        width = self.fontMetrics().horizontalAdvance
+        return super().sizeHint() + QSize(width(text) - width(self.text()), 0)
+
+    def _choose(self) -> None:
+        long, short = self._texts
+        self.setText(long if self.width() >= self.sizeHint().width() else short)
 
 
 class GroundTruth(QObject):
@@ -28,7 +66,7 @@ class GroundTruth(QObject):
         self._publish.setCheckable(True)
         self._publish.setToolTip("for all nodes, until a localiser publishes it")
         self._publish.toggled.connect(self._set_published)
-        self._button = QToolButton(objectName="status_ground_truth")
+        self._button = _Button("status_ground_truth")
         self._button.setAutoRaise(True)
         self._button.setPopupMode(QToolButton.InstantPopup)
         choices = QMenu(self._button, objectName="menu_ground_truth")
@@ -49,6 +87,8 @@ class GroundTruth(QObject):
         is_published = self._publish.isChecked()
         self._publish.setEnabled(bool(frames) or is_published)
         self._button.setVisible(bool(frames))
-        text = "map \u2192 odom published" if is_published else "Placed by ground truth"
-        self._button.setText(text)
+        if is_published:
+            self._button.set_texts(_PUBLISHED, _PUBLISHED)
+        else:
+            self._button.set_texts(_LONG, _SHORT)
         self._button.setToolTip(_HINT.format(frames=frames))

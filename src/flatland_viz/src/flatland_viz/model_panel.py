@@ -15,6 +15,7 @@ from python_qt_binding.QtWidgets import (
     QLabel,
     QListWidget,
     QListWidgetItem,
+    QScrollArea,
     QSizePolicy,
     QToolButton,
     QTreeWidget,
@@ -34,7 +35,9 @@ from flatland_viz.world_files import label
 _READ_PERIOD = 500  # ms
 _WIDTH = 250
 _BUTTON_COLUMNS = 3
-_DOT = 10  # device-independent pixels
+_DOT, _MARGIN = 10, 4  # device-independent pixels
+_SELECTED = QColor(70, 76, 84)
+"""Background of the selected row: no robot has this colour."""
 
 
 class ModelPanel(QDockWidget):
@@ -60,12 +63,21 @@ class ModelPanel(QDockWidget):
         self._list = QListWidget(objectName="model_list")
         self._list.setUniformItemSizes(True)
         self._list.setIconSize(QSize(_DOT, _DOT))
+        colors = self._list.palette()
+        colors.setColor(QPalette.Highlight, _SELECTED)
+        colors.setColor(QPalette.HighlightedText, Qt.white)
+        self._list.setPalette(colors)
         self._details = _Details(actions)
+        area = QScrollArea()  # on a small screen
+        area.setFrameShape(QFrame.NoFrame)
+        area.setWidgetResizable(True)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarAlwaysOff)
+        area.setWidget(self._details)
         content = QWidget()
         column = QVBoxLayout(content)
         column.setContentsMargins(6, 4, 6, 6)
         column.addWidget(self._list, 2)
-        column.addWidget(self._details, 5)
+        column.addWidget(area, 5)
         content.setMinimumWidth(_WIDTH)
         self.setWidget(content)
         self._list.currentItemChanged.connect(self._on_chosen)
@@ -131,7 +143,7 @@ class _Details(QWidget):
     def __init__(self, actions: ModelActions) -> None:
         super().__init__()
         column = QVBoxLayout(self)
-        column.setContentsMargins(0, 4, 0, 0)
+        column.setContentsMargins(0, _MARGIN, 0, 0)
         self._empty = QLabel("Click a model on the map or in the list.", objectName="model_none")
         self._empty.setWordWrap(True)
         _make_quiet(self._empty)
@@ -201,11 +213,16 @@ class _Details(QWidget):
         self._topics.setVisible(bool(topics))
         self._topics.clear()
         for topic in topics:
-            item = QTreeWidgetItem([_short(topic.name, model.namespace), ""])
+            item = QTreeWidgetItem([_short(topic.name, model.namespace), "..."])
             item.setToolTip(0, f"{topic.name}\n{topic.type}\n{_direction(topic)}")
             item.setData(0, Qt.UserRole, topic.name)
             item.setTextAlignment(1, Qt.AlignRight | Qt.AlignVCenter)
             self._topics.addTopLevelItem(item)
+
+
+    def heightForWidth(self, width: int) -> int:  # noqa: N802
+        """The height from which on a scroll area scrolls: with the list of topics at its lowest."""
+        return int(self._content.layout().minimumHeightForWidth(width)) + _MARGIN
 
     def show_state(self, state: Dict[str, Any]) -> None:
         if state:
@@ -217,7 +234,7 @@ class _Details(QWidget):
             item = self._topics.topLevelItem(index)
             reading = readings.get(item.data(0, Qt.UserRole))
             if reading is not None:
-                item.setText(1, _rate(reading.rate))
+                item.setText(1, "..." if reading.rate is None else _rate(reading.rate))
                 self._show_value(item, reading.value)
 
     def _show_value(self, item: QTreeWidgetItem, value: str) -> None:
@@ -276,9 +293,7 @@ def _direction(topic: Topic) -> str:
     return f"{verb} by {topic.plugin}"
 
 
-def _rate(rate: Optional[float]) -> str:
-    if rate is None:
-        return ""
+def _rate(rate: float) -> str:
     return f"{rate:.0f}" if rate >= 9.95 or math.isclose(rate, round(rate)) else f"{rate:.1f}"
 
 

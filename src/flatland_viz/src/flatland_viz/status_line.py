@@ -1,6 +1,6 @@
 """The status line: hints of the tools, and the state of the simulation."""
 
-from python_qt_binding.QtCore import Qt, QTimer
+from python_qt_binding.QtCore import QSize, Qt, QTimer
 from python_qt_binding.QtWidgets import QLabel, QProgressBar, QSizePolicy, QStatusBar
 
 from flatland_viz.status import Status
@@ -13,6 +13,18 @@ _STYLE = {
 
 
 _MESSAGE_TIME = 10_000  # ms
+
+
+class _Field(QLabel):
+    """A label that is as wide as its widest text, or as its present one in a narrow window."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self._width = width
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """The size that it has if there is room."""
+        return super().sizeHint().expandedTo(QSize(self._width, 0))
 
 
 class StatusLine(QStatusBar):
@@ -37,10 +49,11 @@ class StatusLine(QStatusBar):
         self._state.setAlignment(Qt.AlignCenter)
 
     def _field(self, name: str, meaning: str, widest: str) -> QLabel:
-        """A label with a width that does not depend on its text."""
-        field = QLabel(objectName=name, toolTip=meaning)
+        """A label with a width that does not depend on its text, where there is room for it."""
+        field = _Field(self.fontMetrics().horizontalAdvance(widest) + 12)
+        field.setObjectName(name)
+        field.setToolTip(meaning)
         field.setAlignment(Qt.AlignRight | Qt.AlignVCenter)
-        field.setMinimumWidth(self.fontMetrics().horizontalAdvance(widest) + 12)
         self.addPermanentWidget(field)
         return field
 

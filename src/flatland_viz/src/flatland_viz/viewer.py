@@ -58,6 +58,7 @@ def _show_window(ends_server: bool) -> int:
     from python_qt_binding.QtCore import Qt, QTimer
     from python_qt_binding.QtWidgets import QApplication
 
+    from flatland_viz.ending import leave, shut_down
     from flatland_viz.problem_sources import ProblemSources
     from flatland_viz.scene import Scene
     from flatland_viz.server import Server
@@ -93,13 +94,11 @@ def _show_window(ends_server: bool) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # a second one must not disturb the shutdown
     window.finish()
-    window.hide()  # at once; rospy takes a second to shut down
-    if ends_server and window.is_closed:
-        server.shut_down()
+    window.hide()  # at once; ROS takes half a second to shut down
     problems.close()
     server.close()
-    rospy.signal_shutdown("the window is closed")
-    return 0
+    shut_down([server.shut_down] if ends_server and window.is_closed else [])
+    leave()
 
 
 def _show(window: Any) -> None:

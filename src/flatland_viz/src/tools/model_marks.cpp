@@ -23,6 +23,7 @@ constexpr double kMinArrow = 9;      // pixels from the middle to the tip
 constexpr double kArrowPart = 0.45;  // of the robot's radius
 constexpr double kGap = 4;           // pixels between a model's handle and its name
 constexpr double kOutline = 1.35;    // of the arrow's size, where it stands alone
+constexpr double kRing = 2.5;        // pixels: width of the ring on a robot's base
 
 struct Colors {
   QColor text, plate, outline;
@@ -45,12 +46,26 @@ void AddArrow(FlatShape& shape, double size, const QColor& color) {
   shape.AddTriangle(tip, notch, point(-0.8, -0.72), color);
 }
 
+/// Moves the place of a name so that it is not cut off at the edge of the view, unless what it
+/// names is out of sight.
+void MoveIntoView(QRectF& place, const QPointF& model, const Ogre::Viewport& viewport) {
+  QRectF view(0, 0, viewport.getActualWidth(), viewport.getActualHeight());
+  view.moveCenter(QPointF());
+  if (!view.contains(model)) return;
+  place.moveRight(std::min(place.right(), view.right()));
+  place.moveLeft(std::max(place.left(), view.left()));
+  place.moveBottom(std::min(place.bottom(), view.bottom()));
+}
+
 }  // namespace
 
 struct ModelMarks::Mark {
   Mark(Ogre::SceneManager& scene, Ogre::SceneNode& parent)
-      : heading(scene, parent, 1), label(scene, parent) {}
+      : ring(scene, parent, 0), heading(scene, parent, 1), label(scene, parent) {}
 
+  FlatShape ring;
+  double ring_radius = 0.0;  // as it is drawn [pixels]
+  QColor ring_color;
   FlatShape heading;
   NameLabel label;
   QColor color, outline;  // of the heading, as it is drawn
@@ -101,12 +116,13 @@ void ModelMarks::Update(const WorldModels& models, const WorldPlane& world,
           scale.pixels_per_metre;
       const QSizeF size = mark->label.size();
       const double down = handle + kGap * options.pixel_ratio + size.height() / 2;
-      mark->label.Place(at + scale.Offset(0, -down), viewport);
-
-      const Ogre::Vector3 seen = scale.camera.Inverse() * at;
+      const Ogre::Vector2 seen = OnScreen(at, viewport);
+      const QPointF below(seen.x, -seen.y + down);
       QRectF place(QPointF(), size);
-      place.moveCenter(
-          QPointF(seen.x * scale.pixels_per_metre, -seen.y * scale.pixels_per_metre + down));
+      place.moveCenter(below);
+      MoveIntoView(place, {seen.x, -seen.y}, viewport);
+      const QPointF moved = place.center() - below;
+      mark->label.Place(at + scale.Offset(moved.x(), -down - moved.y()), viewport);
       is_shown = std::none_of(taken.begin(), taken.end(),
                               [&](const QRectF& other) { return other.intersects(place); });
       if (is_shown) taken.push_back(place);
@@ -119,6 +135,7 @@ void ModelMarks::PlaceHeading(Mark& mark, const WorldModel& model, const WorldPl
                               const Ogre::Viewport& viewport, const Options& options) {
   const bool is_shown = options.headings && model.is_robot();
   mark.heading.SetVisible(is_shown);
+  mark.ring.SetVisible(false);
   if (!is_shown) return;
   const QColor outline = ColorsOn(options.background).outline;
   if (mark.color != model.color() || mark.outline != outline) {
@@ -136,6 +153,30 @@ void ModelMarks::PlaceHeading(Mark& mark, const WorldModel& model, const WorldPl
   const double size = std::max(kArrowPart * model.radius() * scale.pixels_per_metre,
                                kMinArrow * options.pixel_ratio);
   mark.heading.Place(at, world.OrientationInScene(base), scale.Metres(size));
+  PlaceRing(mark, model, world, scale, kOutline * size, options.pixel_ratio);
+}
+
+void ModelMarks::PlaceRing(Mark& mark, const WorldModel& model, const WorldPlane& world,
+                           const ScreenScale& scale, double arrow, double pixel_ratio) {
+  const flatland_msgs::BodyInfo& box = model.info.bodies.front();
+  const double side = std::min(box.max_x - box.min_x, box.max_y - box.min_y);
+  const double width = kRing * pixel_ratio;
+  const double radius = side / 2 * scale.pixels_per_metre - width / 2;
+  if (radius < arrow + width) return;  // it would be hidden by the arrow
+  if (radius != mark.ring_radius || model.color() != mark.ring_color) {
+    mark.ring_radius = radius;
+    mark.ring_color = model.color();
+    mark.ring.Begin();
+    mark.ring.AddRing(radius, width, model.color());
+    mark.ring.End();
+  }
+  geometry_msgs::Pose2D middle;
+  middle.x = (box.min_x + box.max_x) / 2;
+  middle.y = (box.min_y + box.max_y) / 2;
+  const geometry_msgs::Pose2D at = Compose(model.state.bodies.front(), middle);
+  mark.ring.Place(world.PositionInScene(at, kHeight), world.OrientationInScene(at),
+                  scale.Metres(1.0));
+  mark.ring.SetVisible(true);
 }
 
 }  // namespace flatland_viz

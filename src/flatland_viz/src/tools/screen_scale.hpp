@@ -26,6 +26,10 @@ struct ScreenScale {
   }
 };
 
+/// Where a point is on the screen, from the middle of the viewport to the right and upwards
+/// [pixels].
+Ogre::Vector2 OnScreen(const Ogre::Vector3& point, const Ogre::Viewport& viewport);
+
 /// A position near `point` at which a picture of an even number of pixels is not blurred.
 Ogre::Vector3 OnPixels(const Ogre::Vector3& point, const Ogre::Viewport& viewport);
 

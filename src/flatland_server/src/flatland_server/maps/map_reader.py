@@ -93,7 +93,7 @@ def read_map(
             `simplify_outlines.TOLERANCES`; 0 leaves them as they are.
 
     Returns:
-        Wall segments [m]: shape (n, 4), x1, y1, x2, y2.
+        Wall segments [m]: shape (n, 4), x1, y1, x2, y2. Read-only.
 
     Raises:
         YamlError: something in the file, or in the image or data that it names, is wrong.
@@ -109,8 +109,10 @@ def read_map(
             segments, lines = _read_line_segments(config.source)
     if simplify_map and config.is_image:
         segments = _simplified(segments, config, TOLERANCES[simplify_map])
-    segments = place(segments * config.scale, config.origin)
+    segments *= config.scale
+    segments = place(segments, config.origin)
     _check(segments, config, lines)
+    segments.flags.writeable = False
     return segments
 
 
@@ -198,7 +200,8 @@ def place(segments: Segments, origin: Pose) -> Segments:
     """Transforms segments from the map's frame to the world's."""
     cos, sin = np.cos(origin.yaw), np.sin(origin.yaw)
     rotation = np.array([[cos, sin], [-sin, cos]])  # transposed: points are rows
-    points = segments.reshape(-1, 2) @ rotation + np.array([origin.x, origin.y])
+    points = segments.reshape(-1, 2) @ rotation
+    points += np.array([origin.x, origin.y])
     return np.asarray(points.reshape(-1, 4))
 
 
@@ -217,9 +220,9 @@ def _check(segments: Segments, config: MapConfig, lines: Optional[IntArray]) -> 
         place = "" if lines is None else f" in {config.source}:{lines[index]}"
         raise YamlError(config.path, f"expected walls {expected}, found {found}{place}")
 
-    distances = np.abs(segments).max(axis=1)
-    if distances.max() > _FARTHEST:
-        refuse(int(distances.argmax()), "within 100 km of the origin", "one beyond")
+    if max(segments.max(), -segments.min()) > _FARTHEST:
+        farthest = int(np.abs(segments).max(axis=1).argmax())
+        refuse(farthest, "within 100 km of the origin", "one beyond")
     lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
     if lengths.min() < _SHORTEST:
         refuse(int(lengths.argmin()), "of a micrometre or more", "a shorter one")

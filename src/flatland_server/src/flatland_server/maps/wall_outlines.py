@@ -10,7 +10,7 @@ from typing import Tuple
 import numpy as np
 from PIL import Image
 
-from flatland_server.arrays import BoolArray, IntArray, Segments
+from flatland_server.arrays import BoolArray, Int32Array, IntArray, Segments
 
 
 def bright_pixels(image: Image.Image, occupied_thresh: float) -> BoolArray:
@@ -48,22 +48,29 @@ def outlines(bright: BoolArray) -> Segments:
     padded = np.pad(bright, 1, constant_values=True)
     # Element (i, j): whether the upper side of the pixel in row i and column j is an edge.
     row, first, last = _runs((padded[1:, :] != padded[:-1, :])[:, 1:-1])
-    horizontal = np.column_stack([first, height - row, last, height - row])
+    horizontal = first, height - row, last, height - row
     # Element (j, i): the same for the left side of that pixel.
     column, top, bottom = _runs((padded[:, 1:] != padded[:, :-1])[1:-1, :].T)
-    vertical = np.column_stack([column, height - bottom, column, height - top])
-    return _sorted_by_tile(np.concatenate([horizontal, vertical]).astype(np.float64))
+    vertical = column, height - bottom, column, height - top
+    coordinates = [np.concatenate(pair) for pair in zip(horizontal, vertical)]
+    order = _by_tile(*coordinates)
+    segments = np.empty((len(order), 4))
+    for i, values in enumerate(coordinates):
+        segments[:, i] = values[order]
+    return segments
 
 
-def _runs(lines: BoolArray) -> Tuple[IntArray, IntArray, IntArray]:
+def _runs(lines: BoolArray) -> Tuple[Int32Array, Int32Array, Int32Array]:
     """Runs of true values in each row: their rows, first indices, and indices after the last."""
     edges = np.diff(np.pad(lines, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    row, first = np.nonzero(edges == 1)
-    last = np.nonzero(edges == -1)[1]
+    row, first = (indices.astype(np.int32) for indices in np.nonzero(edges == 1))
+    last = np.nonzero(edges == -1)[1].astype(np.int32)
     return row, first, last
 
 
-def _sorted_by_tile(segments: Segments, tile: float = 32.0) -> Segments:
-    """Sorts segments by square tiles [px], so that Box2D builds a balanced tree of edges."""
-    middle = (segments[:, :2] + segments[:, 2:]) / 2 // tile
-    return np.asarray(segments[np.lexsort((middle[:, 0], middle[:, 1]))])
+def _by_tile(
+    x1: Int32Array, y1: Int32Array, x2: Int32Array, y2: Int32Array, tile: int = 32
+) -> IntArray:
+    """The order of segments by square tiles [px], in which Box2D builds a balanced tree of edges."""
+    column, row = (x1 + x2) // (2 * tile), (y1 + y2) // (2 * tile)
+    return np.lexsort((column, row))

@@ -1,6 +1,7 @@
 """Entities: the models and layers of a world, which own its bodies."""
 
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence
 
 from flatland_server import _core
@@ -79,10 +80,9 @@ class Entities:
         for entity in self:
             if type(entity).__name__ == kind and entity.name == name:
                 bodies = entity.physics_bodies
-                fixtures = bodies[body].fixtures if 0 <= body < len(bodies) else []
-                if 0 <= index < len(fixtures):
-                    found: _core.Fixture = fixtures[index]
-                    return found
+                if 0 <= body < len(bodies) and index >= 0:
+                    with suppress(IndexError):
+                        return bodies[body].fixture(index)
         raise StateError(f'there is no fixture {index} of body {body} of "{name}"')
 
     def __iter__(self) -> Iterator[Entity]:

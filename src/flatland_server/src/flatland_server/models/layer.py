@@ -82,7 +82,7 @@ class Layer(Entity):
 
     Args:
         config: its entry in the world file.
-        segments: its walls in the world [m]: shape (n, 4), x1, y1, x2, y2.
+        segments: its walls in the world [m]: shape (n, 4), x1, y1, x2, y2. It keeps this array.
         physics: the physical world that it is added to.
         entities: the entities of that world; the layer adds itself.
         progress: called with the number of walls added so far, now and then.
@@ -100,8 +100,8 @@ class Layer(Entity):
         self._physics = physics
         self._entities = entities
         self._bodies: List[_core.Body] = []
-        self._segments: Segments = np.empty((0, 4))
-        self._add(segments, progress)
+        self._segments = segments
+        self._add_bodies(segments, progress)
 
     @property
     def name(self) -> str:
@@ -129,12 +129,14 @@ class Layer(Entity):
         Raises:
             ValueError: a segment is not finite, or of no length.
         """
-        self._add(segments)
+        self._add_bodies(segments)
+        self._segments = np.concatenate([self._segments, segments])
 
-    def _add(self, segments: Segments, progress: Optional[Callable[[int], None]] = None) -> None:
+    def _add_bodies(
+        self, segments: Segments, progress: Optional[Callable[[int], None]] = None
+    ) -> None:
         if len(segments) == 0:
             return
         body = self._physics.add_layer(segments, self.config.bits, progress)
         self._bodies.append(body)
         self._entities.add(self, [body])
-        self._segments = np.concatenate([self._segments, segments])

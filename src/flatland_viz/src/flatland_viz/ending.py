@@ -1,0 +1,56 @@
+"""The end of the window's process, within the second and a half that roslaunch gives it."""
+
+import ctypes
+import logging
+import os
+import sys
+import threading
+import time
+from typing import Callable, List, NoReturn
+
+import rospy
+
+_LIBRARY = "libflatland_viz_tools.so"
+_LIMIT = 2.0  # s
+
+
+def shut_down(others: List[Callable[[], None]]) -> None:
+    """Shuts down both ROS nodes of this process, rospy's and rviz's, and others, all at once.
+
+    Each waits for the ROS master, for two seconds at most, and rospy also for a thread of its own that
+    sleeps for half a second.
+
+    Args:
+        others: what else is to be shut down.
+    """
+
+    def rospy_node() -> None:
+        rospy.signal_shutdown("the window is closed")
+
+    threads = [
+        threading.Thread(target=each, daemon=True) for each in (*others, rospy_node, _rviz_node)
+    ]
+    for thread in threads:
+        thread.start()
+    end = time.monotonic() + _LIMIT
+    for thread in threads:
+        thread.join(max(0.0, end - time.monotonic()))
+
+
+def _rviz_node() -> None:
+    try:
+        library = ctypes.CDLL(_LIBRARY)
+    except OSError:
+        return  # a broken installation, which was logged when the window opened
+    library.flatland_viz_shut_down_roscpp()
+
+
+def leave() -> NoReturn:
+    """Ends the process with exit code 0, when nothing but memory is left to be given back.
+
+    rviz and OpenGL take half a second to free what they have.
+    """
+    logging.shutdown()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)
