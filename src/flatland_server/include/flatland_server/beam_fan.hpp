@@ -4,6 +4,8 @@
 /// between two directions are found by looking them up in a table.
 
 #include <array>
+#include <cstddef>
+#include <new>
 #include <vector>
 
 #include "flatland_server/geometry.hpp"
@@ -16,6 +18,24 @@ inline double DiamondAngle(Vec2 v) {
   const double slant = v.y / (std::abs(v.x) + std::abs(v.y));
   return v.x >= 0.0 ? slant : std::copysign(2.0, v.y) - slant;
 }
+
+/// Allocates arrays that begin with a cache line, so that no group of beams lies in two of them.
+template <class T>
+struct AlignedAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+
+  AlignedAllocator() = default;
+  template <class U>
+  AlignedAllocator(const AlignedAllocator<U>&) {}
+  T* allocate(size_t count) {
+    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
+  }
+  void deallocate(T* data, size_t) { ::operator delete(data, kAlignment); }
+  bool operator==(const AlignedAllocator&) const { return true; }
+  bool operator!=(const AlignedAllocator&) const { return false; }
+};
+using AlignedDoubles = std::vector<double, AlignedAllocator<double>>;
 
 class BeamFan {
  public:
@@ -86,8 +106,8 @@ class BeamFan {
   }
 
   std::vector<Vec2> directions_;
-  std::vector<double> xs_;
-  std::vector<double> ys_;
+  AlignedDoubles xs_;
+  AlignedDoubles ys_;
   std::vector<int> beams_;
   bool is_sorted_ = false;
   // The range of diamond angles is divided into buckets of equal width. For each bucket, the number

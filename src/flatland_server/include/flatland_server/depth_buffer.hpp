@@ -60,9 +60,9 @@ class DepthBuffer {
   double range_ = 0.0;        // [m]
   double min_inverse_ = 0.0;  // inverse distance just beyond the range: that of a free beam [1/m]
   // By rank of the beam: inverse distance of the nearest thing [1/m].
-  std::vector<double> inverse_;
-  std::vector<double> non_reflecting_;  // before BeginReflecting; empty if that was not called
-  std::vector<int> visible_;            // result of FindVisible
+  AlignedDoubles inverse_;
+  AlignedDoubles non_reflecting_;  // before BeginReflecting; empty if that was not called
+  std::vector<int> visible_;       // result of FindVisible
 };
 
 }  // namespace flatland

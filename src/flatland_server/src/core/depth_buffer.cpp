@@ -89,7 +89,7 @@ struct Extent {
 
 /// Whether all beams of a run end nearer than the distance.
 FLATLAND_INLINE bool EndNearer(const double* inverse, BeamFan::Run run, double square_distance) {
-  for (int group = run.begin / kGroup * kGroup; group < run.end; group += kGroup) {
+  for (int group = run.begin & -kGroup; group < run.end; group += kGroup) {
     const Doubles nearest = Load(inverse + group);
     const Mask reaches = nearest * nearest * square_distance < 1.0;
     if (!Any(reaches)) continue;
@@ -121,17 +121,16 @@ FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run ru
                             double inverse_cross) {
   const Doubles ax = Fill(a.x), ay = Fill(a.y), bx = Fill(b.x), by = Fill(b.y);
   const Doubles scale = Fill(inverse_cross);
-  for (int group = run.begin / kGroup * kGroup; group < run.end; group += kGroup) {
-    const Doubles x = Load(fan.xs() + group);
-    const Doubles y = Load(fan.ys() + group);
+  const double *const xs = fan.xs(), *const ys = fan.ys();
+  for (int group = run.begin & -kGroup; group < run.end; group += kGroup) {
+    const Doubles x = Load(xs + group);
+    const Doubles y = Load(ys + group);
     const Doubles nearest = Load(inverse + group);
     const Doubles past_a = ax * y - ay * x;
     const Doubles before_b = x * by - y * bx;
     const Doubles across = past_a + before_b;  // cross(u, b - a)
-    const Doubles tolerance = -kEndTolerance * across;
-    const Doubles drawn = across * scale;
-    const Mask is_nearest = (past_a >= tolerance) & (before_b >= tolerance) & (drawn > nearest);
-    Store(is_nearest ? drawn : nearest, inverse + group);
+    const Mask meets = Min(past_a, before_b) >= -kEndTolerance * across;
+    Store(Max(meets ? across * scale : Fill(0.0), nearest), inverse + group);
   }
 }
 

@@ -44,6 +44,10 @@ FLATLAND_INLINE Ints ToInts(const Doubles& values) { return __builtin_convertvec
 
 FLATLAND_INLINE bool Any(const Mask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
+/// The smaller ones, and the larger ones, of two numbers each; the second if one is NaN.
+FLATLAND_INLINE Doubles Min(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
+FLATLAND_INLINE Doubles Max(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
+
 FLATLAND_INLINE Doubles Sqrt(const Doubles& values) {
   Doubles roots;
   for (int k = 0; k < kGroup; ++k) roots[k] = std::sqrt(values[k]);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "occluders.hpp"
+
 namespace flatland {
 namespace {
 
@@ -18,10 +20,9 @@ constexpr size_t kMaxFoundWalls = 4'000'000;
 constexpr double kMargin = 1e-6;
 /// A wall reaches past its ends by this fraction of its length, as it does for DepthBuffer.
 constexpr double kEndTolerance = 1e-9;
-/// How often cells and targets are halved, and lines are followed, before a wall counts as seen.
-constexpr int kMaxDepth = 10;
+/// How often cells and walls are halved, and lines are followed, before a wall counts as seen.
+constexpr int kMaxHalvings = 10;
 constexpr int kMaxLines = 48;
-constexpr int kMaxLinesToBox = 1;
 
 Vec2 Middle(const Box& box) { return 0.5 * (box.low + box.high); }
 Box BoxOf(const Segment& segment) {
@@ -68,10 +69,25 @@ struct Target {
   Box bounds;
 };
 
-/// Whether a wall crosses all lines from a box to a target. They all cross its line between the
-/// points where those from corner to corner do. A wall may touch one that it hides, as at the edges
-/// of a pillar, but neither lie in its line nor touch a box, which may be that of the wall itself.
-bool Blocks(const Segment& wall, const Box& from, const Target& target) {
+Vec2 Middle(const Target& target) {
+  return target.count == 4 ? Middle(target.bounds) : 0.5 * (target.corners[0] + target.corners[1]);
+}
+
+/// Whether what begins and ends in these boxes crosses the chain of a chord that it crosses. True
+/// for walls.
+bool Counts(const Occluder& occluder, const Box& from, const Target& target) {
+  return occluder.chain == nullptr ||
+         (AreApart(*occluder.chain, from) && AreApart(*occluder.chain, target.bounds));
+}
+
+/// Whether an occluder crosses all lines from a box to a target. They all cross its line between
+/// the points where those from corner to corner do. A wall may touch one that it hides, as at the
+/// edges of a pillar, but neither lie in its line nor touch a box, which may be that of the wall
+/// itself. Lines may pass a wall just past its ends, but a chord only before them.
+bool Blocks(const Occluder& occluder, const Box& from, const Target& target) {
+  if (!Counts(occluder, from, target)) return false;
+  const Segment& wall = occluder.line;
+  const double past_ends = occluder.chain == nullptr ? kEndTolerance : -kEndTolerance;
   const Vec2 along = wall.b - wall.a;
   const std::array<Vec2, 4> corners = CornersOf(from);
   double heights[4];  // above the line of the wall, times its length
@@ -93,26 +109,80 @@ bool Blocks(const Segment& wall, const Box& from, const Target& target) {
       const Vec2 way = heights[i] * (target.corners[k] - wall.a) + depth * (corners[i] - wall.a);
       const double place = Dot(along, way);
       const double whole = (heights[i] + depth) * square_length;
-      if (place < -kEndTolerance * whole || place > (1.0 + kEndTolerance) * whole) return false;
+      if (place < -past_ends * whole || place > (1.0 + past_ends) * whole) return false;
     }
   }
   return is_behind;
 }
 
-/// Whether a line from a to b meets a box.
-bool Meets(const Box& box, Vec2 a, Vec2 b) {
-  if (std::max(a.x, b.x) < box.low.x || std::min(a.x, b.x) > box.high.x) return false;
-  if (std::max(a.y, b.y) < box.low.y || std::min(a.y, b.y) > box.high.y) return false;
-  const Vec2 way = b - a;
-  const Vec2 half = 0.5 * (box.high - box.low);
-  const double reach = std::abs(way.x) * half.y + std::abs(way.y) * half.x;
-  return std::abs(Cross(way, Middle(box) - a)) <= reach * (1.0 + 1e-9) + 1e-12;
-}
+/// Where an interval lies, as seen from another one.
+bool AreApart(double low, double high, double from, double to) { return high < from || low > to; }
+
+/// A line from a to b.
+class Line {
+ public:
+  Line(Vec2 a, Vec2 b) : a_(a), b_(b), way_(b - a) {}
+
+  bool Meets(const Box& box) const {
+    if (AreApart(std::min(a_.x, b_.x), std::max(a_.x, b_.x), box.low.x, box.high.x)) return false;
+    if (AreApart(std::min(a_.y, b_.y), std::max(a_.y, b_.y), box.low.y, box.high.y)) return false;
+    const Vec2 half = 0.5 * (box.high - box.low);
+    const double reach = std::abs(way_.x) * half.y + std::abs(way_.y) * half.x;
+    return std::abs(Cross(way_, Middle(box) - a_)) <= reach * (1.0 + 1e-9) + 1e-12;
+  }
+  /// Whether it crosses a segment before its end.
+  bool Crosses(const Segment& segment) const {
+    const double right = Cross(way_, segment.a - a_), left = Cross(way_, segment.b - a_);
+    if ((right > 0.0 && left > 0.0) || (right < 0.0 && left < 0.0)) return false;
+    const Vec2 along = segment.b - segment.a;
+    const double before = Cross(along, a_ - segment.a), behind = Cross(along, b_ - segment.a);
+    if (before == 0.0) return false;
+    return before > 0.0 ? behind < -1e-9 * before : behind > -1e-9 * before;
+  }
+
+ private:
+  Vec2 a_, b_, way_;
+};
+
+/// All lines from a box to a target, and perhaps more: those between their outermost corners.
+class Shaft {
+ public:
+  Shaft(const Box& from, const Target& target) : bounds_(from) {
+    bounds_.Add(target.bounds);
+    const Vec2 way = Middle(target) - Middle(from);
+    left_ = {-way.y, way.x};
+    const auto widen = [this](Vec2 corner) {
+      low_ = std::min(low_, Dot(left_, corner));
+      high_ = std::max(high_, Dot(left_, corner));
+    };
+    for (const Vec2& corner : CornersOf(from)) widen(corner);
+    for (const Vec2& corner : CornersOf(target.bounds)) widen(corner);
+  }
+
+  bool Meets(const Box& box) const {
+    if (flatland::AreApart(box, bounds_)) return false;
+    const double middle = Dot(left_, Middle(box));
+    const Vec2 half = 0.5 * (box.high - box.low);
+    const double reach = std::abs(left_.x) * half.x + std::abs(left_.y) * half.y;
+    return !AreApart(middle - reach, middle + reach, low_, high_);
+  }
+  bool Meets(const Segment& line) const {
+    const double a = Dot(left_, line.a), b = Dot(left_, line.b);
+    return !AreApart(std::min(a, b), std::max(a, b), low_, high_) &&
+           !AreApart(BoxOf(line), bounds_);
+  }
+
+ private:
+  Box bounds_;
+  Vec2 left_;
+  double low_ = 1e300, high_ = -1e300;  // of the corners, along `left_`
+};
 
 /// Finds the walls that can be seen from a box.
 class Finder {
  public:
-  Finder(const SegmentTree& walls, const Box& from) : walls_(walls), from_(from) {}
+  Finder(const SegmentTree& walls, const Occluders& occluders, const Box& from)
+      : walls_(walls), occluders_(occluders), from_(from) {}
 
   std::vector<uint32_t> Find() {
     Visit(walls_.root());
@@ -123,97 +193,112 @@ class Finder {
   static constexpr int kRecent = 8;
 
   void Visit(const SegmentTree::Child& child) {
-    lines_ = kMaxLinesToBox;
-    if (IsHidden(from_, Target(child.box), kMaxDepth)) return;
+    const Target target(child.box);
+    if (AreApart(from_, child.box) && IsBoxHidden(target)) return;
     if (!child.is_leaf()) {
       for (const SegmentTree::Child& each : walls_.node(child).children) Visit(each);
       return;
     }
-    ForEachWall(child, [this](uint32_t index, const Segment& wall) {
-      lines_ = kMaxLines;
-      if (!IsHidden(from_, Target(wall), kMaxDepth)) seen_.push_back(index);
+    walls_.ForEachWall(static_cast<size_t>(~child.index), [this](uint32_t index) {
+      if (!IsWallHidden(Target(walls_.segments()[index]))) seen_.push_back(index);
       return true;
     });
   }
 
-  /// Calls `visit(index, wall)` for the walls of a leaf while it returns true; returns whether it
-  /// did.
-  template <class Visitor>
-  bool ForEachWall(const SegmentTree::Child& child, Visitor visit) const {
-    return walls_.ForEachWall(static_cast<size_t>(~child.index), [&](uint32_t index) {
-      return visit(index, walls_.segments()[index]);
+  /// Whether a single occluder hides it all; looks for it along one line.
+  bool IsBoxHidden(const Target& target) {
+    if (BlocksRecent(from_, target)) return true;
+    const Line line(Middle(from_), Middle(target));
+    return !occluders_.ForEachMeeting(line, [&](const Occluder& each) {
+      const bool is_hidden = line.Crosses(each.line) && Blocks(each, from_, target);
+      if (is_hidden) Remember(each);
+      return !is_hidden;
     });
   }
 
-  bool IsHidden(const Box& from, const Target& target, int depth) {
+  bool IsWallHidden(const Target& target) {
+    has_candidates_ = false;
+    lines_ = kMaxLines;
+    return IsHidden(from_, target, target, kMaxHalvings);
+  }
+
+  /// `whole` is the wall that the target is a part of.
+  bool IsHidden(const Box& from, const Target& target, const Target& whole, int halvings) {
     if (!AreApart(from, target.bounds)) return false;
+    if (BlocksRecent(from, target)) return true;
+    if (lines_-- <= 0) return false;
+    if (!has_candidates_) FindCandidates(whole);
+    const Line line(Middle(from), Middle(target));
+    bool is_blocked = false;
+    for (const Occluder& each : candidates_) {
+      if (!line.Crosses(each.line) || !Counts(each, from, target)) continue;
+      is_blocked = true;
+      if (!Blocks(each, from, target)) continue;
+      Remember(each);
+      return true;
+    }
+    if (!is_blocked || halvings == 0) return false;
+    const Vec2 size = from.high - from.low;
+    const Vec2 target_size = target.bounds.high - target.bounds.low;
+    if (std::max(size.x, size.y) > std::max(target_size.x, target_size.y)) {
+      const auto [low, high] = Halves(from);
+      return IsHidden(low, target, whole, halvings - 1) &&
+             IsHidden(high, target, whole, halvings - 1);
+    }
+    const auto [first, second] = target.Halves();
+    return IsHidden(from, first, whole, halvings - 1) &&
+           IsHidden(from, second, whole, halvings - 1);
+  }
+
+  /// Collects what may hide a part of a wall.
+  void FindCandidates(const Target& wall) {
+    candidates_.clear();
+    const Shaft shaft(from_, wall);
+    occluders_.ForEachMeeting(shaft, [&](const Occluder& each) {
+      if (shaft.Meets(each.line)) candidates_.push_back(each);
+      return true;
+    });
+    has_candidates_ = true;
+  }
+
+  /// Whether one of those that have hidden others before blocks all lines.
+  bool BlocksRecent(const Box& from, const Target& target) {
     for (int i = 0; i < recent_count_; ++i) {
       if (!Blocks(recent_[i], from, target)) continue;
       std::rotate(recent_.begin(), recent_.begin() + i, recent_.begin() + i + 1);
       return true;
     }
-    if (lines_-- <= 0) return false;
-    is_blocked_ = false;
-    if (FindBlocking(walls_.root(), Middle(from), Middle(target), from, target)) return true;
-    if (!is_blocked_ || depth == 0) return false;
-    const Vec2 size = from.high - from.low;
-    const Vec2 target_size = target.bounds.high - target.bounds.low;
-    if (std::max(size.x, size.y) > std::max(target_size.x, target_size.y)) {
-      const auto [low, high] = Halves(from);
-      return IsHidden(low, target, depth - 1) && IsHidden(high, target, depth - 1);
-    }
-    const auto [first, second] = target.Halves();
-    return IsHidden(from, first, depth - 1) && IsHidden(from, second, depth - 1);
+    return false;
   }
 
-  static Vec2 Middle(const Box& box) { return flatland::Middle(box); }
-  static Vec2 Middle(const Target& target) {
-    return target.count == 4 ? flatland::Middle(target.bounds)
-                             : 0.5 * (target.corners[0] + target.corners[1]);
-  }
-
-  /// Looks among the walls that cross the line from a to b for one that blocks all lines, and
-  /// remembers it. Sets is_blocked_ if any wall crosses the line before its end.
-  bool FindBlocking(const SegmentTree::Child& child, Vec2 a, Vec2 b, const Box& from,
-                    const Target& target) {
-    if (!Meets(child.box, a, b)) return false;
-    if (!child.is_leaf()) {
-      const auto& children = walls_.node(child).children;
-      return FindBlocking(children[0], a, b, from, target) ||
-             FindBlocking(children[1], a, b, from, target);
-    }
-    return !ForEachWall(child, [&](uint32_t, const Segment& wall) {
-      const Vec2 way = b - a;
-      const double right = Cross(way, wall.a - a), left = Cross(way, wall.b - a);
-      if ((right > 0.0 && left > 0.0) || (right < 0.0 && left < 0.0)) return true;
-      const Vec2 along = wall.b - wall.a;
-      const double before = Cross(along, a - wall.a), behind = Cross(along, b - wall.a);
-      const bool crosses = before > 0.0 ? behind < -1e-9 * before : behind > -1e-9 * before;
-      if (!crosses || before == 0.0) return true;
-      is_blocked_ = true;
-      if (!Blocks(wall, from, target)) return true;
-      recent_count_ = std::min(recent_count_ + 1, kRecent);
-      std::rotate(recent_.begin(), recent_.begin() + recent_count_ - 1,
-                  recent_.begin() + recent_count_);
-      recent_[0] = wall;
-      return false;
-    });
+  void Remember(const Occluder& occluder) {
+    recent_count_ = std::min(recent_count_ + 1, kRecent);
+    std::rotate(recent_.begin(), recent_.begin() + recent_count_ - 1,
+                recent_.begin() + recent_count_);
+    recent_[0] = occluder;
   }
 
   const SegmentTree& walls_;
+  const Occluders& occluders_;
   const Box from_;
   std::vector<uint32_t> seen_;
-  std::array<Segment, kRecent> recent_;  // walls that have hidden others, the last one first
+  std::array<Occluder, kRecent> recent_;  // those that have hidden others, the last one first
   int recent_count_ = 0;
-  int lines_ = 0;  // that may still be followed for the present wall or box
-  bool is_blocked_ = false;
+  std::vector<Occluder> candidates_;  // for the present wall
+  bool has_candidates_ = false;
+  int lines_ = 0;  // that may still be followed for the present wall
 };
 
 }  // namespace
 
 std::vector<uint32_t> WallsSeenFrom(const SegmentTree& walls, const Box& box) {
+  return WallsSeenFrom(walls, Occluders(walls), box);
+}
+
+std::vector<uint32_t> WallsSeenFrom(const SegmentTree& walls, const Occluders& occluders,
+                                    const Box& box) {
   if (walls.segment_count() == 0) return {};
-  return Finder(walls, box).Find();
+  return Finder(walls, occluders, box).Find();
 }
 
 VisibleWalls::VisibleWalls(std::shared_ptr<const SegmentTree> walls) : walls_(std::move(walls)) {
@@ -227,6 +312,8 @@ VisibleWalls::VisibleWalls(std::shared_ptr<const SegmentTree> walls) : walls_(st
   rows_ = static_cast<int>(size.y / cell_size_) + 1;
   cells_ = std::make_unique<Cell[]>(static_cast<size_t>(columns_) * rows_);
 }
+
+VisibleWalls::~VisibleWalls() = default;
 
 std::shared_ptr<const VisibleWalls> VisibleWalls::Share(std::vector<Segment> segments,
                                                         const SegmentTree::Progress& progress) {
@@ -268,7 +355,8 @@ const WallList* VisibleWalls::Find(int index) const {
   const Vec2 margin{kMargin, kMargin}, size{cell_size_, cell_size_};
   Box box;
   box.Add(Segment{low - margin, low + size + margin});
-  const std::vector<uint32_t> indices = WallsSeenFrom(*walls_, box);
+  std::call_once(needs_occluders_, [this] { occluders_ = std::make_unique<Occluders>(*walls_); });
+  const std::vector<uint32_t> indices = WallsSeenFrom(*walls_, *occluders_, box);
   const std::lock_guard lock(mutex_);
   const bool pays = indices.size() <= walls_->segment_count() / 2 &&
                     found_walls_ + indices.size() <= kMaxFoundWalls;

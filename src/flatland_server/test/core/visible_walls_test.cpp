@@ -105,6 +105,66 @@ TEST(VisibleWallsTest, WallsBehindOthersAreLeftOut) {
   EXPECT_TRUE(WallsSeenFrom(SegmentTree({}), box).empty());
 }
 
+/// Outlines with steps of 5 cm, as map images give them, and open chains in all directions.
+std::vector<Segment> Chains(int seed) {
+  Dice dice(seed);
+  std::vector<Segment> walls;
+  const auto add = [&](Vec2& end, Vec2 way) {
+    walls.push_back({end, end + way});
+    end = walls.back().b;
+  };
+  for (int i = 0; i < 12; ++i) {
+    Vec2 end{dice(0, 8), dice(0, 8)};
+    for (int k = 0; k < 30; ++k)
+      add(end, k % 2 == 0 ? Vec2{0.1, 0} : Vec2{0, k % 4 < 2 ? 0.05 : -0.05});
+    end = {dice(0, 8), dice(0, 8)};
+    double yaw = dice(-3, 3);
+    for (int k = 0; k < 20; ++k) {
+      yaw += dice(-0.9, 0.9);
+      const double length = dice(0.02, 0.6);
+      add(end, {length * std::cos(yaw), length * std::sin(yaw)});
+    }
+  }
+  return walls;
+}
+
+TEST(VisibleWallsTest, ScansAreTheSameBetweenChains) {
+  const BeamFan fan(-3.1, 0.01, 620);
+  for (int seed = 0; seed < 4; ++seed) {
+    Dice dice(200 + seed);
+    const SegmentTree all(Chains(seed));
+    for (int cell = 0; cell < 40; ++cell) {
+      const Vec2 low{dice(0, 8), dice(0, 8)};
+      Box box;
+      box.Add(Segment{low, low + Vec2{0.5, 0.5}});
+      const WallList seen(all.segments(), WallsSeenFrom(all, box), low);
+      for (int i = 0; i < 12; ++i) {
+        const double x = i < 4 ? 0.5 * (i % 2) : dice(0, 0.5),
+                     y = i < 4 ? 0.5 * (i / 2) : dice(0, 0.5);
+        const Pose pose{low.x + x, low.y + y, dice(-3, 3)};
+        ASSERT_EQ(Scan(fan, seen, pose), Scan(fan, all, pose)) << seed << " " << cell << " " << i;
+      }
+    }
+  }
+}
+
+TEST(VisibleWallsTest, WallsBehindAChainAreLeftOut) {
+  std::vector<Segment> walls;  // a wall along x with steps, and pillars behind it
+  Vec2 end{0, 5};
+  for (int i = 0; i < 200; ++i) {
+    const Vec2 begin = end;
+    end = begin + (i % 2 == 0 ? Vec2{0.2, 0} : Vec2{0, i % 4 == 1 ? 0.05 : -0.05});
+    walls.push_back({begin, end});
+  }
+  const size_t chain = walls.size();
+  for (int i = 0; i < 40; ++i) AddOutline(walls, {7 + 0.15 * i, 6}, {7.1 + 0.15 * i, 6.1});
+  Box box;
+  box.Add(Segment{{9.75, 3}, {10.25, 3.5}});
+  size_t behind = 0;
+  for (const uint32_t index : WallsSeenFrom(SegmentTree(walls), box)) behind += index >= chain;
+  EXPECT_EQ(behind, 0u);
+}
+
 TEST(VisibleWallsTest, AreFoundWhereManyScansAreMade) {
   const auto walls = std::make_shared<const SegmentTree>(HallAndRooms(1));
   const VisibleWalls visible(walls);

@@ -1,0 +1,67 @@
+#pragma once
+
+/// What hides the walls of a layer from a place, for VisibleWalls: walls, and chords.
+///
+/// Need. Outlines from map images have steps of a pixel. Lines that cross such an outline near a
+/// step cross one wall or the other, so that no single wall is met by all of them.
+///
+/// Method. A chain is a number of walls, each of which begins where the last one ends. Its chord is
+/// the line from its first point to its last one. A line that crosses the chord, and begins and
+/// ends outside of the chain's bounding box, crosses the chain: chain and chord together are a
+/// closed curve, which it crosses an even number of times. So a chord hides what is behind it as a
+/// wall does, if both the place and what is hidden are outside of that box. These are the "virtual
+/// occluders" of Koltun, Chrysanthou and Cohen-Or, "Virtual Occluders: An Efficient Intermediate
+/// PVS Representation", 2000.
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "flatland_server/geometry.hpp"
+#include "flatland_server/segment_tree.hpp"
+
+namespace flatland {
+
+/// A wall or a chord.
+struct Occluder {
+  Segment line;
+  const Box* chain = nullptr;  ///< bounding box of the chord's chain; null for a wall
+};
+
+class Occluders {
+ public:
+  /// Those of a layer, whose walls must outlive them.
+  explicit Occluders(const SegmentTree& walls);
+
+  /// Calls `visit(occluder)`, while it returns true, for all those in boxes that `place.Meets`;
+  /// returns whether it always did.
+  template <class Place, class Visitor>
+  bool ForEachMeeting(const Place& place, const Visitor& visit) const {
+    return tree_.segment_count() == 0 || ForEachIn(tree_.root(), place, visit);
+  }
+
+  /// With more walls there are no chords: it takes too long to sort them.
+  static constexpr size_t kMaxWalls = 100'000;
+
+ private:
+  template <class Place, class Visitor>
+  bool ForEachIn(const SegmentTree::Child& child, const Place& place, const Visitor& visit) const {
+    if (!place.Meets(child.box)) return true;
+    if (!child.is_leaf()) {
+      const auto& children = tree_.node(child).children;
+      return ForEachIn(children[0], place, visit) && ForEachIn(children[1], place, visit);
+    }
+    return tree_.ForEachWall(static_cast<size_t>(~child.index), [&](uint32_t index) {
+      const Box* chain = index < wall_count_ ? nullptr : &chains_[index - wall_count_];
+      return visit(Occluder{tree_.segments()[index], chain});
+    });
+  }
+
+  size_t wall_count_;
+  std::vector<Box> chains_;  // of the chords, which come after the walls
+  std::unique_ptr<const SegmentTree> with_chords_;
+  const SegmentTree& tree_;
+};
+
+}  // namespace flatland
