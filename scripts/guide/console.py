@@ -137,12 +137,16 @@ class Shell:
         """Waits until the program that was started last has printed what is shown; see `start`."""
         program, log = self._programs[-1]
         pattern, deadline = pattern_of(output, is_start=True), time.monotonic() + LIMIT
+        size = -1
         while True:
             has_ended = program.poll() is not None
-            text = without_colors(log.read_text())
-            if pattern.search(text):
-                return None
-            if has_ended or time.monotonic() > deadline:
+            is_over = has_ended or time.monotonic() > deadline
+            if log.stat().st_size != size:
+                size = log.stat().st_size
+                text = without_colors(log.read_text())
+                if pattern.search(text):
+                    return None
+            if is_over:
                 return text
             time.sleep(0.02)
 
