@@ -137,13 +137,13 @@ class Launch:
         return {node for _, nodes in publishers + subscribers + services for node in nodes}
 
 
-@pytest.fixture
-def run(tmp_path):
-    """Start `scripts/run` with arguments; it is ended after the test."""
+@contextlib.contextmanager
+def launching(folder):
+    """Start `scripts/run` with arguments, with output in a folder; it is ended at last."""
     launches = []
 
     def start(*arguments, **options):
-        launch = Launch(*arguments, output=tmp_path / f"{len(launches)}.log", **options)
+        launch = Launch(*arguments, output=folder / f"{len(launches)}.log", **options)
         launches.append(launch)
         return launch
 
@@ -155,6 +155,20 @@ def run(tmp_path):
                 launch.process.wait(20)
             except subprocess.TimeoutExpired:
                 os.killpg(launch.process.pid, signal.SIGKILL)
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Start `scripts/run` with arguments; it is ended after the test."""
+    with launching(tmp_path) as start:
+        yield start
+
+
+@pytest.fixture(scope="module")
+def run_for_module(tmp_path_factory):
+    """Start `scripts/run` with arguments; it is ended after the module's tests."""
+    with launching(tmp_path_factory.mktemp("launches")) as start:
+        yield start
 
 
 @pytest.fixture(scope="session")

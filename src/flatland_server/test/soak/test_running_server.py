@@ -29,7 +29,7 @@ def server(master, tmp_path_factory):
         yield server
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def other_master():
     """For servers that are started and ended."""
     master = Master()
