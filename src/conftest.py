@@ -18,6 +18,7 @@ from pathlib import Path
 
 import pytest
 from ros_processes import free_port
+from running_server import Master
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -169,6 +170,14 @@ def run_for_module(tmp_path_factory):
     """Start `scripts/run` with arguments; it is ended after the module's tests."""
     with launching(tmp_path_factory.mktemp("launches")) as start:
         yield start
+
+
+@pytest.fixture(scope="module")
+def master():
+    """A ROS master for the module's tests. Its start and end take 0.4 s of CPU time."""
+    master = Master()
+    yield master
+    master.kill()
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 from flatland_msgs.srv import ChangeRate
-from running_server import Master, Server
+from running_server import Server
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
@@ -44,11 +44,9 @@ for line in sys.stdin:
 
 
 @pytest.fixture
-def master():
-    master = Master()
+def master(master):
     master.ask("setParam", "/use_sim_time", True)
-    yield master
-    master.kill()
+    return master
 
 
 @pytest.fixture

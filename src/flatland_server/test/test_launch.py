@@ -15,7 +15,7 @@ import pytest
 import tcpros_client
 from ros_processes import processes_under
 from rosgraph_msgs.msg import Clock
-from running_server import Master, simulated_time
+from running_server import simulated_time
 
 ROOT = Path(__file__).resolve().parents[3]
 ROOM = ROOT / "src" / "flatland_server" / "worlds" / "test_room"
@@ -25,12 +25,10 @@ ERROR = re.compile(r"\[FATAL\] \[[^]]*\]: (.*)")
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module")
-def run_at_master(run_for_module):
-    """Starts `scripts/run` with arguments at a ROS master that stays: launches start no other."""
-    master = Master()
-    yield lambda *arguments: run_for_module(*arguments, with_port=False, port=master.port)
-    master.kill()
+@pytest.fixture
+def run_at_master(run, master):
+    """Starts `scripts/run` with arguments at a ROS master that is there."""
+    return lambda *arguments: run(*arguments, with_port=False, port=master.port)
 
 
 def test_without_a_display_it_says_so_and_goes_on_until_ctrl_c_ends_everything_quietly(run):
@@ -155,7 +153,9 @@ def test_a_wrong_world_is_named_with_line_and_reason(run_at_master, tmp_path):
 
 
 def test_a_wrong_argument_is_named(run_at_master):
-    launch = run_at_master(str(ROOM / "world.yaml"), "step_size:=inf", "show_viz:=true", "use_rviz:=true")
+    launch = run_at_master(
+        str(ROOM / "world.yaml"), "step_size:=inf", "show_viz:=true", "use_rviz:=true"
+    )
 
     assert launch.process.wait(60) == 1
     assert ERROR.findall(launch.output) == ["~step_size: expected a number above 0, found inf"]
@@ -187,7 +187,7 @@ def test_a_taken_port_is_one_line(run):
 
 @pytest.fixture(scope="module")
 def room(run_for_module):
-    """A running simulation; rate and step size differ from the defaults, and so does their product."""
+    """A running simulation; rate, step size and their product differ from the defaults."""
     launch = run_for_module(
         str(ROOM / "world.yaml"), "update_rate:=100", "step_size:=0.02", "show_viz:=false"
     )

@@ -9,17 +9,10 @@ from pathlib import Path
 import pytest
 import tcpros_client
 from rosgraph_msgs.msg import Clock
-from running_server import NODE, USUAL_FILES, Master, Server, simulated_time
+from running_server import NODE, USUAL_FILES, Server, simulated_time
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def master():
-    master = Master()
-    yield master
-    master.kill()
 
 
 @pytest.fixture
