@@ -29,6 +29,9 @@ def send_goal(x):
 
 def reach(x):
     send_goal(x)
+    return result()
+
+def result():
     client.wait_for_result()
     return client.get_goal_status_text()
 
@@ -95,6 +98,11 @@ def go_at_five_times_real_time(server):
     assert server.call("/change_rate", ChangeRate, rate=5.0).success
 
 
+def drive_away(ask):
+    ask("send_goal(-4.0)")
+    wait_until(lambda: float(ask("speed()")) > 0.1, "the robot to drive")
+
+
 def test_a_navigator_survives_a_restarted_server_and_stops_the_robot_at_its_end(
     start, start_server, tmp_path
 ):
@@ -116,17 +124,19 @@ def test_a_navigator_survives_a_restarted_server_and_stops_the_robot_at_its_end(
         )
     assert ask("reach(1.0)") == "the goal is reached"
 
-    # Its time is behind that of the goal which the navigator knows.
+    drive_away(ask)
     end_time = float(ask("rospy.get_time()"))
     server.process.send_signal(signal.SIGINT)
     assert server.process.wait(20) == 0
     server = start_server()
+    assert ask("result()") == "simulated time has gone back"
+
+    # Time is behind that of the goals which the navigator knows.
     wait_until(lambda: 0.0 < float(ask("rospy.get_time()")) < end_time, "the client's new time")
     go_at_five_times_real_time(server)
     assert ask("reach(1.0)") == "the goal is reached"
 
-    ask("send_goal(-4.0)")
-    wait_until(lambda: float(ask("speed()")) > 0.1, "the robot to drive")
+    drive_away(ask)
     end(navigator)
     assert ask("speed()") == "0.0"
     assert "Traceback" not in log.read_text()
