@@ -18,6 +18,7 @@ from pathlib import Path
 
 import pytest
 from ros_processes import free_port
+from running_server import Master
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -137,13 +138,13 @@ class Launch:
         return {node for _, nodes in publishers + subscribers + services for node in nodes}
 
 
-@pytest.fixture
-def run(tmp_path):
-    """Start `scripts/run` with arguments; it is ended after the test."""
+@contextlib.contextmanager
+def launching(folder):
+    """Start `scripts/run` with arguments, with output in a folder; it is ended at last."""
     launches = []
 
     def start(*arguments, **options):
-        launch = Launch(*arguments, output=tmp_path / f"{len(launches)}.log", **options)
+        launch = Launch(*arguments, output=folder / f"{len(launches)}.log", **options)
         launches.append(launch)
         return launch
 
@@ -155,6 +156,28 @@ def run(tmp_path):
                 launch.process.wait(20)
             except subprocess.TimeoutExpired:
                 os.killpg(launch.process.pid, signal.SIGKILL)
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Start `scripts/run` with arguments; it is ended after the test."""
+    with launching(tmp_path) as start:
+        yield start
+
+
+@pytest.fixture(scope="module")
+def run_for_module(tmp_path_factory):
+    """Start `scripts/run` with arguments; it is ended after the module's tests."""
+    with launching(tmp_path_factory.mktemp("launches")) as start:
+        yield start
+
+
+@pytest.fixture(scope="module")
+def master():
+    """A ROS master for the module's tests. Its start and end take 0.4 s of CPU time."""
+    master = Master()
+    yield master
+    master.kill()
 
 
 @pytest.fixture(scope="session")

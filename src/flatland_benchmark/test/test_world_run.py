@@ -18,12 +18,13 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture
-def benchmark(run):
+def benchmark(run, master):
     """Runs `roslaunch flatland_server benchmark.launch` to its end."""
 
     def start(*arguments):
         words = ("flatland_server", "benchmark.launch", *arguments)
-        launch = run(*words, command=(sys.executable, shutil.which("roslaunch")))
+        roslaunch = (sys.executable, shutil.which("roslaunch"))
+        launch = run(*words, command=roslaunch, with_port=False, port=master.port)
         launch.process.wait(60)
         return launch.output
 

@@ -1,4 +1,4 @@
-"""Launches in two terminals: a server is restarted, and a navigator ends."""
+"""A server is restarted while a navigator runs, and a navigator ends while its robot drives."""
 
 import os
 import shutil
@@ -7,20 +7,19 @@ import subprocess
 import sys
 
 import pytest
+from flatland_msgs.srv import ChangeRate
+from running_server import Server
+from waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
-ROSLAUNCH = (sys.executable, shutil.which("roslaunch"))
-SERVER = ("flatland_server", "server.launch", "show_viz:=false", "update_rate:=1000")
-
 CLIENT = """
+import signal, sys
 import actionlib, rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
-rospy.init_node("client")
-client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
 
-def drive(x):
+def send_goal(x):
     client.wait_for_server()
     goal = MoveBaseGoal()
     goal.target_pose.header.frame_id = "map"
@@ -28,93 +27,116 @@ def drive(x):
     goal.target_pose.pose.orientation.w = 1.0
     client.send_goal(goal)
 
+def reach(x):
+    send_goal(x)
+    return result()
+
+def result():
+    client.wait_for_result()
+    return client.get_goal_status_text()
+
 def speed():
     return rospy.wait_for_message("odometry/ground_truth", Odometry, 20).twist.twist.linear.x
+
+rospy.init_node("client")
+client = actionlib.SimpleActionClient("move_base", MoveBaseAction)
+for line in sys.stdin:
+    signal.alarm(60)  # a call that does not return ends the client
+    print(eval(line), flush=True)
 """
 
-REACH_A_GOAL = f"""{CLIENT}
-drive(1.0)
-client.wait_for_result()
-print(client.get_goal_status_text())
-"""
 
-BEGIN_TO_DRIVE = f"""{CLIENT}
-drive(-8.0)
-while speed() < 0.1:
-    pass
-"""
-
-MEASURE_SPEED = f"{CLIENT}\nprint(speed())"
+@pytest.fixture
+def master(master):
+    master.ask("setParam", "/use_sim_time", True)
+    return master
 
 
-class Terminal:
-    """Runs commands under a ROS master."""
+@pytest.fixture
+def start_server(master, tmp_path):
+    servers = []
 
-    def __init__(self, launch, folder):
-        self._environment = {**os.environ, "ROS_MASTER_URI": launch.uri}
-        self._folder = folder
-        self._launch = launch
-        self.started = []
+    def start():
+        server = Server(master, tmp_path / f"server{len(servers)}.log")
+        servers.append(server)
+        return server
 
-    def output(self, program):
-        """What a Python program prints."""
-        result = subprocess.run(
-            [sys.executable, "-c", program],
-            env=self._environment,
-            stdout=subprocess.PIPE,
+    yield start
+    for server in servers:
+        server.kill()
+
+
+@pytest.fixture
+def start(master):
+    """Starts a program under the master; it is ended after the test, as by Ctrl-C."""
+    processes = []
+
+    def start(*command, **pipes):
+        process = subprocess.Popen(
+            [sys.executable, *command],
+            env={**os.environ, "ROS_MASTER_URI": master.uri},
             text=True,
-            timeout=60,
-            check=True,
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            **pipes,
         )
-        return result.stdout.strip()
+        processes.append(process)
+        return process
 
-    def roslaunch(self, *arguments, until):
-        """Starts a launch file, waits for a line of its output, and returns process and log."""
-        log = self._folder / f"launch{len(self.started)}.log"
-        with log.open("w") as file:
-            process = subprocess.Popen(
-                [*ROSLAUNCH, *arguments],
-                env=self._environment,
-                stdout=file,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-            )
-        self.started.append(process)
-        self._launch.wait_until(lambda: until in log.read_text(), f'"{until}"')
-        return process, log
+    yield start
+    for process in reversed(processes):
+        end(process)
 
 
 def end(process):
     if process.poll() is None:
         os.killpg(process.pid, signal.SIGINT)
-        process.wait(20)
+        process.communicate(timeout=20)
 
 
-@pytest.fixture
-def terminal(run, tmp_path):
-    """A terminal, and a ROS master."""
-    launch = run(command=(sys.executable, shutil.which("roscore")))
-    launch.wait_for("started core service [/rosout]")
-    terminal = Terminal(launch, tmp_path)
-    yield terminal
-    for process in terminal.started:
-        end(process)
+def go_at_five_times_real_time(server):
+    assert server.call("/change_rate", ChangeRate, rate=5.0).success
 
 
-def test_a_navigator_survives_a_restarted_server_and_stops_the_robot_at_its_end(terminal):
-    server, _ = terminal.roslaunch(*SERVER, until="running")
-    navigator, log = terminal.roslaunch(
-        "flatland_navigation", "waypoints.launch", until="process[move_base"
-    )
-    assert terminal.output(REACH_A_GOAL) == "the goal is reached"
+def drive_away(ask):
+    ask("send_goal(-4.0)")
+    wait_until(lambda: float(ask("speed()")) > 0.1, "the robot to drive")
 
-    # Its time is behind that of the goal which the navigator knows.
-    end(server)
-    terminal.roslaunch(*SERVER, until="running")
-    assert terminal.output(REACH_A_GOAL) == "the goal is reached"
 
-    terminal.output(BEGIN_TO_DRIVE)
+def test_a_navigator_survives_a_restarted_server_and_stops_the_robot_at_its_end(
+    start, start_server, tmp_path
+):
+    client = start("-c", CLIENT, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    log = tmp_path / "navigator.log"
+
+    def ask(call):
+        client.stdin.write(f"{call}\n")
+        client.stdin.flush()
+        return client.stdout.readline().strip()
+
+    server = start_server()
+    go_at_five_times_real_time(server)
+    with log.open("w") as file:
+        navigator = start(
+            *(shutil.which("roslaunch"), "flatland_navigation", "waypoints.launch"),
+            stdout=file,
+            stderr=subprocess.STDOUT,
+        )
+    assert ask("reach(1.0)") == "the goal is reached"
+
+    drive_away(ask)
+    end_time = float(ask("rospy.get_time()"))
+    server.process.send_signal(signal.SIGINT)
+    assert server.process.wait(20) == 0
+    server = start_server()
+    assert ask("result()") == "simulated time has gone back"
+
+    # Time is behind that of the goals which the navigator knows.
+    wait_until(lambda: 0.0 < float(ask("rospy.get_time()")) < end_time, "the client's new time")
+    go_at_five_times_real_time(server)
+    assert ask("reach(1.0)") == "the goal is reached"
+
+    drive_away(ask)
     end(navigator)
-    assert terminal.output(MEASURE_SPEED) == "0.0"
+    assert ask("speed()") == "0.0"
     assert "Traceback" not in log.read_text()

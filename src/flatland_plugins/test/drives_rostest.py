@@ -1,8 +1,6 @@
-#!/usr/bin/python3
 """Over a real master: the plugins that move bodies, and the one that tells where they are."""
 
 import math
-import sys
 
 import rospy
 import rostest_case
@@ -196,11 +194,3 @@ class Tween(rostest_case.PluginCase):
             return all(math.dist(pose, end) < 1e-6 for pose, end in poses)
 
         wait_until(have_turned, "the gates to turn")
-
-
-if __name__ == "__main__":
-    import rostest
-
-    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
-    rospy.init_node("drives_rostest", disable_rostime=True)
-    rostest.rosrun("flatland_plugins", "drives", "__main__", sys.argv)

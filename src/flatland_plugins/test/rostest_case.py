@@ -7,16 +7,15 @@ in the end.
 
 import math
 import traceback
-import unittest
 from pathlib import Path
-from typing import Any, ClassVar, Dict, List, Tuple, Type
+from typing import ClassVar, Dict, List, Tuple
 
 import rospy
 from geometry_msgs.msg import Transform, Twist
 from readings import Pose, stamp_of
 from robots import Frame, Robot, Topic
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder
+from rostest_tools import Recorder, RecordingCase
 from service_calls import ServerTopics, delete, spawn, topic_types
 from tf2_msgs.msg import TFMessage
 from waiting import wait_until
@@ -26,7 +25,7 @@ STEP = 5_000_000  # ns
 LISTENED = 1.2  # s of simulated time
 
 
-class ListeningCase(unittest.TestCase):
+class ListeningCase(RecordingCase):
     """Base of tests of what robots publish.
 
     Attributes:
@@ -52,12 +51,12 @@ class ListeningCase(unittest.TestCase):
 
     @classmethod
     def _prepare(cls) -> None:
-        cls.clock = cls._record("/clock", Clock)
-        cls.tf = cls._record("/tf", TFMessage)
+        cls.clock = cls.record("/clock", Clock)
+        cls.tf = cls.record("/tf", TFMessage)
         cls.clock.next()
         cls.spawn_robots()
         cls.recorders = {
-            robot.topic(topic.name): cls._record(robot.topic(topic.name), topic.type)
+            robot.topic(topic.name): cls.record(robot.topic(topic.name), topic.type)
             for robot in cls.robots
             for topic in cls.published
         }
@@ -73,12 +72,6 @@ class ListeningCase(unittest.TestCase):
     @classmethod
     def get_going(cls) -> None:
         """Whatever is to be done before listening."""
-
-    @classmethod
-    def _record(cls, topic: str, message_type: Type[Any]) -> Recorder:
-        recorder = Recorder(topic, message_type)
-        cls.addClassCleanup(recorder.close)
-        return recorder
 
     @classmethod
     def _listen(cls) -> None:

@@ -1,10 +1,7 @@
-#!/usr/bin/python3
 """Over a real master: the plugins that measure something."""
 
 import math
-import sys
 
-import rospy
 import rostest_case
 from flatland_msgs.msg import Collisions
 from nav_msgs.msg import Odometry
@@ -219,11 +216,3 @@ class Laser(rostest_case.PluginCase):
             ):
                 stamp = self.recorder_of(robot, name).next().header.stamp
                 self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)
-
-
-if __name__ == "__main__":
-    import rostest
-
-    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
-    rospy.init_node("sensors_rostest", disable_rostime=True)
-    rostest.rosrun("flatland_plugins", "sensors", "__main__", sys.argv)

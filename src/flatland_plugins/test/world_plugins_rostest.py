@@ -1,8 +1,6 @@
-#!/usr/bin/python3
 """Over a real master: the plugins of the world."""
 
 import math
-import sys
 import unittest
 
 import rospy
@@ -106,11 +104,3 @@ class Crowd(rostest_case.ListeningCase):
         self.assertEqual(len(poses.next().poses), 2)
         self.assertTrue(delete("porter").success)
         self.assertEqual(len(poses.next(2).poses), 1)
-
-
-if __name__ == "__main__":
-    import rostest
-
-    # rospy's own subscription to /clock keeps one message only, and drops the others of ours.
-    rospy.init_node("world_plugins_rostest", disable_rostime=True)
-    rostest.rosrun("flatland_plugins", "world_plugins", "__main__", sys.argv)

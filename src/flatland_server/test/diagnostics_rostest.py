@@ -1,15 +1,12 @@
-#!/usr/bin/python3
 """/diagnostics over a real master, with plugins that fail."""
 
-import sys
 import time
-import unittest
 from pathlib import Path
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Clock, Log
-from rostest_tools import Recorder
+from rostest_tools import Recorder, RecordingCase
 from service_calls import SERVER, ServerTopics, call, delete, spawn
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptyService
@@ -18,13 +15,13 @@ from tf2_msgs.msg import TFMessage
 MODELS = Path(__file__).resolve().parent / "worlds"
 
 
-class Diagnostics(unittest.TestCase):
+class Diagnostics(RecordingCase):
     @classmethod
     def setUpClass(cls):
-        cls.clock = Recorder("/clock", Clock)
-        cls.tf = Recorder("/tf", TFMessage)
-        cls.log = Recorder("/rosout", Log)
-        cls.diagnostics = Recorder("/diagnostics", DiagnosticArray)
+        cls.clock = cls.record("/clock", Clock)
+        cls.tf = cls.record("/tf", TFMessage)
+        cls.log = cls.record("/rosout", Log)
+        cls.diagnostics = cls.record("/diagnostics", DiagnosticArray)
         cls.clock.next()
 
     def statuses(self, holds):
@@ -134,11 +131,3 @@ class Diagnostics(unittest.TestCase):
             self.assertEqual(
                 (gone.success, gone.message), (False, 'ModelError: there is no model "robot"')
             )
-
-
-if __name__ == "__main__":
-    import rostest
-
-    # rospy's own subscription to /clock has a queue of one message, which would be ours too.
-    rospy.init_node("diagnostics_rostest", disable_rostime=True)
-    rostest.rosrun("flatland_server", "diagnostics", Diagnostics, sys.argv)

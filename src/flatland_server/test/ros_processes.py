@@ -1,11 +1,21 @@
-"""What runs under a ROS master, and a port for one."""
+"""What runs under a ROS master, and a port for one; where a node's executable is."""
 
+from functools import lru_cache
 from pathlib import Path
 from typing import List
 
+from roslib.packages import find_node
+
 from flatland_server.testing.ports import free_port
 
-__all__ = ["free_port", "processes_under"]
+__all__ = ["executable", "free_port", "processes_under"]
+
+
+@lru_cache(maxsize=None)
+def executable(package: str, node: str) -> str:
+    """The file of a package's node; rosrun starts several processes to find it."""
+    file: str = find_node(package, node)[0]
+    return file
 
 
 def processes_under(uri: str) -> List[bytes]:

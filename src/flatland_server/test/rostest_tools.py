@@ -1,5 +1,6 @@
 """Tools of the rostests: recording messages, and their rates."""
 
+import unittest
 from typing import Any, Callable, List, Optional, Sequence, Type
 
 import rospy
@@ -31,6 +32,16 @@ class Recorder:
     def close(self) -> None:
         """Unsubscribes."""
         self._subscriber.unregister()
+
+
+class RecordingCase(unittest.TestCase):
+    """Base of tests that record topics until the last of them."""
+
+    @classmethod
+    def record(cls, topic: str, message_type: Type[Any]) -> Recorder:
+        recorder = Recorder(topic, message_type)
+        cls.addClassCleanup(recorder.close)
+        return recorder
 
 
 def publish_rates(recorders: Sequence[Recorder], seconds: float) -> List[float]:

@@ -14,7 +14,7 @@ from urllib.parse import urlparse
 import tcpros_client
 from flatland_msgs.srv import DeleteModel, SpawnModel
 from geometry_msgs.msg import Pose2D
-from ros_processes import free_port
+from ros_processes import executable, free_port
 from rosgraph_msgs.msg import Clock
 from waiting import wait_until
 
@@ -93,7 +93,7 @@ class Server:
         with log.open("a") as file:
             self.process = subprocess.Popen(
                 [
-                    *("rosrun", "flatland_server", "flatland_server", f"__name:={NODE[1:]}"),
+                    *(executable("flatland_server", "flatland_server"), f"__name:={NODE[1:]}"),
                     *(f"_world_path:={WORLDS / 'test_room' / 'world.yaml'}", "_show_viz:=true"),
                 ],
                 env={**os.environ, "ROS_MASTER_URI": master.uri},

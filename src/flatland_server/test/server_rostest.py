@@ -1,18 +1,17 @@
-#!/usr/bin/python3
 """The server in an empty room of 10 x 6 m, over a real master."""
 
 import math
-import sys
 import time
-import unittest
 
 import rospy
 import tf2_ros
+from flatland_msgs.srv import Reset
 from geometry_msgs.msg import Twist, TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder, publish_rates
+from rostest_tools import RecordingCase, publish_rates
 from sensor_msgs.msg import LaserScan
+from service_calls import call
 from tf2_msgs.msg import TFMessage
 from waiting import wait_until
 
@@ -29,15 +28,17 @@ def range_in_room(x, y, angle):
     return min(to_x, to_y)
 
 
-class Server(unittest.TestCase):
+class Server(RecordingCase):
     @classmethod
     def setUpClass(cls):
-        cls.clock = Recorder("/clock", Clock)
-        cls.tf = Recorder("/tf", TFMessage)
-        cls.scan = Recorder("/scan", LaserScan)
-        cls.truth = Recorder("/odometry/ground_truth", Odometry)
-        cls.odometry = Recorder("/odometry/filtered", Odometry)
-        cls.twist = Recorder("/twist", TwistWithCovarianceStamped)
+        answer = call("/reset", Reset, True, False, 0)  # other tests may have moved the robot
+        assert answer.success, answer.message
+        cls.clock = cls.record("/clock", Clock)
+        cls.tf = cls.record("/tf", TFMessage)
+        cls.scan = cls.record("/scan", LaserScan)
+        cls.truth = cls.record("/odometry/ground_truth", Odometry)
+        cls.odometry = cls.record("/odometry/filtered", Odometry)
+        cls.twist = cls.record("/twist", TwistWithCovarianceStamped)
         cls.cmd_vel = rospy.Publisher("/cmd_vel", Twist, queue_size=1)
         wait_until(cls.cmd_vel.get_num_connections, "the server to subscribe to /cmd_vel")
         cls.clock.next()
@@ -172,11 +173,3 @@ class Server(unittest.TestCase):
         after = self.truth.next(20)
         self.assertTrue(math.isfinite(after.pose.pose.position.x))
         self.assertGreater(after.header.stamp, before.header.stamp)
-
-
-if __name__ == "__main__":
-    import rostest
-
-    # rospy's own subscription to /clock has a queue of one message, which would be ours too.
-    rospy.init_node("server_rostest", disable_rostime=True)
-    rostest.rosrun("flatland_server", "server", Server, sys.argv)

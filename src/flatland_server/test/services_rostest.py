@@ -1,11 +1,8 @@
-#!/usr/bin/python3
 """The services over a real master: two robots in namespaces, invalid requests, slow files."""
 
 import math
-import sys
 import threading
 import time
-import unittest
 from pathlib import Path
 
 import rospkg
@@ -15,7 +12,7 @@ from flatland_msgs.srv import ChangeRate, GetModelMarkers
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from rostest_tools import Recorder
+from rostest_tools import Recorder, RecordingCase
 from sensor_msgs.msg import LaserScan
 from service_calls import ServerTopics, call, delete, move, spawn
 from std_srvs.srv import Empty
@@ -46,12 +43,12 @@ def x_of(markers):
     return markers.markers[0].pose.position.x
 
 
-class Services(unittest.TestCase):
+class Services(RecordingCase):
     @classmethod
     def setUpClass(cls):
-        cls.clock = Recorder("/clock", Clock)
-        cls.tf = Recorder("/tf", TFMessage)
-        cls.static = Recorder("/tf_static", TFMessage)
+        cls.clock = cls.record("/clock", Clock)
+        cls.tf = cls.record("/tf", TFMessage)
+        cls.static = cls.record("/tf_static", TFMessage)
         cls.clock.next()
 
     def frames(self):
@@ -284,11 +281,3 @@ class Services(unittest.TestCase):
         self.assertAlmostEqual(x_of(second.messages[0]), -1.0, delta=1e-5)
         second.close()
         topics.close()
-
-
-if __name__ == "__main__":
-    import rostest
-
-    # rospy's own subscription to /clock has a queue of one message, which would be ours too.
-    rospy.init_node("services_rostest", disable_rostime=True)
-    rostest.rosrun("flatland_server", "services", Services, sys.argv)

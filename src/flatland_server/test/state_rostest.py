@@ -116,8 +116,8 @@ class State(unittest.TestCase):
         with busy_machine():
             self.assertTrue(reset().success)
             self.assertEqual(self.drive(), first)
-            self.assertTrue(reset(seed=5).success)
-            self.assertNotEqual(self.drive(), first)
+        self.assertTrue(reset(seed=5).success)
+        self.assertNotEqual(self.drive(), first)
         self.assertTrue(reset(seed=0).success)
         self.assertEqual(self.drive(), first)
 

@@ -9,17 +9,10 @@ from pathlib import Path
 import pytest
 import tcpros_client
 from rosgraph_msgs.msg import Clock
-from running_server import NODE, USUAL_FILES, Master, Server, simulated_time
+from running_server import NODE, USUAL_FILES, Server, simulated_time
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def master():
-    master = Master()
-    yield master
-    master.kill()
 
 
 @pytest.fixture
@@ -60,21 +53,34 @@ def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_ser
     wait_until(lambda: "/while_dead/scan" not in master.topics(), "those of the deleted one")
 
 
+@contextlib.contextmanager
+def stopped(master):
+    """The master neither reads nor answers."""
+    master.process.send_signal(signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        master.process.send_signal(signal.SIGCONT)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_the_server_while_the_master_is_stopped(master, start_server, number):
     server = start_server()
-    master.process.send_signal(signal.SIGSTOP)
+    with stopped(master):
+        begin = time.monotonic()
+        server.process.send_signal(number)
+        assert server.process.wait(10) == 0
 
-    begin = time.monotonic()
-    server.process.send_signal(number)
-    assert server.process.wait(10) == 0
-
-    assert time.monotonic() - begin < 4.0
+        assert time.monotonic() - begin < 4.0
     assert "Traceback" not in server.log
 
 
-def test_a_topic_takes_no_file_descriptor(start_server):
-    server = start_server()
+def test_the_soft_limit_of_open_files_is_raised_and_a_topic_takes_no_file(start_server):
+    server = start_server(max_files=256)
+    limits = Path(f"/proc/{server.process.pid}/limits").read_text()
+    [line] = [line for line in limits.splitlines() if line.startswith("Max open files")]
+    assert int(line.split()[3]) > USUAL_FILES
+
     server.spawn("first")
     before = server.open_files()
     names = [f"r{number}" for number in range(40)]
@@ -86,14 +92,6 @@ def test_a_topic_takes_no_file_descriptor(start_server):
     for name in names:
         assert server.delete(name).success
     wait_until(lambda: server.open_files() <= before + 2, "no more open files")
-
-
-def test_the_soft_limit_of_open_files_is_raised(start_server):
-    server = start_server(max_files=256)
-
-    limits = Path(f"/proc/{server.process.pid}/limits").read_text()
-    [line] = [line for line in limits.splitlines() if line.startswith("Max open files")]
-    assert int(line.split()[3]) > USUAL_FILES
 
 
 def request_shutdown(server):

@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from ros_processes import free_port
+from ros_processes import executable
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -34,7 +34,8 @@ def planted(tmp_path):
 
 
 def test_check_world_and_its_pictures(planted):
-    command = ["rosrun", "flatland_server", "check_world", "world.yaml", "--render", "world.png"]
+    check_world = executable("flatland_server", "check_world")
+    command = [check_world, "world.yaml", "--render", "world.png"]
 
     answer = subprocess.run(command, cwd=planted, capture_output=True, text=True, timeout=60)
 
@@ -42,39 +43,28 @@ def test_check_world_and_its_pictures(planted):
     assert (planted / "world.png").exists()
 
 
-def test_the_node(planted, tmp_path):
-    port = free_port()
-    environment = {**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{port}"}
-    output = tmp_path / "output"
-    with output.open("w") as file:
-        master = subprocess.Popen(
-            ["rosmaster", "--core", "-p", str(port)], cwd=tmp_path, env=environment, stdout=file
-        )
-    try:
-        node = subprocess.Popen(
-            ["rosrun", "flatland_server", "flatland_server", "_world_path:=world.yaml"],
-            cwd=planted,
-            env=environment,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        lines = []
-        for line in node.stdout:  # ends when the node ends
-            lines.append(line)
-            if "running" in line:
-                break
-        node.terminate()
-        node.communicate(timeout=30)
-        assert "1 layers, 0 models; running" in "".join(lines)
-    finally:
-        master.terminate()
-        master.wait(10)
+def test_the_node(planted, master):
+    node = subprocess.Popen(
+        [executable("flatland_server", "flatland_server"), "_world_path:=world.yaml"],
+        cwd=planted,
+        env={**os.environ, "ROS_MASTER_URI": master.uri},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    lines = []
+    for line in node.stdout:  # ends when the node ends
+        lines.append(line)
+        if "running" in line:
+            break
+    node.terminate()
+    node.communicate(timeout=30)
+    assert "1 layers, 0 models; running" in "".join(lines)
 
 
-def test_scripts_run(planted, monkeypatch, run):
+def test_scripts_run(planted, monkeypatch, run, master):
     monkeypatch.chdir(planted)
 
-    launch = run("world.yaml", "show_viz:=false")
+    launch = run("world.yaml", "show_viz:=false", with_port=False, port=master.port)
 
     launch.wait_for("1 layers, 0 models; running")
 

@@ -9,8 +9,13 @@ import subprocess
 import sys
 import termios
 import threading
+import xmlrpc.client
 
 import pytest
+import tcpros_client
+from nav_msgs.msg import Odometry
+from ros_processes import executable
+from waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -29,30 +34,24 @@ models:
   - {name: r10, namespace: r10, model: robot.yaml, pose: [0, 3, 0]}
 """
 
-SPEED = """
-import rospy, sys
-from nav_msgs.msg import Odometry
-rospy.init_node("speed", anonymous=True)
-topic, low, high = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
-while True:
-    speed = rospy.wait_for_message(topic, Odometry, 20).twist.twist.linear.x
-    if low <= speed <= high:
-        break
-"""
+
+def forwards(odometry):
+    """The speed of the next message on a connection [m/s]."""
+    return tcpros_client.next_message(odometry, Odometry).twist.twist.linear.x
 
 
 class Typist:
     """Runs the node in a terminal, and types."""
 
     def __init__(self, uri):
-        self._environment = {**os.environ, "ROS_MASTER_URI": uri, "TERM": "xterm"}
+        self._master = xmlrpc.client.ServerProxy(uri)
         self.controller, self.terminal = pty.openpty()
         self.mode = termios.tcgetattr(self.terminal)
         self.shown = ""
         self._held = threading.Event()
         self.process = subprocess.Popen(
-            [shutil.which("rosrun"), "flatland_teleop", "teleop_keyboard"],
-            env=self._environment,
+            [executable("flatland_teleop", "teleop_keyboard")],
+            env={**os.environ, "ROS_MASTER_URI": uri, "TERM": "xterm"},
             stdin=self.terminal,
             stdout=self.terminal,
             stderr=self.terminal,
@@ -84,12 +83,9 @@ class Typist:
         return released
 
     def wait_for_speed(self, topic, low, high):
-        subprocess.run(
-            [sys.executable, "-c", SPEED, topic, str(low), str(high)],
-            env=self._environment,
-            check=True,
-            timeout=60,
-        )
+        uri = self._master.lookupNode("/test", "/flatland_server")[2]
+        with tcpros_client.subscribe(uri, topic, Odometry) as odometry:
+            wait_until(lambda: low <= forwards(odometry) <= high, f"{low} to {high} m/s on {topic}")
 
 
 @pytest.fixture
@@ -130,7 +126,7 @@ def test_robots_drive_while_a_key_is_held_and_stop_after_it(typist):
 
 def test_without_a_terminal_it_says_how_to_give_it_one():
     result = subprocess.run(
-        [shutil.which("rosrun"), "flatland_teleop", "teleop_keyboard"],
+        [executable("flatland_teleop", "teleop_keyboard")],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -7,16 +7,25 @@ import sys
 import tempfile
 import time
 import xmlrpc.client
+from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Type
 
 import yaml
+from roslib.packages import find_node
 
 from flatland_benchmark.process import Process, wait_until
 from flatland_server.testing.ports import free_port
 
 _NAME = "/flatland_benchmark"  # our name in calls to the master
+
+
+@lru_cache(maxsize=None)
+def executable(package: str, node: str) -> str:
+    """The file of a package's node; rosrun starts several processes to find it."""
+    file: str = find_node(package, node)[0]
+    return file
 
 
 class Reading(NamedTuple):
@@ -158,12 +167,12 @@ class ServerProcess:
         self.wait_until(self._has_master, "the ROS master")
         self._master.setParam(_NAME, "/use_sim_time", True)
         if self._rosout:
-            self.start("rosout", ["rosrun", "rosout", "rosout"])
+            self.start("rosout", [executable("rosout", "rosout")])
             self.wait_until(lambda: "/rosout" in self.subscribers("/clock"), "rosout")
         self.server = self.start(
             "flatland_server",
             [
-                *("rosrun", "flatland_server", "flatland_server", "__name:=flatland_server"),
+                *(executable("flatland_server", "flatland_server"), "__name:=flatland_server"),
                 f"_world_path:={self._world_file}",
                 f"_update_rate:={self._update_rate}",
                 f"_step_size:={self.STEP_SIZE}",
@@ -184,8 +193,8 @@ class ServerProcess:
 
     def subscribe(self, name: str, *arguments: str) -> CountingSubscriber:
         """Starts a flatland_counting_subscriber with these arguments."""
-        command = ["rosrun", "flatland_benchmark", "flatland_counting_subscriber", *arguments]
-        return CountingSubscriber(self.start(name, command), self)
+        program = executable("flatland_benchmark", "flatland_counting_subscriber")
+        return CountingSubscriber(self.start(name, [program, *arguments]), self)
 
     def call(self, name: str, command: List[str], limit: float = 60.0) -> str:
         """Runs a program to completion and returns its output.

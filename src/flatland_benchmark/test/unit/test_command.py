@@ -3,12 +3,12 @@
 import json
 import re
 import shlex
-import subprocess
 import sys
 from pathlib import Path
 
 import jsonschema
 import pytest
+from roslaunch.config import load_config_default
 
 from flatland_benchmark import command
 from flatland_benchmark.case import Case
@@ -254,14 +254,9 @@ def test_the_pictures_of_the_page_are_there():
 
 def options_of(launch, *arguments):
     """The command's options when a launch file has these arguments."""
-    command_line = subprocess.run(
-        ["roslaunch", str(launch), *arguments, "--args", "/flatland_benchmark"],
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    ).stdout.splitlines()[-1]
-    words = [word for word in shlex.split(command_line)[1:] if not word.startswith("__")]
-    return command.parser().parse_args(words)
+    config = load_config_default([(str(launch), list(arguments))], None, verbose=False)
+    [node] = config.nodes
+    return command.parser().parse_args(shlex.split(node.args))
 
 
 @pytest.mark.slow

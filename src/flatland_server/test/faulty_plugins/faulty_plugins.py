@@ -1,4 +1,4 @@
-"""Plugins that fail, for diagnostics.test and test_launch.py."""
+"""Plugins that fail, for server.test and test_launch.py."""
 
 import logging
 

@@ -17,19 +17,12 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def master():
-    master = Master()
-    yield master
-    master.kill()
-
-
-@pytest.fixture(scope="module")
 def server(master, tmp_path_factory):
     with restarts.ended(Server(master, tmp_path_factory.mktemp("soak") / "log")) as server:
         yield server
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def other_master():
     """For servers that are started and ended."""
     master = Master()
