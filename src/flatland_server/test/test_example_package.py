@@ -202,6 +202,6 @@ def test_the_installed_server_runs_its_world(workspace, shell, tmp_path, space):
 
     assert "Hello world" in log.read_text()
     assert (
-        f"{workspace / FOLDERS[space]}/my_plugins/worlds/conveyor/world.yaml: 1 layers"
+        f"{workspace / FOLDERS[space]}/my_plugins/worlds/conveyor/world.yaml: 1 layer"
         in log.read_text()
     )

@@ -58,7 +58,7 @@ def test_the_node(planted, master):
             break
     node.terminate()
     node.communicate(timeout=30)
-    assert "1 layers, 0 models; running" in "".join(lines)
+    assert "1 layer, 0 models; running" in "".join(lines)
 
 
 def test_scripts_run(planted, monkeypatch, run, master):
@@ -66,7 +66,7 @@ def test_scripts_run(planted, monkeypatch, run, master):
 
     launch = run("world.yaml", "show_viz:=false", with_port=False, port=master.port)
 
-    launch.wait_for("1 layers, 0 models; running")
+    launch.wait_for("1 layer, 0 models; running")
 
 
 def test_scripts_bench(planted):

@@ -169,6 +169,11 @@ def listed(names: Collection[str], none: str = "none") -> str:
     return f"{shown} and {rest} more" if rest > 0 else shown or none
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things, such as "1 layer" and "7 models"."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def suggestion(word: str, known: Iterable[str]) -> str:
     """A hint for a misspelt word, such as ` (did you mean "range"?)`; else the empty string.
 

@@ -9,7 +9,7 @@ from typing import Callable
 
 import rospy
 
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, counted
 from flatland_server.ros import open_files, rospy_patches
 from flatland_server.ros.clock import ClockPublisher
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
@@ -94,10 +94,10 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
     if not transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
     rospy.loginfo(
-        "%s: %d layers, %d models; running",
+        "%s: %s, %s; running",
         config.world_path,
-        len(world.layers),
-        len(world.models),
+        counted(len(world.layers), "layer"),
+        counted(len(world.models), "model"),
     )
     try:
         simulate(manager, lambda: not transport.is_ending)
