@@ -13,8 +13,11 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import tcpros_client
 from catkin_pkg.packages import find_packages
-from ros_processes import free_port
+from std_msgs.msg import Int32
+from tcpros_client import next_message
+from waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = ROOT / "build"
@@ -41,30 +44,25 @@ for name in ("Simple", "flatland_example_plugins::Simple"):
     print(found.__module__, inspect.getfile(found))
 """
 
-LISTEN = """
-import rospy
-from std_msgs.msg import Int32
-rospy.init_node("listener", disable_rostime=True)
-for topic in ("/gate/contacts", "/box/count"):
-    while rospy.wait_for_message(topic, Int32).data < 3:
-        pass
-"""
-
 pytestmark = pytest.mark.slow
 
 
 class Shell:
-    """A user's bash in which nothing is sourced yet, and in which no ROS master is running."""
+    """A user's bash in which nothing is sourced yet.
 
-    def __init__(self, home):
-        self.port = free_port()
+    Args:
+        home: its folder.
+        master_uri: of the ROS master; by default there is none.
+    """
+
+    def __init__(self, home, master_uri="http://127.0.0.1:9"):
         self.environment = {
             "PATH": "/usr/bin:/bin",
             "HOME": str(home),
             "LANG": "C.UTF-8",
             "PYTHONUNBUFFERED": "1",
             "ROS_IP": "127.0.0.1",
-            "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}",
+            "ROS_MASTER_URI": master_uri,
         }
 
     def run(self, *commands):
@@ -177,7 +175,8 @@ def test_a_copy_hides_the_original_by_another_name_and_by_the_same(workspace, sh
 def test_its_own_tests_pass(workspace, shell):
     output = shell.run(
         f"source {workspace}/devel/setup.bash",
-        f"catkin_make -C {workspace} run_tests_my_plugins",
+        # Without the same settings, it would configure the workspace again.
+        f"catkin_make -C {workspace} {CONFIGURE} run_tests_my_plugins",
         f"catkin_test_results {workspace}/build/test_results",
     )
 
@@ -185,16 +184,25 @@ def test_its_own_tests_pass(workspace, shell):
 
 
 @pytest.mark.parametrize("space", ["devel", "install"])
-def test_the_installed_server_runs_its_world(workspace, shell, tmp_path, space):
+def test_the_installed_server_runs_its_world(workspace, master, tmp_path, space):
+    shell = Shell(tmp_path, master.uri)
     setup = f"source {workspace}/{space}/setup.bash"
     log = tmp_path / "launch.log"
-    launch = f"roslaunch -p {shell.port} {LAUNCH_FILES[space]} show_viz:=false update_rate:=2000"
+    launch = f"roslaunch {LAUNCH_FILES[space]} show_viz:=false update_rate:=2000"
 
     with log.open("w") as output:
         server = shell.start(setup, f"exec {launch}", output=output)
+
+    def is_running():
+        assert server.poll() is None
+        return "running" in log.read_text()
+
     try:
-        shell.run(setup, f"timeout 30 python3 -c '{LISTEN}'")
-        assert server.poll() is None, log.read_text()
+        wait_until(is_running, "the server to run")
+        node = master.ask("lookupNode", "/flatland_server")
+        for topic in ("/gate/contacts", "/box/count"):
+            with tcpros_client.subscribe(node, topic, Int32) as counts:
+                wait_until(lambda c=counts: next_message(c, Int32).data >= 3, f"3 on {topic}")
     finally:
         os.killpg(server.pid, signal.SIGTERM)
         server.wait(LIMIT)

@@ -40,6 +40,7 @@ class View:
     """`flatland view` in a folder, on a display."""
 
     def __init__(self, display, folder):
+        self.folder = folder
         self.environment = {**os.environ, "DISPLAY": display}
         self._screenshots = Screenshots(display, "view")
         self.picture = self._screenshots.take
@@ -103,18 +104,28 @@ class View:
         self._screenshots.save()
 
 
-@pytest.fixture
-def view(display, tmp_path):
+@pytest.fixture(scope="module")
+def window(display, tmp_path_factory):
+    """One for all tests; the last of them closes it."""
+    folder = tmp_path_factory.mktemp("view")
     walls = [(-5, -5, 5, -5), (5, -5, 5, 5), (5, 5, -5, 5), (-5, 5, -5, -5)]
-    (tmp_path / "walls.dat").write_text("".join(f"{a} {b} {c} {d}\n" for a, b, c, d in walls))
-    (tmp_path / "walls.yaml").write_text(
+    (folder / "walls.dat").write_text("".join(f"{a} {b} {c} {d}\n" for a, b, c, d in walls))
+    (folder / "walls.yaml").write_text(
         "{type: line_segments, data: walls.dat, scale: 1, origin: [0, 0, 0]}\n"
     )
-    (tmp_path / "world.yaml").write_text(WORLD)
-    (tmp_path / "robot.model.yaml").write_text(ROBOT)
-    view = View(display, tmp_path)
+    (folder / "world.yaml").write_text(WORLD)
+    (folder / "robot.model.yaml").write_text(ROBOT)
+    view = View(display, folder)
     yield view
     view.close()
+
+
+@pytest.fixture
+def view(window):
+    """The window, with the whole world and the robot at its start."""
+    window.key("r", "Home")
+    wait_until(lambda: window.robot() and abs(window.moved()).max() < 2, "the robot at its start")
+    return window
 
 
 def test_keys_drive_a_robot_and_r_puts_it_back(view):
@@ -144,6 +155,7 @@ def test_a_pause_stops_the_robot_and_a_full_stop_makes_single_steps(view):
     view.key(*["period"] * 40)  # 0.2 s: 0.1 m
     wait_until(lambda: view.moved()[0] > paused + 0.07 * SCALE, "the single steps")
     view.xdotool("keyup", "Up")
+    view.key("space")
 
 
 def test_what_the_mouse_does(view):
@@ -168,7 +180,7 @@ def test_what_the_mouse_does(view):
     wait_until(lambda: abs(len(view.red()) - size) < 20, "the whole world")
 
 
-def test_the_other_keys(view, tmp_path):
+def test_the_other_keys(view):
     view.key("Tab")
     view.xdotool("keydown", "Right", "Up")
     view.picture("followed")
@@ -186,7 +198,7 @@ def test_the_other_keys(view, tmp_path):
     view.key("h")
 
     view.key("p")
-    wait_until((tmp_path / "flatland_1.png").is_file, "the picture")
+    wait_until((view.folder / "flatland_1.png").is_file, "the picture")
 
     view.key("Escape")
     assert view.process.wait(LIMIT) == 0
