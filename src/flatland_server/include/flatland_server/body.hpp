@@ -28,6 +28,7 @@ struct BodyRecord {
 
   b2Body* body = nullptr;
   bool is_layer = false;
+  bool may_move = true;  // false: it stays where it is, unless World::SetPose moves it
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
   std::vector<FixtureRecord> fixtures;              // by Fixture::index
   MassSum mass;                                     // of the fixtures, for a dynamic body

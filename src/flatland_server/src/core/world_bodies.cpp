@@ -20,6 +20,7 @@ b2Body& World::Find(Body body) const {
 World::Body World::AddRecord(BodyRecord record) {
   b2Body* body = record.body;
   const Body handle = bodies_.Add(std::move(record));
+  ChangeStructure();
   body->GetUserData().pointer = handle.index;
   return handle;
 }
@@ -38,6 +39,7 @@ World::Body World::AddBody(const BodySettings& settings) {
   definition.angularDamping = static_cast<float>(settings.angular_damping);
   BodyRecord record;
   record.body = world_->CreateBody(&definition);
+  record.may_move = settings.type != b2_staticBody || IsWound(*record.body);
   return AddRecord(std::move(record));
 }
 
@@ -53,6 +55,7 @@ World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers,
   BodyRecord record;
   record.body = world_->CreateBody(&definition);
   record.is_layer = true;
+  record.may_move = false;
   record.fixtures.reserve(walls.size());
   b2FixtureDef fixture;
   fixture.filter.categoryBits = layers;
@@ -69,7 +72,6 @@ World::Body World::AddLayer(const std::vector<Segment>& walls, LayerBits layers,
   layers_.push_back({VisibleWalls::Share(walls), layers});
   const bool has_layers_alone = body_count() == static_cast<int>(layers_.size());
   if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*world_);
-  ++revision_;
   return AddRecord(std::move(record));
 }
 
@@ -84,7 +86,7 @@ void World::RemoveBody(Body body) {
   remove_from(tricycles_);
   remove_from(tweens_);
   remove_from(lidars_);
-  ++revision_;
+  ChangeStructure();
   world_->DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
   bodies_.Remove(body);
   ApplyDeferredForces();
@@ -107,6 +109,7 @@ void World::SetPose(Body body, const Pose& pose) {
   const Twist velocity = GetVelocity(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, "a layer cannot be moved");
+  LetMove(body);
   ++revision_;
   WakeBodiesNear(found);
   Place(found, pose);

@@ -67,7 +67,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
     body.SetMassData(&data);
   }
   record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
-  ++revision_;
+  ChangeStructure();
   return {handle, static_cast<uint32_t>(record.fixtures.size() - 1)};
 }
 
