@@ -16,8 +16,8 @@ _CLEARANCE = 0.3
 _REACHED = 0.19
 """Distance from walls at which robots, of a radius of 0.18 m, are stopped [m]."""
 _WARM_UP = 3000
-"""Scans for each square metre before the measurement, so that all that is done once is done: also in
-those half metres of which a robot reaches a quarter."""
+"""Scans for each square metre before the measurement, so that all that is done once is done: also
+in those half metres of which a robot reaches a quarter."""
 _SCANS_FROM_A_POSE = 10
 _MEASURED = 2.0
 """Least duration of a measurement [s of real time]."""
