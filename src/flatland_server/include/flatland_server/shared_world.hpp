@@ -46,8 +46,10 @@ class SharedWorld {
 
   /// A new state: that of the world at the beginning. To be destroyed before the SharedWorld.
   std::unique_ptr<State> MakeState();
-  /// Tells the processor to fetch a state from memory, while it does something else.
+  /// Tells the processor to fetch a state from memory, while it does something else. Before that,
+  /// PrefetchPlaces has it fetch where the state's arrays are.
   static void Prefetch(const State& state);
+  static void PrefetchPlaces(const State& state) { __builtin_prefetch(&state); }
   /// Puts the world into a state, until Leave, which must precede the next call.
   World& Enter(State& state);
   /// Keeps what has become of the state.

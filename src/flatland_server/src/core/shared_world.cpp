@@ -99,6 +99,7 @@ void SharedWorld::Prefetch(const State& state) {
   for (size_t i = 0; i < state.bytes_.size(); i += kCacheLine) {
     __builtin_prefetch(&state.bytes_[i]);
   }
+  __builtin_prefetch(state.tree_.get());
 }
 
 World& SharedWorld::Enter(State& state) {

@@ -74,6 +74,7 @@ void WorldBatch::ForEach(const bool* mask, Visit visit) {
     for (int row = team_.Begin(i, count()); row < end; ++row) {
       if (mask != nullptr && !mask[row]) continue;
       if (row + 1 < end) SharedWorld::Prefetch(*environments_[row + 1].state);
+      if (row + 2 < end) SharedWorld::PrefetchPlaces(*environments_[row + 2].state);
       visit(*worlds_[i], environments_[row], row);
     }
   });
