@@ -1,10 +1,14 @@
 """The learner: its gradients against differences, a short training, policies and their files."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from environments import make
 
-from flatland_gym import NavigationVectorEnv, Policy
+from flatland_gym import NavigationVectorEnv, Policy, train
 from flatland_gym.evaluation import evaluate
 from flatland_gym.networks import Network
 from flatland_gym.policy_node import PolicyNode
@@ -187,3 +191,36 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     assert "of 3 episodes with new seeds" in capsys.readouterr().out
     assert main([str(path), "--world", "ofice", *arguments]) == 1
     assert 'error: no world is named "ofice"' in capsys.readouterr().err
+
+
+_WITHOUT_GYMNASIUM = """
+import runpy, sys
+sys.modules["gymnasium"] = None
+sys.argv = ["train", "policy.npz"]
+runpy.run_module("flatland_gym.train", run_name="__main__")
+"""
+
+
+def test_without_gymnasium_it_says_what_to_install():
+    result = subprocess.run(
+        [sys.executable, "-c", _WITHOUT_GYMNASIUM],
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=60,
+    )
+    assert result.returncode == 1
+    assert result.stderr == "error: training needs Gymnasium: pip install 'flatland2d[gym]'\n"
+
+
+def test_the_program_starts_again_with_one_thread_for_products_unless_told_how_many(monkeypatch):
+    calls = []
+    monkeypatch.setattr(os, "execv", lambda program, arguments: calls.append(arguments))
+    monkeypatch.setattr(sys, "argv", ["train.py", "policy.npz", "--seed", "2"])
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    train._limit_blas_threads()
+    assert calls == [[sys.executable, "-m", "flatland_gym.train", "policy.npz", "--seed", "2"]]
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "1"
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    train._limit_blas_threads()
+    assert len(calls) == 1

@@ -4,6 +4,7 @@ A `Fleet` has n places; each has a robot in a world. Its arrays are overwritten 
 what is handed to learners is always a copy.
 """
 
+from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Dict, List, Optional, Sequence
 
@@ -15,17 +16,18 @@ from flatland_gym.settings import NavigationSettings
 from flatland_server import FloatArray, IntArray, Simulation
 
 
-class Fleet(RobotRows):
+class Fleet(RobotRows, ABC):
     """The state of n robots, one in each of n simulations."""
 
+    @abstractmethod
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         """Begins an episode at each of these places."""
-        raise NotImplementedError
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
         """Whether the place's episode cannot begin so, because plugins have added walls there."""
         return False
 
+    @abstractmethod
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         """Makes a step of the environment at each of these places.
 
@@ -33,15 +35,14 @@ class Fleet(RobotRows):
             actions: shape (n, size of an action); finite.
             indices: of the places, in increasing order.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def simulation(self, index: int) -> Simulation:
         """The simulation at a place, to be looked at: for pictures."""
-        raise NotImplementedError
 
+    @abstractmethod
     def close(self) -> None:
         """Ends all simulations."""
-        raise NotImplementedError
 
 
 class SimulationFleet(Fleet):

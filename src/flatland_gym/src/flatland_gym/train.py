@@ -1,18 +1,23 @@
 """Trains a policy: `python3 -m flatland_gym.train --world discs policy.npz`."""
 
 import argparse
+import importlib.util
+import os
 import sys
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional
 
 import numpy as np
 
-from flatland_gym.evaluation import evaluate
-from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.policy import Policy
-from flatland_gym.ppo import Ppo, Progress
 from flatland_server import FlatlandError
 
+if TYPE_CHECKING:
+    from flatland_gym.ppo import Progress
+
+# What needs Gymnasium is imported where it is used: without, `main` says so.
+
+_BLAS_THREADS = "OPENBLAS_NUM_THREADS"
 _FIRST_UNSEEN = 1_000_000
 """Seeds of evaluations begin here; those of training are below."""
 
@@ -20,6 +25,9 @@ _FIRST_UNSEEN = 1_000_000
 def main(arguments: Optional[List[str]] = None) -> int:
     """Trains, evaluates and saves a policy; returns an exit code."""
     options = _parser().parse_args(arguments)
+    if importlib.util.find_spec("gymnasium") is None:
+        print("error: training needs Gymnasium: pip install 'flatland2d[gym]'", file=sys.stderr)
+        return 1
     try:
         return _train(options)
     except (FlatlandError, OSError) as error:
@@ -28,6 +36,8 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
 
 def _train(options: argparse.Namespace) -> int:
+    from flatland_gym.evaluation import evaluate
+
     settings: Dict[str, Any] = {
         "world": options.world,
         "frame_skip": 2,
@@ -36,7 +46,7 @@ def _train(options: argparse.Namespace) -> int:
     }
     progress: List[Progress] = []
 
-    def report(now: Progress) -> None:
+    def report(now: "Progress") -> None:
         progress.append(now)
         if len(progress) % 20 == 0:
             recent = progress[-20:]
@@ -63,9 +73,12 @@ def _train(options: argparse.Namespace) -> int:
 
 
 def _learn(
-    options: argparse.Namespace, settings: Dict[str, Any], report: Callable[[Progress], None]
+    options: argparse.Namespace, settings: Dict[str, Any], report: Callable[["Progress"], None]
 ) -> Policy:
     """Trains by `Ppo`."""
+    from flatland_gym.navigation_vector_env import NavigationVectorEnv
+    from flatland_gym.ppo import Ppo
+
     env = NavigationVectorEnv(options.envs, options.threads, autoreset_mode="SameStep", **settings)
     try:
         learner = Ppo(env, seed=options.seed)
@@ -75,7 +88,7 @@ def _learn(
 
 
 def _learn_by_sb3(
-    options: argparse.Namespace, settings: Dict[str, Any], report: Callable[[Progress], None]
+    options: argparse.Namespace, settings: Dict[str, Any], report: Callable[["Progress"], None]
 ) -> Policy:
     """Trains by the PPO of Stable-Baselines3."""
     from flatland_gym.sb3 import NavigationVecEnv
@@ -85,7 +98,7 @@ def _learn_by_sb3(
     return train(env, options.seed, options.steps, 60.0 * options.minutes, report)
 
 
-def save_curve(progress: List[Progress], path: Path) -> None:
+def save_curve(progress: List["Progress"], path: Path) -> None:
     """Draws the rate of success over the steps into a file.
 
     Raises:
@@ -128,5 +141,18 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _limit_blas_threads() -> None:
+    """Starts this program again with one thread for NumPy's products, unless the user has chosen.
+
+    They are small: threads that wait for each other take longer on a busy machine, five times as
+    long on one with twice as many running processes as cores. OpenBLAS reads the variable when it
+    is loaded, which is with NumPy.
+    """
+    if _BLAS_THREADS not in os.environ:
+        os.environ[_BLAS_THREADS] = "1"
+        os.execv(sys.executable, [sys.executable, "-m", "flatland_gym.train", *sys.argv[1:]])
+
+
 if __name__ == "__main__":
+    _limit_blas_threads()
     sys.exit(main())

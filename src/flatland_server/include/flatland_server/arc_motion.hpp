@@ -4,8 +4,6 @@
 
 #include <box2d/box2d.h>
 
-#include <vector>
-
 #include "flatland_server/geometry.hpp"
 
 namespace flatland {
@@ -40,7 +38,6 @@ class ArcMotion {
   // add up: each step corrects that of the one before.
   Pose target_;
   Pose rounding_error_;
-  std::vector<b2Body*> group_;  // used within Begin; a member to keep its memory
 };
 
 }  // namespace flatland

@@ -5,15 +5,16 @@
 /// Need. Thousands of environments that begin alike. Each could be a World; but in an office this
 /// takes 2 MB and 3 ms, nearly all of it for walls, which are the same everywhere.
 ///
-/// Method. There is one World. What its steps change is exchanged for another state before a step:
-/// Box2D's bodies and joints, byte by byte; the boxes of moving fixtures; the heads of the lists of
-/// contacts, which stay where they are; drives and tweens. The objects stay at their places, so all
-/// pointers between them stay right. Box2D's tree of bounding boxes has a node for each wall, of
-/// which few change: each state has a copy of the nodes that shares their memory (page_copies.hpp).
-/// So a state makes, bit for bit, the steps that a World of its own makes.
+/// Method. There is one World. What its steps change is exchanged for another state before a step,
+/// byte by byte: Box2D's bodies that may move, the boxes of their fixtures, and joints; the heads
+/// of the lists of contacts, which stay where they are; drives and tweens. The objects stay at
+/// their places, so all pointers between them stay right. Box2D's tree of bounding boxes has a node
+/// for each wall, of which few change: each state has a copy of the nodes that shares their memory
+/// (page_copies.hpp). So a state makes, bit for bit, the steps that a World of its own makes.
 
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "flatland_server/world.hpp"
@@ -36,18 +37,19 @@ class SharedWorld {
     std::vector<std::byte> bytes_;    // of the ranges, one after the other
     std::vector<int32_t> moves_;      // proxies that may have new contacts
     std::unique_ptr<PageCopy> tree_;  // the nodes of the tree
-    std::vector<BodyDrive> drives_;
-    std::vector<TricycleDrive> tricycles_;
-    std::vector<BodyTween> tweens_;
   };
 
   /// Takes a world that has made no step. It must not be given to anything else, and nothing may be
-  /// added to it or removed any more.
-  explicit SharedWorld(std::unique_ptr<World> world);
+  /// added to it or removed any more. Of static bodies, only `moved` may be moved.
+  explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
   ~SharedWorld();
 
   /// A new state: that of the world at the beginning. To be destroyed before the SharedWorld.
   std::unique_ptr<State> MakeState();
+  /// Tells the processor to fetch a state from memory, while it does something else. Before that,
+  /// PrefetchPlaces has it fetch where the state's arrays are.
+  static void Prefetch(const State& state);
+  static void PrefetchPlaces(const State& state) { __builtin_prefetch(&state); }
   /// Puts the world into a state, until Leave, which must precede the next call.
   World& Enter(State& state);
   /// Keeps what has become of the state.
@@ -65,11 +67,14 @@ class SharedWorld {
   void AddRange(T& object) {
     ranges_.push_back({&object, sizeof(T)});
   }
+  template <class Mechanism>
+  void AddRanges(SlotMap<Mounted<Mechanism>>& mechanisms) {
+    static_assert(std::is_trivially_copyable_v<Mechanism>);
+    mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) { AddRange(each.mechanism); });
+  }
   void CollectRanges();
   /// Drops walls from those proxies that Box2D asks for new contacts in the first step.
   void SkipWalls();
-  /// Exchanges the drives and tweens of the world for those of a state.
-  void SwapMechanisms(State& state);
 
   std::unique_ptr<World> world_;
   std::vector<Range> ranges_;

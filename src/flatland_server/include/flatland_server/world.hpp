@@ -314,6 +314,17 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   // Bodies and fixtures.
 
+  /// To be called when something but a body that may move is added, removed or moved.
+  void ChangeStructure() {
+    ++revision_;
+    ++structure_revision_;
+  }
+  /// From now on the body may move in a step.
+  void LetMove(Body body) {
+    if (bodies_.Get(body).may_move) return;
+    bodies_.Get(body).may_move = true;
+    ChangeStructure();
+  }
   b2Body& Find(Body body) const;
   b2Fixture& Find(Fixture fixture) const;
   /// That of the model's body, or of the layer, that something in Box2D belongs to.
@@ -374,6 +385,10 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   /// Collects the fixtures that lidars may see, once per revision.
   void RefreshVisibleFixtures() const;
+  /// Collects the bodies that may move, and the visible fixtures of the others, once per structure
+  /// revision.
+  void RefreshMovingBodies() const;
+  void AddVisibleFixtures(const BodyRecord& record) const;
   /// Called by several threads at a time; the visible fixtures must be up to date. `intensities`
   /// may be null.
   void ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
@@ -408,7 +423,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   int velocity_iterations_;
   int position_iterations_;
   mutable std::atomic<bool> is_in_use_{false};
-  uint64_t revision_ = 1;  // changes whenever something is added, removed or moved
+  uint64_t revision_ = 1;            // changes whenever something is added, removed or moved
+  uint64_t structure_revision_ = 1;  // the same, but for bodies that may move
 
   SlotMap<BodyRecord> bodies_{"body"};
   std::vector<Layer> layers_;
@@ -423,9 +439,12 @@ class World : private b2DestructionListener, private b2ContactListener {
   SlotMap<Mounted<Lidar>> lidars_{"lidar"};
   std::vector<LidarHandle> expected_lidars_;       // those that ExpectScan was called for
   std::vector<std::pair<Lidar*, Pose>> scanning_;  // lidars of the present scan, and their poses
-  mutable std::vector<VisibleFixture> visible_fixtures_;
-  mutable BoundingCircles bounding_circles_;  // of visible_fixtures_
-  mutable uint64_t visible_revision_ = 0;     // revision that these two show
+  mutable std::vector<VisibleFixture> visible_fixtures_;  // first those that stay
+  mutable BoundingCircles bounding_circles_;              // of visible_fixtures_
+  mutable uint64_t visible_revision_ = 0;                 // revision that these two show
+  mutable size_t staying_fixtures_ = 0;                   // number of those that stay
+  mutable std::vector<const BodyRecord*> moving_;         // the bodies that may move
+  mutable uint64_t moving_revision_ = 0;                  // structure revision that these two show
 
   ContactListener* listener_ = nullptr;
   std::atomic<std::thread::id> listener_thread_{};  // set during a call of the listener

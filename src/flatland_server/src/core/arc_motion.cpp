@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "to_box2d.hpp"
 
@@ -57,17 +58,18 @@ void ArcMotion::Begin(b2Body& body, const Twist& mean, double dt) {
            heading.Apply(displacement.Of(FromBox2D(center)));
   };
   const double rotation = rounding_error_.yaw + displacement.angle;
-  group_.assign(1, &body);
-  for (size_t i = 0; i < group_.size(); ++i) {
-    b2Body& member = *group_[i];
+  thread_local std::vector<b2Body*> group;  // keeps its memory
+  group.assign(1, &body);
+  for (size_t i = 0; i < group.size(); ++i) {
+    b2Body& member = *group[i];
     member.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(member)));
     member.SetAngularVelocity(static_cast<float>(rotation / dt));
     for (b2JointEdge* edge = member.GetJointList(); edge != nullptr; edge = edge->next) {
       b2Body& other = *edge->other;
       if (other.GetType() != b2_dynamicBody) continue;
       if (IsRigid(*edge->joint)) {
-        if (std::find(group_.begin(), group_.end(), &other) == group_.end()) {
-          group_.push_back(&other);
+        if (std::find(group.begin(), group.end(), &other) == group.end()) {
+          group.push_back(&other);
         }
       } else if (IsWheel(*edge->joint, other)) {
         other.SetLinearVelocity(ToBox2D(1.0 / dt * displacement_of(other)));

@@ -70,6 +70,12 @@ struct BodySweep {
 };
 template struct DefineMember<BodySweep, &b2Body::m_sweep>;
 
+struct BodyContacts {
+  using Pointer = b2ContactEdge* b2Body::*;
+  friend constexpr Pointer Member(BodyContacts);
+};
+template struct DefineMember<BodyContacts, &b2Body::m_contactList>;
+
 struct WorldInverseStep {
   using Pointer = float b2World::*;
   friend constexpr Pointer Member(WorldInverseStep);
@@ -122,6 +128,8 @@ inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
 inline b2Sweep& Sweep(b2Body& body) { return body.*Member(BodySweep()); }
+/// The head of a body's list of contacts.
+inline b2ContactEdge*& ContactList(b2Body& body) { return body.*Member(BodyContacts()); }
 /// One over the length of the last step [1/s], 0 before the first.
 inline float& InverseStep(b2World& world) { return world.*Member(WorldInverseStep()); }
 /// Whether fixtures or bodies were moved since the last step, which may have new contacts.

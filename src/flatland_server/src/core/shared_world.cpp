@@ -10,26 +10,17 @@
 namespace flatland {
 namespace {
 
-template <class Mechanism>
-std::vector<Mechanism> MechanismsOf(const SlotMap<Mounted<Mechanism>>& map) {
-  std::vector<Mechanism> mechanisms;
-  map.ForEach([&](auto, const Mounted<Mechanism>& each) { mechanisms.push_back(each.mechanism); });
-  return mechanisms;
-}
-
-template <class Mechanism>
-void SwapWith(SlotMap<Mounted<Mechanism>>& map, std::vector<Mechanism>& mechanisms) {
-  size_t i = 0;
-  map.ForEach([&](auto, Mounted<Mechanism>& each) { std::swap(each.mechanism, mechanisms[i++]); });
-}
+constexpr size_t kCacheLine = 64;
 
 }  // namespace
 
 SharedWorld::State::State() = default;
 SharedWorld::State::~State() = default;
 
-SharedWorld::SharedWorld(std::unique_ptr<World> world) : world_(std::move(world)) {
+SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
+    : world_(std::move(world)) {
   b2World& box2d_world = *world_->world_;
+  for (const World::Body& body : moved) world_->LetMove(body);
   SkipWalls();
   box2d::OrderNodes(box2d_world);
   CollectRanges();
@@ -38,9 +29,6 @@ SharedWorld::SharedWorld(std::unique_ptr<World> world) : world_(std::move(world)
       std::make_unique<PageImage>(nodes_, box2d::NodeCapacity(box2d_world) * sizeof(b2TreeNode));
   beginning_.reset(new State());
   beginning_->bytes_.resize(size_);
-  beginning_->drives_ = MechanismsOf(world_->drives_);
-  beginning_->tricycles_ = MechanismsOf(world_->tricycles_);
-  beginning_->tweens_ = MechanismsOf(world_->tweens_);
   Leave(*beginning_);
 }
 
@@ -75,8 +63,11 @@ void SharedWorld::CollectRanges() {
   AddRange(box2d::InverseStep(box2d_world));
   AddRange(box2d::Tree(box2d_world));
   world_->bodies_.ForEach([this](World::Body, BodyRecord& record) {
+    if (!record.may_move) {
+      AddRange(box2d::ContactList(*record.body));
+      return;
+    }
     AddRange(*record.body);
-    if (record.is_layer) return;
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
       b2FixtureProxy* proxies = box2d::FixtureInternals::Proxies(*each.fixture);
       const int32 count = box2d::FixtureInternals::ProxyCount(*each.fixture);
@@ -90,6 +81,9 @@ void SharedWorld::CollectRanges() {
       AddRange(static_cast<b2RevoluteJoint&>(*joint));
     }
   });
+  AddRanges(world_->drives_);
+  AddRanges(world_->tricycles_);
+  AddRanges(world_->tweens_);
   for (const Range& range : ranges_) size_ += range.size;
 }
 
@@ -98,10 +92,14 @@ std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
   state->tree_ = std::make_unique<PageCopy>(*image_);
   state->bytes_ = beginning_->bytes_;
   state->moves_ = beginning_->moves_;
-  state->drives_ = beginning_->drives_;
-  state->tricycles_ = beginning_->tricycles_;
-  state->tweens_ = beginning_->tweens_;
   return state;
+}
+
+void SharedWorld::Prefetch(const State& state) {
+  for (size_t i = 0; i < state.bytes_.size(); i += kCacheLine) {
+    __builtin_prefetch(&state.bytes_[i]);
+  }
+  __builtin_prefetch(state.tree_.get());
 }
 
 World& SharedWorld::Enter(State& state) {
@@ -114,7 +112,6 @@ World& SharedWorld::Enter(State& state) {
   box2d::Nodes(box2d_world) = static_cast<b2TreeNode*>(state.tree_->data());
   std::copy(state.moves_.begin(), state.moves_.end(), box2d::Moves(box2d_world));
   box2d::MoveCount(box2d_world) = static_cast<int32>(state.moves_.size());
-  SwapMechanisms(state);
   ++world_->revision_;
   return *world_;
 }
@@ -128,26 +125,15 @@ void SharedWorld::Leave(State& state) {
   }
   const int32* moves = box2d::Moves(box2d_world);
   state.moves_.assign(moves, moves + box2d::MoveCount(box2d_world));
-  SwapMechanisms(state);
 }
 
 void SharedWorld::Restart(State& state) {
   b2ContactManager& contacts = box2d::Contacts(*world_->world_);
   Enter(state);
   while (contacts.m_contactList != nullptr) contacts.Destroy(contacts.m_contactList);
-  SwapMechanisms(state);
   state.tree_->Restore();
   state.bytes_ = beginning_->bytes_;
   state.moves_ = beginning_->moves_;
-  state.drives_ = beginning_->drives_;
-  state.tricycles_ = beginning_->tricycles_;
-  state.tweens_ = beginning_->tweens_;
-}
-
-void SharedWorld::SwapMechanisms(State& state) {
-  SwapWith(world_->drives_, state.drives_);
-  SwapWith(world_->tricycles_, state.tricycles_);
-  SwapWith(world_->tweens_, state.tweens_);
 }
 
 }  // namespace flatland

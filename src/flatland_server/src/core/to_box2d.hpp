@@ -4,6 +4,8 @@
 
 #include <box2d/box2d.h>
 
+#include <cmath>
+
 #include "flatland_server/geometry.hpp"
 
 namespace flatland {
@@ -16,6 +18,9 @@ inline Pose PoseOf(const b2Body& body) {
   const Vec2 position = FromBox2D(body.GetPosition());
   return {position.x, position.y, body.GetAngle()};
 }
+
+/// Whether a body's angle is more than a whole rotation.
+inline bool IsWound(const b2Body& body) { return std::abs(body.GetAngle()) > 2.0f * b2_pi; }
 
 /// Sets the velocity of a body's origin, in the world's frame. Box2D stores that of the centre of
 /// mass.

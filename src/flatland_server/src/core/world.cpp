@@ -21,8 +21,8 @@ constexpr char kInListener[] =
 /// with it. Box2D keeps angles in single precision: after an hour of spinning, the rotation of one
 /// step would be lost in rounding. A hinge without limits compares nothing.
 void Unwind(b2Body& body) {
+  if (!IsWound(body)) return;
   constexpr float kFullRotation = 2.0f * b2_pi;
-  if (std::abs(body.GetAngle()) <= kFullRotation) return;
   const float excess = std::round(body.GetAngle() / kFullRotation) * kFullRotation;
   std::vector<b2Body*> group{&body};
   for (size_t i = 0; i < group.size(); ++i) {
@@ -76,7 +76,8 @@ void World::Step(double dt, const AccessGuard&) {
   for_each(drives_, end);
   for_each(tricycles_, end);
   for_each(tweens_, [&](BodyTween& tween, b2Body& body) { FinishTween(tween, body, dt); });
-  bodies_.ForEach([](Body, BodyRecord& record) { Unwind(*record.body); });
+  RefreshMovingBodies();  // what stays is not wound
+  for (const BodyRecord* record : moving_) Unwind(*record->body);
   ApplyDeferredForces();
 }
 

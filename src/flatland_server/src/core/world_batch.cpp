@@ -42,8 +42,12 @@ WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, i
   Require(threads >= 1, "a batch needs a thread");
   Require(!robot.bodies.empty(), "a robot needs a body");
   for (const BatchModel& model : models) Require(!model.bodies.empty(), "a model needs a body");
+  std::vector<World::Body> moved = robot.bodies;
+  for (const BatchModel& model : models) {
+    moved.insert(moved.end(), model.bodies.begin(), model.bodies.end());
+  }
   for (int i = 0; i < team_.size(); ++i) {
-    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy()));
+    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy(), moved));
   }
   environments_.resize(count);
   for (int i = 0; i < team_.size(); ++i) {
@@ -66,8 +70,12 @@ WorldBatch::~WorldBatch() = default;
 template <class Visit>
 void WorldBatch::ForEach(const bool* mask, Visit visit) {
   team_.Run([&](int i) noexcept {
-    for (int row = team_.Begin(i, count()); row < team_.Begin(i + 1, count()); ++row) {
-      if (mask == nullptr || mask[row]) visit(*worlds_[i], environments_[row], row);
+    const int end = team_.Begin(i + 1, count());
+    for (int row = team_.Begin(i, count()); row < end; ++row) {
+      if (mask != nullptr && !mask[row]) continue;
+      if (row + 1 < end) SharedWorld::Prefetch(*environments_[row + 1].state);
+      if (row + 2 < end) SharedWorld::PrefetchPlaces(*environments_[row + 2].state);
+      visit(*worlds_[i], environments_[row], row);
     }
   });
 }

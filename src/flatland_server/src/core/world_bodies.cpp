@@ -14,6 +14,7 @@ b2Body& World::Find(Body body) const {
 World::Body World::AddRecord(BodyRecord record) {
   b2Body* body = record.body;
   const Body handle = bodies_.Add(std::move(record));
+  ChangeStructure();
   body->GetUserData().pointer = handle.index;
   return handle;
 }
@@ -32,6 +33,7 @@ World::Body World::AddBody(const BodySettings& settings) {
   definition.angularDamping = static_cast<float>(settings.angular_damping);
   BodyRecord record;
   record.body = world_->CreateBody(&definition);
+  record.may_move = settings.type != b2_staticBody || IsWound(*record.body);
   return AddRecord(std::move(record));
 }
 
@@ -46,7 +48,7 @@ void World::RemoveBody(Body body) {
   remove_from(tricycles_);
   remove_from(tweens_);
   remove_from(lidars_);
-  ++revision_;
+  ChangeStructure();
   world_->DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
   ReleaseWallsNear(record);
   bodies_.Remove(body);
@@ -70,6 +72,7 @@ void World::SetPose(Body body, const Pose& pose) {
   const Twist velocity = GetVelocity(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, "a layer cannot be moved");
+  LetMove(body);
   ++revision_;
   WakeBodiesNear(found);
   Place(found, pose);

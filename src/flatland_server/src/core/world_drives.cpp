@@ -33,6 +33,7 @@ World::Tween World::AddTween(Body body, const TweenSettings& settings) {
   const Pose start = GetPose(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, kNotALayer);
+  LetMove(body);
   return tweens_.Add({body, BodyTween(settings, start)});
 }
 

@@ -69,7 +69,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   }
   record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
   record.nearby.is_current = false;  // it reaches farther
-  ++revision_;
+  ChangeStructure();
   return {handle, static_cast<uint32_t>(record.fixtures.size() - 1)};
 }
 

@@ -9,6 +9,9 @@ namespace flatland {
 World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
   const AccessGuard guard(*this);
+  for (b2Body* const body : {definition.bodyA, definition.bodyB}) {
+    LetMove(bodies_.HandleAt(static_cast<uint32_t>(body->GetUserData().pointer)));
+  }
   return joints_.Add(world_->CreateJoint(&definition));
 }
 

@@ -92,19 +92,39 @@ void World::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& setti
 
 void World::RefreshVisibleFixtures() const {
   if (visible_revision_ == revision_) return;
+  RefreshMovingBodies();
+  visible_fixtures_.erase(visible_fixtures_.begin() + static_cast<ptrdiff_t>(staying_fixtures_),
+                          visible_fixtures_.end());
+  bounding_circles_.count = static_cast<int>(staying_fixtures_);
+  for (const BodyRecord* record : moving_) AddVisibleFixtures(*record);
+  visible_revision_ = revision_;
+}
+
+void World::RefreshMovingBodies() const {
+  if (moving_revision_ == structure_revision_) return;
+  moving_.clear();
   visible_fixtures_.clear();
   bounding_circles_.Clear();
   bodies_.ForEach([this](Body, const BodyRecord& record) {
-    if (record.is_layer) return;
-    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
-      const bool is_on_a_layer = each.fixture->GetFilterData().categoryBits != 0;
-      if (!each.visible || !is_on_a_layer || each.fixture->IsSensor()) continue;
-      const VisibleFixture& fixture =
-          visible_fixtures_.emplace_back(*each.fixture, each.bounding_radius);
-      bounding_circles_.Add(fixture.center, fixture.bounding_radius);
+    if (record.may_move) {
+      moving_.push_back(&record);
+    } else {
+      AddVisibleFixtures(record);
     }
   });
-  visible_revision_ = revision_;
+  staying_fixtures_ = visible_fixtures_.size();
+  moving_revision_ = structure_revision_;
+}
+
+void World::AddVisibleFixtures(const BodyRecord& record) const {
+  if (record.is_layer) return;
+  for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+    const bool is_on_a_layer = each.fixture->GetFilterData().categoryBits != 0;
+    if (!each.visible || !is_on_a_layer || each.fixture->IsSensor()) continue;
+    const VisibleFixture& fixture =
+        visible_fixtures_.emplace_back(*each.fixture, each.bounding_radius);
+    bounding_circles_.Add(fixture.center, fixture.bounding_radius);
+  }
 }
 
 void World::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings,

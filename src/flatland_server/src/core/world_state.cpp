@@ -16,6 +16,7 @@
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "nearby_walls.hpp"
+#include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
@@ -298,7 +299,10 @@ void World::Rebuild(const WorldState& state) {
   }
   for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, state.bodies[i]);
   ChooseContactReports();
-  ++revision_;
+  bodies_.ForEach([](Body, BodyRecord& record) {
+    record.may_move = record.may_move || IsWound(*record.body);
+  });
+  ChangeStructure();
 }
 
 }  // namespace flatland

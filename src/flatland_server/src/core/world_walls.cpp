@@ -48,6 +48,7 @@ World::Body World::AddLayer(std::vector<Segment> walls, LayerBits layers,
   BodyRecord record;
   record.body = world_->CreateBody(&definition);
   record.is_layer = true;
+  record.may_move = false;
   const bool is_large = walls.size() > large_layer_;
   if (is_large) {
     record.large_layer = static_cast<int>(large_layers_.size());
@@ -65,7 +66,6 @@ World::Body World::AddLayer(std::vector<Segment> walls, LayerBits layers,
   }
   const bool has_layers_alone = body_count() == static_cast<int>(layers_.size());
   if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*world_);
-  ++revision_;
   const Body handle = AddRecord(std::move(record));
   if (is_large) {
     large_layers_.push_back(

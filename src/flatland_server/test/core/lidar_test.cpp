@@ -134,6 +134,36 @@ TEST_F(LidarOnABody, SeesWhatHasChangedSinceTheOthersHaveScanned) {
   EXPECT_EQ(world_.Scan(second).ranges, Expected(robot)) << "a wall has been put up";
 }
 
+TEST_F(LidarOnABody, SeesStaticBodiesWhereTheyAre) {
+  const World::LidarHandle lidar = AddLidar(AddRobot({3, 2, 0}));
+  const auto scan = [&] { return world_.Scan(lidar).ranges; };
+  const std::vector<float> without = scan();
+  BodySettings settings;
+  settings.type = b2_staticBody;
+  settings.pose = {6, 3, 0};
+  const World::Body pillar = world_.AddBody(settings);
+  world_.AddCircle(pillar, {0, 0}, 0.4, {});
+  const std::vector<float> with = scan();
+  EXPECT_NE(with, without);
+  world_.Step(0.1);
+  EXPECT_EQ(scan(), with);
+
+  world_.SetPose(pillar, {5, 2, 0});
+  const std::vector<float> nearer = scan();
+  EXPECT_NE(nearer, with);
+  world_.SetPose(pillar, {6, 3, 0});
+  EXPECT_EQ(scan(), with);
+
+  TweenSettings tween;
+  tween.delta = {-1, -1, 0};
+  tween.duration = 0.1;
+  world_.AddTween(pillar, tween);
+  world_.Step(0.1);
+  EXPECT_EQ(scan(), nearer);
+  world_.RemoveBody(pillar);
+  EXPECT_EQ(scan(), without);
+}
+
 TEST_F(LidarOnABody, GoesWithItsBody) {
   const World::Body robot = AddRobot({3, 2, 0});
   const World::LidarHandle lidar = AddLidar(robot);

@@ -20,18 +20,28 @@ _MAX_SEED = 2**63 - 1
 def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> FloatArray:
     """Actions out of an array of float32 or float64, or of nested lists of numbers.
 
+    The core checks whether they are finite; then see `require_finite`.
+
     Args:
         value: what a program has passed.
         shape: that they must have.
         names: of the numbers of an action.
 
     Raises:
-        UsageError: they have another shape or type, or one is not finite.
+        UsageError: they have another shape or type.
     """
     array = _array(value, "actions", f"shape {shape}: {', '.join(names)}", shape)
     if array.dtype.kind not in "fiu":
         raise UsageError(f"expected actions of float32 or float64, found {array.dtype}")
-    actions = np.ascontiguousarray(array, dtype=np.float64)
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def require_finite(actions: FloatArray) -> None:
+    """Checks that all actions are finite, and not beyond MAX_COMMAND, which is the core's limit.
+
+    Raises:
+        UsageError: one is not.
+    """
     # False for NaN too.
     wrong = ~(np.abs(actions) <= MAX_COMMAND).all(axis=1)
     if wrong.any():
@@ -40,7 +50,6 @@ def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> Floa
             f"expected actions of finite numbers, found {actions[row].tolist()} for "
             f"environment {row}"
         )
-    return actions
 
 
 def poses_of(value: Any, count: int, mask: Optional[BoolArray]) -> FloatArray:

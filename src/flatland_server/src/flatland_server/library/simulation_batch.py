@@ -17,6 +17,7 @@ from flatland_server.library.batch_arguments import (
     mask_of,
     model_poses_of,
     poses_of,
+    require_finite,
     seeds_of,
 )
 from flatland_server.library.batch_observation import BatchObservation
@@ -205,7 +206,11 @@ class SimulationBatch:
         if substeps > _MOST_STEPS:
             raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
         observation = self._rows(out)
-        core.step(commands, substeps, self.step_size, self._arrays(observation))
+        try:
+            core.step(commands, substeps, self.step_size, self._arrays(observation))
+        except ValueError:
+            require_finite(commands)
+            raise
         self._finish(observation, None)
         return observation
 

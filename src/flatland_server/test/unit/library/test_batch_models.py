@@ -7,7 +7,10 @@ from flatland_server import FlatlandError, Simulation, SimulationBatch, UsageErr
 
 
 def crowded_room():
-    """A room with a robot, a box that can be pushed, and a column."""
+    """A room with a robot, a box that can be pushed, a column, and two that stay.
+
+    Of these, one is turned by more than a whole rotation, which Box2D loses in the first step.
+    """
     content = world_content("test_room")
     [box] = [m for m in world_content("office")["models"] if m["name"] == "box_1"]
     column = {
@@ -22,6 +25,10 @@ def crowded_room():
     }
     content["models"] += [{**box, "pose": [3, 1, 0]}, {"name": "column", "model": column}]
     content["models"][-1]["pose"] = [3, -1, 0]
+    wedge = {"type": "polygon", "points": [[0, 0], [0.5, 0.1], [0.1, 0.4]], "density": 1}
+    stays = {"bodies": [{"name": "wedge", "type": "static", "footprints": [wedge]}]}
+    for name, pose in ("wedge", [2.2, 1.4, 0.5]), ("turned", [2.2, -1.4, 7.0]):
+        content["models"].append({"name": name, "pose": pose, "model": stays})
     return content
 
 
