@@ -117,17 +117,26 @@ std::shared_ptr<const SegmentTree> SegmentTree::Share(std::vector<Segment> segme
                                                       const Progress& progress) {
   static std::mutex mutex;
   static std::unordered_multimap<size_t, std::weak_ptr<const SegmentTree>> trees;
-  const std::lock_guard lock(mutex);
   const size_t hash = HashOf(segments);
-  for (auto [i, end] = trees.equal_range(hash); i != end; ++i) {
-    const std::shared_ptr<const SegmentTree> tree = i->second.lock();
-    if (tree && AreEqual(tree->segments_, segments)) return tree;
+  const auto find = [&](const std::vector<Segment>& wanted) {
+    for (auto [i, end] = trees.equal_range(hash); i != end; ++i) {
+      const std::shared_ptr<const SegmentTree> tree = i->second.lock();
+      if (tree && AreEqual(tree->segments_, wanted)) return tree;
+    }
+    return std::shared_ptr<const SegmentTree>();
+  };
+  {
+    const std::lock_guard lock(mutex);
+    if (auto tree = find(segments)) return tree;
   }
+  // Not locked: `progress` may wait for another thread, which may be in here too.
+  auto tree = std::make_shared<const SegmentTree>(std::move(segments), progress);
+  const std::lock_guard lock(mutex);
+  if (auto other = find(tree->segments_)) return other;
   // Drops unused trees; this takes no time compared with building a new one.
   for (auto i = trees.begin(); i != trees.end();) {
     i = i->second.expired() ? trees.erase(i) : std::next(i);
   }
-  auto tree = std::make_shared<const SegmentTree>(std::move(segments), progress);
   trees.emplace(hash, tree);
   return tree;
 }

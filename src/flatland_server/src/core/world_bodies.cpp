@@ -47,8 +47,8 @@ void World::RemoveBody(Body body) {
   remove_from(tweens_);
   remove_from(lidars_);
   ++revision_;
-  ReleaseWallsNear(record);
   world_->DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
+  ReleaseWallsNear(record);
   bodies_.Remove(body);
   ApplyDeferredForces();
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kProgressStep = 50000;  // walls between two reports of progress
 /// How far a body moves before the walls near it are looked up again [m].
-constexpr float kSlack = 1.0f;
+constexpr float kSlack = 0.5f;
 /// Walls within this of a body's reach are near it [m]. In a step, Box2D moves no body farther than
 /// b2_maxTranslation; the rest is for the skin of shapes, and for rounding.
 constexpr float kNear = b2_maxTranslation + kSlack + 0.2f;
@@ -112,11 +112,15 @@ void World::HoldWallsNear(BodyRecord& record) {
   const double size = double{reach.radius} + kNear;
   const Box box{{center.x - size, center.y - size}, {center.x + size, center.y + size}};
   std::vector<std::vector<uint32_t>> blocks;
+  const int32 moves = box2d::MoveCount(*world_);
   for (const auto& layer : large_layers_) {
     const bool collides = (layer->layers() & reach.layers) != 0;
     blocks.push_back(collides ? layer->BlocksAt(box) : std::vector<uint32_t>());
     layer->Hold(*world_, blocks.back());
   }
+  // The body looks for the walls: in a large world, it would take long if each wall did.
+  box2d::SkipPairsOfNewFixtures(*world_, moves);
+  box2d::FindPairsAgain(*record.body);
   ReleaseWallsNear(record);
   record.nearby = {true, center, std::move(blocks)};
 }

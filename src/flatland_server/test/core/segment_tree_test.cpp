@@ -310,5 +310,16 @@ TEST(SegmentTree, IsEmptyWithoutWalls) {
   EXPECT_EQ(Cast(tree, {-3, 2}, Towards(-0.5), kFar), kInfinity);
 }
 
+TEST(SegmentTree, WhatReceivesTheProgressCanMakeAnotherTree) {
+  std::shared_ptr<const SegmentTree> other;
+
+  const auto tree = SegmentTree::Share(
+      PixelWalls(7, 5), [&](size_t) { other = SegmentTree::Share(PixelWalls(7, 6)); });
+
+  EXPECT_EQ(tree->segment_count(), PixelWalls(7, 5).size());
+  ASSERT_NE(other, nullptr);
+  EXPECT_EQ(other->segment_count(), PixelWalls(7, 6).size());
+}
+
 }  // namespace
 }  // namespace flatland
