@@ -98,7 +98,7 @@ def test_the_window_fits_and_remembers(server, open_window, screen, waiting, ros
     assert is_within_the_screen()
     screen.key("F4", "F1")
     screen.wait_for_window("Keys and Mouse")
-    width, height, x, y = frame_of(screen, screen.windows("Keys and Mouse")[-1])
+    width, height, *_ = frame_of(screen, screen.windows("Keys and Mouse")[-1])
     assert width <= WIDTH
     assert height <= HEIGHT
     screen.picture(f"{name}_keys")

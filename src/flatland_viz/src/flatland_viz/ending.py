@@ -17,8 +17,8 @@ _LIMIT = 2.0  # s
 def shut_down(others: List[Callable[[], None]]) -> None:
     """Shuts down both ROS nodes of this process, rospy's and rviz's, and others, all at once.
 
-    Each waits for the ROS master, for two seconds at most, and rospy also for a thread of its own that
-    sleeps for half a second.
+    Each waits for the ROS master, for two seconds at most, and rospy also for a thread of its own
+    that sleeps for half a second.
 
     Args:
         others: what else is to be shut down.

@@ -219,7 +219,6 @@ class _Details(QWidget):
             item.setTextAlignment(1, Qt.AlignRight | Qt.AlignVCenter)
             self._topics.addTopLevelItem(item)
 
-
     def heightForWidth(self, width: int) -> int:  # noqa: N802
         """The height from which on a scroll area scrolls: with the list of topics at its lowest."""
         return int(self._content.layout().minimumHeightForWidth(width)) + _MARGIN

@@ -44,7 +44,8 @@ class SimulationBatch:
 
     An environment is a `Simulation` of the same world and seed: it has the same poses, velocities
     and ranges, bit for bit, whatever the number of environments and threads, and whatever happens
-    in the others (up to rounding in a layer of more than 500,000 walls). Robots of different environments do not see each other.
+    in the others; with a layer of more than 500,000 walls, up to rounding. Robots of different
+    environments do not see each other.
 
     Python runs no plugins: the core drives, steps and scans. Drives, lidars and tweens work, and
     plugins that only observe are left out. Noise of the lidar is added in Python, 20 us for each

@@ -71,6 +71,6 @@ def _runs(lines: BoolArray) -> Tuple[Int32Array, Int32Array, Int32Array]:
 def _by_tile(
     x1: Int32Array, y1: Int32Array, x2: Int32Array, y2: Int32Array, tile: int = 32
 ) -> IntArray:
-    """The order of segments by square tiles [px], in which Box2D builds a balanced tree of edges."""
+    """The order of segments by square tiles [px]: then Box2D builds a balanced tree of edges."""
     column, row = (x1 + x2) // (2 * tile), (y1 + y2) // (2 * tile)
-    return np.lexsort((column, row))
+    return np.asarray(np.lexsort((column, row)))

@@ -82,7 +82,8 @@ class Entities:
                 bodies = entity.physics_bodies
                 if 0 <= body < len(bodies) and index >= 0:
                     with suppress(IndexError):
-                        return bodies[body].fixture(index)
+                        found: _core.Fixture = bodies[body].fixture(index)
+                        return found
         raise StateError(f'there is no fixture {index} of body {body} of "{name}"')
 
     def __iter__(self) -> Iterator[Entity]:
