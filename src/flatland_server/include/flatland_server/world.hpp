@@ -105,7 +105,8 @@ class World : private b2DestructionListener, private b2ContactListener {
   Body AddBody(const BodySettings& settings);
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
   ///
-  /// @param progress  called with the number of walls added so far, every 50,000 and at the end
+  /// @param progress  called with the number of walls added so far, about every 50,000 and at the
+  /// end
   Body AddLayer(std::vector<Segment> walls, LayerBits layers,
                 const std::function<void(std::size_t added)>& progress = {});
   /// Also removes its fixtures, joints, drives, tweens and lidars.

@@ -49,11 +49,13 @@ class World(metaclass=_Metaclass):
     ) -> Body:
         """Adds a static body of two-sided walls, one fixture each. It cannot be moved or removed.
 
+        Of more than 500,000 walls, Box2D has those near dynamic bodies.
+
         Args:
             segments: shape (n, 4), rows of x1, y1, x2, y2 [m].
             layers: bits of the collision layers of all walls.
-            progress: called with the number of walls added so far, every 50,000 and at the end. It
-                must not use the world.
+            progress: called with the number of walls added so far, about every 50,000 and at the
+                end. It must not use the world.
         """
     def add_body(
         self,
