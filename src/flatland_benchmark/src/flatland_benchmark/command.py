@@ -3,16 +3,16 @@
 import argparse
 import fnmatch
 import json
-import subprocess
 import sys
 from pathlib import Path
 from typing import Dict, List, Optional
 
-from flatland_benchmark.case import Case, Figures
+from flatland_benchmark.case import Case
 from flatland_benchmark.cases import CASES
 from flatland_benchmark.compare import comparison
 from flatland_benchmark.plots import draw, require_matplotlib
 from flatland_benchmark.report import CaseReport, Report
+from flatland_benchmark.runs import BaseClone, measure_in_turn, run_once
 from flatland_benchmark.tables import HEADER, case_rows
 from flatland_server.exceptions import FlatlandError, suggestion
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
@@ -48,6 +48,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="plot FILE; run nothing",
     )
+    add("--base", type=Path, metavar="CLONE", help="run another clone in turn, and compare with it")
     add("--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare two files")
     # What benchmark.launch adds.
     add("--world", action="store_true", help=argparse.SUPPRESS)
@@ -77,6 +78,8 @@ def _do(options: argparse.Namespace) -> int:
         return 0
     if options.plots:
         require_matplotlib()  # before the cases run
+    if options.base:
+        return _run_beside(BaseClone(options.base), select(options.cases), options)
     failed: List[str] = []
     if options.source:
         report = Report.read(options.source)
@@ -138,14 +141,22 @@ def measure(case: Case, runs: int) -> CaseReport:
     Raises:
         FlatlandError: a run failed; its error is on stderr.
     """
-    import rospkg
+    return CaseReport.of_runs(case.description, [run_once(case) for _ in range(runs)])
 
-    worlds = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds"
-    command = [sys.executable, "-m", "flatland_benchmark", "--one", case.name, str(worlds)]
-    figures: List[Figures] = []
-    for _ in range(runs):
-        result = subprocess.run(command, stdout=subprocess.PIPE)
-        if result.returncode != 0:
-            raise FlatlandError(f"the case {case.name} failed")
-        figures.append(json.loads(result.stdout))
-    return CaseReport.of_runs(case.description, figures)
+
+def _run_beside(base: BaseClone, cases: List[Case], options: argparse.Namespace) -> int:
+    """Runs cases of both clones, and prints how they compare. Returns the exit code."""
+    before, after = base.begin_report(), Report.begin()
+    is_well = True
+    for case in cases:
+        try:
+            reports = measure_in_turn(case, options.runs, base.run_once, run_once)
+        except FlatlandError as error:
+            print(error, file=sys.stderr)
+            is_well = False
+            continue
+        before.cases[case.name], after.cases[case.name] = reports
+        if options.json:
+            options.json.write_text(after.to_json(), encoding="utf-8")
+    print(comparison(before, after), end="")
+    return 0 if is_well else 1

@@ -6,6 +6,7 @@ import subprocess
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import NamedTuple, Optional
+from xml.etree import ElementTree
 
 
 class Machine(NamedTuple):
@@ -44,13 +45,22 @@ def version() -> str:
     return str(rospkg.RosPack().get_manifest("flatland_server").version)
 
 
+def version_of(package: Path) -> str:
+    """The version in a package.xml."""
+    return ElementTree.parse(package).findtext("version") or "unknown"
+
+
 def commit() -> Optional[str]:
     """The commit of the clone that this runs from, with "-dirty" if files were changed, or None."""
-    here = Path(__file__).resolve()
+    return commit_of(Path(__file__).resolve())
+
+
+def commit_of(file: Path) -> Optional[str]:
+    """The same of the clone that a file belongs to."""
     try:
         # Ignores a repository that contains this file's folder without tracking it.
-        _git(here.parent, "ls-files", "--error-unmatch", here.name)
-        return _git(here.parent, "describe", "--always", "--dirty", "--abbrev=12")
+        _git(file.parent, "ls-files", "--error-unmatch", file.name)
+        return _git(file.parent, "describe", "--always", "--dirty", "--abbrev=12")
     except (OSError, subprocess.CalledProcessError):
         return None
 

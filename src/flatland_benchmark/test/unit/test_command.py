@@ -189,6 +189,37 @@ def test_the_others_run_when_a_case_fails(monkeypatch, capsys, tmp_path):
     assert "parts_100" in validate(path)["cases"]
 
 
+def test_another_clone_runs_in_turn_in_its_own_workspace(tmp_path, monkeypatch, capsys):
+    """A clone with a benchmark that measures 8 us."""
+    package = tmp_path / "lib/flatland_benchmark"
+    for folder in (package, tmp_path / "devel", tmp_path / "src/flatland_server/worlds"):
+        folder.mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "__main__.py").write_text(
+        "import sys\nassert sys.argv[1:3] == ['--one', 'parts_1'], sys.argv\n"
+        "print('{\"step [us]\": 8.0}')\n"
+    )
+    (tmp_path / "devel/setup.bash").write_text(f"export PYTHONPATH={tmp_path / 'lib'}\n")
+    (tmp_path / "src/flatland_server/package.xml").write_text(
+        "<package format='3'><name>flatland_server</name><version>0.0.7</version>"
+        "<description>x</description><maintainer email='a@b.cd'>a</maintainer>"
+        "<license>MIT</license></package>"
+    )
+    monkeypatch.setattr(command, "run_once", lambda case: {"step [us]": 2.0})
+
+    assert command.main(["parts_1", "--base", str(tmp_path), "--runs", "2"]) == 0
+
+    output = capsys.readouterr().out
+    assert output.startswith("before: 0.0.7, commit unknown")
+    [line] = [line for line in output.splitlines() if line.startswith("parts_1")]
+    assert line.split() == ["parts_1", "step", "[us]", "8", "2", "0.25", "yes"]
+
+
+def test_a_clone_that_is_not_built_is_refused(tmp_path, capsys):
+    assert command.main(["parts_1", "--base", str(tmp_path)]) == 2
+    assert "expected a clone that is built" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_a_case_that_fails_is_named(capfd):
     with pytest.raises(command.FlatlandError, match="no_such_case failed"):
