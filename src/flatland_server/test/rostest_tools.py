@@ -45,20 +45,16 @@ class RecordingCase(unittest.TestCase):
 
 
 def publish_rates(recorders: Sequence[Recorder], seconds: float) -> List[float]:
-    """Messages per second of simulated time, over the same time [s], of topics with headers."""
-    firsts = [recorder.next().header.stamp for recorder in recorders]
-    rates = []
-    for recorder, first in zip(recorders, firsts):
+    """Messages per second of simulated time in the last seconds of topics with headers."""
 
-        def is_over(m: Any, first: Any = first) -> bool:
-            return bool((m.header.stamp - first).to_sec() >= seconds)
+    def last_stamps(recorder: Recorder) -> Optional[List[int]]:
+        stamps = sorted({m.header.stamp.to_nsec() for m in list(recorder.messages)})
+        begin = stamps[-1] - round(seconds * 1e9) if stamps else 0
+        is_recorded = stamps and stamps[0] <= begin
+        return [stamp for stamp in stamps if stamp > begin] if is_recorded else None
 
-        wait_until(
-            lambda r=recorder, over=is_over: over(r.messages[-1]),
-            f"{seconds} s of {recorder.topic}",
-        )
-        last = next(m.header.stamp for m in recorder.messages if is_over(m))
-        stamps = {m.header.stamp.to_nsec() for m in recorder.messages}
-        count = len([stamp for stamp in stamps if first.to_nsec() < stamp <= last.to_nsec()])
-        rates.append(count / (last - first).to_sec())
-    return rates
+    return [
+        len(wait_until(lambda r=recorder: last_stamps(r), f"{seconds} s of {recorder.topic}"))
+        / seconds
+        for recorder in recorders
+    ]
