@@ -292,9 +292,8 @@ void World::Rebuild(const WorldState& state) {
   for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, state.bodies[i]);
   world_ = std::move(rebuilt);
   ChooseContactReports();
-  bodies_.ForEach([](Body, BodyRecord& record) {
-    record.may_move = record.may_move || IsWound(*record.body);
-  });
+  bodies_.ForEach(
+      [](Body, BodyRecord& record) { record.may_move = record.may_move || IsWound(*record.body); });
   ChangeStructure();
 }
 
