@@ -299,9 +299,8 @@ void World::Rebuild(const WorldState& state) {
   }
   for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, state.bodies[i]);
   ChooseContactReports();
-  bodies_.ForEach([](Body, BodyRecord& record) {
-    record.may_move = record.may_move || IsWound(*record.body);
-  });
+  bodies_.ForEach(
+      [](Body, BodyRecord& record) { record.may_move = record.may_move || IsWound(*record.body); });
   ChangeStructure();
 }
 
