@@ -305,13 +305,19 @@ VisibleWalls::VisibleWalls(std::shared_ptr<const SegmentTree> walls) : walls_(st
   if (walls_->segment_count() < kMinWalls) return;
   const Box& bounds = walls_->root().box;
   const Vec2 size = bounds.high - bounds.low;
-  cell_size_ = std::max(kCellSize, std::sqrt(size.x * size.y / kMaxCells));
-  cell_size_ = std::max(cell_size_, std::max(size.x, size.y) / kMaxCells);
-  origin_ = bounds.low;
-  columns_ = static_cast<int>(size.x / cell_size_) + 1;
-  rows_ = static_cast<int>(size.y / cell_size_) + 1;
-  cells_ = std::make_unique<Cell[]>(static_cast<size_t>(columns_) * rows_);
+  const double cell_size = std::max(
+      {kCellSize, std::sqrt(size.x * size.y / kMaxCells), std::max(size.x, size.y) / kMaxCells});
+  grids_.emplace_back(bounds, cell_size, kScansBeforeHalf);
+  grids_.emplace_back(bounds, 2.0 * cell_size, kScansBefore);
 }
+
+VisibleWalls::Grid::Grid(const Box& bounds, double size, int scans)
+    : origin(bounds.low),
+      cell_size(size),
+      scans_before(scans),
+      columns(static_cast<int>((bounds.high.x - bounds.low.x) / size) + 1),
+      rows(static_cast<int>((bounds.high.y - bounds.low.y) / size) + 1),
+      cells(std::make_unique<Cell[]>(static_cast<size_t>(columns) * rows)) {}
 
 VisibleWalls::~VisibleWalls() = default;
 
@@ -331,30 +337,42 @@ std::shared_ptr<const VisibleWalls> VisibleWalls::Share(std::vector<Segment> seg
   return walls;
 }
 
-int VisibleWalls::CellAt(Vec2 point) const {
-  const double column = std::floor((point.x - origin_.x) / cell_size_);
-  const double row = std::floor((point.y - origin_.y) / cell_size_);
-  if (!(column >= 0.0 && column < columns_ && row >= 0.0 && row < rows_)) return -1;
-  return static_cast<int>(row) * columns_ + static_cast<int>(column);
+int VisibleWalls::Grid::CellAt(Vec2 point) const {
+  const double column = std::floor((point.x - origin.x) / cell_size);
+  const double row = std::floor((point.y - origin.y) / cell_size);
+  if (!(column >= 0.0 && column < columns && row >= 0.0 && row < rows)) return -1;
+  return static_cast<int>(row) * columns + static_cast<int>(column);
+}
+
+Box VisibleWalls::Grid::BoxOf(int cell) const {
+  const Vec2 low = origin + cell_size * Vec2{double(cell % columns), double(cell / columns)};
+  const Vec2 margin{kMargin, kMargin}, size{cell_size, cell_size};
+  Box box;
+  box.Add(Segment{low - margin, low + size + margin});
+  return box;
 }
 
 const WallList* VisibleWalls::SeenFrom(Vec2 point) const {
-  const int index = cells_ == nullptr ? -1 : CellAt(point);
+  for (const Grid& grid : grids_) {
+    if (const WallList* seen = SeenFrom(grid, point)) return seen;
+  }
+  return nullptr;
+}
+
+const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point) const {
+  const int index = grid.CellAt(point);
   if (index < 0) return nullptr;
-  Cell& cell = cells_[index];
+  Cell& cell = grid.cells[index];
   const WallList* const seen = cell.seen.load(std::memory_order_acquire);
   if (seen != nullptr) return seen;
-  if (cell.scans.load(std::memory_order_relaxed) >= kScansBefore) return nullptr;
+  if (cell.scans.load(std::memory_order_relaxed) >= grid.scans_before) return nullptr;
   const int scans = cell.scans.fetch_add(1, std::memory_order_relaxed) + 1;
-  return scans == kScansBefore ? Find(index) : nullptr;
+  return scans == grid.scans_before ? Find(grid, index) : nullptr;
 }
 
 /// Called by one thread for each cell.
-const WallList* VisibleWalls::Find(int index) const {
-  const Vec2 low = origin_ + cell_size_ * Vec2{double(index % columns_), double(index / columns_)};
-  const Vec2 margin{kMargin, kMargin}, size{cell_size_, cell_size_};
-  Box box;
-  box.Add(Segment{low - margin, low + size + margin});
+const WallList* VisibleWalls::Find(const Grid& grid, int index) const {
+  const Box box = grid.BoxOf(index);
   std::call_once(needs_occluders_, [this] { occluders_ = std::make_unique<Occluders>(*walls_); });
   const std::vector<uint32_t> indices = WallsSeenFrom(*walls_, *occluders_, box);
   const std::lock_guard lock(mutex_);
@@ -363,7 +381,7 @@ const WallList* VisibleWalls::Find(int index) const {
   if (!pays) return nullptr;
   found_walls_ += indices.size();
   found_.push_back(std::make_unique<const WallList>(walls_->segments(), indices, Middle(box)));
-  cells_[index].seen.store(found_.back().get(), std::memory_order_release);
+  grid.cells[index].seen.store(found_.back().get(), std::memory_order_release);
   return found_.back().get();
 }
 
