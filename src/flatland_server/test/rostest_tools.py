@@ -39,7 +39,9 @@ class RecordingCase(unittest.TestCase):
 
     @classmethod
     def record(cls, topic: str, message_type: Type[Any]) -> Recorder:
+        """Starts to record; after the last test nothing is kept for the garbage collector."""
         recorder = Recorder(topic, message_type)
+        cls.addClassCleanup(recorder.messages.clear)
         cls.addClassCleanup(recorder.close)
         return recorder
 
