@@ -8,11 +8,11 @@ Modules below are implementation: they may change. Everything but `flatland_serv
 without a ROS master.
 """
 
-from pkgutil import extend_path
+import pkgutil as _pkgutil
 
 # The extension module is in catkin's devel space. A process that multiprocessing spawns has this
 # folder before it in sys.path, since the package there has put it there.
-__path__ = extend_path(__path__, __name__)
+__path__ = _pkgutil.extend_path(__path__, __name__)
 
 from flatland_server import _deprecated, messages
 from flatland_server._core import (

@@ -24,6 +24,7 @@ CALLS = {
         "remove": (),
         "halt": (),
         "fixtures": (),
+        "fixture": (0,),
         "overlapping": (),
         "pose": (),
         "velocity": (),
