@@ -214,6 +214,12 @@ def _start_server() -> actionlib.SimpleActionServer:
         actions.status_timer = rospy.Timer(
             rospy.Duration(1.0 / actions.status_frequency), actions.publish_status_async, reset=True
         )
+
+    def stop_status() -> None:
+        with actions.lock:  # first, the timer ends what it is publishing
+            actions.started = False
+
+    rospy.on_shutdown(stop_status)  # rospy closes the topics after this
     return server
 
 
