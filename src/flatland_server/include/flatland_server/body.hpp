@@ -35,7 +35,7 @@ struct BodyRecord {
 
   b2Body* body = nullptr;
   bool is_layer = false;
-  int large_layer = -1;                             // its number among the large layers, or -1
+  int large_layer = -1;  // its number among the large layers, or -1
   bool may_move = true;  // false: it stays where it is, unless World::SetPose moves it
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
   std::vector<FixtureRecord> fixtures;  // by Fixture::index; a large layer has none here
