@@ -1,6 +1,6 @@
 """What tests of several packages share: `scripts/run` as a user starts it, and a screen.
 
-scripts/test runs the test files in three processes (pytest-xdist). Each has a screen of its own,
+scripts/test runs the test files in four processes (pytest-xdist). Each has a screen of its own,
 and a folder for ROS's logs.
 """
 
