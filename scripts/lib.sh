@@ -36,6 +36,22 @@ use_ccache() {
   fi
 }
 
+# Make a virtual environment with what a requirements file names, from PyPI. It is kept until the file changes.
+#
+#   make_venv FOLDER REQUIREMENTS [option of python -m venv ...]     both below the workspace
+make_venv() {
+  local folder=$1 requirements=$root/$2 venv=$root/$1
+  shift 2
+  if cmp --silent "$requirements" "$venv/requirements.txt"; then
+    return
+  fi
+  say "installing ${requirements##*/} into $folder/ ..."
+  mkdir -p "${venv%/*}"
+  "$python" -m venv --clear "$@" "$venv"
+  "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$requirements"
+  cp "$requirements" "$venv/requirements.txt"
+}
+
 # Enter the built workspace. `--extend` keeps the workspaces sourced before, and the plugins in them.
 # setup.bash reads variables that may be unset, and the positional parameters of the script that sources it.
 enter_workspace() {
