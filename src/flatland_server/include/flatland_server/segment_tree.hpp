@@ -50,8 +50,11 @@ class SegmentTree {
   /// Trees of more walls are large.
   static constexpr size_t kMaxCopied = 500'000;
 
-  /// Called with the number of walls that are in the tree so far, about every 50,000 and at the
-  /// end.
+  /// Walls between two reports of progress.
+  static constexpr size_t kProgressStep = 50'000;
+
+  /// Called with the number of walls that are in the tree so far, about every kProgressStep and at
+  /// the end.
   using Progress = std::function<void(size_t done)>;
 
   /// Walls from (ax, ay) to (bx, by) [m], as a structure of arrays, so that several are computed at

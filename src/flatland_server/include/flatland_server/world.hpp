@@ -72,7 +72,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// Layers of more walls are large: Box2D has only those walls that are near dynamic bodies, which
   /// are few. That saves 400 bytes a wall; but contacts may be found in another order, so that a
   /// step is the same up to rounding.
-  static constexpr std::size_t kLargeLayer = 500'000;
+  static constexpr std::size_t kLargeLayer = SegmentTree::kMaxCopied;
 
   /// Solver iterations per step, each 1 or more.
   World(int velocity_iterations, int position_iterations, std::size_t large_layer = kLargeLayer);
@@ -327,10 +327,11 @@ class World : private b2DestructionListener, private b2ContactListener {
   }
   b2Body& Find(Body body) const;
   b2Fixture& Find(Fixture fixture) const;
-  /// That of the model's body, or of the layer, that something in Box2D belongs to.
-  const BodyRecord& RecordOf(b2Body& body) const {
-    return bodies_.Get(bodies_.HandleAt(static_cast<uint32_t>(body.GetUserData().pointer)));
+  /// The model's body, or the layer, that something in Box2D belongs to.
+  Body HandleOf(b2Body& body) const {
+    return bodies_.HandleAt(static_cast<uint32_t>(body.GetUserData().pointer));
   }
+  const BodyRecord& RecordOf(b2Body& body) const { return bodies_.Get(HandleOf(body)); }
   /// The large layer that a fixture is a wall of, or null.
   NearbyWalls* FindLargeLayer(Fixture fixture) const;
   Body AddRecord(BodyRecord record);

@@ -87,7 +87,7 @@ std::unique_ptr<const SegmentTree> MakeTree(const std::vector<Segment>& walls,
   if (walls.size() > Occluders::kMaxWalls) return nullptr;
   std::vector<Segment> lines = walls;
   for (const std::vector<Vec2>& chain : FindChains(walls)) AddChords(chain, &lines, chains);
-  return std::make_unique<const SegmentTree>(std::move(lines));
+  return std::make_unique<const SegmentTree>(std::move(lines), SegmentTree::Progress(), 0);
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 /// occluders" of Koltun, Chrysanthou and Cohen-Or, "Virtual Occluders: An Efficient Intermediate
 /// PVS Representation", 2000.
 
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -31,7 +30,7 @@ struct Occluder {
 
 class Occluders {
  public:
-  /// Those of a layer, whose walls must outlive them.
+  /// Those of a layer. They refer to its walls, which must live as long.
   explicit Occluders(const SegmentTree& walls);
 
   /// Calls `visit(occluder)`, while it returns true, for all those in boxes that `place.Meets`;

@@ -15,7 +15,6 @@ namespace {
 using Iterator = std::vector<uint32_t>::iterator;
 
 constexpr int kBins = 16;
-constexpr size_t kProgressStep = 50'000;  // walls between two reports of progress
 /// From this depth on each node is split in half, whatever the boxes: this limits the depth.
 constexpr int kMaxHeuristicDepth = 64;
 

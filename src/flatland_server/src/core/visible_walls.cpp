@@ -33,9 +33,7 @@ Box BoxOf(const Segment& segment) {
 std::array<Vec2, 4> CornersOf(const Box& box) {
   return {box.low, {box.high.x, box.low.y}, box.high, {box.low.x, box.high.y}};
 }
-bool AreApart(const Box& a, const Box& b) {
-  return a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y;
-}
+bool AreApart(const Box& a, const Box& b) { return !a.Meets(b); }
 
 /// The two halves of a box, across its longer side.
 std::array<Box, 2> Halves(const Box& box) {

@@ -7,18 +7,6 @@
 #include "flatland_server/world.hpp"
 
 namespace flatland {
-namespace {
-
-Handle<BodyRecord> HandleOf(const SlotMap<BodyRecord>& bodies, const b2Fixture& fixture) {
-  const b2Body* body = fixture.GetBody();
-  return bodies.HandleAt(static_cast<uint32_t>(const_cast<b2Body*>(body)->GetUserData().pointer));
-}
-
-uint32_t IndexOf(const b2Fixture& fixture) {
-  return static_cast<uint32_t>(const_cast<b2Fixture&>(fixture).GetUserData().pointer);
-}
-
-}  // namespace
 
 void World::SetContactListener(ContactListener* listener) {
   const AccessGuard guard(*this);
@@ -41,15 +29,15 @@ void World::ChooseContactReports() {
 
 bool World::IsListenedTo(b2Contact& contact, ContactEvent event) const {
   if (listener_ == nullptr) return false;
-  const auto events = [&](const b2Fixture* fixture) {
-    return bodies_.Get(HandleOf(bodies_, *fixture)).contact_events;
+  const auto events = [&](b2Fixture* fixture) {
+    return RecordOf(*fixture->GetBody()).contact_events;
   };
   return ((events(contact.GetFixtureA()) | events(contact.GetFixtureB())) & event) != 0;
 }
 
 Contact World::MakeContact(b2Contact& contact, ContactEvent event) const {
-  const auto fixture = [&](const b2Fixture* f) {
-    return Fixture{HandleOf(bodies_, *f), IndexOf(*f)};
+  const auto fixture = [&](b2Fixture* f) {
+    return Fixture{HandleOf(*f->GetBody()), static_cast<uint32_t>(f->GetUserData().pointer)};
   };
   return Contact(contact, event, fixture(contact.GetFixtureA()), fixture(contact.GetFixtureB()));
 }

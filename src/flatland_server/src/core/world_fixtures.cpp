@@ -184,7 +184,7 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
   }
   std::vector<Body> bodies;
   for (b2Body* other : collector.found) {
-    bodies.push_back(bodies_.HandleAt(static_cast<uint32_t>(other->GetUserData().pointer)));
+    bodies.push_back(HandleOf(*other));
   }
   return bodies;
 }

@@ -10,7 +10,7 @@ World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
   const AccessGuard guard(*this);
   for (b2Body* const body : {definition.bodyA, definition.bodyB}) {
-    LetMove(bodies_.HandleAt(static_cast<uint32_t>(body->GetUserData().pointer)));
+    LetMove(HandleOf(*body));
   }
   return joints_.Add(world_->CreateJoint(&definition));
 }

@@ -270,9 +270,7 @@ void World::Rebuild(const WorldState& state) {
     has_layers_alone = has_layers_alone && record.is_layer;
     if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*rebuilt);
   });
-  const auto copy_of = [&](b2Body* old) {
-    return bodies_.Get(bodies_.HandleAt(static_cast<uint32_t>(old->GetUserData().pointer))).body;
-  };
+  const auto copy_of = [&](b2Body* old) { return RecordOf(*old).body; };
   const auto assign = [](auto& map, const auto& mechanisms) {
     size_t i = 0;
     map.ForEach([&](auto, auto& mounted) { mounted.mechanism = mechanisms[i++]; });

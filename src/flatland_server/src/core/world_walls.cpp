@@ -11,7 +11,6 @@
 namespace flatland {
 namespace {
 
-constexpr size_t kProgressStep = 50000;  // walls between two reports of progress
 /// How far a body moves before the walls near it are looked up again [m].
 constexpr float kSlack = 0.5f;
 /// Walls within this of a body's reach are near it [m]. In a step, Box2D moves no body farther than
@@ -60,7 +59,8 @@ World::Body World::AddLayer(std::vector<Segment> walls, LayerBits layers,
       record.fixtures.push_back(
           {AddWall(*record.body, wall, index, layers, kDefaultMaterial), false, 0.0});
       const size_t added = record.fixtures.size();
-      if (progress && (added % kProgressStep == 0 || added == walls.size())) progress(added);
+      const bool is_due = added % SegmentTree::kProgressStep == 0 || added == walls.size();
+      if (progress && is_due) progress(added);
     }
     layers_.push_back({VisibleWalls::Share(std::move(walls)), layers});
   }
