@@ -2,10 +2,13 @@
 
 import logging
 import sys
+import warnings as python_warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Iterator, List
 
 import pytest
+from waiting import wait_until
 
 from flatland_server.exceptions import PluginError
 from flatland_server.plugins.model_plugin import ModelPlugin
@@ -324,6 +327,29 @@ def test_the_lines_that_use_former_names_are_logged_with_their_package_and_the_n
             (4, "node", "transport.node"),
         )
     ]
+
+
+def test_first_imports_at_the_same_time_leave_the_warnings_of_others_as_they_were(packages):
+    """`warnings.catch_warnings` restores what all threads use; the first to begin ends first."""
+    events = "from threading import Event\nhas_begun, has_ended = Event(), Event()\n"
+    packages.add("helper", "<library/>", loader_events=events)
+    for name, text in (
+        ("First", "import loader_events as e\ne.has_begun.wait(0.3)\n"),
+        ("Second", "import loader_events as e\ne.has_begun.set()\ne.has_ended.wait(0.3)\n"),
+    ):
+        xml = f'<library><class name="{name}" type="loader_{name}.{name}"/></library>'
+        packages.add(name.lower(), xml, **{f"loader_{name}": text + MODULE.format(name=name)})
+    loader, before = PluginLoader(), (python_warnings.showwarning, list(python_warnings.filters))
+
+    with ThreadPoolExecutor(2) as threads:
+        first = threads.submit(loader.load, "First", ModelPlugin)
+        wait_until(lambda: "loader_First" in sys.modules, "the first import to begin")
+        second = threads.submit(loader.load, "Second", ModelPlugin)
+        first.result()
+        sys.modules["loader_events"].has_ended.set()
+        second.result()
+
+    assert (python_warnings.showwarning, list(python_warnings.filters)) == before
 
 
 def test_a_plugin_that_uses_only_present_names_causes_no_warning(packages, caplog):

@@ -14,6 +14,8 @@ import importlib
 import inspect
 import logging
 import os
+import sys
+import threading
 import warnings
 from contextlib import contextmanager
 from typing import Iterable, Iterator, List, Optional, Set, TextIO, Tuple, Type, TypeVar, Union
@@ -33,6 +35,9 @@ P = TypeVar("P", bound=Plugin)
 
 EXAMPLE_PACKAGE = "flatland_example_plugins"
 """The package that users copy under another name: a copy hides the plugins of the original."""
+
+_FIRST_IMPORTS = threading.RLock()
+"""One at a time: `warnings.catch_warnings` changes and restores what all threads use."""
 
 
 class PluginLoader:
@@ -94,8 +99,11 @@ def _cpp_error(type: str, declaration: PluginDeclaration) -> str:
 def _import(declaration: PluginDeclaration) -> object:
     module_name, _, class_name = declaration.class_path.rpartition(".")
     try:
-        with _log_former_names(declaration.package):
-            module = importlib.import_module(module_name)
+        if module_name in sys.modules:
+            module = importlib.import_module(module_name)  # another thread may be importing it
+        else:
+            with _FIRST_IMPORTS, _log_former_names(declaration.package):
+                module = importlib.import_module(module_name)
     except Exception as error:
         raise PluginError(
             f'the plugin "{declaration.name}" of the package {declaration.package} cannot be '
