@@ -70,6 +70,9 @@ class ModelBody:
         model_pose: of the model's origin in the world.
         physics: the physical world that it is added to.
 
+    Raises:
+        ValueError: Box2D cannot represent a footprint; the world is unchanged.
+
     Attributes:
         physics_body: the body in the physical world.
     """
@@ -82,8 +85,12 @@ class ModelBody:
             config.linear_damping,
             config.angular_damping,
         )
-        for footprint in config.footprints:
-            footprint.attach(self.physics_body)
+        try:
+            for footprint in config.footprints:
+                footprint.attach(self.physics_body)
+        except BaseException:
+            self.physics_body.remove()
+            raise
 
     @property
     def name(self) -> str:

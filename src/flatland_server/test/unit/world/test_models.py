@@ -11,6 +11,7 @@ from world.parts import EMPTY, spawn, state
 from flatland_server import _core
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
+from flatland_server.models.footprint import Circle
 from flatland_server.models.joint import JointConfig
 from flatland_server.models.model import ModelConfig
 from flatland_server.simulation.world_config import ModelEntry
@@ -224,6 +225,20 @@ def test_a_model_that_cannot_be_added_leaves_the_world_unchanged(models):
     ):
         with pytest.raises(FlatlandError, match=message):
             world.add_model(entry)
+
+    assert state(world) == before
+
+
+def test_the_body_of_a_footprint_that_box2d_refuses_is_removed(models):
+    world = models.load(EMPTY)
+    good = ModelConfig.from_file(models.folder / "good.yaml", world.registry)
+    head = good.bodies[1]
+    point = replace(head.footprints[0], shape=Circle((0.0, 0.0), 0.0))
+    bodies = (good.bodies[0], replace(head, footprints=(head.footprints[0], point)))
+    before = state(world)
+
+    with pytest.raises(ModelError, match='the model "robot" does not fit into the world: a radius'):
+        world.add_model(ModelEntry("robot", "", Pose(), replace(good, bodies=bodies)))
 
     assert state(world) == before
 
