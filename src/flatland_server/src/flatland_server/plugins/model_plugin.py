@@ -128,14 +128,19 @@ class ModelPlugin(Plugin):
         """A contact as seen from this model.
 
         Returns:
-            None if the model is not part of the contact, which cannot happen in its own hooks.
+            None if the model is not part of the contact, or the other body belongs neither to a
+            model nor to a layer: one that a plugin has added.
 
         Raises:
-            GoneError: a body has been deleted, or belongs neither to a model nor to a layer.
+            GoneError: a body has been deleted.
         """
         entities = self.model.entities
         a, b = contact.fixture_a, contact.fixture_b
-        owner_a, owner_b = entities.owner(a.body.id), entities.owner(b.body.id)
+        owner_a, owner_b = entities.find(a.body.id), entities.find(b.body.id)
+        if owner_a is None or owner_b is None:
+            if a.body.alive and b.body.alive:
+                return None
+            raise _core.GoneError("a body of this contact has been deleted")
         if owner_a is self.model:
             return ContactSides(owner_b, a, b)
         return ContactSides(owner_a, b, a) if owner_b is self.model else None
