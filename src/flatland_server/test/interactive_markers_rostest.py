@@ -9,7 +9,7 @@ import unittest
 import rospkg
 import rospy
 from flatland_msgs.msg import DebugTopicList, SimulationState
-from flatland_msgs.srv import ChangeRate, GetModelMarkers
+from flatland_msgs.srv import ChangeRate, GetModelMarkers, Step
 from rostest_tools import Recorder
 from service_calls import delete, spawn
 from std_srvs.srv import Empty
@@ -134,6 +134,19 @@ class InteractiveMarkers(unittest.TestCase):
         rospy.ServiceProxy("/pause", Empty)()
         self.wait_for_state(paused=True)
         self.send(Feedback.MOUSE_DOWN, 4.0, -0.2)
+        self.send(Feedback.MOUSE_UP, 5.0, -0.2)
+        self.wait_for_pose(5.0, -0.2, 0.0)
+        after = len(self.state.messages)
+        self.state.next(3)
+        self.assertTrue(all(state.paused for state in self.state.messages[after:]))
+
+    def test_a_pause_during_a_drag_stays_and_a_step_has_to_wait_for_one(self):
+        self.send(Feedback.MOUSE_DOWN, 4.0, -0.2)
+        self.wait_for_state(paused=True)
+        answer = rospy.ServiceProxy("/step", Step)(steps=1)
+        self.assertFalse(answer.success)
+        self.assertIn("the simulation is not paused", answer.message)
+        rospy.ServiceProxy("/pause", Empty)()
         self.send(Feedback.MOUSE_UP, 5.0, -0.2)
         self.wait_for_pose(5.0, -0.2, 0.0)
         after = len(self.state.messages)

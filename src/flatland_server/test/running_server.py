@@ -23,7 +23,7 @@ ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
 NODE = "/flatland_server"
 SERVICES = (
     *("/spawn_model", "/delete_model", "/move_model", "/get_model_markers"),
-    *("/pause", "/resume", "/toggle_pause", "/change_rate"),
+    *("/pause", "/resume", "/toggle_pause", "/change_rate", "/open_world"),
 )
 USUAL_FILES = 1024  # the soft limit of open files
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 import tcpros_client
+from flatland_msgs.srv import OpenWorld
 from rosgraph_msgs.msg import Clock
-from running_server import NODE, USUAL_FILES, Server, simulated_time
+from running_server import NODE, USUAL_FILES, WORLDS, Server, simulated_time
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
@@ -34,6 +35,9 @@ def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_ser
     topics = master.topics()
 
     master.process.send_signal(signal.SIGSTOP)
+    room = str(WORLDS / "test_room" / "world.yaml")
+    assert server.call("/open_world", OpenWorld, path=room).success
+    assert "~world_path is not set" in server.log
     spawning = [server.spawn("while_stopped")]
     assert simulated_time(clock, 0.5) > 0.25
     master.kill()

@@ -59,6 +59,7 @@ class SimulatedWorld:
             raise PluginError(f'the plugin "{failure.label}" failed in {failure.reason}') from error
 
     def _reset(self, seed: Optional[int]) -> None:
+        self.world.require_between_steps("reset")
         self.world.reset(seed)
         self.timekeeper.jump_to(0)
 

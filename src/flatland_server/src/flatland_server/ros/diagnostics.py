@@ -56,7 +56,7 @@ class Diagnostics:
 
     def _report_simulation(self, status: Any) -> Any:
         manager, world = self._manager, self._manager.world
-        status.summary(DiagnosticStatus.OK, "paused" if manager.is_paused else "running")
+        status.summary(DiagnosticStatus.OK, "running" if manager.is_stepping else "paused")
         status.add("simulated time [s]", f"{manager.timekeeper.seconds:.3f}")
         status.add("times real time", f"{manager.real_time_factor:.2f}")
         periods = sorted(manager.step_periods)

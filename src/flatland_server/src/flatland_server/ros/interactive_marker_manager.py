@@ -29,6 +29,8 @@ _HANDLE_Z = 0.05
 _DRAG_TIMEOUT = 3.0
 """Real seconds without feedback after which a drag ends: rviz sends it every 0.25 s."""
 
+_WARNING_PERIOD = 3.0  # s of ROS time, per drag that leaves the world
+
 _KEEP_ALIVE_PERIOD = rospy.Duration(0.5)
 """Of ROS time, simulated or not: rviz uses it to time out servers."""
 
@@ -49,7 +51,7 @@ class _Handle(NamedTuple):
 class InteractiveMarkerManager:
     """Offers an interactive marker for each model at `interactive_model_markers`.
 
-    While a model is dragged the simulation is paused; it resumes afterwards if it ran before.
+    While a model is dragged, the simulation is held.
 
     Args:
         manager: the simulation with the models.
@@ -71,7 +73,6 @@ class InteractiveMarkerManager:
         self._keep_alive_timer = RealTimeTimer(_REAL_KEEP_ALIVE_PERIOD)
         self._shown: Dict[str, _Handle] = {}
         self._drags: Dict[str, float] = {}  # real time of the last feedback, by model
-        self._resumes = False
 
     def update(self) -> None:
         """Updates the markers if it is time to; to be called often."""
@@ -92,7 +93,7 @@ class InteractiveMarkerManager:
         now = rospy.get_rostime()
         has_jumped_back = now + _KEEP_ALIVE_PERIOD < self._keep_alive_due
         is_due = now >= self._keep_alive_due or has_jumped_back
-        is_due |= self._manager.is_paused and self._keep_alive_timer.check_update()
+        is_due |= not self._manager.is_stepping and self._keep_alive_timer.check_update()
         if is_due and self._server.update_pub.get_num_connections() > 0:
             self._keep_alive_due = now + _KEEP_ALIVE_PERIOD
             self._server.keep_alive()
@@ -161,21 +162,18 @@ class InteractiveMarkerManager:
         pose = Pose(position.x, position.y, yaw).compose(centre.inverse())
         try:
             self._world.move_model(name, pose)
-        except FlatlandError:
-            return  # outside the limits of the world: the model stays where it was
+        except FlatlandError as error:  # outside the limits of the world: the model stays
+            rospy.logwarn_throttle(_WARNING_PERIOD, f'"{name}" is not moved: {error}')
 
     def _begin_drag(self, name: str) -> None:
-        if not self._drags:
-            self._resumes = not self._manager.is_paused
-            self._manager.pause()
+        self._manager.is_held = True
         self._drags[name] = time.monotonic()
 
     def _end_drag(self, name: str) -> None:
         if self._drags.pop(name, None) is None:
             return
         self._server.allow_drag(name)
-        if not self._drags and self._resumes:
-            self._manager.resume()
+        self._manager.is_held = bool(self._drags)
 
 
 def _pose_message(pose: Pose) -> object:

@@ -24,7 +24,7 @@ class StatePublisher:
     def update(self) -> None:
         """Publishes if it is time to; to be called often."""
         manager = self._manager
-        requested = (manager.is_paused, manager.rate)
+        requested = (not manager.is_stepping, manager.rate)
         now = time.monotonic()
         if now < self._due and requested == self._published:
             return

@@ -1,8 +1,11 @@
 """The services that control time and state: steps, resets, and saved states."""
 
+import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Callable, Type, Union
 
+import rosgraph
 import rospy
 from flatland_msgs.srv import (
     LoadState,
@@ -24,6 +27,7 @@ from flatland_msgs.srv import (
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from flatland_server.config.file_names import to_path
+from flatland_server.exceptions import FlatlandError
 from flatland_server.messages import ros_time
 from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -63,22 +67,29 @@ class StateServices:
         timeout = request.timeout or _DEFAULT_TIMEOUT
         manager = self._manager
         done = self._transport.call(lambda: manager.request_steps(request.steps, expected, timeout))
-        self._transport.wait(done)
-        return StepResponse(success=True, time=ros_time(manager.timekeeper.nanoseconds))
+        nanoseconds = self._transport.wait(done)
+        return StepResponse(success=True, time=ros_time(nanoseconds))
 
     def _reset(self, request: ResetRequest) -> None:
         seed = request.seed if request.new_seed else None
         self._change(lambda: self._manager.reset(seed, keep_time=request.keep_time))
 
     def _reload_world(self, request: TriggerRequest) -> TriggerResponse:
+        registry = self._manager.world.registry
         config: WorldConfig = self._manager.world.read_config()
-        self._change(lambda: self._manager.reload(config))
+
+        def reload() -> None:
+            if self._manager.world.registry is not registry:
+                raise FlatlandError("another world was loaded while the file was read; try again")
+            self._manager.reload(config)
+
+        self._change(reload)
         return TriggerResponse(success=True, message=f"{config.path} is loaded")
 
     def _open_world(self, request: OpenWorldRequest) -> OpenWorldResponse:
         config: WorldConfig = self._manager.world.read_config(_absolute(to_path(request.path)))
         self._change(lambda: self._manager.reload(config, keep_time=False))
-        rospy.set_param("~world_path", str(config.path))  # viewers show it
+        _set_param("~world_path", str(config.path))  # viewers show it
         return OpenWorldResponse(success=True, message=f"{config.path} is open")
 
     def _save_state(self, request: SaveStateRequest) -> SaveStateResponse:
@@ -106,6 +117,22 @@ class StateServices:
 
         self._transport.call(change)
         self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
+
+
+def _set_param(name: str, value: str) -> None:
+    """Sets a parameter, if the ROS master answers in time; it may be stopped, or dead."""
+
+    def set_param() -> None:
+        with suppress(OSError, rosgraph.MasterException, rospy.ROSException):
+            rospy.set_param(name, value)
+            is_set.set()
+
+    is_set = threading.Event()
+    thread = threading.Thread(target=set_param, daemon=True)
+    thread.start()
+    thread.join(REGISTRATION_LIMIT)
+    if not is_set.is_set():
+        rospy.logwarn("the ROS master does not answer: %s is not set to %s", name, value)
 
 
 def _absolute(path: Union[str, Path]) -> Path:

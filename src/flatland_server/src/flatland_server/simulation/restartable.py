@@ -102,7 +102,7 @@ class Restartable(ABC):
             FlatlandError: a model or plugin does not start, or a step is being made. The world is
                 unchanged.
         """
-        self._require_between_steps("reload")
+        self.require_between_steps("reload")
         self._replace(lambda: self._start(config, self._seed))
 
     def save_state(self, timekeeper: Timekeeper) -> bytes:
@@ -115,7 +115,7 @@ class Restartable(ABC):
             StateError: a plugin's state cannot be saved, or a model has no file that it could be
                 read from again; or a step is being made.
         """
-        self._require_between_steps("save_state")
+        self.require_between_steps("save_state")
         return WorldState(
             str(self._config.path or ""),
             self._seed,
@@ -137,7 +137,7 @@ class Restartable(ABC):
             FlatlandError: the state is damaged or does not fit, a file is missing, or a step is
                 being made. The world is unchanged.
         """
-        self._require_between_steps("load_state")
+        self.require_between_steps("load_state")
         loaded = WorldState.loads(state)
         self._replace(lambda: self._restore(loaded))
         timekeeper.jump_to(loaded.nanoseconds)
@@ -184,6 +184,14 @@ class Restartable(ABC):
             self._remove_bodies(model)
         self.entities.clear()
 
-    def _require_between_steps(self, name: str) -> None:
+    def require_between_steps(self, name: str) -> None:
+        """Checks that no step is being made, and no plugin is being started or stopped.
+
+        Args:
+            name: of the function that is called, for the error.
+
+        Raises:
+            FlatlandError: otherwise.
+        """
         if self._is_starting or not self._deferred.is_free:
             raise FlatlandError(f"{name} is for between steps, not for hooks")

@@ -40,6 +40,9 @@ class SimulationManager:
         self.timekeeper = timekeeper
         self.change_rate(update_rate * timekeeper.step_size)
         self.is_paused = False
+        self.is_held = False
+        """Whether time stands still for a while, as when a model is dragged. Does not affect
+        `is_paused`; no steps can be requested unless that is set, too."""
         self.after_step: List[Callable[[], None]] = []
         """Called after each step."""
         self.on_tick: List[Callable[[], None]] = []
@@ -87,6 +90,11 @@ class SimulationManager:
         """Ends a pause."""
         self.is_paused = False
 
+    @property
+    def is_stepping(self) -> bool:
+        """Whether `run` makes steps on its own: it is neither paused nor held."""
+        return not (self.is_paused or self.is_held)
+
     def toggle_pause(self) -> None:
         """Pauses or resumes."""
         self.is_paused = not self.is_paused
@@ -109,7 +117,7 @@ class SimulationManager:
 
     def request_steps(
         self, count: int = 1, expected: Sequence[str] = (), timeout: float = 10.0
-    ) -> "Future[None]":
+    ) -> "Future[int]":
         """Has `run` make steps during a pause, one after the other without waits.
 
         Args:
@@ -119,8 +127,9 @@ class SimulationManager:
             timeout: how long it waits for them [s of real time].
 
         Returns:
-            A future that is done when the steps are made. It raises a FlatlandError if a message
-            does not come in time, the simulation is resumed before the steps are made, or ends.
+            A future of the simulated time at which the last step has ended [ns]. It raises a
+            FlatlandError if a message does not come in time, the simulation is resumed before the
+            steps are made, or ends.
 
         Raises:
             ValueError: the count is below 1, the timeout is not above 0, or a topic has no
@@ -147,8 +156,10 @@ class SimulationManager:
             keep_time: whether simulated time goes on, instead of beginning at 0.
 
         Raises:
-            FlatlandError: a plugin does not start again. The world is unchanged.
+            FlatlandError: a plugin does not start again, or a step is being made. The world is
+                unchanged.
         """
+        self.world.require_between_steps("reset")
         self.world.reset(seed)
         if not keep_time:
             self.timekeeper.jump_to(0)
@@ -201,12 +212,12 @@ class SimulationManager:
                 transport.process(0.0 if is_hurrying else pacer.wait_time)
                 if not goes_on():
                     return
-                is_due = pacer.begin_step(self.is_paused)
+                is_due = pacer.begin_step(not self.is_stepping)
                 is_hurrying = self._request is not None and self._serve(self._request)
                 if is_due and not is_hurrying:
                     self._step()
                 period = 0.0 if is_hurrying else 1.0 / self.update_rate
-                pacer.end_step(period, self.is_paused and not is_hurrying)
+                pacer.end_step(period, not (self.is_stepping or is_hurrying))
                 ends_request = self._request is not None and self._request.is_complete
                 if pacer.is_tick_due or ends_request:
                     for callback in self.on_tick:
@@ -234,7 +245,7 @@ class SimulationManager:
         request, self._request = self._request, None
         self.world.transport.returns_on_arrival = False
         if request is not None:
-            request.finish()
+            request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:
         self.world.step(self.timekeeper)

@@ -30,8 +30,9 @@ class StepRequest:
             if arrivals.has_received(topic) is None:
                 hint = suggestion(topic, arrivals.topics)
                 raise ValueError(f"nothing in the simulation subscribes to {topic}{hint}")
-        self.done: Future[None] = Future()
-        """Has a result when all steps are made, or the exception that has ended the request."""
+        self.done: Future[int] = Future()
+        """Has the simulated time after the last step [ns], or the exception that has ended the
+        request."""
         self._left = count
         self._has_begun = False
         self._expected = expected
@@ -68,7 +69,7 @@ class StepRequest:
         if not self.done.done():
             self.done.set_exception(FlatlandError(reason))
 
-    def finish(self) -> None:
-        """Reports that all steps are made."""
+    def finish(self, nanoseconds: int) -> None:
+        """Reports that all steps are made, at this simulated time."""
         if not self.done.done():
-            self.done.set_result(None)
+            self.done.set_result(nanoseconds)

@@ -168,6 +168,7 @@ class LocalTransport(Transport):
             self._is_delivering = True
 
     def discard(self) -> None:
+        self.transforms.clear()
         self._inbox.clear()
         self._published.clear()
 

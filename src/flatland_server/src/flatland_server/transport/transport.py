@@ -139,4 +139,4 @@ class Transport(ABC):
         """Sends what was collected during the step, and begins to count arrivals anew."""
 
     def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)
-        """Drops messages that have arrived and are not delivered yet: the world is a new one."""
+        """Drops what the former world has left, such as messages that are not delivered yet."""

@@ -47,6 +47,7 @@ def test_a_reset_world_has_the_models_walls_and_poses_of_its_files(models, load)
     assert len(world.layers[0].segments) == 1
     assert simulation.timekeeper.nanoseconds == 0
     assert simulation.last("/chatter") is None
+    assert simulation.transport.transforms == {}
     simulation.run()
     assert simulation.last("/chatter") == "a at 5000000"
 
@@ -116,6 +117,23 @@ def test_a_world_stays_as_it_is_if_a_plugin_does_not_start_again(load, monkeypat
     assert simulation.last("/chatter") == "a at 105000000"
     assert simulation.last("/population") == 2
     assert world.plugin_failures == []
+
+
+def test_a_hook_cannot_make_time_begin_again(load, monkeypatch):
+    refusals = []
+
+    def reset(self, timekeeper):
+        with pytest.raises(FlatlandError) as caught:
+            simulation.reset()
+        refusals.append(str(caught.value))
+
+    monkeypatch.setattr(Herald, "after_physics_step", reset)
+    simulation = load()
+
+    simulation.run(0.01)
+
+    assert refusals == ["reset is for between steps, not for hooks"] * 2
+    assert simulation.timekeeper.nanoseconds == 10_000_000
 
 
 def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch):
