@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from flatland_server import Pose
+from flatland_server import Pose, yaw_of
 
 
 def to_pose(message: Any) -> Pose:
@@ -18,8 +18,7 @@ def to_pose(message: Any) -> Pose:
             f"expected an orientation of length 1, found the quaternion "
             f"({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g})"
         )
-    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-    pose = Pose(message.position.x, message.position.y, yaw)
+    pose = Pose(message.position.x, message.position.y, yaw_of(q))
     if not pose.is_finite():
         raise ValueError(f"expected finite numbers, found ({pose.x:g}, {pose.y:g})")
     return pose
@@ -27,9 +26,8 @@ def to_pose(message: Any) -> Pose:
 
 def transform_to_pose(message: Any) -> Pose:
     """The pose in the plane of a geometry_msgs/Transform."""
-    q = message.rotation
-    yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-    return Pose(message.translation.x, message.translation.y, yaw)
+    translation = message.translation
+    return Pose(translation.x, translation.y, yaw_of(message.rotation))
 
 
 def is_upside_down(message: Any) -> bool:

@@ -57,7 +57,7 @@ from flatland_server.library.simulation import Simulation
 from flatland_server.library.simulation_batch import SimulationBatch
 from flatland_server.library.touch import Touch
 from flatland_server.library.world_content import world_content
-from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
+from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entity
 from flatland_server.models.footprint import Circle, Footprint, Polygon
@@ -169,6 +169,7 @@ __all__ = [
     "ros_time",
     "world_content",
     "wrap_angle",
+    "yaw_of",
 ]
 
 _deprecated.install_moved_modules(__name__)

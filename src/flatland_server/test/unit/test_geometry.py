@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from flatland_server import fill_pose, messages, yaw_of
 from flatland_server.geometry import Pose, quaternion, wrap_angle
 
 COORDINATES = st.floats(-100.0, 100.0)
@@ -37,6 +38,15 @@ def test_a_wrapped_angle_is_the_same_direction_within_half_a_turn(angle):
     assert -math.pi <= wrapped <= math.pi
     assert math.cos(wrapped) == pytest.approx(math.cos(angle), abs=1e-9)
     assert math.sin(wrapped) == pytest.approx(math.sin(angle), abs=1e-9)
+
+
+@given(yaw=ANGLES)
+def test_the_yaw_of_a_quaternion_is_that_of_its_pose(yaw):
+    pose = messages.get("geometry_msgs/Pose")()
+    fill_pose(pose, Pose(0.0, 0.0, yaw))
+
+    assert math.sin(yaw_of(pose.orientation) - yaw) == pytest.approx(0.0, abs=1e-9)
+    assert math.cos(yaw_of(pose.orientation) - yaw) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("roll", [0.0, math.pi])

@@ -6,7 +6,7 @@ Twist = messages.get("geometry_msgs/Twist")
 Load = messages.add("my_plugins/Load", "float64 mass")
 """
 
-from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time
+from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
 from flatland_server.messages.message_types import Duration, Time, add, get
 
 __all__ = [
@@ -18,4 +18,5 @@ __all__ = [
     "get",
     "header",
     "ros_time",
+    "yaw_of",
 ]

@@ -1,5 +1,6 @@
 """Conversions of Flatland's values into messages."""
 
+import math
 from typing import Any
 
 from flatland_server.geometry import Pose, quaternion
@@ -24,6 +25,15 @@ def fill_pose(message: Any, pose: Pose) -> None:
     message.position.x, message.position.y = pose.x, pose.y
     orientation = message.orientation
     orientation.x, orientation.y, orientation.z, orientation.w = quaternion(pose.yaw)
+
+
+def yaw_of(orientation: Any) -> float:
+    """The yaw within [-pi, pi] of a geometry_msgs/Quaternion of length 1.
+
+    The angle of the turned x axis: atan2 of the entries (2, 1) and (1, 1) of the rotation matrix.
+    """
+    q = orientation
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
 
 
 def fill_twist(message: Any, vx: float, vy: float, omega: float) -> None:

@@ -15,7 +15,7 @@ from visualization_msgs.msg import (
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
-from flatland_server.messages import fill_pose
+from flatland_server.messages import fill_pose, yaw_of
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.model import Model
 from flatland_server.real_time_timer import RealTimeTimer
@@ -153,12 +153,8 @@ class InteractiveMarkerManager:
             self._drags[name] = time.monotonic()
 
     def _move(self, name: str, feedback: InteractiveMarkerFeedback) -> None:
-        position, turn = feedback.pose.position, feedback.pose.orientation
-        yaw = math.atan2(
-            2.0 * (turn.w * turn.z + turn.x * turn.y),
-            1.0 - 2.0 * (turn.y * turn.y + turn.z * turn.z),
-        )
         centre = self._shown[name].centre if name in self._shown else Pose(0.0, 0.0, 0.0)
+        position, yaw = feedback.pose.position, yaw_of(feedback.pose.orientation)
         pose = Pose(position.x, position.y, yaw).compose(centre.inverse())
         try:
             self._world.move_model(name, pose)
