@@ -14,7 +14,7 @@ export PATH="/usr/bin:$PATH"
 # What a node says is seen at once, through a pipe as on a terminal.
 export PYTHONUNBUFFERED=1
 
-# Ctrl-C ends the script, also if the program that is running makes little of it.
+# Ctrl-C ends the script, also if the program that is running ignores it.
 trap 'exit 130' INT
 
 say() { printf '%s: %s\n' "${0##*/}" "$*" >&2; }

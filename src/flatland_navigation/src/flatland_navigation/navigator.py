@@ -21,6 +21,7 @@ _NO_POINTS: FloatArray = np.empty((0, 2))
 _CRAWL = 0.02  # m/s; slower is blocked
 _MOVED = 0.2  # m; less is no progress
 _NEAR = 0.1  # m; an obstacle that is nearer is what stops the robot
+_TOO_FAST = "poses and scans come too rarely"  # for the rate of simulated time
 
 
 class Status(enum.Enum):
@@ -166,7 +167,7 @@ class Navigator:
         speed = min(command.forwards, safe_speed(distance, deceleration, delay))
         if speed < _CRAWL:
             is_near = distance < _NEAR
-            self._hindrance = "an obstacle is in its way" if is_near else "time passes too fast"
+            self._hindrance = "an obstacle is in its way" if is_near else _TOO_FAST
             return Command()
         return Command(speed, command.turn * speed / command.forwards)
 

@@ -120,7 +120,7 @@ class DistanceGrid:
         open_reach: float = 0.0,
     ) -> None:
         if len(walls) == 0 and open_reach <= 0.0:
-            raise UsageError("a world without walls has no end, so poses are chosen by its user")
+            raise UsageError("the world has no walls that bound its free space: pass poses")
         ends = walls.reshape(-1, 2)
         if len(walls) == 0:
             ends = np.array(start) + np.array([[-open_reach] * 2, [open_reach] * 2])

@@ -1,4 +1,4 @@
-"""A picture of a world at its start, with the names of its models: `check_world --render`."""
+"""Deprecated: a picture of a world; `Renderer(world).image(names=True)` makes it."""
 
 from PIL import Image
 

@@ -24,7 +24,7 @@ _TYPES = {
 }
 _OF_SERVER = {"/clock", "/tf", "/rosout", "/diagnostics"}
 """Topics to which plugins publish through the server alone, if at all."""
-_OF_NODE = ("debug", "model_states", "models", "state")
+_OF_NODE = ("debug", "loading", "model_states", "models", "state")
 """The same, in the namespace of the server's node."""
 
 
