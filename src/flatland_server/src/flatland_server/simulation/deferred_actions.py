@@ -102,6 +102,12 @@ class DeferredActions:
         finally:
             self._is_running = False
 
+    def drop(self, reason: str) -> None:
+        """Drops the deferred actions, and logs that they have failed for this reason."""
+        while self.pending:
+            _, failure = self.pending.popleft()
+            logger.error("%s: %s", failure, reason)
+
     def clear(self) -> None:
         """Drops the deferred actions."""
         self.pending.clear()

@@ -59,7 +59,8 @@ class Restartable(ABC):
         What follows equals, bit for bit, a run of a newly loaded world. No file is read. Models and
         plugins are new objects, and the former ones are gone; topics stay connected.
 
-        In a plugin's hook, this happens at the end of the step; a failure is then logged.
+        In a plugin's hook, this happens at the end of the step; a failure is then logged. What is
+        requested in the same step after it fails, too.
 
         Args:
             seed: of all random numbers from now on; None is the same as before.
@@ -173,6 +174,7 @@ class Restartable(ABC):
             raise
         new = dict(vars(self))
         vars(self).update(former)
+        self._deferred.drop("the world has been reset before")
         self._discard()
         vars(self).update(new)
         self.transport.discard()

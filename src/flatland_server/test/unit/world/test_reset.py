@@ -136,12 +136,13 @@ def test_a_hook_cannot_make_time_begin_again(load, monkeypatch):
     assert simulation.timekeeper.nanoseconds == 10_000_000
 
 
-def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch):
+def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch, caplog):
     def reset_once(self, timekeeper):
         self._publisher.publish(len(self.world.models))
         if timekeeper.nanoseconds == 50_000_000:
             self.world.delete_model("a")
             self.world.reset()
+            self.world.delete_model("b")
 
     monkeypatch.setattr(Herald, "after_physics_step", reset_once)
     simulation = load()
@@ -151,6 +152,7 @@ def test_a_hook_may_reset_the_world_at_the_end_of_the_step(load, monkeypatch):
     assert list(simulation.world.models) == ["a", "b"]
     assert simulation.world.plugin_failures == []
     assert simulation.timekeeper.nanoseconds == 100_000_000
+    assert 'the model "b" is not deleted: the world has been reset before' in caplog.text
 
 
 @pytest.mark.parametrize("name", ["on_initialize", "on_shutdown"])
