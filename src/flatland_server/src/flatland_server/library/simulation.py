@@ -119,7 +119,8 @@ class Simulation(SimulatedTopics):
             PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
                 it was raised in is complete, and those after it are not made.
         """
-        self.require_open()
+        if self._is_closed:
+            self.require_open()
         left = whole_number(count, "a number of steps", 1)
         while left > 0:
             left -= self._advance(1 if self._recorders else left)

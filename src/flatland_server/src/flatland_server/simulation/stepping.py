@@ -60,15 +60,30 @@ class Stepping:
         Raises:
             FlatlandError: this is called by a hook of a plugin.
         """
-        steps = 0
-        if limit > 1 and self._deferred.is_free and not self._deferred.pending:
-            steps = self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
-        if steps > 1:
-            return self._step_without_hooks(timekeeper, steps)
-        self.step(timekeeper)
-        return 1
+        plan = self._plugins.plan
+        is_current = plan.subscriber_revision == self.transport.subscriber_revision
+        last = timekeeper.nanoseconds + (limit - 1) * timekeeper.step_nanoseconds
+        is_planned = is_current and last < plan.until and limit <= _MAX_STEPS_PER_CALL
+        if not is_planned or self._deferred.pending:
+            # A plan that is current says already whether a hook is to be called in the next step.
+            limit = 0 if is_current and limit == 1 else self._steps_without_hooks(timekeeper, limit)
+            if limit == 0:
+                self.step(timekeeper)
+                return 1
+            if plan.until == 0:
+                return self._step_until_contact(timekeeper, limit)
+        self.physics.step_until_contact(timekeeper.step_size, limit)
+        timekeeper.step(limit)
+        self.transport.flush()
+        return limit
 
-    def _step_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
+    def _steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
+        """The number of steps from now on, up to a limit, that need no calls of step hooks."""
+        if not self._deferred.is_free or self._deferred.pending:
+            return 0
+        return self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
+
+    def _step_until_contact(self, timekeeper: Timekeeper, limit: int) -> int:
         """Makes steps in which no step hook is called; ends after one with a contact event."""
         physics = self.physics
         counted = 0
@@ -85,7 +100,6 @@ class Stepping:
                 count_steps()
         finally:
             self._plugins.before_contact_hooks = None
-            self._plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
         if self._deferred.pending:
             self._deferred.run_pending()
         self.transport.flush()
