@@ -49,7 +49,9 @@ const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
 }
 
 py::array_t<float> CopyOf(const std::vector<float>& values) {
-  return py::array_t<float>(static_cast<py::ssize_t>(values.size()), values.data());
+  py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
+  std::copy(values.begin(), values.end(), array.mutable_data());
+  return array;
 }
 
 // The guards are held until the arrays are copied: another thread may change the world after them.

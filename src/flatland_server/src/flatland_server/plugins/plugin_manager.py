@@ -231,7 +231,7 @@ class PluginManager:
             return 0
         steps = self._schedule.steps_without_calls(timekeeper, revision, limit)
         if self._contacts.is_listening:
-            self.plan.until = 0.0  # each step may call a contact hook
+            self.plan.until = 0  # each step may call a contact hook
         if steps > 0:
             self._step_calls = _NO_CALLS  # or those of the last step would keep plugins alive
         return steps

@@ -83,7 +83,7 @@ class Schedule:
             return calls
         due = self._timer_queue.pop_due(timekeeper)
         if self.plan.until > 0:
-            self.plan.until = self._timer_queue.next_due
+            self.plan.extend(self._timer_queue.next_due)
         with_work = [each for each in due if self._has_work(each.plugin) and not each.is_removed]
         return StepCalls(sorted([*calls.plugins, *with_work], key=attrgetter("order")))
 
@@ -98,7 +98,7 @@ class Schedule:
         """
         self.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
         plan = self.plan
-        plan.until, plan.subscriber_revision = 0.0, subscriber_revision  # plugins may let it expire
+        plan.until, plan.subscriber_revision = 0, subscriber_revision  # plugins may let it expire
         if self._work_cache.calls(subscriber_revision).plugins:
             return 0
         if self._idle_is_stale or subscriber_revision != self._idle_revision:
@@ -109,7 +109,7 @@ class Schedule:
         if self._idle_is_stale:
             plan.expire()  # a plugin may have no work once it has been due
         elif plan.subscriber_revision is not None:
-            plan.until = next_due
+            plan.extend(next_due)
         if math.isinf(next_due):
             return limit
         steps = -(int(timekeeper.nanoseconds - next_due) // timekeeper.step_nanoseconds)

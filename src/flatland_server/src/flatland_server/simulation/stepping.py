@@ -3,17 +3,20 @@
 from flatland_server import _core
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_manager import PluginManager
+from flatland_server.plugins.step_plan import MOST_STEPS, StepPlan
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.transport import Transport
 
-_MAX_STEPS_PER_CALL = 100
-"""Python handles signals, such as Ctrl-C, between two calls of the core."""
-
 
 class Stepping:
-    """The part of a `World` that advances it."""
+    """The part of a `World` that advances it.
 
+    Attributes:
+        plan: until when steps call no hooks, for the present plugins and subscribers.
+    """
+
+    plan: StepPlan
     transport: Transport
     physics: _core.World
     _plugins: PluginManager
@@ -60,11 +63,9 @@ class Stepping:
         Raises:
             FlatlandError: this is called by a hook of a plugin.
         """
-        plan = self._plugins.plan
+        plan = self.plan
         is_current = plan.subscriber_revision == self.transport.subscriber_revision
-        last = timekeeper.nanoseconds + (limit - 1) * timekeeper.step_nanoseconds
-        is_planned = is_current and last < plan.until and limit <= _MAX_STEPS_PER_CALL
-        if not is_planned or self._deferred.pending:
+        if not is_current or not plan.covers(timekeeper, limit) or self._deferred.pending:
             # A plan that is current says already whether a hook is to be called in the next step.
             limit = 0 if is_current and limit == 1 else self._steps_without_hooks(timekeeper, limit)
             if limit == 0:
@@ -81,7 +82,7 @@ class Stepping:
         """The number of steps from now on, up to a limit, that need no calls of step hooks."""
         if not self._deferred.is_free or self._deferred.pending:
             return 0
-        return self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
+        return self._plugins.steps_without_hooks(timekeeper, min(limit, MOST_STEPS))
 
     def _step_until_contact(self, timekeeper: Timekeeper, limit: int) -> int:
         """Makes steps in which no step hook is called; ends after one with a contact event."""

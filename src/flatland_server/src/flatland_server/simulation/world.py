@@ -108,6 +108,7 @@ class World(Restartable, Stepping):
         """The model or layer that each body belongs to."""
         self.layers: List[Layer] = []
         self._plugins = plugins
+        self.plan = plugins.plan
         self._deferred = DeferredActions()
         self._additions = Additions()
         self._is_starting = True
