@@ -12,7 +12,7 @@ class Timekeeper:
         step_size: length of a step [s]; rounded to whole nanoseconds.
 
     Attributes:
-        nanoseconds: simulated time since the start [ns]; only `step` and `jump_to` set it.
+        nanoseconds: simulated time since the start [ns]; set by the world alone.
         step_nanoseconds: length of a step [ns].
         step_size: length of a step [s].
 

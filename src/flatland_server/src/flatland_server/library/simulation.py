@@ -119,11 +119,8 @@ class Simulation(SimulatedTopics):
             PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
                 it was raised in is complete, and those after it are not made.
         """
-        timekeeper, world = self.timekeeper, self.world
         if type(count) is int and count > 0 and self._settled == self._transport.activity:
-            if world.plan.covers(timekeeper, count):  # then there is nothing to do but physics
-                world.physics.step_until_contact(timekeeper.step_size, count)
-                timekeeper.step(count)
+            if self.world.step_as_planned(self.timekeeper, count):
                 return self
         self.require_open()
         left = whole_number(count, "a number of steps", 1)

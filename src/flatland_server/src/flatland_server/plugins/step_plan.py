@@ -2,13 +2,8 @@
 
 import math
 
-from flatland_server.timekeeper import Timekeeper
-
 _FOREVER = 2**63
 """A time that is never reached [ns]; an int, since ints are compared faster with ints."""
-
-MOST_STEPS = 100
-"""Of one call of the core; Python handles signals, such as Ctrl-C, between two calls."""
 
 
 class StepPlan:
@@ -27,11 +22,6 @@ class StepPlan:
     def __init__(self) -> None:
         self.until = 0
         self.subscriber_revision: object = None
-
-    def covers(self, timekeeper: Timekeeper, count: int) -> bool:
-        """Whether a call of the core may make so many steps from now on, 1 or more."""
-        last = timekeeper.nanoseconds + (count - 1) * timekeeper.step_nanoseconds
-        return last < self.until and count <= MOST_STEPS
 
     def extend(self, until: float) -> None:
         """From now on it holds until another time [ns]; infinity if no hook is to be called."""

@@ -3,10 +3,13 @@
 from flatland_server import _core
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_manager import PluginManager
-from flatland_server.plugins.step_plan import MOST_STEPS, StepPlan
+from flatland_server.plugins.step_plan import StepPlan
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.transport import Transport
+
+_MAX_STEPS_PER_CALL = 100
+"""Python handles signals, such as Ctrl-C, between two calls of the core."""
 
 
 class Stepping:
@@ -63,26 +66,38 @@ class Stepping:
         Raises:
             FlatlandError: this is called by a hook of a plugin.
         """
-        plan = self.plan
-        is_current = plan.subscriber_revision == self.transport.subscriber_revision
-        if not is_current or not plan.covers(timekeeper, limit) or self._deferred.pending:
-            # A plan that is current says already whether a hook is to be called in the next step.
-            limit = 0 if is_current and limit == 1 else self._steps_without_hooks(timekeeper, limit)
-            if limit == 0:
-                self.step(timekeeper)
-                return 1
-            if plan.until == 0:
-                return self._step_until_contact(timekeeper, limit)
-        self.physics.step_until_contact(timekeeper.step_size, limit)
-        timekeeper.step(limit)
-        self.transport.flush()
-        return limit
+        is_current = self.plan.subscriber_revision == self.transport.subscriber_revision
+        if is_current and not self._deferred.pending and self.step_as_planned(timekeeper, limit):
+            self.transport.flush()
+            return limit
+        # A plan that is current says already whether a hook is to be called in the next step.
+        steps = 0 if is_current and limit == 1 else self._steps_without_hooks(timekeeper, limit)
+        if steps > 0:
+            return self._step_until_contact(timekeeper, steps)
+        self.step(timekeeper)
+        return 1
+
+    def step_as_planned(self, timekeeper: Timekeeper, count: int) -> bool:
+        """Makes steps, 1 or more, if that is one call of the core, without hooks: by the `plan`.
+
+        For callers that have no messages to deliver, and know that subscribers are those of the
+        plan; `step_up_to` finds out.
+
+        Returns:
+            Whether it has made them: all or none.
+        """
+        end = timekeeper.nanoseconds + count * timekeeper.step_nanoseconds
+        if end - timekeeper.step_nanoseconds >= self.plan.until or count > _MAX_STEPS_PER_CALL:
+            return False
+        self.physics.step_until_contact(timekeeper.step_size, count)
+        timekeeper.nanoseconds = end
+        return True
 
     def _steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
         """The number of steps from now on, up to a limit, that need no calls of step hooks."""
         if not self._deferred.is_free or self._deferred.pending:
             return 0
-        return self._plugins.steps_without_hooks(timekeeper, min(limit, MOST_STEPS))
+        return self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
 
     def _step_until_contact(self, timekeeper: Timekeeper, limit: int) -> int:
         """Makes steps in which no step hook is called; ends after one with a contact event."""
