@@ -119,9 +119,13 @@ class Simulation(SimulatedTopics):
             PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
                 it was raised in is complete, and those after it are not made.
         """
-        if type(count) is int and count > 0 and self._settled == self._transport.activity:
-            if self.world.step_as_planned(self.timekeeper, count):
-                return self
+        if (
+            self._settled == self._transport.activity
+            and type(count) is int
+            and count > 0
+            and self.world.step_as_planned(self.timekeeper, count)
+        ):
+            return self
         self.require_open()
         left = whole_number(count, "a number of steps", 1)
         while left > 0:
