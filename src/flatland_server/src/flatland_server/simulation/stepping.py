@@ -49,8 +49,8 @@ class Stepping:
         """Makes as many steps as are possible in one call of the core, and at least one.
 
         The result, and what the hooks of plugins see, is that of so many calls of `step`. It ends
-        before a step in which a plugin is due, and after one in which a contact hook was called,
-        so that `transport.process()` may be called between any two steps that affect each other:
+        before a step in which a plugin is due, after one in which a contact hook was called, and
+        after one that is followed by callbacks, so that `transport.process()` may be called between any two steps that affect each other:
 
             while count > 0:
                 world.transport.process()
@@ -66,6 +66,8 @@ class Stepping:
         Raises:
             FlatlandError: this is called by a hook of a plugin.
         """
+        if self.transport.has_to_deliver:
+            limit = 1
         is_current = self.plan.subscriber_revision == self.transport.subscriber_revision
         if is_current and not self._deferred.pending and self.step_as_planned(timekeeper, limit):
             self.transport.flush()

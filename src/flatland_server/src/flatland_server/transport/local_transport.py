@@ -136,6 +136,10 @@ class LocalTransport(Transport):
     def subscriber_revision(self) -> object:
         return self._subscriber_revision
 
+    @property
+    def has_to_deliver(self) -> bool:
+        return bool(self._published)
+
     def send_transform(self, transform: Transform) -> None:
         self.transforms[transform.child] = transform
         for tap in self._taps:

@@ -31,11 +31,12 @@ class Clocked(ModelPlugin):
 
     def hear(self, message):
         self.notes.append(("heard", message.data))
-        if message.data > 0.9:
-            self.publisher.publish(Float(message.data - 0.5))
+        if message.data > 0.5:
+            self.publisher.publish(Float(message.data - 0.3))
 
     def command(self, rate):
         self.update_timer = UpdateTimer(rate)
+        self.publisher.publish(Float(0.6))
 
     def before_physics_step(self, timekeeper):
         self.notes.append(timekeeper.nanoseconds)
@@ -66,17 +67,18 @@ class Announcer(Clocked):
 
 
 class Toucher(ModelPlugin):
-    """Moves its model away when it touches something."""
+    """Is moved back when it touches something."""
 
     def on_initialize(self, config):
         config.finish()
         self.notes: List[Any] = []
 
     def begin_contact(self, contact):
-        self.notes.append(self.model.base.pose)
+        self.notes.append((self.sim.time, self.model.base.pose))
+        self.sim.move(self.model.name, [0.1 * len(self.notes), -1, 0])
 
     def get_state(self):
-        return None
+        return self.notes
 
 
 LOADER = PluginLoader([PluginDeclaration.of(each) for each in (Clocked, Announcer, Toucher)])
@@ -117,10 +119,14 @@ class Actions:
             name, plugin = f"late{len(self.spawned)}", rng.choice(["Clocked", "Toucher"])
             self.spawned.append(name)
             sim.spawn(model(plugin), name, [rng.uniform(-1, 1), rng.uniform(-1, 1), 0])
+            sim.world.plugins_of(name)[plugin.lower()].sim = sim
         elif kind == "delete" and self.spawned:
             sim.delete(self.spawned.pop())
         elif kind == "more":
             sim.transport.set_subscribed_topics(rng.choice([(), ("/news",)]))
+        if rng.random() < 0.2:
+            sim.transport.process()
+            sim.world.step(sim.timekeeper)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -144,14 +150,20 @@ def test_they_are_those_of_a_world_that_is_asked_before_each(make, seed):
         assert theirs.rng.random() <= 1.0
 
 
-def test_they_do_not_ask_the_plugins(make):
+def test_plugins_are_asked_when_one_is_due_or_something_has_come(make):
     sim = make()
-    sim.delete("robot")
-    sim.step(2)
     asked: List[int] = []
-    sim.world.step_up_to = lambda timekeeper, limit: asked.append(limit) or limit
+    step_up_to = sim.world.step_up_to
+    sim.world.step_up_to = lambda *arguments: asked.append(1) or step_up_to(*arguments)
 
-    assert sim.step().step(20).time == pytest.approx(0.115)
+    for _ in range(200):  # a second, at 7 Hz
+        sim.step()
+    assert len(asked) < 20
+
+    sim.delete("robot")
+    sim.step()
+    asked.clear()
+    sim.step().step(20)
     assert asked == []
     sim.transport.send("/cue", Float(0.0))
     sim.step()
