@@ -38,6 +38,9 @@ class ModelHandle:
     def __init__(self, simulation: "Simulation", name: str) -> None:
         self.name = name
         self._simulation = simulation
+        self._current = simulation.world.plugin_revision
+        self._command_revision = -1  # of the drive that `_command` belongs to
+        self._command: Callable[..., None]
         self._revision = -1  # of the plugins that are kept here
         self._running: Dict[str, Plugin] = {}
         self._names: Dict[str, List[str]] = {}
@@ -90,11 +93,10 @@ class ModelHandle:
             UsageError: these are not as many values as the drive takes, or they are not finite.
             ModelError: the model has no drive, or several ones.
         """
-        names = self._plugins_with("command")
-        if len(names) != 1:
-            found = f"has {listed(names)}: use drives[...].command" if names else "has none"
-            raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
-        self._drive(names[0]).command(*values)
+        if self._command_revision != self._current.value:
+            self._command = self._only_drive().command
+            self._command_revision = self._current.value
+        self._command(*values)
 
     def __repr__(self) -> str:
         return f'<model "{self.name}">'
@@ -119,13 +121,13 @@ class ModelHandle:
 
     def _plugins(self) -> Dict[str, Plugin]:
         """The running plugins by name, kept until plugins of the world come or go."""
-        world = self._simulation.world
-        if self._revision != world.plugin_revision.value:
+        if self._revision != self._current.value:
+            world = self._simulation.world
             self._simulation.require_open()
             world.get_model(self.name)
             self._running = world.plugins_of(self.name)
             self._names = {}
-            self._revision = world.plugin_revision.value
+            self._revision = self._current.value
         return self._running
 
     def _plugins_with(self, hook: str) -> List[str]:
@@ -139,6 +141,14 @@ class ModelHandle:
                 if getattr(type(plugin), hook) is not original
             ]
         return self._names[hook]
+
+    def _only_drive(self) -> "DriveHandle":
+        """Its drive; a ModelError unless it has one."""
+        names = self._plugins_with("command")
+        if len(names) != 1:
+            found = f"has {listed(names)}: use drives[...].command" if names else "has none"
+            raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
+        return self._drive(names[0])
 
     def _sensor(self, name: str) -> "SensorHandle":
         if name not in self._sensors:
@@ -169,7 +179,7 @@ class SensorHandle:
         self.name = name
         self._model = model
         self._timekeeper = model._simulation.timekeeper
-        self._current = model._simulation.world.plugin_revision
+        self._current = model._current
         self._revision = -1  # of the plugin that `_read` belongs to
         self._read: Callable[[Timekeeper], Any]
 
@@ -225,7 +235,7 @@ class DriveHandle:
     def __init__(self, model: ModelHandle, name: str) -> None:
         self.name = name
         self._model = model
-        self._current = model._simulation.world.plugin_revision
+        self._current = model._current
         self._revision = -1  # of the plugin that `_command` belongs to
         self._command: Callable[..., None]
 

@@ -50,7 +50,8 @@ class Stepping:
 
         The result, and what the hooks of plugins see, is that of so many calls of `step`. It ends
         before a step in which a plugin is due, after one in which a contact hook was called, and
-        after one that is followed by callbacks, so that `transport.process()` may be called between any two steps that affect each other:
+        after one that is followed by callbacks, so that `transport.process()` may be called between
+        any two steps that affect each other:
 
             while count > 0:
                 world.transport.process()

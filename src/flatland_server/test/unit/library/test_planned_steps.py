@@ -22,8 +22,10 @@ Float = messages.get("std_msgs/Float64")
 class Clocked(ModelPlugin):
     """Notes what it is told and when it is due, at a rate that can be commanded."""
 
+    rate = 7.0
+
     def on_initialize(self, config):
-        self.update_timer = UpdateTimer(config.get_float("rate", 7.0))
+        self.update_timer = UpdateTimer(self.rate)
         config.finish()
         self.notes: List[Any] = []
         self.node.subscribe("/cue", Float, self.hear)
@@ -53,6 +55,7 @@ class Announcer(Clocked):
     """Works for subscribers alone."""
 
     only_publishes = True
+    rate = 30.0
 
     def on_initialize(self, config):
         super().on_initialize(config)
