@@ -47,9 +47,7 @@ def test_a_count_is_an_int_of_1_or_more(count, error):
 def test_an_object_that_was_not_made_is_refused(drive):
     with pytest.raises(TypeError, match="__init__ was not called"):
         _core.World.__new__(_core.World).step(0.1)
-    with pytest.raises(
-        TypeError, match=r"'command' for .* objects doesn't apply to a 'int' object"
-    ):
+    with pytest.raises(TypeError, match="doesn't apply to a 'int' object"):
         type(drive).command(3, 1.0, 2.0, 3.0)
 
 
