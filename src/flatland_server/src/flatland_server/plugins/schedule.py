@@ -74,10 +74,13 @@ class Schedule:
             subscriber_revision: differs from that of the last step if subscribers have changed.
         """
         now = timekeeper.nanoseconds
-        self.pass_over(now - timekeeper.step_nanoseconds)
+        idle = self._idle_queue
+        if now > idle.next_due:
+            idle.pass_over(now - timekeeper.step_nanoseconds)  # steps were made as planned
         if subscriber_revision != self._idle_revision:
             self._end_idleness()
-        self.pass_over(now)
+        if now >= idle.next_due:
+            idle.pass_over(now)
         calls = self._work_cache.calls(subscriber_revision)
         if now < self._timer_queue.next_due:
             return calls
@@ -117,8 +120,7 @@ class Schedule:
 
     def pass_over(self, nanoseconds: int) -> None:
         """Makes idle plugins due after this simulated time [ns], at which a step was made."""
-        if nanoseconds >= self._idle_queue.next_due:
-            self._idle_queue.pass_over(nanoseconds)
+        self._idle_queue.pass_over(nanoseconds)
 
     def _find_idle(self) -> None:
         """Moves plugins that only publish, and have no work, to the queue of the idle ones."""
