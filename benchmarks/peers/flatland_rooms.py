@@ -38,14 +38,15 @@ class Room:
 
     def run(self, steps: int) -> None:
         """Commands all robots, steps, and reads all scans."""
-        for _ in range(steps):
-            values = self._commands[self._scenario.command(self._step)]
-            for drive, (speed, yaw_rate) in zip(self._drives, values):
+        simulation, drives, lasers = self._simulation, self._drives, self._lasers
+        for step in range(self._step, self._step + steps):
+            commands = self._commands[self._scenario.command(step)]
+            for drive, (speed, yaw_rate) in zip(drives, commands):
                 drive.command(speed, yaw_rate)
-            self._simulation.step(self._substeps)
-            for laser in self._lasers:
+            simulation.step(self._substeps)
+            for laser in lasers:
                 laser.read()
-            self._step += 1
+        self._step += steps
 
     def scans(self) -> Float32Array:
         """What all lidars see; no return is the lidar's range."""

@@ -128,7 +128,7 @@ def test_the_twins_of_cpp_calls_exist():
         "node": Node,
         "physics": _core.Body,
         "publisher": Publisher,
-        "timekeeper": Timekeeper,
+        "timekeeper": Timekeeper(0.005),
         "contact": _core.Contact,
         "lidar": _core.Lidar,
     }

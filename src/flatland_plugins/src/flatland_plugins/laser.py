@@ -107,7 +107,8 @@ class Laser(ModelPlugin):
 
     def read(self, timekeeper: Timekeeper) -> Float32Array:
         """The range of each beam [m], shape (n,); a beam that hits nothing is +inf (REP 117)."""
-        return self._scan(timekeeper.nanoseconds)[0]
+        ranges = self._lidar.ranges()
+        return self._add_noise(ranges, timekeeper.nanoseconds) if self._is_noisy else ranges
 
     def read_intensities(self, timekeeper: Timekeeper) -> Float32Array:
         """The intensity of each beam, 0 or 255, shape (n,); (0,) without a layer "reflectance"."""

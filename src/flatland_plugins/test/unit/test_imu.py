@@ -370,7 +370,10 @@ class SubscribingPhysics:
         self._transport = transport
 
     def step(self, dt: float) -> None:
-        self._physics.step(dt)
+        self.step_until_contact(dt, 1)
+
+    def step_until_contact(self, dt: float, count: int) -> None:
+        self._physics.step_until_contact(dt, count)
         self._transport.set_subscribed_topics([GROUND_TRUTH])
 
 

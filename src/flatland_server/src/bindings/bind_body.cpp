@@ -1,6 +1,7 @@
 /// Body and Fixture in Python.
 
 #include "bindings.hpp"
+#include "fast_method.hpp"
 
 namespace flatland {
 namespace {
@@ -240,6 +241,14 @@ void BindMechanics(py::class_<PyBody>& body) {
                              [](const PyBody& self) { return self.world->IsAwake(self.handle); });
 }
 
+void CommandDrive(PyDrive& self, double vx, double vy, double omega) {
+  self.world->Get(self.handle).Command({vx, vy, omega});
+}
+
+void CommandTricycle(PyTricycle& self, double speed, double steer_angle) {
+  self.world->Get(self.handle).Command(speed, steer_angle);
+}
+
 }  // namespace
 
 b2BodyType ToBodyType(const std::string& name) {
@@ -361,26 +370,19 @@ void BindMechanisms(py::module_& m) {
                              [](const PyJoint& self) { return self.world->Contains(self.handle); })
       .def_property_readonly(
           "angle", [](const PyJoint& self) { return self.world->GetJointAngle(self.handle); });
-  py::class_<PyDrive>(m, "Drive")
-      .def(
-          "command",
-          [](PyDrive& self, double vx, double vy, double omega) {
-            self.world->Get(self.handle).Command({vx, vy, omega});
-          },
-          py::arg("vx"), py::arg("vy"), py::arg("omega"))
+  py::class_<PyDrive> drive(m, "Drive");
+  DefineFast<&CommandDrive>(drive, "command", "command($self, vx, vy, omega, /)\n--\n\n");
+  drive
       .def_property_readonly(
           "target",
           [](const PyDrive& self) { return ToTuple(self.world->Get(self.handle).target()); })
       .def_property_readonly("velocity", [](const PyDrive& self) {
         return ToTuple(self.world->Get(self.handle).velocity());
       });
-  py::class_<PyTricycle>(m, "Tricycle")
-      .def(
-          "command",
-          [](PyTricycle& self, double speed, double steer_angle) {
-            self.world->Get(self.handle).Command(speed, steer_angle);
-          },
-          py::arg("speed"), py::arg("steer_angle"))
+  py::class_<PyTricycle> tricycle(m, "Tricycle");
+  DefineFast<&CommandTricycle>(tricycle, "command",
+                               "command($self, speed, steer_angle, /)\n--\n\n");
+  tricycle
       .def_property_readonly(
           "speed", [](const PyTricycle& self) { return self.world->Get(self.handle).speed(); })
       .def_property_readonly("steer_angle", [](const PyTricycle& self) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "fast_method.hpp"
 #include "flatland_server/box2d_timer.hpp"
 
 namespace flatland {
@@ -42,19 +43,28 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
   return py::make_tuple(ranges, intensities);
 }
 
+const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
+  const py::gil_scoped_release release;
+  return self.world->Scan(self.handle, guard);
+}
+
+py::array_t<float> CopyOf(const std::vector<float>& values) {
+  py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
+  std::copy(values.begin(), values.end(), array.mutable_data());
+  return array;
+}
+
+// The guards are held until the arrays are copied: another thread may change the world after them.
+
 py::tuple ScanLidar(PyLidar& self) {
-  // Held until the arrays are copied: another thread may change the world after it.
   const World::AccessGuard guard(*self.world);
-  const Lidar& lidar = [&]() -> const Lidar& {
-    const py::gil_scoped_release release;
-    return self.world->Scan(self.handle, guard);
-  }();
-  const auto copy = [](const std::vector<float>& values) {
-    py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
-    std::copy(values.begin(), values.end(), array.mutable_data());
-    return array;
-  };
-  return py::make_tuple(copy(lidar.ranges), copy(lidar.intensities));
+  const Lidar& lidar = ScanReleased(self, guard);
+  return py::make_tuple(CopyOf(lidar.ranges), CopyOf(lidar.intensities));
+}
+
+py::array_t<float> RangesOf(PyLidar& self) {
+  const World::AccessGuard guard(*self.world);
+  return CopyOf(ScanReleased(self, guard).ranges);
 }
 
 void Step(PyWorld& self, double dt) {
@@ -95,7 +105,11 @@ void SetContactListener(PyWorld& self, py::object callback) {
 }
 
 void BindWorld(py::module_& m) {
-  py::class_<PyWorld>(m, "World")
+  py::class_<PyWorld> world(m, "World");
+  DefineFast<&Step>(world, "step", "step($self, dt, /)\n--\n\n");
+  DefineFast<&StepUntilContact>(world, "step_until_contact",
+                                "step_until_contact($self, dt, count, /)\n--\n\n");
+  world
       .def(py::init([](int velocity_iterations, int position_iterations) {
              return PyWorld(
                  std::make_shared<ListenedWorld>(velocity_iterations, position_iterations));
@@ -119,8 +133,6 @@ void BindWorld(py::module_& m) {
           },
           py::arg("type"), py::arg("pose"), py::arg("linear_damping") = 0.0,
           py::arg("angular_damping") = 0.0)
-      .def("step", &Step, py::arg("dt"))
-      .def("step_until_contact", &StepUntilContact, py::arg("dt"), py::arg("count"))
       .def_property_readonly("completed_steps",
                              [](const PyWorld& self) { return self.world->completed_steps(); })
       .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
@@ -177,9 +189,10 @@ PYBIND11_MODULE(_core, m) {
       .def(py::init<double, double, int>(), py::arg("angle_min"), py::arg("increment"),
            py::arg("count"))
       .def("__len__", &BeamFan::size);
-  py::class_<PyLidar>(m, "Lidar")
-      .def("expect_scan", [](PyLidar& self) { self.world->ExpectScan(self.handle); })
+  py::class_<PyLidar> lidar(m, "Lidar");
+  lidar.def("expect_scan", [](PyLidar& self) { self.world->ExpectScan(self.handle); })
       .def("scan", &ScanLidar);
+  DefineFast<&RangesOf>(lidar, "ranges", "ranges($self, /)\n--\n\n");
   // Both are declared before any function that has them in its signature.
   py::class_<PyBody> body(m, "Body");
   py::class_<PyFixture> fixture(m, "Fixture");

@@ -1,7 +1,7 @@
 """What a simulation hands out for its models and their plugins."""
 
 import inspect
-from typing import TYPE_CHECKING, Any, Dict, List, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Tuple
 
 from flatland_server.exceptions import (
     ModelError,
@@ -17,6 +17,7 @@ from flatland_server.library.catalog import Catalog
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
+from flatland_server.timekeeper import Timekeeper
 
 if TYPE_CHECKING:
     from flatland_server.library.simulation import Simulation
@@ -37,6 +38,9 @@ class ModelHandle:
     def __init__(self, simulation: "Simulation", name: str) -> None:
         self.name = name
         self._simulation = simulation
+        self._current = simulation.world.plugin_revision
+        self._command_revision = -1  # of the drive that `_command` belongs to
+        self._command: Callable[..., None]
         self._revision = -1  # of the plugins that are kept here
         self._running: Dict[str, Plugin] = {}
         self._names: Dict[str, List[str]] = {}
@@ -89,11 +93,10 @@ class ModelHandle:
             UsageError: these are not as many values as the drive takes, or they are not finite.
             ModelError: the model has no drive, or several ones.
         """
-        names = self._plugins_with("command")
-        if len(names) != 1:
-            found = f"has {listed(names)}: use drives[...].command" if names else "has none"
-            raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
-        self._drive(names[0]).command(*values)
+        if self._command_revision != self._current.value:
+            self._command = self._only_drive().command
+            self._command_revision = self._current.value
+        self._command(*values)
 
     def __repr__(self) -> str:
         return f'<model "{self.name}">'
@@ -118,13 +121,13 @@ class ModelHandle:
 
     def _plugins(self) -> Dict[str, Plugin]:
         """The running plugins by name, kept until plugins of the world come or go."""
-        world = self._simulation.world
-        if self._revision != world.plugin_revision:
+        if self._revision != self._current.value:
+            world = self._simulation.world
             self._simulation.require_open()
             world.get_model(self.name)
             self._running = world.plugins_of(self.name)
             self._names = {}
-            self._revision = world.plugin_revision
+            self._revision = self._current.value
         return self._running
 
     def _plugins_with(self, hook: str) -> List[str]:
@@ -138,6 +141,14 @@ class ModelHandle:
                 if getattr(type(plugin), hook) is not original
             ]
         return self._names[hook]
+
+    def _only_drive(self) -> "DriveHandle":
+        """Its drive; a ModelError unless it has one."""
+        names = self._plugins_with("command")
+        if len(names) != 1:
+            found = f"has {listed(names)}: use drives[...].command" if names else "has none"
+            raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
+        return self._drive(names[0])
 
     def _sensor(self, name: str) -> "SensorHandle":
         if name not in self._sensors:
@@ -167,6 +178,10 @@ class SensorHandle:
     def __init__(self, model: ModelHandle, name: str) -> None:
         self.name = name
         self._model = model
+        self._timekeeper = model._simulation.timekeeper
+        self._current = model._current
+        self._revision = -1  # of the plugin that `_read` belongs to
+        self._read: Callable[[Timekeeper], Any]
 
     @property
     def type(self) -> str:
@@ -192,17 +207,19 @@ class SensorHandle:
             PluginError: the plugin has failed, and is switched off.
             UsageError: it does not measure this quantity, or the simulation is closed.
         """
-        plugin = self._model.plugin(self.name)
-        timekeeper = self._model._simulation.timekeeper
         if not quantity:
-            return plugin.read(timekeeper)
+            if self._revision != self._current.value:
+                self._read = self._model.plugin(self.name).read
+                self._revision = self._current.value
+            return self._read(self._timekeeper)
+        plugin = self._model.plugin(self.name)
         known = plugin.quantities
         if quantity not in known:
             raise UsageError(
                 f'the sensor "{plugin.node.owner}" does not measure "{shortened(quantity)}"'
                 f"{suggestion(quantity, known)}; besides what read() gives: {listed(known)}"
             )
-        return getattr(plugin, f"read_{quantity}")(timekeeper)
+        return getattr(plugin, f"read_{quantity}")(self._timekeeper)
 
     def __repr__(self) -> str:
         return f'<sensor "{self._model.name}/{self.name}">'
@@ -218,6 +235,9 @@ class DriveHandle:
     def __init__(self, model: ModelHandle, name: str) -> None:
         self.name = name
         self._model = model
+        self._current = model._current
+        self._revision = -1  # of the plugin that `_command` belongs to
+        self._command: Callable[..., None]
 
     @property
     def type(self) -> str:
@@ -230,22 +250,29 @@ class DriveHandle:
         Raises:
             UsageError: these are not as many values as it takes, or they are not finite.
         """
-        plugin = self._model.plugin(self.name)
+        if self._revision != self._current.value:
+            self._command = self._model.plugin(self.name).command
+            self._revision = self._current.value
         finite(values, "a command")
         try:
-            plugin.command(*values)
+            self._command(*values)
         except (TypeError, ValueError) as error:
-            parameters = inspect.signature(plugin.command).parameters
-            reason = ""
-            try:
-                inspect.signature(plugin.command).bind(*values)
-                reason = f": {error}"
-            except TypeError:
-                pass
-            raise UsageError(
-                f'the drive "{plugin.node.owner}" takes command({", ".join(parameters)}), '
-                f"found {shown(values)}{reason}"
-            ) from error
+            raise self._wrong_command(values, error) from error
+
+    def _wrong_command(self, values: Tuple[Any, ...], error: Exception) -> UsageError:
+        """The error for a command that the plugin has refused, with this error."""
+        signature = inspect.signature(self._command)
+        reason = ""
+        try:
+            signature.bind(*values)
+            reason = f": {error}"
+        except TypeError:
+            pass
+        owner = self._model.plugin(self.name).node.owner
+        return UsageError(
+            f'the drive "{owner}" takes command({", ".join(signature.parameters)}), '
+            f"found {shown(values)}{reason}"
+        )
 
     def __repr__(self) -> str:
         return f'<drive "{self._model.name}/{self.name}">'

@@ -33,6 +33,7 @@ class SimulatedWorld:
         self.world = world
         self.timekeeper = new_timekeeper(step_size)
         self._transport = world.transport
+        self._settled = -1  # the activity of the transport before the last step; -1 is not known
         self._failures: List[Tuple[PluginFailure, BaseException]] = []
 
     @property
@@ -45,8 +46,12 @@ class SimulatedWorld:
 
         First, messages that were sent are received.
         """
+        self._settled = -1
+        activity = self._transport.activity
         self._transport.process()
-        return self.world.step_up_to(self.timekeeper, limit)
+        steps = self.world.step_up_to(self.timekeeper, limit)
+        self._settled = activity
+        return steps
 
     def _note_failure(self, failure: PluginFailure, error: BaseException) -> None:
         self._failures.append((failure, error))

@@ -119,11 +119,19 @@ class Simulation(SimulatedTopics):
             PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
                 it was raised in is complete, and those after it are not made.
         """
+        if (
+            self._settled == self._transport.activity
+            and type(count) is int
+            and count > 0
+            and self.world.step_as_planned(self.timekeeper, count)
+        ):
+            return self
         self.require_open()
         left = whole_number(count, "a number of steps", 1)
         while left > 0:
             left -= self._advance(1 if self._recorders else left)
             if self._recorders:
+                self._settled = -1  # each step is written
                 self._write_recordings()
             if self._failures:
                 self._raise_failures()

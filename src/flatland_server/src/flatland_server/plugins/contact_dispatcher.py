@@ -54,6 +54,11 @@ class ContactDispatcher:
 
         physics.set_contact_listener(deliver)
 
+    @property
+    def is_listening(self) -> bool:
+        """Whether a plugin has a contact hook."""
+        return any(self._listeners.values())
+
     def add(self, plugin: Plugin, entity: Optional[Entity], hooks: Dict[str, Hook]) -> None:
         """Registers the contact hooks of a plugin.
 

@@ -1,6 +1,5 @@
 """Starts plugins, calls their hooks, switches off those that fail, and stops them."""
 
-import itertools
 import logging
 import sys
 from typing import (
@@ -38,8 +37,18 @@ Hook = Callable[..., None]
 
 _NO_CALLS = StepCalls([])
 
-_revisions = itertools.count()
-"""Of all managers, so that a new one is never taken for its predecessor."""
+
+class PluginRevision:
+    """Counts how often the running plugins of a world have changed, for caches that compare it."""
+
+    __slots__ = ("value",)
+
+    def __init__(self) -> None:
+        self.value = 0
+
+    def change(self) -> None:
+        """A plugin has been started, stopped or switched off, or all are others."""
+        self.value += 1
 
 
 class PluginFailure(NamedTuple):
@@ -71,6 +80,10 @@ class PluginManager:
         seed: the world's seed.
         physics: reports contacts.
         entities: the models and layers that take part in contacts.
+        revision: counts the changes of plugins; the world's, which may get another manager.
+
+    Attributes:
+        plan: until when no hook is to be called, of steps or contacts, if that is known.
     """
 
     def __init__(
@@ -80,6 +93,7 @@ class PluginManager:
         seed: int,
         physics: _core.World,
         entities: Entities,
+        revision: PluginRevision,
     ) -> None:
         self._transport = transport
         self._factory = PluginFactory(transport, loader, seed)
@@ -87,11 +101,11 @@ class PluginManager:
         self._failures: Dict[Plugin, PluginFailure] = {}
         self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
         self._schedule = Schedule(self._has_work)
+        self.plan = self._schedule.plan
         self._step_calls = _NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
         """Called when a plugin has failed and is switched off; without it, that is logged."""
-        self.revision = next(_revisions)
-        """Another value whenever a plugin has been started, stopped or switched off."""
+        self._revision = revision
         self._starting = 0  # calls of `start` that are being made, each within the one before
 
     def take_over_warnings(self, former: "PluginManager") -> None:
@@ -114,7 +128,7 @@ class PluginManager:
     def switch_off(self, plugin: Plugin, failure: PluginFailure) -> None:
         """Shuts a plugin down and does not call it any more."""
         self._failures[plugin] = failure
-        self.revision = next(_revisions)
+        self._revision.change()
         self._stop_calling([plugin])
         self._shut_down(plugin)
 
@@ -162,6 +176,7 @@ class PluginManager:
             FlatlandError: a plugin does not exist, or does not start.
         """
         plugins = self._plugins[model_name] = []
+        self.plan.expire()
         problems: List[Problem] = []
         self._starting += 1
         try:
@@ -170,7 +185,7 @@ class PluginManager:
                     plugins.append(
                         self._factory.make(config, base, model_name, namespace, subject, self._fail)
                     )
-                    self.revision = next(_revisions)
+                    self._revision.change()
                 except YamlError as error:
                     problems.extend(error.problems)
             if problems:
@@ -193,7 +208,7 @@ class PluginManager:
     def stop(self, model_name: str) -> None:
         """Stops the plugins of a model or of the world, in the reverse order of their start."""
         plugins = self._plugins.pop(model_name, [])
-        self.revision = next(_revisions)
+        self._revision.change()
         self._stop_calling(plugins)
         for plugin in reversed(plugins):
             if self._failures.pop(plugin, None) is None:
@@ -215,12 +230,14 @@ class PluginManager:
         if revision != self._transport.subscriber_revision:
             return 0
         steps = self._schedule.steps_without_calls(timekeeper, revision, limit)
+        if self._contacts.is_listening:
+            self.plan.until = 0  # each step may call a contact hook
         if steps > 0:
             self._step_calls = _NO_CALLS  # or those of the last step would keep plugins alive
         return steps
 
     def pass_over(self, nanoseconds: int) -> None:
-        """Must be called when such steps were made, with the time of the last one [ns]."""
+        """Brings the timers of all plugins up to date, after a step at this time [ns]."""
         self._schedule.pass_over(nanoseconds)
 
     @property

@@ -6,6 +6,7 @@ from typing import Callable, Dict, Sequence
 
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.scheduled_plugin import ScheduledPlugin, StepCalls, StepHook
+from flatland_server.plugins.step_plan import StepPlan
 from flatland_server.plugins.timer_queue import TimerQueue
 from flatland_server.plugins.work_cache import WorkCache
 from flatland_server.timekeeper import Timekeeper
@@ -15,15 +16,19 @@ class Schedule:
     """Finds the plugins that are due and have work, without asking each of them at every step.
 
     Plugins with an update rate are in a `TimerQueue`. Those without are due at every step; they are
-    in a `WorkCache`. When several steps are to be made at once, plugins with an update rate that
-    only publish, and have no subscriber, are put into a queue of their own: their timers go on, but
-    no step has to wait for them.
+    in a `WorkCache`. When a `StepPlan` is made, plugins with an update rate that only publish, and
+    have no subscriber, are put into a queue of their own: their timers go on, but no step has to
+    wait for them.
 
     Args:
         has_work: asks a plugin; see `Plugin.has_work`. It may remove plugins here.
+
+    Attributes:
+        plan: until when no plugin is to be called, if that is known.
     """
 
     def __init__(self, has_work: Callable[[Plugin], bool]) -> None:
+        self.plan = StepPlan()
         self._has_work = has_work
         self._plugins: Dict[Plugin, ScheduledPlugin] = {}
         self._count = 0
@@ -44,6 +49,7 @@ class Schedule:
         scheduled = ScheduledPlugin(plugin, hooks, self._count)
         self._plugins[plugin] = scheduled
         self._insert(scheduled)
+        self.plan.expire()
         plugin.timer_observer = lambda: self._move(scheduled)
 
     def remove(self, plugins: Sequence[Plugin]) -> None:
@@ -51,6 +57,7 @@ class Schedule:
 
         Plugins that are not there are ignored.
         """
+        self.plan.expire()
         removed = {self._plugins.pop(plugin) for plugin in plugins if plugin in self._plugins}
         for each in removed:
             each.is_removed = True
@@ -67,14 +74,19 @@ class Schedule:
             subscriber_revision: differs from that of the last step if subscribers have changed.
         """
         now = timekeeper.nanoseconds
+        idle = self._idle_queue
+        if now > idle.next_due:
+            idle.pass_over(now - timekeeper.step_nanoseconds)  # steps were made as planned
         if subscriber_revision != self._idle_revision:
             self._end_idleness()
-        if now >= self._idle_queue.next_due:
-            self._idle_queue.pass_over(now)
+        if now >= idle.next_due:
+            idle.pass_over(now)
         calls = self._work_cache.calls(subscriber_revision)
         if now < self._timer_queue.next_due:
             return calls
         due = self._timer_queue.pop_due(timekeeper)
+        if self.plan.until > 0:
+            self.plan.extend(self._timer_queue.next_due)
         with_work = [each for each in due if self._has_work(each.plugin) and not each.is_removed]
         return StepCalls(sorted([*calls.plugins, *with_work], key=attrgetter("order")))
 
@@ -83,11 +95,13 @@ class Schedule:
     ) -> int:
         """The number of steps from now on, up to a limit, in which no hook is to be called.
 
-        This holds until plugins, their timers or subscribers change. After these steps, call
-        `pass_over`.
+        This holds until plugins, their timers or subscribers change. Makes the `plan` anew.
 
         Args: those of `calls`, and the limit.
         """
+        self.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
+        plan = self.plan
+        plan.until, plan.subscriber_revision = 0, subscriber_revision  # plugins may let it expire
         if self._work_cache.calls(subscriber_revision).plugins:
             return 0
         if self._idle_is_stale or subscriber_revision != self._idle_revision:
@@ -95,13 +109,17 @@ class Schedule:
             self._idle_revision = subscriber_revision
             self._find_idle()
         next_due = self._timer_queue.next_due
+        if self._idle_is_stale:
+            plan.expire()  # a plugin may have no work once it has been due
+        elif plan.subscriber_revision is not None:
+            plan.extend(next_due)
         if math.isinf(next_due):
             return limit
         steps = -(int(timekeeper.nanoseconds - next_due) // timekeeper.step_nanoseconds)
         return min(max(steps, 0), limit)
 
     def pass_over(self, nanoseconds: int) -> None:
-        """Steps were made without calls, the last of them at this simulated time [ns]."""
+        """Makes idle plugins due after this simulated time [ns], at which a step was made."""
         self._idle_queue.pass_over(nanoseconds)
 
     def _find_idle(self) -> None:
@@ -137,6 +155,7 @@ class Schedule:
 
     def _move(self, scheduled: ScheduledPlugin) -> None:
         """Moves a plugin to the place where it belongs with the timer that it has now."""
+        self.plan.expire()
         self._timer_queue.remove({scheduled})
         self._idle_queue.remove({scheduled})
         self._work_cache.remove({scheduled})

@@ -117,6 +117,7 @@ class Restartable(ABC):
                 read from again; or a step is being made.
         """
         self.require_between_steps("save_state")
+        self._plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
         return WorldState(
             str(self._config.path or ""),
             self._seed,

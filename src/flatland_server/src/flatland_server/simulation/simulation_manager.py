@@ -248,6 +248,6 @@ class SimulationManager:
             request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:
-        self.world.step(self.timekeeper)
+        self.world.step_up_to(self.timekeeper, 1)
         for callback in self.after_step:
             callback()

@@ -3,6 +3,7 @@
 from flatland_server import _core
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_manager import PluginManager
+from flatland_server.plugins.step_plan import StepPlan
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.transport import Transport
@@ -12,8 +13,13 @@ _MAX_STEPS_PER_CALL = 100
 
 
 class Stepping:
-    """The part of a `World` that advances it."""
+    """The part of a `World` that advances it.
 
+    Attributes:
+        plan: until when steps call no hooks, for the present plugins and subscribers.
+    """
+
+    plan: StepPlan
     transport: Transport
     physics: _core.World
     _plugins: PluginManager
@@ -43,8 +49,9 @@ class Stepping:
         """Makes as many steps as are possible in one call of the core, and at least one.
 
         The result, and what the hooks of plugins see, is that of so many calls of `step`. It ends
-        before a step in which a plugin is due, and after one in which a contact hook was called,
-        so that `transport.process()` may be called between any two steps that affect each other:
+        before a step in which a plugin is due, after one in which a contact hook was called, and
+        after one that is followed by callbacks, so that `transport.process()` may be called between
+        any two steps that affect each other:
 
             while count > 0:
                 world.transport.process()
@@ -60,15 +67,42 @@ class Stepping:
         Raises:
             FlatlandError: this is called by a hook of a plugin.
         """
-        steps = 0
-        if limit > 1 and self._deferred.is_free and not self._deferred.pending:
-            steps = self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
-        if steps > 1:
-            return self._step_without_hooks(timekeeper, steps)
+        if self.transport.has_to_deliver:
+            limit = 1
+        is_current = self.plan.subscriber_revision == self.transport.subscriber_revision
+        if is_current and not self._deferred.pending and self.step_as_planned(timekeeper, limit):
+            self.transport.flush()
+            return limit
+        # A plan that is current says already whether a hook is to be called in the next step.
+        steps = 0 if is_current and limit == 1 else self._steps_without_hooks(timekeeper, limit)
+        if steps > 0:
+            return self._step_until_contact(timekeeper, steps)
         self.step(timekeeper)
         return 1
 
-    def _step_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
+    def step_as_planned(self, timekeeper: Timekeeper, count: int) -> bool:
+        """Makes steps, 1 or more, if that is one call of the core, without hooks: by the `plan`.
+
+        For callers that have no messages to deliver, and know that subscribers are those of the
+        plan; `step_up_to` finds out.
+
+        Returns:
+            Whether it has made them: all or none.
+        """
+        end = timekeeper.nanoseconds + count * timekeeper.step_nanoseconds
+        if end - timekeeper.step_nanoseconds >= self.plan.until or count > _MAX_STEPS_PER_CALL:
+            return False
+        self.physics.step_until_contact(timekeeper.step_size, count)
+        timekeeper.nanoseconds = end
+        return True
+
+    def _steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
+        """The number of steps from now on, up to a limit, that need no calls of step hooks."""
+        if not self._deferred.is_free or self._deferred.pending:
+            return 0
+        return self._plugins.steps_without_hooks(timekeeper, min(limit, _MAX_STEPS_PER_CALL))
+
+    def _step_until_contact(self, timekeeper: Timekeeper, limit: int) -> int:
         """Makes steps in which no step hook is called; ends after one with a contact event."""
         physics = self.physics
         counted = 0
@@ -85,7 +119,6 @@ class Stepping:
                 count_steps()
         finally:
             self._plugins.before_contact_hooks = None
-            self._plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
         if self._deferred.pending:
             self._deferred.run_pending()
         self.transport.flush()

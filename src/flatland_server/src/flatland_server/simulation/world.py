@@ -27,7 +27,12 @@ from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.plugin_manager import FailureHandler, PluginFailure, PluginManager
+from flatland_server.plugins.plugin_manager import (
+    FailureHandler,
+    PluginFailure,
+    PluginManager,
+    PluginRevision,
+)
 from flatland_server.simulation.additions import Additions
 from flatland_server.simulation.deferred_actions import DeferredActions
 from flatland_server.simulation.load_progress import LoadProgress
@@ -63,6 +68,8 @@ class World(Spawning, Restartable, Stepping):
         loader: Optional[PluginLoader] = None,
     ) -> None:
         self._on_failure: Optional[FailureHandler] = None
+        self.plugin_revision = PluginRevision()
+        """Changes whenever `plugins_of` may give something else for a model."""
         self.transport: Transport = transport if transport is not None else LocalTransport()
         self._loader = loader or PluginLoader()
         self._start(config, seed)
@@ -72,7 +79,8 @@ class World(Spawning, Restartable, Stepping):
         former: Optional[PluginManager] = getattr(self, "_plugins", None)
         physics = _core.World(config.velocity_iterations, config.position_iterations)
         entities = Entities()
-        plugins = PluginManager(self.transport, self._loader, seed, physics, entities)
+        revision = self.plugin_revision
+        plugins = PluginManager(self.transport, self._loader, seed, physics, entities, revision)
         plugins.on_failure = self._on_failure
         if former is not None:
             plugins.take_over_warnings(former)
@@ -88,6 +96,7 @@ class World(Spawning, Restartable, Stepping):
         """The model or layer that each body belongs to."""
         self.layers: List[Layer] = []
         self._plugins = plugins
+        self.plan = plugins.plan
         self._deferred = DeferredActions()
         self._additions = Additions()
         self._is_starting = True
@@ -204,11 +213,6 @@ class World(Spawning, Restartable, Stepping):
             (plugin, self._plugins.failure_of(plugin) is not None)
             for plugin in self._plugins.plugins_of(model)
         ]
-
-    @property
-    def plugin_revision(self) -> int:
-        """Another value whenever `plugins_of` may give something else for a model."""
-        return self._plugins.revision
 
     @property
     def plugin_failures(self) -> List[PluginFailure]:

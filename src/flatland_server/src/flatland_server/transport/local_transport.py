@@ -28,6 +28,11 @@ class LocalTransport(Transport):
         params: parameters by absolute name.
         subscribed_topics: the topics that count as having a subscriber; None is all of them. As
             with ROS, plugins compute nothing for the others.
+
+    Attributes:
+        transforms: by the name of the child frame.
+        activity: counts messages to be delivered, and changes of subscribers. While it stays the
+            same, `process` and `flush` have nothing to do.
     """
 
     def __init__(
@@ -45,6 +50,7 @@ class LocalTransport(Transport):
         self.transforms: Dict[str, Transform] = {}
         self._params = dict(params)
         self._subscribed_topics = subscribed_topics
+        self.activity = 0
         self._subscriber_revision = 0
         self._publishers: CounterType[str] = Counter()
         self._last: Dict[str, Tuple[_LocalPublisher, Any]] = {}
@@ -58,6 +64,7 @@ class LocalTransport(Transport):
         """Sends a message to the subscribers of a topic; `process` runs their callbacks."""
         name = _absolute(topic)
         self._inbox.append((name, message))
+        self.activity += 1
         if self._taps:
             self._pass_on(name, message, is_latched=False)
 
@@ -85,7 +92,7 @@ class LocalTransport(Transport):
     ) -> Subscription:
         topic = _absolute(topic)
         callbacks = self._callbacks.setdefault(topic, [])
-        self._subscriber_revision += 1
+        self._subscribers_change()
         publisher, message = self._last.get(topic, (None, None))
         if publisher is not None and publisher.is_latched:
             self._published.append((topic, callback, message))
@@ -94,7 +101,7 @@ class LocalTransport(Transport):
     def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
         """Changes the topics that count as having a subscriber; None is all of them."""
         self._subscribed_topics = topics
-        self._subscriber_revision += 1
+        self._subscribers_change()
 
     def watch(self, topics: Optional[Container[str]]) -> None:
         """Deprecated alias of `set_subscribed_topics`."""
@@ -111,7 +118,7 @@ class LocalTransport(Transport):
     def open_tap(self, tap: Tap) -> None:
         """Passes on all messages from now on, and first the last ones of latched topics."""
         self._taps = (*self._taps, tap)
-        self._subscriber_revision += 1
+        self._subscribers_change()
         for topic, (publisher, message) in self._last.items():
             if publisher.is_latched and tap.wants(topic):
                 tap.receive(topic, message, True)
@@ -119,7 +126,7 @@ class LocalTransport(Transport):
     def close_tap(self, tap: Tap) -> None:
         """Passes nothing on to it any more."""
         self._taps = tuple(each for each in self._taps if each is not tap)
-        self._subscriber_revision += 1
+        self._subscribers_change()
 
     @property
     def transforms_have_subscribers(self) -> bool:
@@ -128,6 +135,10 @@ class LocalTransport(Transport):
     @property
     def subscriber_revision(self) -> object:
         return self._subscriber_revision
+
+    @property
+    def has_to_deliver(self) -> bool:
+        return bool(self._published)
 
     def send_transform(self, transform: Transform) -> None:
         self.transforms[transform.child] = transform
@@ -172,6 +183,10 @@ class LocalTransport(Transport):
         self._inbox.clear()
         self._published.clear()
 
+    def _subscribers_change(self) -> None:
+        self._subscriber_revision += 1
+        self.activity += 1
+
     def _pass_on(self, topic: str, message: Any, is_latched: bool) -> None:
         for tap in self._taps:
             if tap.wants(topic):
@@ -196,6 +211,7 @@ class _LocalPublisher(Publisher):
         if transport._is_delivering:
             for callback in transport._callbacks.get(self._topic, ()):
                 transport._published.append((self._topic, callback, message))
+                transport.activity += 1
         if transport._taps:
             transport._pass_on(self._topic, message, self.is_latched)
 
@@ -234,7 +250,7 @@ class _LocalSubscription(Subscription):
         self._transport.arrivals.close(self._arrival)
         if self._callback in self._callbacks:
             self._callbacks.remove(self._callback)
-            self._transport._subscriber_revision += 1
+            self._transport._subscribers_change()
 
 
 def _absolute(name: str) -> str:

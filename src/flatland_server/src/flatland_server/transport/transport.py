@@ -118,6 +118,11 @@ class Transport(ABC):
         """
         return object()
 
+    @property
+    def has_to_deliver(self) -> bool:
+        """Whether `flush` has to run callbacks after the next step."""
+        return False
+
     @abstractmethod
     def send_transform(self, transform: Transform) -> None:
         """Adds a transform to those of the present step; `flush` sends them."""

@@ -65,7 +65,7 @@ def test_without_walls_it_is_a_square_around_the_start_or_an_error():
     grid = DistanceGrid(np.empty((0, 4)), (100.0, 50.0), 0.5, open_reach=10.0)
     points = grid.free_space(0.3).poses(500, np.random.default_rng(1))[:, :2]
     assert np.abs(points - (100, 50)).max() == pytest.approx(10, abs=0.2)
-    with pytest.raises(UsageError, match="without walls"):
+    with pytest.raises(UsageError, match="no walls that bound its free space"):
         DistanceGrid(np.empty((0, 4)), (100.0, 50.0), 0.5)
     for wrong in (-0.1, 0.6, float("nan")):
         with pytest.raises(UsageError, match=r"expected a clearance of 0 to 0\.5 m, found"):

@@ -1,0 +1,109 @@
+#pragma once
+
+/// Methods that programs call at every step, without pybind11's dispatch.
+///
+/// Need: pybind11 takes 0.12 us for a call, to choose an overload and convert its arguments. In a
+/// world of one robot, that would be a third of a step with its command and its scan.
+///
+/// Method: Python's own calling convention for methods with positional arguments (METH_FASTCALL),
+/// on a class of pybind11. Python checks the type of `self`; the arguments are numbers. Exceptions
+/// are translated as everywhere, by pybind11.
+
+#include <exception>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "bindings.hpp"
+
+namespace flatland {
+
+template <class T>
+T ToNumber(PyObject* object);
+
+template <>
+inline double ToNumber<double>(PyObject* object) {
+  const double value = PyFloat_AsDouble(object);
+  if (value == -1.0 && PyErr_Occurred() != nullptr) throw py::error_already_set();
+  return value;
+}
+
+template <>
+inline int ToNumber<int>(PyObject* object) {
+  const long value = PyLong_AsLong(object);
+  if (value == -1 && PyErr_Occurred() != nullptr) throw py::error_already_set();
+  if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max()) {
+    throw std::overflow_error("expected an int of 32 bits, found " + std::to_string(value));
+  }
+  return static_cast<int>(value);
+}
+
+/// Sets Python's error to what pybind11 translates an exception to.
+inline void SetError(const std::exception_ptr& exception) {
+  try {
+    py::cpp_function([&] { std::rethrow_exception(exception); })();
+  } catch (py::error_already_set& error) {
+    error.restore();
+  }
+}
+
+/// The C function of a method: calls `function(self, numbers...)`.
+template <auto function>
+struct FastMethod;
+
+template <class Result, class Self, class... Numbers, Result (*function)(Self&, Numbers...)>
+struct FastMethod<function> {
+  static PyObject* Call(PyObject* self, PyObject* const* arguments, Py_ssize_t count) {
+    try {
+      constexpr Py_ssize_t kExpected = sizeof...(Numbers);
+      if (count != kExpected) {
+        throw py::type_error("expected " + std::to_string(kExpected) + " arguments, found " +
+                             std::to_string(count));
+      }
+      return Apply(SelfOf(self), arguments, std::index_sequence_for<Numbers...>());
+    } catch (...) {
+      SetError(std::current_exception());
+      return nullptr;
+    }
+  }
+
+ private:
+  static Self& SelfOf(PyObject* self) {
+    auto* instance = reinterpret_cast<py::detail::instance*>(self);
+    void* const value = instance->get_value_and_holder().value_ptr();
+    if (value == nullptr) throw py::type_error("__init__ was not called");
+    return *static_cast<Self*>(value);
+  }
+
+  template <std::size_t... kIndices>
+  static PyObject* Apply(Self& self, [[maybe_unused]] PyObject* const* arguments,
+                         std::index_sequence<kIndices...>) {
+    if constexpr (std::is_void_v<Result>) {
+      function(self, ToNumber<Numbers>(arguments[kIndices])...);
+      return py::none().release().ptr();
+    } else if constexpr (std::is_base_of_v<py::object, Result>) {
+      return function(self, ToNumber<Numbers>(arguments[kIndices])...).release().ptr();
+    } else {
+      return py::cast(function(self, ToNumber<Numbers>(arguments[kIndices])...)).release().ptr();
+    }
+  }
+};
+
+/// Defines a method that takes positional arguments alone.
+///
+/// @param signature  for introspection, such as "step($self, dt, /)\n--\n\n"; begins with the name
+template <auto function, class Class>
+void DefineFast(Class& cls, const char* name, const char* signature) {
+  using Fast = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t);
+  constexpr Fast kCall = &FastMethod<function>::Call;
+  static PyMethodDef definition{};  // one for each function; Python keeps its address
+  definition.ml_name = name;
+  definition.ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(kCall));
+  definition.ml_flags = METH_FASTCALL;
+  definition.ml_doc = signature;
+  auto* const type = reinterpret_cast<PyTypeObject*>(cls.ptr());
+  cls.attr(name) = py::reinterpret_steal<py::object>(PyDescr_NewMethod(type, &definition));
+}
+
+}  // namespace flatland
