@@ -209,6 +209,26 @@ def test_scans_with_the_walls_of_a_cell_are_those_with_all(world_of):
     assert np.array_equal(first, last)
 
 
+def test_a_view_shows_an_environment(world_of):
+    actions = commands(5, 2)[:, None] * np.ones((3, 1))
+    with SimulationBatch(world_of(noise="0.02"), 3, seed=7) as batch:
+        for action in actions[:5]:
+            observation = batch.step(action, SUBSTEPS)
+        for k in (0, 2, 1):
+            view = batch.view(k)
+            index = list(view.models).index("robot")
+            robot = view.models["robot"]
+            assert np.array_equal(view.poses[index], observation.poses[k])
+            assert np.array_equal(robot.sensors["laser"].read(), observation.ranges[k])
+            assert view.time == observation.times[k]
+        with Simulation(world_of(noise="0.02"), seed=8) as simulation:
+            for action in actions[:5, 1]:
+                simulation.models["robot"].command(*action)
+                simulation.step(SUBSTEPS)
+            assert np.array_equal(view.poses, simulation.poses)
+            assert np.array_equal(view.render(sensors=True), simulation.render(sensors=True))
+
+
 def test_facts_of_the_robot(world_of):
     with SimulationBatch(world_of("TricycleDrive"), 3, threads=2, seed=[5, 3, 9]) as batch:
         assert (batch.num_envs, batch.threads, batch.robot) == (3, 2, "robot")
@@ -297,6 +317,8 @@ def unusable():
         (lambda b: b.reset(seeds=-1), "seed"),
         (lambda b: b.reset(poses=np.full((2, 3), 1e30)), "poses of finite numbers"),
         (lambda b: b.reset(poses=[1, 2, 3]), "x, y, yaw"),
+        (lambda b: b.view(2), "expected an environment from 0 to 1, found 2"),
+        (lambda b: b.view("1"), "found '1'"),
         (lambda b: b.free_poses(1, 0.0, np.random.default_rng(0)), "clearance"),
         (lambda b: b.free_space(None), "expected a clearance above zero, found None"),
         (lambda b: b.free_space(0.3).contains(np.zeros(2)), "points of shape (n, 2), found (2,)"),

@@ -80,7 +80,8 @@ void WorldBatch::ForEach(const bool* mask, Visit visit) {
   });
 }
 
-void WorldBatch::Step(const double* actions, int substeps, double dt, const BatchRows& rows) {
+void WorldBatch::Advance(const double* actions, int substeps, double dt, const BatchRows* rows,
+                         bool goes_on) {
   Require(substeps >= 1, "expected 1 step or more");
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   const int64_t numbers = int64_t{count()} * robot_.action_size;
@@ -90,13 +91,13 @@ void WorldBatch::Step(const double* actions, int substeps, double dt, const Batc
   ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
     World& world = shared.Enter(*environment.state);
     Command(world, actions + int64_t{row} * robot_.action_size);
-    environment.collided = false;
+    environment.collided = environment.collided && goes_on;
     for (int i = 0; i < substeps; ++i) {
       world.Step(dt);
       environment.collided = environment.collided || world.Touches(robot_.bodies);
     }
     environment.steps += substeps;
-    Write(world, environment, row, rows);
+    if (rows != nullptr) Write(world, environment, row, *rows);
     shared.Leave(*environment.state);
   });
 }
@@ -128,6 +129,43 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
 void WorldBatch::Observe(const BatchRows& rows) {
   ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
     Write(shared.Enter(*environment.state), environment, row, rows);
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,
+                            double* velocities) {
+  const auto width = static_cast<int64_t>(3 * bodies.size());
+  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+    const World& world = shared.Enter(*environment.state);
+    int64_t at = width * row;
+    for (const World::Body& body : bodies) {
+      const Pose pose = Wrapped(world.GetPose(body));
+      const Twist velocity = world.GetVelocity(body);
+      Put(poses + at, pose.x, pose.y, pose.yaw);
+      Put(velocities + at, velocity.vx, velocity.vy, velocity.omega);
+      at += 3;
+    }
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::SetVelocities(const bool* mask, const std::vector<World::Body>& bodies,
+                               const double* velocities) {
+  const auto width = static_cast<int64_t>(3 * bodies.size());
+  for (int row = 0; row < count(); ++row) {
+    if (mask != nullptr && !mask[row]) continue;
+    for (int64_t i = width * row; i < width * (row + 1); ++i) {
+      Require(IsUsable(velocities[i]), "a velocity must be finite");
+    }
+  }
+  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+    World& world = shared.Enter(*environment.state);
+    const double* velocity = velocities + width * row;
+    for (const World::Body& body : bodies) {
+      world.SetVelocity(body, {velocity[0], velocity[1], velocity[2]});
+      velocity += 3;
+    }
     shared.Leave(*environment.state);
   });
 }

@@ -4,7 +4,7 @@ import inspect
 import math
 import os
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -24,10 +24,12 @@ from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.batch_robot import find_robot, require_passive
 from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.simulated_world import new_timekeeper
+from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_source import WorldSource, open_world
 from flatland_server.plugins.core_parts import RangeNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
 
 _MOST_STEPS = 2**31 - 1
@@ -106,6 +108,8 @@ class SimulationBatch:
         )
         require_passive(self._world)
         self._robot = find_robot(self._world, robot, lidar)
+        self._stage: Optional[Simulation] = None
+        self._params, self._loader = dict(params), loader
         self._moved = [self._world.get_model(name) for name in moved]
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
@@ -275,6 +279,45 @@ class SimulationBatch:
         self._finish(observation, None)
         return observation
 
+    def view(self, index: int) -> Simulation:
+        """A simulation in which everything is where it is in an environment: for pictures.
+
+            batch.view(3).save_picture("robot.png", follow=batch.robot, sensors=True)
+
+        It has the environment's seed, time, poses and velocities, but not what is kept from step to
+        step, such as contacts: its steps do not go on as the environment's would. It is the same
+        simulation in all calls, and the batch closes it.
+
+        Args:
+            index: of the environment.
+
+        Raises:
+            UsageError: there is no such environment, or the batch is closed.
+        """
+        core = self._require_open()
+        if not (isinstance(index, (int, np.integer)) and 0 <= index < self._num_envs):
+            raise UsageError(
+                f"expected an environment from 0 to {self._num_envs - 1}, found {shown(index)}"
+            )
+        seed = int(self._seeds[index])
+        if self._stage is None:
+            self._stage = Simulation(
+                self._world.config,
+                seed=seed,
+                step_size=self.step_size,
+                params=self._params,
+                loader=self._loader,
+            )
+        elif self._stage.seed != seed:
+            self._stage.reset(seed)
+        chosen = np.arange(self._num_envs) == index
+        poses, velocities = core.motions(_bodies_of(self._world), chosen)
+        rows = zip(_bodies_of(self._stage.world), poses[index].tolist(), velocities[index].tolist())
+        for body, pose, velocity in rows:
+            body.pose, body.velocity = tuple(pose), tuple(velocity)
+        self._stage.timekeeper.jump_to(int(self._steps[index]) * self._step_nanoseconds)
+        return self._stage
+
     # Places
 
     def free_space(self, clearance: float) -> FreeSpace:
@@ -324,6 +367,8 @@ class SimulationBatch:
         if self._core is not None:
             self._core = None
             self._world.close()
+            if self._stage is not None:
+                self._stage.close()
 
     def __enter__(self) -> "SimulationBatch":
         return self
@@ -383,3 +428,8 @@ class SimulationBatch:
                 bits |= fixture.layers
         walls = [layer.segments for layer in self._world.layers if layer.config.bits & bits]
         return np.concatenate([np.empty((0, 4)), *walls])
+
+
+def _bodies_of(world: World) -> List[_core.Body]:
+    """The bodies of all models, in the order of their creation."""
+    return [body for model in world.models.values() for body in model.physics_bodies]
