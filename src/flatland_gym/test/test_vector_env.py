@@ -286,6 +286,7 @@ def test_a_step_after_an_end_is_refused_without_autoreset():
         ({"num_envs": 2, "threads": 1.5}, "expected threads to be a whole number"),
         ({"num_envs": 2, "autoreset_mode": "Never"}, "expected autoreset_mode to be one of"),
         ({"num_envs": 2, "render_mode": "human"}, "for a single environment"),
+        ({"num_envs": 2, "render_envs": 0}, "expected render_envs to be a whole number above 0"),
         ({"num_envs": 2, "wrold": "office"}, 'unknown argument "wrold"; there are: world, robot'),
     ],
 )
@@ -294,13 +295,44 @@ def test_wrong_arguments_are_named(arguments, message):
         make_vector(**arguments)
 
 
-def test_pictures_of_all_environments():
-    env = make_vector(2, world="discs", render_mode="rgb_array")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"world": "office", "lidar_noise": 0.05},
+        {"world": "discs", "obstacles": 3},
+        {"world": "doors"},
+        {"world": "corridor"},
+    ],
+    ids=["boxes and noise", "obstacles", "a door", "a crowd"],
+)
+def test_pictures_are_those_of_single_environments(arguments):
+    """To the pixel, after a reset of one of two environments."""
+    arguments = {**arguments, "goal_distance": (1, 3), "render_mode": "rgb_array"}
+    arguments["terminated"] = lambda step: np.zeros(len(step.distance), bool)
+    single = SyncVectorEnv([lambda: make(**arguments)] * 2, autoreset_mode="Disabled")
+    vector = make_vector(2, autoreset_mode="Disabled", **arguments)
+    frames = []
+    for env in (single, vector):
+        env.reset(seed=1)
+        for step in range(40):
+            env.step(np.float32([[0.5, 0.4], [0.2, -0.1]]))
+            if step == 20:
+                env.reset(options={"reset_mask": np.array([False, True])})
+        frames.append(env.render())
+        env.close()
+
+    assert isinstance(frames[1], tuple)
+    assert_same(frames[0], frames[1])
+    assert not np.array_equal(*frames[1])
+
+
+def test_so_many_pictures_as_are_asked_for():
+    env = make_vector(5, world="empty_room", beams=4, render_mode="rgb_array", render_envs=2)
     env.reset(seed=1)
     frames = env.render()
 
-    assert [(frame.shape, frame.dtype) for frame in frames] == [((480, 480, 3), np.uint8)] * 2
-    assert not np.array_equal(*frames)
+    assert [(frame.shape, frame.dtype) for frame in frames] == [((480, 480, 3), np.uint8)] * 5
+    assert [bool(frame.any()) for frame in frames] == [True, True, False, False, False]
     env.close()
 
 

@@ -1,6 +1,6 @@
 """A fleet in one call of the core: for worlds in which Python has nothing to do at each step."""
 
-from typing import Any, Optional, Sequence
+from typing import Optional, Sequence
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from flatland_server import (
     FloatArray,
     IntArray,
     PluginError,
-    Pose,
     Simulation,
     SimulationBatch,
 )
@@ -35,7 +34,6 @@ class BatchFleet(Fleet):
     def __init__(
         self, world: NavigationWorld, settings: NavigationSettings, count: int, threads: int = 1
     ) -> None:
-        self._world = world
         self._settings = settings
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
         self._batch = SimulationBatch(
@@ -54,7 +52,6 @@ class BatchFleet(Fleet):
         self.poses = self._rows.poses
         self.velocities = self._rows.local_velocities
         self.collided = self._rows.collided
-        self._stage: Optional[Simulation] = None
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         count = len(self.poses)
@@ -72,26 +69,11 @@ class BatchFleet(Fleet):
         self._batch.step(actions, self._settings.frame_skip, out=self._rows)
 
     def simulation(self, index: int) -> Simulation:
-        """A simulation with the robot where it is; other models are where they began.
-
-        It is the same one for all places.
-        """
-        if self._stage is None:
-            settings = self._settings
-            self._stage = Simulation(
-                self._world.config, step_size=settings.step_size, params=settings.params
-            )
-        x, y, yaw = self.poses[index].tolist()
-        base: Any = self._stage.models[self._world.robot.name].model.base.config.pose
-        self._stage.move(self._world.robot.name, Pose(x, y, yaw).compose(base.inverse()))
-        for name, place in zip(self._moved, self._places[index].tolist()):
-            self._stage.move(name, Pose(*place))
-        return self._stage
+        """A simulation that shows the place: the same one for all places."""
+        return self._batch.view(index)
 
     def close(self) -> None:
         self._batch.close()
-        if self._stage is not None:
-            self._stage.close()
 
 
 def batch_fleet(
