@@ -6,7 +6,7 @@ import numpy as np
 
 from flatland_plugins.social_force import Others
 from flatland_plugins.wall_grid import WallGrid, nearest
-from flatland_server import Circle, FloatArray, Footprint, Layer, Model, ModelBody, Point
+from flatland_server import Circle, FloatArray, Footprint, Layer, Model, ModelBody
 
 
 class Walls:
@@ -33,10 +33,14 @@ class Walls:
 
 
 class Outline:
-    """The solid footprints of a body, as lines; a disc is a point with a radius."""
+    """The solid footprints of a body, as lines; a disc is a point with a radius.
+
+    Attributes:
+        body: the body in the physical world.
+    """
 
     def __init__(self, body: ModelBody, footprints: Sequence[Footprint]) -> None:
-        self._body = body.physics_body
+        self.body = body.physics_body
         lines, radii = [], []
         for footprint in footprints:
             shape = footprint.shape
@@ -46,17 +50,20 @@ class Outline:
         self._lines = np.concatenate(lines)
         self._radii = np.array(radii)
 
-    @property
-    def velocity(self) -> Point:
-        """Of the body's origin [m/s]."""
-        return self._body.velocity[:2]
+    def seen_from(self, points: FloatArray, poses: FloatArray) -> Others:
+        """How points lie to the nearest point of it: distances (n,), away (n, 2).
 
-    def seen_from(self, points: FloatArray) -> Others:
-        """How points (n, 2) lie to the nearest point of it: distances (n,), away (n, 2)."""
-        x, y, yaw = self._body.pose
+        Args:
+            points: [m], shape (n, 2).
+            poses: of the body, for each of these [m, m, rad], shape (n, 3).
+        """
+        x, y, yaw = poses.T[..., np.newaxis]
         cos, sin = np.cos(yaw), np.sin(yaw)
-        turn = np.array([[cos, sin], [-sin, cos]])
-        lines = (self._lines.reshape(-1, 2) @ turn + (x, y)).reshape(-1, 4)
+        lines = np.empty((len(points), *self._lines.shape))
+        for i in (0, 2):
+            along, across = self._lines[:, i], self._lines[:, i + 1]
+            lines[..., i] = cos * along - sin * across + x
+            lines[..., i + 1] = sin * along + cos * across + y
         distances, away = nearest(points, lines)
         distances -= self._radii
         index = distances.argmin(axis=1)
@@ -101,9 +108,9 @@ class Bodies:
         )
 
 
-def seen_from(points: FloatArray, outlines: Sequence[Outline]) -> Others:
-    """How points (n, 2) lie to m outlines: distances (n, m), away (n, m, 2)."""
-    seen = [outline.seen_from(points) for outline in outlines]
+def seen_from(points: FloatArray, outlines: Sequence[Outline], poses: FloatArray) -> Others:
+    """How points (n, 2) lie to m outlines at poses (n, m, 3): distances (n, m), away (n, m, 2)."""
+    seen = [each.seen_from(points, poses[:, index]) for index, each in enumerate(outlines)]
     return Others(
         np.array([one.distances for one in seen]).reshape(len(seen), len(points)).T,
         np.array([one.away for one in seen]).reshape(len(seen), len(points), 2).swapaxes(0, 1),

@@ -187,6 +187,44 @@ def test_every_drive_is_that_of_a_simulation(world_of, drive, size):
             assert np.array_equal(array[:, k], reference)
 
 
+CROWD = """
+plugins:
+  - {type: Crowd, name: people, update_rate: 13, speed: 0.7, layers: [map], pedestrians: [
+      {pose: [2, 0, 0], goals: [[-2, 0], [2, 0.5]], legs: true},
+      {pose: [-2, -2.5, 0], goals: [[-2, 2.5], [-2.2, -2.5]], radius: 0.2},
+      {pose: [2, -2, 2], goals: [[2.2, -2.2]], legs: true}]}
+  - {type: Crowd, name: others, force: {noise: 0.2}, pedestrians: [
+      {pose: [-2.5, 2.5, 0], goals: [[2.5, 2.5]]}]}
+"""
+
+
+@pytest.mark.parametrize("count", [1, 7])
+def test_a_crowd_is_that_of_a_simulation(world_of, monkeypatch, count):
+    """Updates of 13 Hz are due within calls of step, in each environment at other times."""
+    monkeypatch.setitem(globals(), "SUBSTEPS", 7)
+    world = world_of(noise="0.02", models=WORLD + CROWD)
+    expected = {k: run_simulation(world, k, 2) for k in {0, count // 2, count - 1}}
+
+    for threads in (1, 2, 4):
+        found = run_batch(world, count, threads, 2)
+        for k, references in expected.items():
+            for name, array, reference in zip(BatchObservation._fields, found, references):
+                assert np.array_equal(array[:, k], reference), (k, name)
+
+
+def test_where_people_are_is_seen_in_a_view(world_of):
+    world = world_of(models=WORLD + CROWD)
+    with SimulationBatch(world, 2, seed=7) as batch, Simulation(world, seed=8) as simulation:
+        batch.step(np.zeros((2, 2)), 300)
+        simulation.step(300)
+        people = simulation.models["people_0"].model
+        shown = batch.view(1).models["people_0"].model
+        assert [body.pose for body in shown.bodies.values()] == [
+            body.pose for body in people.bodies.values()
+        ]
+        assert math.dist(people.pose[:2], (2, 0)) > 0.5
+
+
 def test_an_office_is_that_of_a_simulation():
     actions = np.random.default_rng(3).uniform([0.5, -1], [2.5, 1], (30, 2, 2))
     with SimulationBatch(OFFICE, 2) as batch, Simulation(OFFICE) as simulation:

@@ -20,6 +20,7 @@ from flatland_server.library.batch_arguments import (
     require_finite,
     seeds_of,
 )
+from flatland_server.library.batch_motions import BatchMotions
 from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.batch_robot import find_robot, require_passive
 from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
@@ -49,9 +50,11 @@ class SimulationBatch:
     in the others; with a layer of more than 500,000 walls, up to rounding. Robots of different
     environments do not see each other.
 
-    Python runs no plugins: the core drives, steps and scans. Drives, lidars and tweens work, and
-    plugins that only observe are left out. Noise of the lidar is added in Python, 20 us for each
-    scan; poses and velocities are the true ones, whatever the noise of odometry.
+    Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars and tweens
+    work, and plugins that only observe are left out. Those that set velocities of bodies at their
+    updates, such as Crowd, do so in all environments at once (`BatchMotion`). Noise of the lidar is
+    added in Python, 20 us for each scan; poses and velocities are the true ones, whatever the noise
+    of odometry.
 
     The arrays of an observation are new ones in each call, unless the caller passes some as `out`.
     The batch keeps no reference to them and never writes to them later. A batch is used by one
@@ -128,6 +131,8 @@ class SimulationBatch:
         )
         self._beams = self._core.beams
         self._steps = np.zeros(self._num_envs, np.int64)
+        self._motions = BatchMotions(self._world, self._num_envs, self._step_nanoseconds)
+        self._motions.begin(range(self._num_envs), self._seeds)
         self._noises: Dict[int, RangeNoise] = {}
         self._spaces: Dict[float, FreeSpace] = {}
 
@@ -211,7 +216,7 @@ class SimulationBatch:
             raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
         observation = self._rows(out)
         try:
-            core.step(commands, substeps, self.step_size, self._arrays(observation))
+            self._advance(core, commands, substeps, self._arrays(observation))
         except ValueError:
             require_finite(commands)
             raise
@@ -258,6 +263,11 @@ class SimulationBatch:
         observation = self._rows(out)
         core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
+        if self._motions:
+            every = range(self._num_envs)
+            self._motions.begin(
+                every if chosen is None else np.flatnonzero(chosen).tolist(), self._seeds
+            )
         if out is None and chosen is not None:
             core.observe(self._arrays(observation))
             chosen = None
@@ -375,6 +385,22 @@ class SimulationBatch:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _advance(
+        self, core: _core.WorldBatch, commands: FloatArray, substeps: int, out: Tuple[Any, ...]
+    ) -> None:
+        """Makes the steps of a call of `step`, with the updates of plugins between them."""
+        made = 0
+        if self._motions:
+            require_finite(commands)  # before anything is moved
+        while self._motions:
+            times = (self._steps + made) * self._step_nanoseconds
+            count = self._motions.update(core, times, substeps - made)
+            if count == substeps - made:
+                break
+            core.step(commands, count, self.step_size, None, goes_on=made > 0)
+            made += count
+        core.step(commands, substeps - made, self.step_size, out, goes_on=made > 0)
 
     def _require_open(self) -> _core.WorldBatch:
         if self._core is None:
