@@ -4,6 +4,7 @@ from typing import Optional, Sequence
 
 import numpy as np
 
+from flatland_gym.berth import are_near
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet
 from flatland_gym.navigation_world import NavigationWorld
@@ -35,6 +36,7 @@ class BatchFleet(Fleet):
         self, world: NavigationWorld, settings: NavigationSettings, count: int, threads: int = 1
     ) -> None:
         self._settings = settings
+        self._room = world.radius + settings.margin
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
         self._batch = SimulationBatch(
             world.config,
@@ -63,6 +65,9 @@ class BatchFleet(Fleet):
         for index, episode in zip(indices.tolist(), episodes):
             places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
         self._batch.reset(mask, seeds, poses, out=self._rows, model_poses=places)
+
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        return are_near(episode, self._batch.added_walls(index), self._room)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         """Steps all places: those that are left out are reset before they are used again."""

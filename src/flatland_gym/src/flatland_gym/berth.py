@@ -43,14 +43,13 @@ class Berth:
 
     def is_blocked(self, episode: Episode) -> bool:
         """Whether a start or a goal lies in walls that plugins, such as RandomWall, have added."""
-        config, room = self._world.config, self._world.radius + self._settings.margin
-        for layer in self.simulation.world.layers:
-            added = layer.segments[len(config.walls_of(layer.config)) :]
-            if len(added):
-                places = [*(start[:2] for start in episode.starts), *episode.goals]
-                if _distances(np.array(places), added).min() < room:
-                    return True
-        return False
+        config = self._world.config
+        added = [
+            layer.segments[len(config.walls_of(layer.config)) :]
+            for layer in self.simulation.world.layers
+        ]
+        room = self._world.radius + self._settings.margin
+        return are_near(episode, np.concatenate([np.empty((0, 4)), *added]), room)
 
     def command(self, number: int, values: Sequence[float]) -> None:
         """Commands the drive of a robot."""
@@ -79,6 +78,14 @@ class Berth:
         """Takes a robot out of the way, and stops it."""
         self.command(number, [0.0] * len(self._world.robot.action_limits))
         self.simulation.move(self._world.robots[number], place)
+
+
+def are_near(episode: Episode, walls: Segments, room: float) -> bool:
+    """Whether a start or a goal of an episode is nearer to a wall than some room [m]."""
+    if not len(walls):
+        return False
+    places = [*(start[:2] for start in episode.starts), *episode.goals]
+    return bool(_distances(np.array(places), walls).min() < room)
 
 
 def _distances(places: FloatArray, walls: Segments) -> FloatArray:

@@ -13,6 +13,7 @@ from flatland_server import (
     Body,
     FloatArray,
     ModelEntry,
+    Segments,
     Timekeeper,
     UpdateTimer,
     WorldPlugin,
@@ -48,7 +49,8 @@ class Crowd(WorldPlugin):
         )
         layers = [layer for layer in self.world.layers if layer.config.bits & crowd.layer_bits]
         radius = max((p.build.radius for p in crowd.pedestrians), default=0.0)
-        self._walls = Walls(layers, radius + _REACH * crowd.force.range)
+        self._reach = radius + _REACH * crowd.force.range
+        self._walls = Walls(lambda: [layer.segments for layer in layers], self._reach)
         self._bodies = Bodies(self.world.models, crowd.layer_bits)
         for index, problem in self._tight_places():
             config.note(crowd.pedestrians[index].reader.error(problem, "pose"))
@@ -66,7 +68,7 @@ class Crowd(WorldPlugin):
             self.on_shutdown()
             raise
         self._motion = self.make_batch_motion(1)
-        self._motion.begin(0, self.rng)
+        self._motion.begin(0, self.rng, None)
 
     def _tight_places(self) -> Iterator[Tuple[int, str]]:
         """The pedestrians that would start too close to something: their indices, and problems."""
@@ -103,7 +105,13 @@ class Crowd(WorldPlugin):
     def make_batch_motion(self, count: int) -> CrowdMotion:
         """The people's motion in so many environments of a batch."""
         others = self._find_others()
-        return CrowdMotion(self._config, self._walls, self._people, others, count)
+        return CrowdMotion(self._config, self._walls, self._see_walls, self._people, others, count)
+
+    def _see_walls(self, walls: Sequence[Segments]) -> Walls:
+        """Those that people keep away from, of the walls of each layer."""
+        layers = zip(walls, self.world.layers)
+        seen = [each for each, layer in layers if layer.config.bits & self._config.layer_bits]
+        return Walls(lambda: seen, self._reach)
 
     def _find_others(self) -> List[Outline]:
         """The bodies of all models but the people, now."""

@@ -1,15 +1,15 @@
 """How a crowd moves at its updates: in one world, or in all environments of a batch at once."""
 
-from typing import List, Sequence, Tuple
+from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from flatland_plugins.crowd_config import CrowdConfig
-from flatland_plugins.obstacles import Outline, Walls, seen_from
+from flatland_plugins.obstacles import Outline, Walls, seen_from, seen_walls
 from flatland_plugins.pedestrian import Pedestrian
 from flatland_plugins.people import People, Progress
 from flatland_plugins.social_force import Others, discs_apart, limit
-from flatland_server import BatchMotion, Body, FloatArray, IntArray, UpdateTimer
+from flatland_server import BatchMotion, Body, FloatArray, IntArray, Segments, UpdateTimer
 
 _MOST_SPEED = 1.3
 """Maximum speed over desired speed (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
@@ -20,7 +20,8 @@ class CrowdMotion(BatchMotion):
 
     Args:
         config: of the crowd.
-        walls: that they see.
+        walls: of the world, that they see.
+        see_walls: makes these out of the walls of each layer of a world.
         people: those who are there, p.
         outlines: the other bodies that they see.
         count: number of worlds, n.
@@ -35,6 +36,7 @@ class CrowdMotion(BatchMotion):
         self,
         config: CrowdConfig,
         walls: Walls,
+        see_walls: Callable[[Sequence[Segments]], Walls],
         people: Sequence[Pedestrian],
         outlines: Sequence[Outline],
         count: int = 1,
@@ -42,7 +44,8 @@ class CrowdMotion(BatchMotion):
         super().__init__(config.update_rate)
         self._period = UpdateTimer(config.update_rate).period
         self._config = config
-        self._walls = walls
+        self._shared, self._see_walls = walls, see_walls
+        self._walls = [walls] * count
         self.people = list(people)
         self.outlines = outlines
         self.progress = Progress.of(count, len(people))
@@ -67,9 +70,15 @@ class CrowdMotion(BatchMotion):
         self.progress = Progress(goals[:, indices], strides[:, indices])
         self._people = People([each.config for each in self.people])
 
-    def begin(self, environment: int, rng: np.random.Generator) -> None:
+    def begin(
+        self,
+        environment: int,
+        rng: np.random.Generator,
+        walls: Optional[Sequence[Segments]],
+    ) -> None:
         """Puts the people of a world to their beginning."""
         self._rngs[environment] = rng
+        self._walls[environment] = self._shared if walls is None else self._see_walls(walls)
         for values, initial in zip(self.progress, Progress.of(1, len(self.people))):
             values[environment] = initial[0]
 
@@ -86,6 +95,7 @@ class CrowdMotion(BatchMotion):
             self.progress.goals[environments], bodies[..., :2], config.goal_radius, time_left
         )
         walk[..., :2] = self._velocities(
+            environments.tolist(),
             ways,
             bodies[..., :2],
             velocities[:, :count, :2],
@@ -111,6 +121,7 @@ class CrowdMotion(BatchMotion):
 
     def _velocities(
         self,
+        environments: List[int],
         ways: FloatArray,
         points: FloatArray,
         velocities: FloatArray,
@@ -121,6 +132,7 @@ class CrowdMotion(BatchMotion):
         """The velocities after `dt` [s], (n, p, 2).
 
         Args:
+            environments: the indices of the n worlds.
             ways: the desired directions, (n, p, 2).
             points: of the people [m], (n, p, 2).
             velocities: theirs now [m/s], (n, p, 2).
@@ -133,7 +145,7 @@ class CrowdMotion(BatchMotion):
         rows, way = points.reshape(-1, 2), ways.reshape(-1, 2)
         will = np.hypot(way[:, :1], way[:, 1:])  # a person that stands neither evades nor sways
 
-        to_walls = self._walls.seen_from(rows).nearer_by(radii)
+        to_walls = seen_walls([self._walls[k] for k in environments], points).nearer_by(radii)
         seen = seen_from(rows, self.outlines, np.repeat(others[0], count, axis=0))
         to_bodies = seen.nearer_by(radii)
         distances, away = discs_apart(points, people.radii)

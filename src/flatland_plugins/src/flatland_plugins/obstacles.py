@@ -1,35 +1,50 @@
 """The obstacles of a crowd: the walls of layers, and the models that do not belong to it."""
 
-from typing import Collection, Dict, List, Sequence
+from typing import Callable, Collection, Dict, List, Sequence
 
 import numpy as np
 
 from flatland_plugins.social_force import Others
 from flatland_plugins.wall_grid import WallGrid, nearest
-from flatland_server import Circle, FloatArray, Footprint, Layer, Model, ModelBody
+from flatland_server import Circle, FloatArray, Footprint, Model, ModelBody, Segments
 
 
 class Walls:
     """The walls of some layers, including walls that are added later.
 
     Args:
-        layers: the layers.
+        find: the walls of each of the layers, now.
         reach: distance from a point within which walls are found [m].
     """
 
-    def __init__(self, layers: Sequence[Layer], reach: float) -> None:
-        self._layers = layers
+    def __init__(self, find: Callable[[], Sequence[Segments]], reach: float) -> None:
+        self._find = find
         self._reach = reach
         self._count = -1
 
     def seen_from(self, points: FloatArray) -> Others:
         """How points (n, 2) lie to the walls around them; see `WallGrid.walls`."""
-        count = sum(len(layer.segments) for layer in self._layers)
+        walls = self._find()
+        count = sum(map(len, walls))
         if count != self._count:
-            segments = [np.empty((0, 4)), *(layer.segments for layer in self._layers)]
-            self._grid = WallGrid(np.concatenate(segments), self._reach)
+            self._grid = WallGrid(np.concatenate([np.empty((0, 4)), *walls]), self._reach)
             self._count = count
         return self._grid.walls(points)
+
+
+def seen_walls(walls: Sequence[Walls], points: FloatArray) -> Others:
+    """How p points in each of n worlds, (n, p, 2), lie to the walls of these: n * p rows."""
+    if all(each is walls[0] for each in walls):
+        return walls[0].seen_from(points.reshape(-1, 2))
+    seen = [each.seen_from(place) for each, place in zip(walls, points)]
+    width = max(each.distances.shape[1] for each in seen)
+    distances = np.full((*points.shape[:2], width), np.inf)
+    away = np.zeros((*points.shape[:2], width, 2))
+    for row, each in enumerate(seen):
+        count = each.distances.shape[1]
+        distances[row, :, :count], away[row, :, :count] = each
+    rows = points.shape[0] * points.shape[1]
+    return Others(distances.reshape(rows, width), away.reshape(rows, width, 2))
 
 
 class Outline:

@@ -79,6 +79,10 @@ class WorldBatch {
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
   void Reset(const bool* mask, const double* poses, const BatchRows& rows,
              const double* model_poses = nullptr);
+  /// Lets an environment begin as another world from now on, which is copied: one that has made no
+  /// step, and in which the same handles name the same things, such as the same world with other
+  /// walls. It is not shared with other environments. Its row is not written.
+  void Replace(int row, const World& world);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
@@ -94,6 +98,7 @@ class WorldBatch {
 
  private:
   struct Environment {
+    std::unique_ptr<SharedWorld> own;  // null: it shares its thread's world
     std::unique_ptr<SharedWorld::State> state;
     int64_t steps = 0;
     bool collided = false;
@@ -113,6 +118,7 @@ class WorldBatch {
 
   BatchRobot robot_;
   std::vector<BatchModel> models_;
+  std::vector<World::Body> moved_;  // those of the robot and the models
   int beams_ = 0;
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds

@@ -186,6 +186,13 @@ void BindWorldBatch(py::module_& m) {
            py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))
       .def("observe", &Observe, py::arg("out"))
+      .def(
+          "replace",
+          [](PyWorldBatch& self, int row, const PyWorld& world) {
+            const Use use(self);
+            self.batch.Replace(row, *world.world);
+          },
+          py::arg("row"), py::arg("world"))
       .def("motions", &GetMotions, py::arg("bodies"), py::arg("mask").noconvert().none(true))
       .def("set_velocities", &SetVelocities, py::arg("bodies"), py::arg("velocities").noconvert(),
            py::arg("mask").noconvert().none(true));

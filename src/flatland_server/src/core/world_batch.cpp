@@ -42,12 +42,12 @@ WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, i
   Require(threads >= 1, "a batch needs a thread");
   Require(!robot.bodies.empty(), "a robot needs a body");
   for (const BatchModel& model : models) Require(!model.bodies.empty(), "a model needs a body");
-  std::vector<World::Body> moved = robot.bodies;
+  moved_ = robot.bodies;
   for (const BatchModel& model : models) {
-    moved.insert(moved.end(), model.bodies.begin(), model.bodies.end());
+    moved_.insert(moved_.end(), model.bodies.begin(), model.bodies.end());
   }
   for (int i = 0; i < team_.size(); ++i) {
-    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy(), moved));
+    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy(), moved_));
   }
   environments_.resize(count);
   for (int i = 0; i < team_.size(); ++i) {
@@ -75,7 +75,8 @@ void WorldBatch::ForEach(const bool* mask, Visit visit) {
       if (mask != nullptr && !mask[row]) continue;
       if (row + 1 < end) SharedWorld::Prefetch(*environments_[row + 1].state);
       if (row + 2 < end) SharedWorld::PrefetchPlaces(*environments_[row + 2].state);
-      visit(*worlds_[i], environments_[row], row);
+      Environment& environment = environments_[row];
+      visit(environment.own ? *environment.own : *worlds_[i], environment, row);
     }
   });
 }
@@ -131,6 +132,16 @@ void WorldBatch::Observe(const BatchRows& rows) {
     Write(shared.Enter(*environment.state), environment, row, rows);
     shared.Leave(*environment.state);
   });
+}
+
+void WorldBatch::Replace(int row, const World& world) {
+  Require(row >= 0 && row < count(), "there is no such environment");
+  auto own = std::make_unique<SharedWorld>(world.Copy(), moved_);
+  Environment& environment = environments_[row];
+  environment.state = own->MakeState();  // the former one is destroyed before its world
+  environment.own = std::move(own);
+  environment.steps = 0;
+  environment.collided = false;
 }
 
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,

@@ -230,6 +230,11 @@ class WorldBatch(metaclass=_Metaclass):
         """
     def observe(self, out: tuple[Any, ...]) -> None:
         """Writes all rows."""
+    def replace(self, row: int, world: World) -> None:
+        """Lets an environment begin as another world from now on, such as one with other walls.
+
+        It must have made no step, and have the same bodies, drives and lidars; it is copied.
+        """
     def motions(
         self, bodies: Sequence[Body], mask: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:

@@ -1,11 +1,11 @@
 """The plugins of a batch that move bodies at their updates; see `BatchMotion`."""
 
-from typing import Iterable, List, NamedTuple
+from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 from flatland_server import _core
-from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
 from flatland_server.library.batch_robot import has_batch_motion
 from flatland_server.plugins.batch_motion import BatchMotion
 from flatland_server.plugins.plugin_factory import plugin_rng
@@ -47,12 +47,11 @@ class BatchMotions:
     def __bool__(self) -> bool:
         return bool(self._entries)
 
-    def begin(self, environments: Iterable[int], seeds: IntArray) -> None:
-        """Lets environments begin anew, with their seeds (n,)."""
-        for k in environments:
-            for each in self._entries:
-                each.due[k] = 0.0
-                each.motion.begin(k, plugin_rng(int(seeds[k]), each.owner, each.name))
+    def begin(self, environment: int, seed: int, walls: Optional[Sequence[Segments]]) -> None:
+        """Lets an environment begin anew, with a seed and the walls of its world."""
+        for each in self._entries:
+            each.due[environment] = 0.0
+            each.motion.begin(environment, plugin_rng(seed, each.owner, each.name), walls)
 
     def update(self, core: _core.WorldBatch, times: IntArray, most: int) -> int:
         """Makes the updates that are due; returns the number of steps until the next one is.

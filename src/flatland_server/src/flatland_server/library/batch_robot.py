@@ -40,7 +40,7 @@ def require_passive(world: World) -> None:
         )
     for owner in ["", *world.models]:
         for plugin in world.plugins_of(owner).values():
-            if not (is_passive(plugin) or has_batch_motion(plugin)):
+            if not (is_passive(plugin) or acts_when_loaded(plugin) or has_batch_motion(plugin)):
                 label = f"{owner}/{plugin.name}" if owner else plugin.name
                 raise PluginError(
                     f'the plugin "{label}" ({plugin.type}) acts in Python while the world is '
@@ -53,6 +53,11 @@ def require_passive(world: World) -> None:
 def is_passive(plugin: Plugin) -> bool:
     """Whether the plugin's class says so, after the last one that overrides a hook."""
     return plugin.is_passive and _knows_all_hooks(plugin, "is_passive")
+
+
+def acts_when_loaded(plugin: Plugin) -> bool:
+    """Whether the plugin's class says that its hooks change nothing, but its start does."""
+    return plugin.acts_when_loaded and _knows_all_hooks(plugin, "acts_when_loaded")
 
 
 def has_batch_motion(plugin: Plugin) -> bool:

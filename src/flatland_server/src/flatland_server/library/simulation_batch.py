@@ -23,10 +23,11 @@ from flatland_server.library.batch_arguments import (
 from flatland_server.library.batch_motions import BatchMotions
 from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.batch_robot import find_robot, require_passive
+from flatland_server.library.batch_worlds import BatchWorlds
 from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.simulation import Simulation
-from flatland_server.library.world_source import WorldSource, open_world
+from flatland_server.library.world_source import WorldSource, exported_plugins, open_world
 from flatland_server.plugins.core_parts import RangeNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.plugins.plugin_loader import PluginLoader
@@ -113,6 +114,7 @@ class SimulationBatch:
         self._robot = find_robot(self._world, robot, lidar)
         self._stage: Optional[Simulation] = None
         self._params, self._loader = dict(params), loader
+        self._worlds = BatchWorlds(self._world, self._num_envs, self._open)
         self._moved = [self._world.get_model(name) for name in moved]
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
@@ -132,7 +134,7 @@ class SimulationBatch:
         self._beams = self._core.beams
         self._steps = np.zeros(self._num_envs, np.int64)
         self._motions = BatchMotions(self._world, self._num_envs, self._step_nanoseconds)
-        self._motions.begin(range(self._num_envs), self._seeds)
+        self._begin_motions(None)
         self._noises: Dict[int, RangeNoise] = {}
         self._spaces: Dict[float, FreeSpace] = {}
 
@@ -215,6 +217,7 @@ class SimulationBatch:
         if substeps > _MOST_STEPS:
             raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
         observation = self._rows(out)
+        self._load(core, None, self._seeds)
         try:
             self._advance(core, commands, substeps, self._arrays(observation))
         except ValueError:
@@ -261,14 +264,12 @@ class SimulationBatch:
             others = others if self._moved else None
         new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
         observation = self._rows(out)
+        self._load(core, chosen, self._seeds if new_seeds is None else new_seeds)
         core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
-        if self._motions:
-            every = range(self._num_envs)
-            self._motions.begin(
-                every if chosen is None else np.flatnonzero(chosen).tolist(), self._seeds
-            )
+        self._begin_motions(chosen)
         if out is None and chosen is not None:
+            self._load(core, None, self._seeds)
             core.observe(self._arrays(observation))
             chosen = None
         self._finish(observation, chosen)
@@ -285,6 +286,7 @@ class SimulationBatch:
         """
         core = self._require_open()
         observation = self._rows(out)
+        self._load(core, None, self._seeds)
         core.observe(self._arrays(observation))
         self._finish(observation, None)
         return observation
@@ -304,11 +306,7 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        core = self._require_open()
-        if not (isinstance(index, (int, np.integer)) and 0 <= index < self._num_envs):
-            raise UsageError(
-                f"expected an environment from 0 to {self._num_envs - 1}, found {shown(index)}"
-            )
+        core, chosen = self._require_open(), self._only(index)
         seed = int(self._seeds[index])
         if self._stage is None:
             self._stage = Simulation(
@@ -320,7 +318,7 @@ class SimulationBatch:
             )
         elif self._stage.seed != seed:
             self._stage.reset(seed)
-        chosen = np.arange(self._num_envs) == index
+        self._load(core, chosen, self._seeds)
         poses, velocities = core.motions(_bodies_of(self._world), chosen)
         rows = zip(_bodies_of(self._stage.world), poses[index].tolist(), velocities[index].tolist())
         for body, pose, velocity in rows:
@@ -330,12 +328,29 @@ class SimulationBatch:
 
     # Places
 
+    def added_walls(self, index: int) -> FloatArray:
+        """Walls that plugins have added to an environment: a new array (m, 4), x1, y1, x2, y2 [m].
+
+        Args:
+            index: of the environment.
+
+        Raises:
+            UsageError: there is no such environment, or the batch is closed.
+        """
+        chosen = self._only(index)
+        self._load(self._require_open(), chosen, self._seeds)
+        config = self._world.config
+        counts = [len(config.walls_of(layer)) for layer in config.layers]
+        walls = self._worlds.walls(index) or []
+        added = [segments[count:] for segments, count in zip(walls, counts)]
+        return np.concatenate([np.empty((0, 4)), *added])
+
     def free_space(self, clearance: float) -> FreeSpace:
         """Where the robot may be put at the beginning; computed once for each clearance.
 
         Args:
             clearance: distance [m] of the robot's origin from all walls that it collides with, and
-                from the circles around all other models.
+                from the circles around all other models; but not from `added_walls`.
 
         Raises:
             UsageError: the clearance is not usable, or leaves no place.
@@ -377,6 +392,7 @@ class SimulationBatch:
         if self._core is not None:
             self._core = None
             self._world.close()
+            self._worlds.close()
             if self._stage is not None:
                 self._stage.close()
 
@@ -406,6 +422,41 @@ class SimulationBatch:
         if self._core is None:
             raise UsageError("the batch is closed")
         return self._core
+
+    def _open(self, seed: int) -> World:
+        """The world with another seed."""
+        loader = self._loader or exported_plugins()
+        return World(self._world.config, LocalTransport(self._params, ()), seed=seed, loader=loader)
+
+    def _load(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
+        """Makes sure that environments are in the worlds of their seeds."""
+        if not self._worlds:
+            return
+        every = np.ones(self._num_envs, bool)
+        is_other = self._worlds.load(core, every if chosen is None else chosen, seeds)
+        if is_other.any():
+            self._steps[is_other] = 0
+            self._begin_motions(is_other)
+
+    def _begin_motions(self, mask: Optional[BoolArray]) -> None:
+        """Lets the motions of plugins begin anew in the environments that the mask chooses."""
+        if self._motions:
+            every = range(self._num_envs)
+            for k in every if mask is None else np.flatnonzero(mask).tolist():
+                self._motions.begin(k, int(self._seeds[k]), self._worlds.walls(k))
+
+    def _only(self, index: int) -> BoolArray:
+        """Chooses an environment.
+
+        Raises:
+            UsageError: there is no such environment.
+        """
+        if not (isinstance(index, (int, np.integer)) and 0 <= index < self._num_envs):
+            raise UsageError(
+                f"expected an environment from 0 to {self._num_envs - 1}, found {shown(index)}"
+            )
+        chosen: BoolArray = np.arange(self._num_envs) == index
+        return chosen
 
     def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
         if out is None:
@@ -452,7 +503,8 @@ class SimulationBatch:
         for body in self._robot.model.physics_bodies:
             for fixture in body.fixtures:
                 bits |= fixture.layers
-        walls = [layer.segments for layer in self._world.layers if layer.config.bits & bits]
+        config = self._world.config
+        walls = [config.walls_of(layer) for layer in config.layers if layer.bits & bits]
         return np.concatenate([np.empty((0, 4)), *walls])
 
 

@@ -1,12 +1,12 @@
 """What a plugin does at its updates in the environments of a batch: `BatchMotion`."""
 
 from abc import ABC, abstractmethod
-from typing import Sequence
+from typing import Optional, Sequence
 
 import numpy as np
 
 from flatland_server import _core
-from flatland_server.arrays import FloatArray, IntArray
+from flatland_server.arrays import FloatArray, IntArray, Segments
 
 
 class BatchMotion(ABC):
@@ -33,12 +33,19 @@ class BatchMotion(ABC):
         """The bodies that it moves."""
 
     @abstractmethod
-    def begin(self, environment: int, rng: np.random.Generator) -> None:
+    def begin(
+        self,
+        environment: int,
+        rng: np.random.Generator,
+        walls: Optional[Sequence[Segments]],
+    ) -> None:
         """Called when an environment begins anew.
 
         Args:
             environment: its index.
             rng: the random numbers of the plugin there (`Plugin.rng`).
+            walls: of each layer of its world (`World.layers`), where a plugin adds some by chance;
+                None: they are those of the plugin's world.
         """
 
     @abstractmethod

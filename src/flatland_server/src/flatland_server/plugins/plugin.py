@@ -87,12 +87,16 @@ class Plugin:
             this is due, and while it has no work, the world makes many steps at once.
         is_passive: whether the plugin changes nothing in the world by itself: all of its hooks only
             observe, and what it adds to the core when it starts does not depend on chance. It may
-            obey messages and commands. A `SimulationBatch` runs no other plugins, except for those
-            with `make_batch_motion`. A derived class that overrides a hook has to say so again.
+            obey messages and commands. A derived class that overrides a hook has to say so again.
+        acts_when_loaded: the same, except that what `on_initialize` adds to the core, such as
+            walls, depends on chance: each environment of a `SimulationBatch` then has a world of
+            its own, loaded with its seed. A batch runs no other plugins than these two kinds, and
+            those with `make_batch_motion`.
     """
 
     only_publishes: ClassVar[bool] = False
     is_passive: ClassVar[bool] = False
+    acts_when_loaded: ClassVar[bool] = False
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
         self.type = type
@@ -201,7 +205,7 @@ class Plugin:
         this, too. Called after all models and plugins of the world were made.
 
         Returns:
-            None: it cannot be run in a batch, unless it `is_passive`.
+            None: it cannot be run in a batch, unless it `is_passive` or `acts_when_loaded`.
         """
         return None
 
