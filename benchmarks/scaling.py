@@ -30,7 +30,9 @@ from flatland_server.sweep.scenario import scenarios_of
 from flatland_server.sweep.scenario_file import read_scenario_file
 from flatland_server.sweep.settings import SweepSettings
 
-POLICY = Path(__file__).resolve().parents[1] / "src/flatland_gym/policies/discs.npz"
+POLICY = (
+    Path(__file__).resolve().parents[1] / "src/flatland_gym/src/flatland_gym/policies/discs.npz"
+)
 SCENARIOS_FILE = """
 worlds: [{world}]
 controllers: [{{name: trained, policy: {policy}}}]

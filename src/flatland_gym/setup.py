@@ -5,6 +5,6 @@ setup(
     **generate_distutils_setup(
         packages=["flatland_gym"],
         package_dir={"": "src"},
-        package_data={"flatland_gym": ["worlds/*", "py.typed"]},
+        package_data={"flatland_gym": ["policies/*", "worlds/*", "py.typed"]},
     )
 )

@@ -1,7 +1,6 @@
 """A policy that drives the robot of `flatland sweep`, as it does in its own environment."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -10,13 +9,13 @@ from flatland_server.sweep.runner import ScenarioRunner
 from flatland_server.sweep.scenario import scenarios_of
 from flatland_server.sweep.scenario_file import read_scenario_file
 
-POLICY = Path(__file__).resolve().parents[1] / "policies" / "discs.npz"
+POLICY = "package://flatland_gym/policies/discs.npz"
 
 
 def results(folder, **keys):
     content = {
         "worlds": [str(SCENARIOS["discs"].world)],
-        "controllers": [{"name": "trained", "policy": str(POLICY)}],
+        "controllers": [{"name": "trained", "policy": POLICY}],
         "start": "random",
         "goal": "random",
         **keys,

@@ -172,6 +172,17 @@ def test_a_policy_is_written_and_read(tmp_path):
         policy.act(observations[:, :5])
 
 
+def test_the_policy_of_the_package_is_known_by_name():
+    assert Policy.load("discs").beams == 64
+
+
+def test_a_curve_that_cannot_be_drawn_is_told_before_the_training(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    arguments = ["--curve", str(tmp_path / "curve.png"), "--world", "none"]
+    assert main([str(tmp_path / "policy.npz"), *arguments]) == 1
+    assert "a curve needs matplotlib" in capsys.readouterr().err
+
+
 def test_other_files_are_named(tmp_path):
     (tmp_path / "text.npz").write_text("policy")
     np.savez(tmp_path / "other.npz", a=np.zeros(3))

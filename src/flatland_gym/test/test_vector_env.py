@@ -54,12 +54,12 @@ def drive(env, mode, steps, seed=11):
 def test_it_equals_so_many_single_environments(mode, count, world, fleet):
     arguments = {"world": world, **CROWDED}
     single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
-    expected, ends = drive(single, mode, 120)
+    expected, ends = drive(single, mode, 80)
 
     for threads in (1, 4)[:count]:  # four threads do not share seven environments equally
         vector = make_vector(count, threads=threads, autoreset_mode=mode, **arguments)
         assert type(vector.unwrapped.navigation.fleet) is fleet
-        found, _ = drive(vector.unwrapped, mode, 120)
+        found, _ = drive(vector.unwrapped, mode, 80)
         assert_same(expected, found)
 
     if count == 7:
@@ -130,8 +130,8 @@ def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch, request)
     monkeypatch.setattr(NavigationWorld, "load", lambda *_: world)  # its files are read once
     gc.disable()  # it would look at all objects of all environments again and again
     request.addfinalizer(gc.enable)
-    singles = [make(**arguments) for _ in range(1024)]
-    for mode in [mode.value for mode in AutoresetMode]:
+    singles = [Remembering(make(**arguments)) for _ in range(1024)]
+    for mode in ["SameStep", "Disabled", "NextStep"]:
         one_by_one = SyncVectorEnv(
             [functools.partial(lambda env: env, env) for env in singles], autoreset_mode=mode
         )
@@ -142,6 +142,32 @@ def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch, request)
             vector.close()
     for env in singles:
         env.close()
+
+
+class Remembering(gym.Wrapper):
+    """Answers from memory what it was asked before after the same calls since a reset with a seed.
+
+    The environment is deterministic, so that it needs to make its steps only once. The first calls
+    must go at least as far as those that come later.
+    """
+
+    def __init__(self, env):
+        super().__init__(env)
+        self._answers = {}
+
+    def reset(self, *, seed=None, options=None):
+        self._calls = (*self._calls, "reset") if seed is None else (seed,)
+        return self._answer(lambda: self.env.reset(seed=seed))
+
+    def step(self, action):
+        self._calls = (*self._calls, action.tobytes())
+        return self._answer(lambda: self.env.step(action))
+
+    def _answer(self, ask):
+        if self._calls not in self._answers:
+            assert len(self._calls) == len(self._answers) + 1
+            self._answers[self._calls] = ask()
+        return self._answers[self._calls]
 
 
 def few_steps(env, mode):
@@ -157,7 +183,9 @@ def few_steps(env, mode):
     return copy.deepcopy(results)
 
 
-@pytest.mark.parametrize(("world", "count"), [("discs", 64), ("empty_room", 1024)])
+@pytest.mark.parametrize(
+    ("world", "count"), [("discs", 64), ("corridor", 128), ("empty_room", 1024)]
+)
 def test_an_environment_is_the_same_among_others(world, count):
     few, many = make_vector(2, world=world, **CROWDED), make_vector(count, world=world, **CROWDED)
     a, b = few.reset(seed=3), many.reset(seed=3)
@@ -286,6 +314,7 @@ def test_a_step_after_an_end_is_refused_without_autoreset():
         ({"num_envs": 2, "threads": 1.5}, "expected threads to be a whole number"),
         ({"num_envs": 2, "autoreset_mode": "Never"}, "expected autoreset_mode to be one of"),
         ({"num_envs": 2, "render_mode": "human"}, "for a single environment"),
+        ({"num_envs": 2, "render_envs": 0}, "expected render_envs to be a whole number above 0"),
         ({"num_envs": 2, "wrold": "office"}, 'unknown argument "wrold"; there are: world, robot'),
     ],
 )
@@ -294,13 +323,44 @@ def test_wrong_arguments_are_named(arguments, message):
         make_vector(**arguments)
 
 
-def test_pictures_of_all_environments():
-    env = make_vector(2, world="discs", render_mode="rgb_array")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"world": "office", "lidar_noise": 0.05},
+        {"world": "discs", "obstacles": 3},
+        {"world": "doors"},
+        {"world": "corridor"},
+    ],
+    ids=["boxes and noise", "obstacles", "a door", "a crowd"],
+)
+def test_pictures_are_those_of_single_environments(arguments):
+    """To the pixel, after a reset of one of two environments."""
+    arguments = {**arguments, "goal_distance": (1, 3), "render_mode": "rgb_array"}
+    arguments["terminated"] = lambda step: np.zeros(len(step.distance), bool)
+    single = SyncVectorEnv([lambda: make(**arguments)] * 2, autoreset_mode="Disabled")
+    vector = make_vector(2, autoreset_mode="Disabled", **arguments)
+    frames = []
+    for env in (single, vector):
+        env.reset(seed=1)
+        for step in range(40):
+            env.step(np.float32([[0.5, 0.4], [0.2, -0.1]]))
+            if step == 20:
+                env.reset(options={"reset_mask": np.array([False, True])})
+        frames.append(env.render())
+        env.close()
+
+    assert isinstance(frames[1], tuple)
+    assert_same(frames[0], frames[1])
+    assert not np.array_equal(*frames[1])
+
+
+def test_so_many_pictures_as_are_asked_for():
+    env = make_vector(5, world="empty_room", beams=4, render_mode="rgb_array", render_envs=2)
     env.reset(seed=1)
     frames = env.render()
 
-    assert [(frame.shape, frame.dtype) for frame in frames] == [((480, 480, 3), np.uint8)] * 2
-    assert not np.array_equal(*frames)
+    assert [(frame.shape, frame.dtype) for frame in frames] == [((480, 480, 3), np.uint8)] * 5
+    assert [bool(frame.any()) for frame in frames] == [True, True, False, False, False]
     env.close()
 
 

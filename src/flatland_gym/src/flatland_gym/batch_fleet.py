@@ -1,9 +1,10 @@
 """A fleet in one call of the core: for worlds in which Python has nothing to do at each step."""
 
-from typing import Any, Optional, Sequence
+from typing import Optional, Sequence
 
 import numpy as np
 
+from flatland_gym.berth import are_near
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet
 from flatland_gym.navigation_world import NavigationWorld
@@ -13,7 +14,6 @@ from flatland_server import (
     FloatArray,
     IntArray,
     PluginError,
-    Pose,
     Simulation,
     SimulationBatch,
 )
@@ -35,8 +35,8 @@ class BatchFleet(Fleet):
     def __init__(
         self, world: NavigationWorld, settings: NavigationSettings, count: int, threads: int = 1
     ) -> None:
-        self._world = world
         self._settings = settings
+        self._room = world.radius + settings.margin
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
         self._batch = SimulationBatch(
             world.config,
@@ -54,7 +54,6 @@ class BatchFleet(Fleet):
         self.poses = self._rows.poses
         self.velocities = self._rows.local_velocities
         self.collided = self._rows.collided
-        self._stage: Optional[Simulation] = None
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         count = len(self.poses)
@@ -67,31 +66,19 @@ class BatchFleet(Fleet):
             places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
         self._batch.reset(mask, seeds, poses, out=self._rows, model_poses=places)
 
+    def is_blocked(self, index: int, episode: Episode) -> bool:
+        return are_near(episode, self._batch.added_walls(index), self._room)
+
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         """Steps all places: those that are left out are reset before they are used again."""
         self._batch.step(actions, self._settings.frame_skip, out=self._rows)
 
     def simulation(self, index: int) -> Simulation:
-        """A simulation with the robot where it is; other models are where they began.
-
-        It is the same one for all places.
-        """
-        if self._stage is None:
-            settings = self._settings
-            self._stage = Simulation(
-                self._world.config, step_size=settings.step_size, params=settings.params
-            )
-        x, y, yaw = self.poses[index].tolist()
-        base: Any = self._stage.models[self._world.robot.name].model.base.config.pose
-        self._stage.move(self._world.robot.name, Pose(x, y, yaw).compose(base.inverse()))
-        for name, place in zip(self._moved, self._places[index].tolist()):
-            self._stage.move(name, Pose(*place))
-        return self._stage
+        """A simulation that shows the place: the same one for all places."""
+        return self._batch.view(index)
 
     def close(self) -> None:
         self._batch.close()
-        if self._stage is not None:
-            self._stage.close()
 
 
 def batch_fleet(

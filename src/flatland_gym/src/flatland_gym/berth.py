@@ -1,6 +1,6 @@
 """A simulation with its robots: what is driven and measured in one world."""
 
-from typing import List, Sequence
+from typing import List, Optional, Sequence
 
 import numpy as np
 
@@ -8,7 +8,15 @@ from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings
-from flatland_server import BoolArray, FloatArray, ModelPlugin, Pose, Segments, Simulation
+from flatland_server import (
+    BoolArray,
+    FloatArray,
+    ModelHandle,
+    ModelPlugin,
+    Pose,
+    Segments,
+    Simulation,
+)
 
 
 class Berth:
@@ -22,17 +30,30 @@ class Berth:
     def __init__(self, world: NavigationWorld, settings: NavigationSettings) -> None:
         self._world = world
         self._settings = settings
-        self.simulation = Simulation(
-            world.config, step_size=settings.step_size, params=settings.params
-        )
-        self._handles = [self.simulation.models[name] for name in world.robots]
+        self._simulation: Optional[Simulation] = None  # made with the seed of the first episode
+        self._handles: List[ModelHandle] = []
         self._numbers = {name: number for number, name in enumerate(world.robots)}
         self._drives: List[ModelPlugin] = []
         self._lidars: List[ModelPlugin] = []
 
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation; there is none before the first episode."""
+        assert self._simulation is not None
+        return self._simulation
+
     def begin(self, episode: Episode) -> None:
         """Makes the world anew, and puts everything to its place."""
-        self.simulation.reset(episode.seed)
+        if self._simulation is None:
+            self._simulation = Simulation(
+                self._world.config,
+                seed=episode.seed,
+                step_size=self._settings.step_size,
+                params=self._settings.params,
+            )
+            self._handles = [self.simulation.models[name] for name in self._world.robots]
+        else:
+            self.simulation.reset(episode.seed)
         for name, start in zip(self._world.robots, episode.starts):
             self.simulation.move(name, start)
         for name, pose in episode.places.items():
@@ -43,14 +64,13 @@ class Berth:
 
     def is_blocked(self, episode: Episode) -> bool:
         """Whether a start or a goal lies in walls that plugins, such as RandomWall, have added."""
-        config, room = self._world.config, self._world.radius + self._settings.margin
-        for layer in self.simulation.world.layers:
-            added = layer.segments[len(config.walls_of(layer.config)) :]
-            if len(added):
-                places = [*(start[:2] for start in episode.starts), *episode.goals]
-                if _distances(np.array(places), added).min() < room:
-                    return True
-        return False
+        config = self._world.config
+        added = [
+            layer.segments[len(config.walls_of(layer.config)) :]
+            for layer in self.simulation.world.layers
+        ]
+        room = self._world.radius + self._settings.margin
+        return are_near(episode, np.concatenate([np.empty((0, 4)), *added]), room)
 
     def command(self, number: int, values: Sequence[float]) -> None:
         """Commands the drive of a robot."""
@@ -58,7 +78,7 @@ class Berth:
 
     def step(self, count: int) -> BoolArray:
         """Makes some steps; returns whether each robot has touched something solid meanwhile."""
-        collided = np.zeros(len(self._handles), dtype=bool)
+        collided = np.zeros(len(self._world.robots), dtype=bool)
         for _ in range(count):
             self.simulation.step()
             for touch in self.simulation.contacts:
@@ -75,10 +95,23 @@ class Berth:
         rows.poses[row] = handle.pose
         rows.velocities[row] = handle.local_velocity
 
+    def close(self) -> None:
+        """Ends the simulation."""
+        if self._simulation is not None:
+            self._simulation.close()
+
     def remove(self, number: int, place: Pose) -> None:
         """Takes a robot out of the way, and stops it."""
         self.command(number, [0.0] * len(self._world.robot.action_limits))
         self.simulation.move(self._world.robots[number], place)
+
+
+def are_near(episode: Episode, walls: Segments, room: float) -> bool:
+    """Whether a start or a goal of an episode is nearer to a wall than some room [m]."""
+    if not len(walls):
+        return False
+    places = [*(start[:2] for start in episode.starts), *episode.goals]
+    return bool(_distances(np.array(places), walls).min() < room)
 
 
 def _distances(places: FloatArray, walls: Segments) -> FloatArray:

@@ -107,7 +107,7 @@ class SimulationFleet(Fleet):
     def close(self) -> None:
         for berths in self._berths:
             for berth in berths.values():
-                berth.simulation.close()
+                berth.close()
         if self._pool is not None:
             self._pool.shutdown()
 

@@ -161,7 +161,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
     def close(self) -> None:
         """Ends the simulation."""
         self.agents = []
-        self._berth.simulation.close()
+        self._berth.close()
 
     def _numbers(self, agents: List[str]) -> List[int]:
         return [self.possible_agents.index(agent) for agent in agents]

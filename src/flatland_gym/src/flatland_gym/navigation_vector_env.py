@@ -31,6 +31,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         threads: how many are stepped at a time; results do not depend on it.
         autoreset_mode: what follows the end of an episode: "NextStep", "SameStep" or "Disabled".
         render_mode: None, "rgb_array" or "ansi".
+        render_envs: how many environments `render` shows, from the first one on; None: all.
         arguments: the attributes of `NavigationSettings`.
 
     Raises:
@@ -43,9 +44,12 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         threads: int = 1,
         autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
         render_mode: Optional[str] = None,
+        render_envs: Optional[int] = None,
         **arguments: Any,
     ) -> None:
-        for name, value in (("num_envs", num_envs), ("threads", threads)):
+        shown = num_envs if render_envs is None else render_envs
+        counts = {"num_envs": num_envs, "threads": threads, "render_envs": shown}
+        for name, value in counts.items():
             if not (is_whole(value) and value >= 1):
                 raise UsageError(f"expected {name} to be a whole number above 0, found {value!r}")
         check_render_mode(render_mode)
@@ -56,6 +60,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.autoreset_mode = _mode(autoreset_mode)
         self.metadata = {**metadata(settings), "autoreset_mode": self.autoreset_mode}
         self.render_mode = render_mode
+        self._shown = min(int(shown), self.num_envs)
         self.navigation = Navigation(settings, self.num_envs, int(threads))
         self.single_action_space = self.navigation.action_space
         self.single_observation_space = self.navigation.observation_space
@@ -132,11 +137,17 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         return self._observations(), rewards, terminated, truncated, {**final, **infos}
 
     def render(self) -> Optional[Tuple[Any, ...]]:
-        """A picture or a line of text of each environment, as the render mode says."""
+        """A picture or a line of text of each environment, as the render mode says.
+
+        A picture takes some milliseconds. Environments beyond `render_envs` have a black one, or an
+        empty line.
+        """
         if self.render_mode is None or not self._is_running:
             return None
         show = status_of if self.render_mode == "ansi" else picture_of
-        return tuple(show(self.navigation, index) for index in range(self.num_envs))
+        frames = [show(self.navigation, index) for index in range(self._shown)]
+        blank: Any = "" if self.render_mode == "ansi" else np.zeros_like(frames[0])
+        return (*frames, *[blank] * (self.num_envs - self._shown))
 
     @property
     def np_random(self) -> Any:

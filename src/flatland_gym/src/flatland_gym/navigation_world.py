@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import lru_cache
 from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
@@ -109,11 +110,10 @@ class NavigationWorld:
             driven = [discs.pop(name) for name in names].pop()
             walls = [config.walls_of(layer) for layer in config.layers]
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
-            space = DistanceGrid(
-                np.concatenate([np.empty((0, 4)), *walls]),
+            space = _distance_grid(
+                np.concatenate([np.empty((0, 4)), *walls]).tobytes(),
                 tuple(inside.get("pose") or (0.0, 0.0))[:2],
                 largest + 2 * (driven.radius + settings.margin),
-                open_reach=_OPEN,
             )
         added = {name for name in discs if name.startswith(_OBSTACLE)}
         if not settings.obstacle_counts[1]:
@@ -130,6 +130,13 @@ class NavigationWorld:
             tuple(disc for disc in discs.values() if disc.name in moved),
             tuple(disc for disc in discs.values() if disc.name in added),
         )
+
+
+@lru_cache(maxsize=4)
+def _distance_grid(walls: bytes, start: Tuple[float, float], farthest: float) -> DistanceGrid:
+    """The distances from walls (n, 4) of float64, which environments of equal worlds share."""
+    segments = np.frombuffer(walls).reshape(-1, 4)
+    return DistanceGrid(segments, start, farthest, open_reach=_OPEN)
 
 
 def parking_place(index: int) -> Pose:

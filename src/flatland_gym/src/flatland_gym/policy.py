@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Dict, List, Tuple, Union
 
 import numpy as np
@@ -10,6 +11,9 @@ from flatland_gym.observations import observe
 from flatland_server import FlatlandError, Float32Array, FloatArray, UsageError
 
 _FORMAT = "flatland policy 1"
+
+_POLICIES = Path(__file__).resolve().parent / "policies"
+_SHIPPED = ("discs",)
 
 
 @dataclass(frozen=True)
@@ -92,9 +96,14 @@ class Policy:
     def load(cls, path: Union[str, "os.PathLike[str]"]) -> "Policy":
         """Reads what `save` has written.
 
+        Args:
+            path: of the file; or "discs", the policy that comes with this package.
+
         Raises:
             FlatlandError: the file cannot be read, or is none of a policy.
         """
+        if str(path) in _SHIPPED:
+            path = _POLICIES / f"{path}.npz"
         try:
             with np.load(path, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}

@@ -38,6 +38,8 @@ def main(arguments: Optional[List[str]] = None) -> int:
 def _train(options: argparse.Namespace) -> int:
     from flatland_gym.evaluation import evaluate
 
+    if options.curve is not None:
+        _figure()  # before the training, if it cannot be drawn
     settings: Dict[str, Any] = {
         "world": options.world,
         "frame_skip": 2,
@@ -104,13 +106,7 @@ def save_curve(progress: List["Progress"], path: Path) -> None:
     Raises:
         FlatlandError: matplotlib is not installed.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise FlatlandError("a curve needs matplotlib: pip install 'flatland2d[view]'") from None
-    figure = Figure(figsize=(7, 4), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = _figure()
     axes = figure.add_subplot(xlabel="steps", ylabel="success [%]", ylim=(0, 100))
     window = 10
     success = [
@@ -120,6 +116,18 @@ def save_curve(progress: List["Progress"], path: Path) -> None:
     axes.plot([each.steps for each in progress], success)
     axes.grid(alpha=0.3)
     figure.savefig(path, dpi=120)
+
+
+def _figure() -> Any:
+    """An empty figure of matplotlib."""
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise FlatlandError("a curve needs matplotlib: pip install 'flatland2d[view]'") from None
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,16 +1,19 @@
 """Crowd: people that walk between goals and give way to walls, robots and each other."""
 
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 
 from flatland_plugins.crowd_config import CrowdConfig
-from flatland_plugins.obstacles import Bodies, Walls, seen_from
+from flatland_plugins.crowd_motion import CrowdMotion
+from flatland_plugins.obstacles import Bodies, Outline, Walls, seen_from
 from flatland_plugins.pedestrian import Pedestrian, model_of
-from flatland_plugins.social_force import Others, discs_apart, limit
+from flatland_plugins.social_force import Others, discs_apart
 from flatland_server import (
+    Body,
     FloatArray,
     ModelEntry,
+    Segments,
     Timekeeper,
     UpdateTimer,
     WorldPlugin,
@@ -18,16 +21,17 @@ from flatland_server import (
     fill_pose,
     header,
     messages,
+    wrap_angle,
 )
 
 PoseMessage = messages.get("geometry_msgs/Pose")
 PoseArray = messages.get("geometry_msgs/PoseArray")
 
-_MOST_SPEED = 1.3
-"""Maximum speed over desired speed (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
-
 _REACH = 8.0
 """Reach of walls, in ranges of the repulsion: it has fallen to e^-8 there."""
+
+_ALONE = np.array([0])
+"""The index of the only world of a simulation."""
 
 
 class Crowd(WorldPlugin):
@@ -45,14 +49,14 @@ class Crowd(WorldPlugin):
         )
         layers = [layer for layer in self.world.layers if layer.config.bits & crowd.layer_bits]
         radius = max((p.build.radius for p in crowd.pedestrians), default=0.0)
-        self._walls = Walls(layers, radius + _REACH * crowd.force.range)
+        self._reach = radius + _REACH * crowd.force.range
+        self._walls = Walls(lambda: [layer.segments for layer in layers], self._reach)
         self._bodies = Bodies(self.world.models, crowd.layer_bits)
         for index, problem in self._tight_places():
             config.note(crowd.pedestrians[index].reader.error(problem, "pose"))
         config.raise_problems()
 
         self.update_timer = UpdateTimer(crowd.update_rate)
-        self._period = self.update_timer.period
         self._publisher = self.node.advertise(crowd.poses_pub, "geometry_msgs/PoseArray")
         self._people: List[Pedestrian] = []
         try:
@@ -63,16 +67,19 @@ class Crowd(WorldPlugin):
         except BaseException:
             self.on_shutdown()
             raise
+        self._motion = self.make_batch_motion(1)
+        self._motion.begin(0, self.rng, None)
 
     def _tight_places(self) -> Iterator[Tuple[int, str]]:
         """The pedestrians that would start too close to something: their indices, and problems."""
         people = self._config.pedestrians
         points = np.array([p.pose[:2] for p in people]).reshape(-1, 2)
         radii = np.array([p.build.radius for p in people])
-        apart = discs_apart(points, radii)
+        apart, bodies = discs_apart(points, radii), self._bodies.find(but=())
+        standing = _poses([each.body for each in bodies])
         around = {
             "a wall": self._walls.seen_from(points),
-            "a model": seen_from(points, self._bodies.find(but=())),
+            "a model": seen_from(points, bodies, np.repeat(standing, len(points), axis=0)),
             "another pedestrian": Others(apart.distances + radii[:, np.newaxis], apart.away),
         }
         for what, others in around.items():
@@ -83,39 +90,43 @@ class Crowd(WorldPlugin):
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the poses, and sets the velocities until the next update."""
-        models = self.world.models
-        self._people = [p for p in self._people if models.get(p.config.name) is p.model]
+        self._keep([index for index, each in enumerate(self._people) if self._is_there(each)])
         if self._publisher.has_subscribers:
-            self._publisher.publish(self._poses(timekeeper.nanoseconds))
+            self._publisher.publish(self._message(timekeeper.nanoseconds))
         if self._people:
-            dt = max(self._period, timekeeper.step_size)
-            for person, (vx, vy) in zip(self._people, self._next_velocities(dt).tolist()):
-                person.walk(vx, vy, dt)
+            motion = self._motion
+            motion.outlines = self._find_others()
+            bodies = motion.bodies
+            velocities = np.array([[body.velocity for body in bodies]])
+            new = motion.update(_ALONE, _poses(bodies), velocities, timekeeper.step_size)
+            for body, velocity in zip(motion.moved, new[0].tolist()):
+                body.velocity = tuple(velocity)
 
-    def _next_velocities(self, dt: float) -> FloatArray:
-        force, people, goal_radius = self._config.force, self._people, self._config.goal_radius
-        points = np.array([p.position for p in people])
-        velocities = np.array([p.velocity for p in people])
-        radii = np.array([p.config.build.radius for p in people])
-        speeds = np.array([[p.config.build.speed] for p in people])
-        way = np.array([p.way(goal_radius, 2.0 * force.relaxation_time) for p in people])
-        will = np.hypot(way[:, :1], way[:, 1:])  # a person that stands neither evades nor sways
+    def make_batch_motion(self, count: int) -> CrowdMotion:
+        """The people's motion in so many environments of a batch."""
+        others = self._find_others()
+        return CrowdMotion(self._config, self._walls, self._see_walls, self._people, others, count)
 
-        bodies = self._bodies.find(but={p.model for p in people})
-        their_velocities = np.array([b.velocity for b in bodies]).reshape(-1, 2)
-        to_walls = self._walls.seen_from(points).nearer_by(radii)
-        to_bodies = seen_from(points, bodies).nearer_by(radii)
-        apart = discs_apart(points, radii)
-        own = velocities[:, np.newaxis]
-        repulsion = force.repel(apart) + force.repel(to_bodies) + force.repel(to_walls)
-        evasion = force.evade(apart, own - velocities)
-        evasion += force.evade(to_bodies, own - their_velocities)
+    def _see_walls(self, walls: Sequence[Segments]) -> Walls:
+        """Those that people keep away from, of the walls of each layer."""
+        layers = zip(walls, self.world.layers)
+        seen = [each for each, layer in layers if layer.config.bits & self._config.layer_bits]
+        return Walls(lambda: seen, self._reach)
 
-        velocities = force.relax(velocities, speeds * way, repulsion + will * evasion, dt)
-        velocities += will * force.scatter(velocities.shape, dt, self.rng)
-        return limit(velocities, _MOST_SPEED * speeds[:, 0])
+    def _find_others(self) -> List[Outline]:
+        """The bodies of all models but the people, now."""
+        return self._bodies.find(but={person.model for person in self._people})
 
-    def _poses(self, nanoseconds: int) -> Any:
+    def _is_there(self, person: Pedestrian) -> bool:
+        return self.world.models.get(person.config.name) is person.model
+
+    def _keep(self, indices: List[int]) -> None:
+        """Drops all people but some."""
+        if len(indices) < len(self._people):
+            self._people = [self._people[index] for index in indices]
+            self._motion.keep(indices)
+
+    def _message(self, nanoseconds: int) -> Any:
         poses = PoseArray(header=header(nanoseconds, self._frame_id))
         for person in self._people:
             poses.poses.append(PoseMessage())
@@ -124,18 +135,29 @@ class Crowd(WorldPlugin):
 
     def get_state(self) -> Dict[str, Any]:
         """The goal and the stride of each person that is there."""
-        models = self.world.models
-        people = [p for p in self._people if models.get(p.config.name) is p.model]
-        return {person.config.name: person.get_state() for person in people}
+        goals, strides = (values[0].tolist() for values in self._motion.progress)
+        return {
+            person.config.name: (goal, stride)
+            for person, goal, stride in zip(self._people, goals, strides)
+            if self._is_there(person)
+        }
 
     def set_state(self, state: Dict[str, Any]) -> None:
         """Sets what `get_state` has returned."""
-        self._people = [person for person in self._people if person.config.name in state]
-        for person in self._people:
-            person.set_state(state[person.config.name])
+        self._keep([i for i, each in enumerate(self._people) if each.config.name in state])
+        for index, person in enumerate(self._people):
+            for values, value in zip(self._motion.progress, state[person.config.name]):
+                values[0, index] = value
 
     def on_shutdown(self) -> None:
         """Deletes the people."""
         for person in self._people:
-            if self.world.models.get(person.config.name) is person.model:
+            if self._is_there(person):
                 self.world.delete_model(person.config.name)
+
+
+def _poses(bodies: Sequence[Body]) -> FloatArray:
+    """The poses of bodies, the yaw within [-pi, pi]: shape (1, n, 3)."""
+    poses = np.array([body.pose for body in bodies]).reshape(1, -1, 3)
+    poses[..., 2] = [[wrap_angle(yaw) for yaw in poses[0, :, 2]]]
+    return poses

@@ -1,42 +1,61 @@
 """The obstacles of a crowd: the walls of layers, and the models that do not belong to it."""
 
-from typing import Collection, Dict, List, Sequence
+from typing import Callable, Collection, Dict, List, Sequence
 
 import numpy as np
 
 from flatland_plugins.social_force import Others
 from flatland_plugins.wall_grid import WallGrid, nearest
-from flatland_server import Circle, FloatArray, Footprint, Layer, Model, ModelBody, Point
+from flatland_server import Circle, FloatArray, Footprint, Model, ModelBody, Segments
 
 
 class Walls:
     """The walls of some layers, including walls that are added later.
 
     Args:
-        layers: the layers.
+        find: the walls of each of the layers, now.
         reach: distance from a point within which walls are found [m].
     """
 
-    def __init__(self, layers: Sequence[Layer], reach: float) -> None:
-        self._layers = layers
+    def __init__(self, find: Callable[[], Sequence[Segments]], reach: float) -> None:
+        self._find = find
         self._reach = reach
         self._count = -1
 
     def seen_from(self, points: FloatArray) -> Others:
         """How points (n, 2) lie to the walls around them; see `WallGrid.walls`."""
-        count = sum(len(layer.segments) for layer in self._layers)
+        walls = self._find()
+        count = sum(map(len, walls))
         if count != self._count:
-            segments = [np.empty((0, 4)), *(layer.segments for layer in self._layers)]
-            self._grid = WallGrid(np.concatenate(segments), self._reach)
+            self._grid = WallGrid(np.concatenate([np.empty((0, 4)), *walls]), self._reach)
             self._count = count
         return self._grid.walls(points)
 
 
+def seen_walls(walls: Sequence[Walls], points: FloatArray) -> Others:
+    """How p points in each of n worlds, (n, p, 2), lie to the walls of these: n * p rows."""
+    if all(each is walls[0] for each in walls):
+        return walls[0].seen_from(points.reshape(-1, 2))
+    seen = [each.seen_from(place) for each, place in zip(walls, points)]
+    width = max(each.distances.shape[1] for each in seen)
+    distances = np.full((*points.shape[:2], width), np.inf)
+    away = np.zeros((*points.shape[:2], width, 2))
+    for row, each in enumerate(seen):
+        count = each.distances.shape[1]
+        distances[row, :, :count], away[row, :, :count] = each
+    rows = points.shape[0] * points.shape[1]
+    return Others(distances.reshape(rows, width), away.reshape(rows, width, 2))
+
+
 class Outline:
-    """The solid footprints of a body, as lines; a disc is a point with a radius."""
+    """The solid footprints of a body, as lines; a disc is a point with a radius.
+
+    Attributes:
+        body: the body in the physical world.
+    """
 
     def __init__(self, body: ModelBody, footprints: Sequence[Footprint]) -> None:
-        self._body = body.physics_body
+        self.body = body.physics_body
         lines, radii = [], []
         for footprint in footprints:
             shape = footprint.shape
@@ -46,17 +65,20 @@ class Outline:
         self._lines = np.concatenate(lines)
         self._radii = np.array(radii)
 
-    @property
-    def velocity(self) -> Point:
-        """Of the body's origin [m/s]."""
-        return self._body.velocity[:2]
+    def seen_from(self, points: FloatArray, poses: FloatArray) -> Others:
+        """How points lie to the nearest point of it: distances (n,), away (n, 2).
 
-    def seen_from(self, points: FloatArray) -> Others:
-        """How points (n, 2) lie to the nearest point of it: distances (n,), away (n, 2)."""
-        x, y, yaw = self._body.pose
+        Args:
+            points: [m], shape (n, 2).
+            poses: of the body, for each of these [m, m, rad], shape (n, 3).
+        """
+        x, y, yaw = poses.T[..., np.newaxis]
         cos, sin = np.cos(yaw), np.sin(yaw)
-        turn = np.array([[cos, sin], [-sin, cos]])
-        lines = (self._lines.reshape(-1, 2) @ turn + (x, y)).reshape(-1, 4)
+        lines = np.empty((len(points), *self._lines.shape))
+        for i in (0, 2):
+            along, across = self._lines[:, i], self._lines[:, i + 1]
+            lines[..., i] = cos * along - sin * across + x
+            lines[..., i + 1] = sin * along + cos * across + y
         distances, away = nearest(points, lines)
         distances -= self._radii
         index = distances.argmin(axis=1)
@@ -101,9 +123,9 @@ class Bodies:
         )
 
 
-def seen_from(points: FloatArray, outlines: Sequence[Outline]) -> Others:
-    """How points (n, 2) lie to m outlines: distances (n, m), away (n, m, 2)."""
-    seen = [outline.seen_from(points) for outline in outlines]
+def seen_from(points: FloatArray, outlines: Sequence[Outline], poses: FloatArray) -> Others:
+    """How points (n, 2) lie to m outlines at poses (n, m, 3): distances (n, m), away (n, m, 2)."""
+    seen = [each.seen_from(points, poses[:, index]) for index, each in enumerate(outlines)]
     return Others(
         np.array([one.distances for one in seen]).reshape(len(seen), len(points)).T,
         np.array([one.away for one in seen]).reshape(len(seen), len(points), 2).swapaxes(0, 1),

@@ -14,6 +14,8 @@ class RandomWall(WorldPlugin):
     too. No copy is placed where the robot stands.
     """
 
+    acts_when_loaded = True
+
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the keys and adds the walls."""
         layer_name = config.get_string("layer")

@@ -114,19 +114,27 @@ class SocialForce:
         end = desired + self.relaxation_time * accelerations
         return np.asarray(end + (velocities - end) * math.exp(-dt / self.relaxation_time))
 
-    def scatter(self, shape: Tuple[int, ...], dt: float, rng: np.random.Generator) -> FloatArray:
+    def scatter(self, numbers: FloatArray, dt: float) -> FloatArray:
         """Noise to add to velocities after `dt` [s] of `relax`, such that they scatter by `noise`.
 
         With the relaxation it is an Ornstein-Uhlenbeck process, whatever `dt` is.
+
+        Args:
+            numbers: normally distributed, with a standard deviation of 1.
+            dt: [s].
         """
         left_over = math.exp(-2.0 * dt / self.relaxation_time)
-        return self.noise * math.sqrt(1.0 - left_over) * rng.standard_normal(shape)
+        return self.noise * math.sqrt(1.0 - left_over) * numbers
 
 
 def discs_apart(points: FloatArray, radii: FloatArray) -> Others:
-    """The gaps between discs, each to all (n, n); a disc is infinitely far from itself."""
-    away, distances = directions(points[:, np.newaxis] - points[np.newaxis])
-    np.fill_diagonal(distances, np.inf)
+    """The gaps between n discs at points (..., n, 2), each to all (..., n, n).
+
+    A disc is infinitely far from itself.
+    """
+    away, distances = directions(points[..., :, np.newaxis, :] - points[..., np.newaxis, :, :])
+    each = np.arange(len(radii))
+    distances[..., each, each] = np.inf
     return Others(distances - radii[:, np.newaxis] - radii[np.newaxis], away)
 
 

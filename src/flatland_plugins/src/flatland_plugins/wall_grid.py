@@ -48,7 +48,8 @@ class WallGrid:
 
     def near(self, points: FloatArray) -> FloatArray:
         """The pieces around points (n, 2): shape (n, m, 4), filled up with far ones."""
-        cells = np.floor(points / self._cell).astype(np.int64).clip(self._low, self._high)
+        cells = np.floor(points / self._cell).astype(np.int64)
+        cells = np.minimum(np.maximum(cells, self._low), self._high)
         rows = self._keys_of(cells[:, np.newaxis] + [[-1, 0], [0, 0], [1, 0]])
         first = np.searchsorted(self._keys, rows - 1, "left")
         counts = np.searchsorted(self._keys, rows + 1, "right") - first
@@ -82,7 +83,8 @@ def nearest(points: FloatArray, segments: FloatArray) -> Others:
     to_point = points[:, np.newaxis] - starts
     squares = np.einsum("...i,...i->...", steps, steps)
     along = np.einsum("...i,...i->...", to_point, steps) / np.where(squares > 0.0, squares, 1.0)
-    away, distances = directions(to_point - along.clip(0.0, 1.0)[..., np.newaxis] * steps)
+    along = np.minimum(np.maximum(along, 0.0), 1.0)  # quicker than clip
+    away, distances = directions(to_point - along[..., np.newaxis] * steps)
     return Others(distances, away)
 
 

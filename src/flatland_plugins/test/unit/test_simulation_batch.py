@@ -8,15 +8,14 @@ import pytest
 
 from flatland_server import (
     BatchObservation,
-    FlatlandError,
     ModelError,
     ModelPlugin,
     PluginError,
+    PluginLoader,
     Simulation,
     SimulationBatch,
     UsageError,
 )
-from flatland_server.library.batch_robot import is_passive
 from flatland_server.testing import WorldFiles
 
 OFFICE = "office"
@@ -83,11 +82,13 @@ RESET_AT = 25
 def world_of(tmp_path_factory):
     """Writes the world with a drive and noise of the lidar; returns its file."""
 
-    def write(drive="DiffDrive", noise="0", models=WORLD) -> Path:
+    def write(drive="DiffDrive", noise="0", models=WORLD, others="") -> Path:
         files = WorldFiles(tmp_path_factory.mktemp("world"))
         files.write(
             "robot.yaml",
-            ROBOT.replace("DRIVE", DRIVES[drive]).replace("LASER", LASER.replace("NOISE", noise)),
+            ROBOT.replace("DRIVE", DRIVES[drive] + others).replace(
+                "LASER", LASER.replace("NOISE", noise)
+            ),
         )
         files.write("box.yaml", BOX)
         files.write("door.yaml", DOOR)
@@ -187,6 +188,71 @@ def test_every_drive_is_that_of_a_simulation(world_of, drive, size):
             assert np.array_equal(array[:, k], reference)
 
 
+CROWD = """
+plugins:
+  - {type: Crowd, name: people, update_rate: 13, speed: 0.7, layers: [map], pedestrians: [
+      {pose: [2, 0, 0], goals: [[-2, 0], [2, 0.5]], legs: true},
+      {pose: [-2, -2.5, 0], goals: [[-2, 2.5], [-2.2, -2.5]], radius: 0.2},
+      {pose: [2, -2, 2], goals: [[2.2, -2.2]], legs: true}]}
+  - {type: Crowd, name: others, force: {noise: 0.2}, pedestrians: [
+      {pose: [-2.5, 2.5, 0], goals: [[2.5, 2.5]]}]}
+"""
+
+
+@pytest.mark.parametrize("count", [1, 7])
+def test_a_crowd_is_that_of_a_simulation(world_of, monkeypatch, count):
+    """Updates of 13 Hz are due within calls of step, in each environment at other times."""
+    monkeypatch.setitem(globals(), "SUBSTEPS", 7)
+    world = world_of(noise="0.02", models=WORLD + CROWD)
+    expected = {k: run_simulation(world, k, 2) for k in {0, count // 2, count - 1}}
+
+    for threads in (1, 2, 4):
+        found = run_batch(world, count, threads, 2)
+        for k, references in expected.items():
+            for name, array, reference in zip(BatchObservation._fields, found, references):
+                assert np.array_equal(array[:, k], reference), (k, name)
+
+
+MORE_WALLS = """
+  - {type: RandomWall, name: more, layer: map, num_of_walls: 2, wall_wall_dist: 0.4,
+     robot_name: robot}
+"""
+
+
+def test_walls_that_differ_are_those_of_simulations(world_of):
+    world = world_of(models=WORLD + CROWD + MORE_WALLS)
+    expected = {k: run_simulation(world, k, 2) for k in range(3)}
+
+    for threads in (1, 2):
+        found = run_batch(world, 3, threads, 2)
+        for k, references in expected.items():
+            for name, array, reference in zip(BatchObservation._fields, found, references):
+                assert np.array_equal(array[:, k], reference), (k, name)
+    with SimulationBatch(world, 2, seed=7) as batch:
+        walls = [batch.added_walls(k) for k in range(2)]
+        assert [each.shape for each in walls] == [(2, 4)] * 2
+        assert not np.array_equal(*walls)
+        view = batch.view(1)
+        assert np.array_equal(view.world.layers[0].segments[-2:], walls[1])
+        first = batch.observe()
+        batch.reset(seeds=8)
+        assert np.array_equal(batch.added_walls(0), walls[1])
+        assert np.array_equal(batch.observe().ranges[0], first.ranges[1])
+
+
+def test_where_people_are_is_seen_in_a_view(world_of):
+    world = world_of(models=WORLD + CROWD)
+    with SimulationBatch(world, 2, seed=7) as batch, Simulation(world, seed=8) as simulation:
+        batch.step(np.zeros((2, 2)), 300)
+        simulation.step(300)
+        people = simulation.models["people_0"].model
+        shown = batch.view(1).models["people_0"].model
+        assert [body.pose for body in shown.bodies.values()] == [
+            body.pose for body in people.bodies.values()
+        ]
+        assert math.dist(people.pose[:2], (2, 0)) > 0.5
+
+
 def test_an_office_is_that_of_a_simulation():
     actions = np.random.default_rng(3).uniform([0.5, -1], [2.5, 1], (30, 2, 2))
     with SimulationBatch(OFFICE, 2) as batch, Simulation(OFFICE) as simulation:
@@ -207,6 +273,26 @@ def test_scans_with_the_walls_of_a_cell_are_those_with_all(world_of):
             last = batch.observe().ranges
 
     assert np.array_equal(first, last)
+
+
+def test_a_view_shows_an_environment(world_of):
+    actions = commands(5, 2)[:, None] * np.ones((3, 1))
+    with SimulationBatch(world_of(noise="0.02"), 3, seed=7) as batch:
+        for action in actions[:5]:
+            observation = batch.step(action, SUBSTEPS)
+        for k in (0, 2, 1):
+            view = batch.view(k)
+            index = list(view.models).index("robot")
+            robot = view.models["robot"]
+            assert np.array_equal(view.poses[index], observation.poses[k])
+            assert np.array_equal(robot.sensors["laser"].read(), observation.ranges[k])
+            assert view.time == observation.times[k]
+        with Simulation(world_of(noise="0.02"), seed=8) as simulation:
+            for action in actions[:5, 1]:
+                simulation.models["robot"].command(*action)
+                simulation.step(SUBSTEPS)
+            assert np.array_equal(view.poses, simulation.poses)
+            assert np.array_equal(view.render(sensors=True), simulation.render(sensors=True))
 
 
 def test_facts_of_the_robot(world_of):
@@ -297,6 +383,8 @@ def unusable():
         (lambda b: b.reset(seeds=-1), "seed"),
         (lambda b: b.reset(poses=np.full((2, 3), 1e30)), "poses of finite numbers"),
         (lambda b: b.reset(poses=[1, 2, 3]), "x, y, yaw"),
+        (lambda b: b.view(2), "expected an environment from 0 to 1, found 2"),
+        (lambda b: b.view("1"), "found '1'"),
         (lambda b: b.free_poses(1, 0.0, np.random.default_rng(0)), "clearance"),
         (lambda b: b.free_space(None), "expected a clearance above zero, found None"),
         (lambda b: b.free_space(0.3).contains(np.zeros(2)), "points of shape (n, 2), found (2,)"),
@@ -343,19 +431,11 @@ def test_worlds_that_have_no_robot_are_refused(world_of):
         assert batch.robot == "other"
 
 
-def test_plugins_that_act_by_themselves_are_refused_by_name(world_of):
-    crowd = WORLD + "plugins: [{type: Crowd, name: people, robot_name: robot}]\n"
-    walls = """plugins: [{type: RandomWall, name: more, layer: map, num_of_walls: 1,
- wall_wall_dist: 0.3, robot_name: robot}]\n"""
-
-    with pytest.raises(PluginError, match=r'"more" \(RandomWall\) acts in Python'):
-        SimulationBatch(world_of(models=WORLD + walls), 1)
-    with pytest.raises(FlatlandError):
-        SimulationBatch(world_of(models=crowd), 1)
-
-
 class Observer(ModelPlugin):
     is_passive = True
+
+    def on_initialize(self, config):
+        pass
 
     def before_physics_step(self, timekeeper):
         pass
@@ -366,9 +446,19 @@ class Actor(Observer):
         pass
 
 
-def test_a_plugin_that_overrides_a_hook_has_to_say_that_it_is_passive():
-    assert is_passive(Observer.__new__(Observer))
-    assert not is_passive(Actor.__new__(Actor))
+class Loader(PluginLoader):
+    def load(self, type, base):
+        return {"Actor": Actor, "Observer": Observer}.get(type) or super().load(type, base)
+
+
+def test_plugins_that_act_by_themselves_are_refused_by_name(world_of):
+    """A class that overrides a hook has to say again that it is passive."""
+    batch = SimulationBatch(
+        world_of(others="\n  - {type: Observer, name: eye}"), 1, loader=Loader()
+    )
+    batch.close()
+    with pytest.raises(PluginError, match=r'"robot/hand" \(Actor\) acts in Python'):
+        SimulationBatch(world_of(others="\n  - {type: Actor, name: hand}"), 1, loader=Loader())
 
 
 @pytest.mark.parametrize("arguments", [{"num_envs": 0}, {"threads": 0}, {"step_size": -1.0}])

@@ -138,7 +138,7 @@ def test_noise_scatters_velocities_as_told_however_often_it_comes(dt):
 
     for _ in range(round(3.0 / dt)):
         velocities = force.relax(velocities, nothing, nothing, dt)
-        velocities += force.scatter(velocities.shape, dt, rng)
+        velocities += force.scatter(rng.standard_normal(velocities.shape), dt)
 
     # Chi-squared: n squares of standard normals are n +- sqrt(2 n).
     squares = ((velocities / 0.1) ** 2).sum()

@@ -62,20 +62,43 @@ class WorldBatch {
   int model_count() const { return static_cast<int>(models_.size()); }
 
   /// In each environment: commands the drive with its row of `actions` (count x action_size), makes
-  /// `substeps` steps of `dt` [s], and writes its row. Throws std::invalid_argument, and changes
-  /// nothing, if an action is not finite.
-  void Step(const double* actions, int substeps, double dt, const BatchRows& rows);
+  /// `substeps` steps of `dt` [s], and writes its row. If it `goes_on`, a collision in the steps of
+  /// the last call of Advance counts, too. Throws std::invalid_argument, and changes nothing, if an
+  /// action is not finite.
+  void Step(const double* actions, int substeps, double dt, const BatchRows& rows,
+            bool goes_on = false) {
+    Advance(actions, substeps, dt, &rows, goes_on);
+  }
+  /// The same without rows: the first steps of several, between which bodies are looked at.
+  void Advance(const double* actions, int substeps, double dt, bool goes_on = false) {
+    Advance(actions, substeps, dt, nullptr, goes_on);
+  }
   /// Puts the environments that `mask` chooses (null: all) back to the beginning, moves their
   /// robots to `poses` (count x 3: x, y [m], yaw [rad]; null: they stay) and then the models to
   /// `model_poses` (count x models x 3; null: they stay), and writes their rows.
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
   void Reset(const bool* mask, const double* poses, const BatchRows& rows,
              const double* model_poses = nullptr);
+  /// Lets an environment begin as another world from now on, which is copied: one that has made no
+  /// step, and in which the same handles name the same things, such as the same world with other
+  /// walls. It is not shared with other environments. Its row is not written.
+  void Replace(int row, const World& world);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
+  /// Writes the poses of bodies (x, y [m] and yaw in [-pi, pi] [rad]) and the velocities of their
+  /// origins [m/s, m/s, rad/s], in the world's frame, to the rows (count x bodies x 3) of the
+  /// environments that `mask` chooses (null: all).
+  void GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,
+                  double* velocities);
+  /// Sets the velocities of bodies (count x bodies x 3) in the environments that `mask` chooses
+  /// (null: all). Throws std::invalid_argument, and changes nothing, if one is not finite.
+  void SetVelocities(const bool* mask, const std::vector<World::Body>& bodies,
+                     const double* velocities);
+
  private:
   struct Environment {
+    std::unique_ptr<SharedWorld> own;  // null: it shares its thread's world
     std::unique_ptr<SharedWorld::State> state;
     int64_t steps = 0;
     bool collided = false;
@@ -85,6 +108,8 @@ class WorldBatch {
   /// threads, each of which has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, Visit visit);
+  void Advance(const double* actions, int substeps, double dt, const BatchRows* rows,
+               bool goes_on);
   void Command(World& world, const double* action) const;
   /// Moves a model as Model.move does: with the same arithmetic.
   static void Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,
@@ -93,6 +118,7 @@ class WorldBatch {
 
   BatchRobot robot_;
   std::vector<BatchModel> models_;
+  std::vector<World::Body> moved_;  // those of the robot and the models
   int beams_ = 0;
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds

@@ -1,5 +1,7 @@
 /// WorldBatch: many environments in one call.
 
+#include <algorithm>
+
 #include "bindings.hpp"
 #include "flatland_server/world_batch.hpp"
 
@@ -59,12 +61,17 @@ BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
 }
 
 void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double dt,
-          const py::tuple& out) {
+          const std::optional<py::tuple>& out, bool goes_on) {
   RequireShape(actions, "actions", self.batch.count(), self.batch.robot().action_size);
-  const BatchRows rows = ToRows(self.batch, out);
+  std::optional<BatchRows> rows;
+  if (out) rows = ToRows(self.batch, *out);
   const Use use(self);
   const py::gil_scoped_release release;
-  self.batch.Step(actions.data(), substeps, dt, rows);
+  if (rows) {
+    self.batch.Step(actions.data(), substeps, dt, *rows, goes_on);
+  } else {
+    self.batch.Advance(actions.data(), substeps, dt, goes_on);
+  }
 }
 
 void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
@@ -89,10 +96,47 @@ void Observe(PyWorldBatch& self, const py::tuple& out) {
   self.batch.Observe(rows);
 }
 
+std::vector<World::Body> ToHandles(const std::vector<PyBody>& bodies) {
+  std::vector<World::Body> handles;
+  for (const PyBody& body : bodies) handles.push_back(body.handle);
+  return handles;
+}
+
+/// Poses and velocities: two arrays of shape (count, bodies, 3), with zeros where the mask does not
+/// choose.
+py::tuple GetMotions(PyWorldBatch& self, const std::vector<PyBody>& bodies,
+                     const std::optional<Array<bool>>& mask) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  const std::vector<py::ssize_t> shape{self.batch.count(), static_cast<py::ssize_t>(bodies.size()),
+                                       3};
+  Array<double> poses(shape), velocities(shape);
+  std::fill_n(poses.mutable_data(), poses.size(), 0.0);
+  std::fill_n(velocities.mutable_data(), velocities.size(), 0.0);
+  const std::vector<World::Body> handles = ToHandles(bodies);
+  {
+    const Use use(self);
+    const py::gil_scoped_release release;
+    self.batch.GetMotions(mask ? mask->data() : nullptr, handles, poses.mutable_data(),
+                          velocities.mutable_data());
+  }
+  return py::make_tuple(poses, velocities);
+}
+
+void SetVelocities(PyWorldBatch& self, const std::vector<PyBody>& bodies,
+                   const Array<double>& velocities, const std::optional<Array<bool>>& mask) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  RequireShape(velocities, "velocities", self.batch.count(),
+               3 * static_cast<py::ssize_t>(bodies.size()));
+  const std::vector<World::Body> handles = ToHandles(bodies);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.SetVelocities(mask ? mask->data() : nullptr, handles, velocities.data());
+}
+
 BatchRobot ToRobot(const std::vector<PyBody>& bodies, const Triple& base, const py::object& drive,
                    const std::vector<int>& columns, const PyLidar& lidar) {
   BatchRobot robot;
-  for (const PyBody& body : bodies) robot.bodies.push_back(body.handle);
+  robot.bodies = ToHandles(bodies);
   robot.base = ToPose(base);
   if (py::isinstance<PyTricycle>(drive)) {
     robot.drive = drive.cast<const PyTricycle&>().handle;
@@ -114,7 +158,7 @@ std::vector<BatchModel> ToModels(
   std::vector<BatchModel> converted;
   for (const auto& [bodies, base] : models) {
     BatchModel& model = converted.emplace_back();
-    for (const PyBody& body : bodies) model.bodies.push_back(body.handle);
+    model.bodies = ToHandles(bodies);
     model.base = ToPose(base);
   }
   return converted;
@@ -137,11 +181,21 @@ void BindWorldBatch(py::module_& m) {
            py::arg("models"))
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("step", &Step, py::arg("actions").noconvert(), py::arg("substeps"), py::arg("dt"),
-           py::arg("out"))
+           py::arg("out").none(true), py::arg("goes_on") = false)
       .def("reset", &Reset, py::arg("mask").noconvert().none(true),
            py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))
-      .def("observe", &Observe, py::arg("out"));
+      .def("observe", &Observe, py::arg("out"))
+      .def(
+          "replace",
+          [](PyWorldBatch& self, int row, const PyWorld& world) {
+            const Use use(self);
+            self.batch.Replace(row, *world.world);
+          },
+          py::arg("row"), py::arg("world"))
+      .def("motions", &GetMotions, py::arg("bodies"), py::arg("mask").noconvert().none(true))
+      .def("set_velocities", &SetVelocities, py::arg("bodies"), py::arg("velocities").noconvert(),
+           py::arg("mask").noconvert().none(true));
 }
 
 }  // namespace flatland

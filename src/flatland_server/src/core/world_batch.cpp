@@ -42,12 +42,12 @@ WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, i
   Require(threads >= 1, "a batch needs a thread");
   Require(!robot.bodies.empty(), "a robot needs a body");
   for (const BatchModel& model : models) Require(!model.bodies.empty(), "a model needs a body");
-  std::vector<World::Body> moved = robot.bodies;
+  moved_ = robot.bodies;
   for (const BatchModel& model : models) {
-    moved.insert(moved.end(), model.bodies.begin(), model.bodies.end());
+    moved_.insert(moved_.end(), model.bodies.begin(), model.bodies.end());
   }
   for (int i = 0; i < team_.size(); ++i) {
-    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy(), moved));
+    worlds_.push_back(std::make_unique<SharedWorld>(world.Copy(), moved_));
   }
   environments_.resize(count);
   for (int i = 0; i < team_.size(); ++i) {
@@ -75,12 +75,14 @@ void WorldBatch::ForEach(const bool* mask, Visit visit) {
       if (mask != nullptr && !mask[row]) continue;
       if (row + 1 < end) SharedWorld::Prefetch(*environments_[row + 1].state);
       if (row + 2 < end) SharedWorld::PrefetchPlaces(*environments_[row + 2].state);
-      visit(*worlds_[i], environments_[row], row);
+      Environment& environment = environments_[row];
+      visit(environment.own ? *environment.own : *worlds_[i], environment, row);
     }
   });
 }
 
-void WorldBatch::Step(const double* actions, int substeps, double dt, const BatchRows& rows) {
+void WorldBatch::Advance(const double* actions, int substeps, double dt, const BatchRows* rows,
+                         bool goes_on) {
   Require(substeps >= 1, "expected 1 step or more");
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   const int64_t numbers = int64_t{count()} * robot_.action_size;
@@ -90,13 +92,13 @@ void WorldBatch::Step(const double* actions, int substeps, double dt, const Batc
   ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
     World& world = shared.Enter(*environment.state);
     Command(world, actions + int64_t{row} * robot_.action_size);
-    environment.collided = false;
+    environment.collided = environment.collided && goes_on;
     for (int i = 0; i < substeps; ++i) {
       world.Step(dt);
       environment.collided = environment.collided || world.Touches(robot_.bodies);
     }
     environment.steps += substeps;
-    Write(world, environment, row, rows);
+    if (rows != nullptr) Write(world, environment, row, *rows);
     shared.Leave(*environment.state);
   });
 }
@@ -128,6 +130,53 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
 void WorldBatch::Observe(const BatchRows& rows) {
   ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
     Write(shared.Enter(*environment.state), environment, row, rows);
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::Replace(int row, const World& world) {
+  Require(row >= 0 && row < count(), "there is no such environment");
+  auto own = std::make_unique<SharedWorld>(world.Copy(), moved_);
+  Environment& environment = environments_[row];
+  environment.state = own->MakeState();  // the former one is destroyed before its world
+  environment.own = std::move(own);
+  environment.steps = 0;
+  environment.collided = false;
+}
+
+void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,
+                            double* velocities) {
+  const auto width = static_cast<int64_t>(3 * bodies.size());
+  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+    const World& world = shared.Enter(*environment.state);
+    int64_t at = width * row;
+    for (const World::Body& body : bodies) {
+      const Pose pose = Wrapped(world.GetPose(body));
+      const Twist velocity = world.GetVelocity(body);
+      Put(poses + at, pose.x, pose.y, pose.yaw);
+      Put(velocities + at, velocity.vx, velocity.vy, velocity.omega);
+      at += 3;
+    }
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::SetVelocities(const bool* mask, const std::vector<World::Body>& bodies,
+                               const double* velocities) {
+  const auto width = static_cast<int64_t>(3 * bodies.size());
+  for (int row = 0; row < count(); ++row) {
+    if (mask != nullptr && !mask[row]) continue;
+    for (int64_t i = width * row; i < width * (row + 1); ++i) {
+      Require(IsUsable(velocities[i]), "a velocity must be finite");
+    }
+  }
+  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+    World& world = shared.Enter(*environment.state);
+    const double* velocity = velocities + width * row;
+    for (const World::Body& body : bodies) {
+      world.SetVelocity(body, {velocity[0], velocity[1], velocity[2]});
+      velocity += 3;
+    }
     shared.Leave(*environment.state);
   });
 }

@@ -65,6 +65,7 @@ from flatland_server.models.joint import Joint
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.models.model_body import BodyConfig, ModelBody
+from flatland_server.plugins.batch_motion import BatchMotion
 from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
@@ -83,6 +84,7 @@ __all__ = [
     "EASINGS",
     "REQUIRED",
     "TWEEN_MODES",
+    "BatchMotion",
     "BatchObservation",
     "BeamFan",
     "Body",

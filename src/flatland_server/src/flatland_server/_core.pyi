@@ -198,8 +198,18 @@ class WorldBatch(metaclass=_Metaclass):
     @property
     def beams(self) -> int:
         """The number of beams of the lidar."""
-    def step(self, actions: FloatArray, substeps: int, dt: float, out: tuple[Any, ...]) -> None:
+    def step(
+        self,
+        actions: FloatArray,
+        substeps: int,
+        dt: float,
+        out: tuple[Any, ...] | None,
+        goes_on: bool = False,
+    ) -> None:
         """Commands the robots, makes steps of `dt` [s], and writes all rows. Releases the GIL.
+
+        With None as `out`, no row is written, and the next call may go on: then a collision of this
+        one counts in its rows, too.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
@@ -220,6 +230,27 @@ class WorldBatch(metaclass=_Metaclass):
         """
     def observe(self, out: tuple[Any, ...]) -> None:
         """Writes all rows."""
+    def replace(self, row: int, world: World) -> None:
+        """Lets an environment begin as another world from now on, such as one with other walls.
+
+        It must have made no step, and have the same bodies, drives and lidars; it is copied.
+        """
+    def motions(
+        self, bodies: Sequence[Body], mask: BoolArray | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """The poses and the velocities of bodies: new arrays (n, bodies, 3), 0 without the mask.
+
+        x, y [m] and yaw in [-pi, pi] [rad], and vx, vy [m/s] and omega [rad/s] of the body's
+        origin, in the world's frame.
+        """
+    def set_velocities(
+        self, bodies: Sequence[Body], velocities: FloatArray, mask: BoolArray | None
+    ) -> None:
+        """Sets the velocities of bodies: shape (n, 3 * bodies).
+
+        Raises:
+            ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
 
 class Body(_WithoutConstructor):
     """A handle of a body. Handles of the same body are equal."""

@@ -197,7 +197,7 @@ def test_the_command_is_there(library):
 SWEEP = """
 worlds: [{name: discs, world: "package://flatland_gym/worlds/discs.yaml"}]
 controllers:
-  - {name: trained, policy: discs.npz}
+  - {name: trained, policy: "package://flatland_gym/policies/discs.npz"}
   - {name: direct, call: "direct.py:drive"}
 parameters: {/disc_radius: [0.2, 0.35]}
 seeds: 4
@@ -228,7 +228,6 @@ print(table.num_rows, *(f"{field.name}:{field.type}" for field in table.schema))
 
 def test_a_sweep_is_the_same_to_the_bit_in_processes_and_on_ray(library_with_ray, tmp_path):
     """With a worker that is killed in its first attempt."""
-    shutil.copy(ROOT / "src/flatland_gym/policies/discs.npz", tmp_path)
     (tmp_path / "scenarios.yaml").write_text(SWEEP)
     (tmp_path / "direct.py").write_text(DIRECT)
     folders = {}

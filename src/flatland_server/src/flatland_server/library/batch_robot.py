@@ -40,7 +40,7 @@ def require_passive(world: World) -> None:
         )
     for owner in ["", *world.models]:
         for plugin in world.plugins_of(owner).values():
-            if not is_passive(plugin):
+            if not (is_passive(plugin) or acts_when_loaded(plugin) or has_batch_motion(plugin)):
                 label = f"{owner}/{plugin.name}" if owner else plugin.name
                 raise PluginError(
                     f'the plugin "{label}" ({plugin.type}) acts in Python while the world is '
@@ -52,9 +52,26 @@ def require_passive(world: World) -> None:
 
 def is_passive(plugin: Plugin) -> bool:
     """Whether the plugin's class says so, after the last one that overrides a hook."""
+    return plugin.is_passive and _knows_all_hooks(plugin, "is_passive")
+
+
+def acts_when_loaded(plugin: Plugin) -> bool:
+    """Whether the plugin's class says that its hooks change nothing, but its start does."""
+    return plugin.acts_when_loaded and _knows_all_hooks(plugin, "acts_when_loaded")
+
+
+def has_batch_motion(plugin: Plugin) -> bool:
+    """Whether the plugin's class says what it does in a batch, after overriding hooks."""
+    return _knows_all_hooks(plugin, "make_batch_motion")
+
+
+def _knows_all_hooks(plugin: Plugin, name: str) -> bool:
+    """Whether an attribute was set by the last class that overrides a hook, or after it."""
     for each in type(plugin).__mro__:
-        if "is_passive" in vars(each):
-            return plugin.is_passive
+        if each is Plugin:
+            break
+        if name in vars(each):
+            return True
         if any(hook in vars(each) for hook in HOOKS):
             break
     return False

@@ -204,7 +204,8 @@ class DistanceGrid:
         square = along_x**2 + along_y**2
         if square == 0.0:
             return window, xs**2 + ys**2
-        part = ((along_x / square) * xs + (along_y / square) * ys).clip(0.0, 1.0)
+        part = (along_x / square) * xs + (along_y / square) * ys
+        part = np.minimum(np.maximum(part, 0.0), 1.0)  # quicker than clip
         return window, (xs - part * along_x) ** 2 + (ys - part * along_y) ** 2
 
     def _nearest(self, free: BoolArray) -> Tuple[int, int]:

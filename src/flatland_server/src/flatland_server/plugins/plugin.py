@@ -51,6 +51,7 @@ from flatland_server import _core
 from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
+from flatland_server.plugins.batch_motion import BatchMotion
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
 from flatland_server.update_timer import UpdateTimer
@@ -86,12 +87,16 @@ class Plugin:
             this is due, and while it has no work, the world makes many steps at once.
         is_passive: whether the plugin changes nothing in the world by itself: all of its hooks only
             observe, and what it adds to the core when it starts does not depend on chance. It may
-            obey messages and commands. A `SimulationBatch` runs no other plugins. A derived class
-            that overrides a hook has to say so again.
+            obey messages and commands. A derived class that overrides a hook has to say so again.
+        acts_when_loaded: the same, except that what `on_initialize` adds to the core, such as
+            walls, depends on chance: each environment of a `SimulationBatch` then has a world of
+            its own, loaded with its seed. A batch runs no other plugins than these two kinds, and
+            those with `make_batch_motion`.
     """
 
     only_publishes: ClassVar[bool] = False
     is_passive: ClassVar[bool] = False
+    acts_when_loaded: ClassVar[bool] = False
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
         self.type = type
@@ -191,6 +196,18 @@ class Plugin:
             contact: with the points where the two fixtures touch.
             impulse: what was applied at each of these points to keep the fixtures apart [N s].
         """
+
+    def make_batch_motion(self, count: int) -> Optional[BatchMotion]:
+        """What the plugin does in so many environments of a `SimulationBatch`.
+
+        To be overridden by plugins that do nothing else than to set velocities of bodies at their
+        updates, so that batches can run them. A derived class that overrides a hook has to override
+        this, too. Called after all models and plugins of the world were made.
+
+        Returns:
+            None: it cannot be run in a batch, unless it `is_passive` or `acts_when_loaded`.
+        """
+        return None
 
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
         """Draws what the plugin shows in a picture of the world, such as a lidar's returns.

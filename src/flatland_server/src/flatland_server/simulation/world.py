@@ -172,6 +172,11 @@ class World(Spawning, Restartable, Stepping):
         return self._seed
 
     @property
+    def config(self) -> WorldConfig:
+        """The contents of its files."""
+        return self._config
+
+    @property
     def on_failure(self) -> Optional[FailureHandler]:
         """Called with the failure of a plugin and its exception; None: failures are logged."""
         return self._on_failure

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple
 
 from flatland_server.exceptions import FlatlandError
+from flatland_server.sweep.extras import how_to_install
 from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.local_pool import Done, LocalPool
 from flatland_server.sweep.runner import Result
@@ -51,7 +52,7 @@ class RayPool:
             import ray
         except ImportError as error:
             raise FlatlandError(
-                f"--ray needs Ray: pip install 'flatland2d[ray]' ({error})"
+                f"--ray needs Ray: {how_to_install('ray', 'ray')} ({error})"
             ) from None
         self._ray = ray
         self._settings = settings

@@ -8,7 +8,10 @@ import os
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence
 
+import numpy as np
+
 from flatland_server.exceptions import FlatlandError
+from flatland_server.sweep.extras import how_to_install
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
 
@@ -80,8 +83,9 @@ def write_parquet(path: Path, table: Table) -> None:
         import pyarrow.parquet
     except ImportError as error:
         reason = str(error).splitlines()[0]
+        package = "'pyarrow<24'" if np.__version__ < "2" else "pyarrow"  # 24 needs NumPy 2
         raise FlatlandError(
-            f"a Parquet file needs pyarrow: pip install 'flatland2d[sweep]' ({reason})"
+            f"a Parquet file needs pyarrow: {how_to_install('sweep', package)} ({reason})"
         ) from None
     types = {
         BOOL: pyarrow.bool_(),

@@ -2,6 +2,7 @@
 
 import base64
 import csv
+import importlib.metadata
 import importlib.util
 import itertools
 import json
@@ -19,6 +20,7 @@ from waiting import wait_until
 from flatland_server.cli import main
 from flatland_server.cli.sweep_replay import RunViewer
 from flatland_server.sweep import ray_pool
+from flatland_server.sweep.extras import how_to_install
 from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.runner import ScenarioRunner
 from flatland_server.sweep.scenario import scenarios_of
@@ -301,7 +303,29 @@ def test_without_ray_it_is_told_what_to_install(settings_of, capsys):
 
     assert main(["sweep", "scenarios.yaml", "--ray", "local"]) == 1
 
-    assert "flatland: --ray needs Ray: pip install 'flatland2d[ray]'" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"flatland: --ray needs Ray: {how_to_install('ray', 'ray')}" in said
+
+
+def test_what_is_missing_is_installed_as_the_library_was(monkeypatch):
+    installed = {"flatland2d": "1.0"}
+    monkeypatch.setattr("importlib.metadata.version", lambda name: _version(installed, name))
+    monkeypatch.setattr("sys.base_prefix", "/usr")
+
+    assert how_to_install("sweep", "pyarrow") == "pip install 'flatland2d[sweep]'"
+    installed.clear()
+    monkeypatch.setattr("sys.prefix", "/home/anna/venv")
+    assert how_to_install("sweep", "pyarrow") == "pip install pyarrow"
+    monkeypatch.setattr("sys.prefix", "/usr")
+    assert how_to_install("sweep", "pyarrow").startswith(
+        "python3 -m venv --system-site-packages ~/flatland-venv; ~/flatland-venv/bin/pip install "
+    )
+
+
+def _version(installed, name):
+    if name not in installed:
+        raise importlib.metadata.PackageNotFoundError(name)
+    return installed[name]
 
 
 def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_of):

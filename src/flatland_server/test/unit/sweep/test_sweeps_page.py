@@ -3,7 +3,6 @@
 import importlib.util
 import re
 import shlex
-import shutil
 from pathlib import Path
 
 import pytest
@@ -19,6 +18,7 @@ COMMANDS = [
     line[2:]
     for block in re.findall(r"```console\n(.*?)```", PAGE, re.DOTALL)
     for line in block.splitlines()
+    if line.startswith("$ flatland ")
 ]
 
 
@@ -41,7 +41,6 @@ class Window:
 def test_the_files_and_commands_work(tmp_path, monkeypatch, capsys):
     for name, text in FILES:
         (tmp_path / name).write_text(text)
-    shutil.copy(ROOT / "src/flatland_gym/policies/discs.npz", tmp_path)
     monkeypatch.chdir(tmp_path)
     needs = {"--ray": "ray", "--record": "rosbags", "--view": "pygame"}
 

@@ -1,0 +1,127 @@
+"""The people of a crowd as arrays, in one world or in many at once: their ways, turns and legs.
+
+Arrays hold n worlds with p people each: goals (n, p), points (n, p, 2), poses (n, p, 3).
+"""
+
+import math
+from typing import NamedTuple, Sequence, Tuple
+
+import numpy as np
+
+from flatland_plugins.crowd_config import PedestrianConfig
+from flatland_plugins.pedestrian import LEG_OFFSET, LEGS
+from flatland_plugins.social_force import directions
+from flatland_server import FloatArray, IntArray
+
+_WALK_RATIO = 0.0064 * 60.0
+"""A step's length by the steps per second [m s], about equal at all speeds.
+
+N. Sekiya et al., "The invariant relationship between step length and step rate during free
+walking", Journal of Human Movement Studies 30, 1996.
+"""
+
+_TURN_RATE = math.pi
+"""Maximum rate of turn [rad/s]."""
+
+_LEAST_SPEED = 0.1
+"""Below this speed [m/s] they keep their heading."""
+
+_FEET_ABREAST = 0.25
+
+
+class Progress(NamedTuple):
+    """How far people have got.
+
+    Attributes:
+        goals: which goal each walks to, (n, p).
+        strides: the part of a double step that is done, (n, p).
+    """
+
+    goals: IntArray
+    strides: FloatArray
+
+    @classmethod
+    def of(cls, worlds: int, people: int) -> "Progress":
+        """At the beginning: each walks to the first goal, and has both feet abreast."""
+        shape = (worlds, people)
+        return cls(np.zeros(shape, np.int64), np.full(shape, _FEET_ABREAST))
+
+
+class People:
+    """What does not change of p people.
+
+    Args:
+        configs: of the people.
+
+    Attributes:
+        radii: [m], (p,).
+        speeds: desired ones [m/s], (p,).
+        walkers: indices of those who have legs, (q,).
+    """
+
+    def __init__(self, configs: Sequence[PedestrianConfig]) -> None:
+        self.radii = np.array([each.build.radius for each in configs])
+        self.speeds = np.array([each.build.speed for each in configs])
+        self.walkers = np.array([i for i, c in enumerate(configs) if c.build.legs], np.int64)
+        self._goal_counts = np.array([len(each.goals) for each in configs], np.int64)
+        self._goals = np.zeros((len(configs), self._goal_counts.max(initial=0), 2))
+        for index, each in enumerate(configs):
+            self._goals[index, : len(each.goals)] = each.goals
+        self._index = np.arange(len(configs))
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    def ways(
+        self, goals: IntArray, points: FloatArray, goal_radius: float, time_left: float
+    ) -> Tuple[IntArray, FloatArray]:
+        """Which goals they walk to now, and the desired directions: of length 1 at full speed.
+
+        A person within `goal_radius` [m] of a goal turns to the next. With a single goal, it stays
+        there, and slows down when it would arrive in less than `time_left` seconds.
+        """
+        _, left = directions(self._goals[self._index, goals] - points)
+        goals = np.where(left <= goal_radius, (goals + 1) % self._goal_counts, goals)
+        vectors = self._goals[self._index, goals] - points
+        _, left = directions(vectors)
+        slow_down = np.where(self._goal_counts == 1, self.speeds * time_left, 1e-9)
+        return goals, vectors / np.maximum(left, slow_down)[..., np.newaxis]
+
+    def turns(self, yaws: FloatArray, velocities: FloatArray, dt: float) -> FloatArray:
+        """By how much they turn in `dt` seconds towards the direction of their velocities [rad]."""
+        turn = np.arctan2(velocities[..., 1], velocities[..., 0]) - yaws
+        turn -= math.tau * np.rint(turn / math.tau)
+        _, speeds = directions(velocities)
+        turn = np.minimum(np.maximum(turn, -_TURN_RATE * dt), _TURN_RATE * dt)
+        return np.where(speeds > _LEAST_SPEED, turn, 0.0)
+
+    def step(
+        self, strides: FloatArray, poses: FloatArray, motions: FloatArray, dt: float
+    ) -> Tuple[FloatArray, FloatArray]:
+        """The strides after `dt` seconds, and where the legs belong then.
+
+        Steps are sqrt(walk ratio * speed) long. A foot goes from half a step ahead to half a step
+        behind while the body goes on by a step: it stands still on the floor.
+
+        Args:
+            strides: now, (n, p).
+            poses: of the bodies now, (n, p, 3).
+            motions: their velocities from now on [m/s, m/s, rad/s], (n, p, 3).
+            dt: [s].
+
+        Returns:
+            Strides (n, p), and positions of left and right legs [m], (n, q, 2, 2).
+        """
+        after = poses + motions * dt
+        cos, sin = np.cos(after[..., 2]), np.sin(after[..., 2])
+        speeds = motions[..., 0] * cos + motions[..., 1] * sin
+        steps = np.sqrt(_WALK_RATIO * np.abs(speeds))
+        done = speeds * dt / (2.0 * np.where(steps > 0.0, steps, 1.0))
+        strides = (strides + np.where(steps > 0.0, done, 0.0)) % 1.0
+        ahead = steps / 2.0 * (1.0 - 4.0 * np.abs(strides - 0.5))
+        places = []
+        for _, side in LEGS:
+            x, y = side * ahead, side * LEG_OFFSET * self.radii
+            place = after[..., 0] + cos * x - sin * y, after[..., 1] + sin * x + cos * y
+            places.append(np.stack(place, axis=-1))
+        return strides, np.stack(places, axis=-2)[:, self.walkers]

@@ -1,0 +1,89 @@
+"""The plugins of a batch that move bodies at their updates; see `BatchMotion`."""
+
+from typing import List, NamedTuple, Optional, Sequence
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
+from flatland_server.library.batch_robot import has_batch_motion
+from flatland_server.plugins.batch_motion import BatchMotion
+from flatland_server.plugins.plugin_factory import plugin_rng
+from flatland_server.simulation.world import World
+
+
+class _Entry(NamedTuple):
+    """A plugin, and when its next update is due in each environment [ns]."""
+
+    owner: str
+    name: str
+    motion: BatchMotion
+    bodies: List[_core.Body]
+    moved: List[_core.Body]
+    due: FloatArray
+
+
+class BatchMotions:
+    """The motions of all plugins of a world, in the environments of a batch.
+
+    Args:
+        world: that they belong to.
+        count: number of environments, n.
+        step_nanoseconds: length of a step.
+    """
+
+    def __init__(self, world: World, count: int, step_nanoseconds: int) -> None:
+        self._step = step_nanoseconds
+        self._entries: List[_Entry] = []
+        for owner in ["", *world.models]:
+            for plugin in world.plugins_of(owner).values():
+                motion = plugin.make_batch_motion(count) if has_batch_motion(plugin) else None
+                if motion is not None and motion.moved:
+                    parts = list(motion.bodies), list(motion.moved)
+                    self._entries.append(
+                        _Entry(owner, plugin.name, motion, *parts, np.zeros(count))
+                    )
+
+    def __bool__(self) -> bool:
+        return bool(self._entries)
+
+    def begin(self, environment: int, seed: int, walls: Optional[Sequence[Segments]]) -> None:
+        """Lets an environment begin anew, with a seed and the walls of its world."""
+        for each in self._entries:
+            each.due[environment] = 0.0
+            each.motion.begin(environment, plugin_rng(seed, each.owner, each.name), walls)
+
+    def update(self, core: _core.WorldBatch, times: IntArray, most: int) -> int:
+        """Makes the updates that are due; returns the number of steps until the next one is.
+
+        Args:
+            core: the batch.
+            times: of the environments now [ns], (n,).
+            most: the largest number that is returned.
+        """
+        for each in self._entries:
+            is_due = times >= each.due
+            if is_due.any():
+                self._update(core, each, is_due)
+                each.due[is_due] = _due_after(times[is_due], each.motion.rate)
+            left = float((each.due - times).min())
+            most = int(min(most, max(1.0, np.ceil(left / self._step))))
+        return most
+
+    def _update(self, core: _core.WorldBatch, each: _Entry, is_due: BoolArray) -> None:
+        poses, velocities = core.motions(each.bodies, is_due)
+        chosen = np.flatnonzero(is_due)
+        new = np.zeros((len(is_due), 3 * len(each.moved)))
+        new[chosen] = each.motion.update(
+            chosen, poses[chosen], velocities[chosen], self._step * 1e-9
+        ).reshape(len(chosen), -1)
+        core.set_velocities(each.moved, new, is_due)
+
+
+def _due_after(times: IntArray, rate: float) -> FloatArray:
+    """When the updates after those at these times are due [ns]: as with an `UpdateTimer`."""
+    period = 1e9 / rate
+    if period == 0.0:
+        return times.astype(np.float64)
+    due: FloatArray = np.rint((np.floor((times + 0.5) / period) + 1.0) * period)
+    return due

@@ -1,0 +1,65 @@
+"""The worlds of a batch whose plugins act when they are loaded, by chance, such as RandomWall."""
+
+from typing import Callable, Dict, List, Optional
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, IntArray, Segments
+from flatland_server.library.batch_robot import acts_when_loaded
+from flatland_server.simulation.world import World
+
+
+class BatchWorlds:
+    """Loads a world for each environment, with its seed, where worlds differ by their seeds.
+
+    Args:
+        world: that the environments share if their worlds do not differ.
+        count: number of environments, n.
+        open: loads the world with a seed.
+    """
+
+    def __init__(self, world: World, count: int, open: Callable[[int], World]) -> None:
+        plugins = [
+            each for owner in ["", *world.models] for each in world.plugins_of(owner).values()
+        ]
+        self._differ = any(acts_when_loaded(each) for each in plugins)
+        self._open = open
+        self._last: Optional[World] = None
+        self._loaded = np.full(count, -1, np.int64)
+        """The seed with which the world of each environment was loaded."""
+        self._walls: Dict[int, List[Segments]] = {}
+
+    def __bool__(self) -> bool:
+        """Whether environments have worlds of their own."""
+        return self._differ
+
+    def load(self, core: _core.WorldBatch, chosen: BoolArray, seeds: IntArray) -> BoolArray:
+        """Loads the worlds of those chosen environments whose seeds have changed.
+
+        Returns:
+            Which environments have another world now: they are at its beginning.
+        """
+        is_other: BoolArray = chosen & (self._loaded != seeds)
+        for k in np.flatnonzero(is_other).tolist():
+            world = self._load(int(seeds[k]))
+            core.replace(k, world.physics)
+            self._walls[k] = [layer.segments for layer in world.layers]
+            self._loaded[k] = seeds[k]
+        return is_other
+
+    def walls(self, environment: int) -> Optional[List[Segments]]:
+        """The walls of each layer of an environment with a world of its own."""
+        return self._walls.get(environment)
+
+    def close(self) -> None:
+        """Closes the world that was loaded last."""
+        if self._last is not None:
+            self._last.close()
+
+    def _load(self, seed: int) -> World:
+        if self._last is None:
+            self._last = self._open(seed)
+        else:
+            self._last.reset(seed)
+        return self._last
