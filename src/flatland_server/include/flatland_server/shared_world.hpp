@@ -9,8 +9,8 @@
 /// byte by byte: Box2D's bodies that may move, the boxes of their fixtures, and joints; the heads
 /// of the lists of contacts, which stay where they are; drives and tweens. The objects stay at
 /// their places, so all pointers between them stay right. Box2D's tree of bounding boxes has a node
-/// for each wall, of which few change: each state has a copy of the nodes that shares their memory
-/// (page_copies.hpp). So a state makes, bit for bit, the steps that a World of its own makes.
+/// for each wall, of which few change: those that have are exchanged (shared_tree.hpp). So a state
+/// makes, bit for bit, the steps that a World of its own makes.
 
 #include <cstddef>
 #include <memory>
@@ -21,8 +21,8 @@
 
 namespace flatland {
 
-class PageCopy;
-class PageImage;
+class SharedTree;
+struct TreeChange;
 
 class SharedWorld {
  public:
@@ -34,9 +34,11 @@ class SharedWorld {
    private:
     friend class SharedWorld;
     State();
-    std::vector<std::byte> bytes_;    // of the ranges, one after the other
-    std::vector<int32_t> moves_;      // proxies that may have new contacts
-    std::unique_ptr<PageCopy> tree_;  // the nodes of the tree
+    State(const State&);
+    State& operator=(const State&);
+    std::vector<std::byte> bytes_;   // of the ranges, one after the other
+    std::vector<int32_t> moves_;     // proxies that may have new contacts
+    std::vector<TreeChange> nodes_;  // of the tree, that differ from the beginning
   };
 
   /// Takes a world that has made no step. It must not be given to anything else, and nothing may be
@@ -51,7 +53,7 @@ class SharedWorld {
   static void Prefetch(const State& state);
   static void PrefetchPlaces(const State& state) { __builtin_prefetch(&state); }
   /// Puts the world into a state, until Leave, which must precede the next call.
-  World& Enter(State& state);
+  World& Enter(const State& state);
   /// Keeps what has become of the state.
   void Leave(State& state);
   /// Puts a state back to the beginning; not between Enter and Leave.
@@ -73,15 +75,15 @@ class SharedWorld {
     mechanisms.ForEach([this](auto, Mounted<Mechanism>& each) { AddRange(each.mechanism); });
   }
   void CollectRanges();
+  void WriteRanges(const State& state);
   /// Drops walls from those proxies that Box2D asks for new contacts in the first step.
   void SkipWalls();
 
   std::unique_ptr<World> world_;
   std::vector<Range> ranges_;
-  size_t size_ = 0;                   // of all ranges
-  b2TreeNode* nodes_;                 // those that Box2D has allocated
-  std::unique_ptr<PageImage> image_;  // of the nodes at the beginning
-  std::unique_ptr<State> beginning_;  // its tree is not used
+  size_t size_ = 0;  // of all ranges
+  std::unique_ptr<SharedTree> tree_;
+  std::unique_ptr<State> beginning_;
 };
 
 }  // namespace flatland

@@ -14,11 +14,15 @@
 /// walls (occluders.hpp), crosses them all, or, after the cell or the wall has been halved, walls
 /// that do so for each half. To be on the safe side, a wall for which this does not succeed soon
 /// counts as seen. So a scan is the same with these walls as with all.
+///
+/// A search takes some milliseconds. So that no step is late, each scan from the cell does a part
+/// of it, which takes as long as the scan itself (wall_search.hpp).
 
 #include <atomic>
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 #include <vector>
 
 #include "flatland_server/geometry.hpp"
@@ -28,6 +32,7 @@
 namespace flatland {
 
 class Occluders;
+class WallSearch;
 
 class VisibleWalls {
  public:
@@ -40,12 +45,15 @@ class VisibleWalls {
 
   const SegmentTree& all() const { return *walls_; }
   const std::shared_ptr<const SegmentTree>& shared() const { return walls_; }
+  /// Finds out what can hide walls, in 8 ms for an office; otherwise SeenFrom does so when it first
+  /// searches.
+  void Prepare() const;
   /// Walls among which are all those that a lidar at a point can see, or null if they are not known
   /// (yet); valid as long as this object. Several threads may call it at a time.
   const WallList* SeenFrom(Vec2 point) const;
 
-  /// As many scans are made from a cell of a metre before its walls are found, which takes as long
-  /// as they do, and as many from one of half a metre.
+  /// As many scans are made from a cell of a metre before the search for its walls begins, which
+  /// takes as long as they do, and as many from one of half a metre.
   static constexpr int kScansBefore = 256;
   static constexpr int kScansBeforeHalf = 512;
 
@@ -71,13 +79,15 @@ class VisibleWalls {
   };
 
   const WallList* SeenFrom(const Grid& grid, Vec2 point) const;
-  const WallList* Find(const Grid& grid, int cell) const;
+  void PrepareLocked() const;
+  /// Searches on for the walls of a cell; null unless they are known then.
+  const WallList* Search(const Grid& grid, int cell) const;
 
   std::shared_ptr<const SegmentTree> walls_;
-  std::vector<Grid> grids_;  // the one with the smaller cells first; none for a few walls
-  mutable std::once_flag needs_occluders_;
+  std::vector<Grid> grids_;   // the one with the smaller cells first; none for a few walls
+  mutable std::mutex mutex_;  // guards the members below
   mutable std::unique_ptr<const Occluders> occluders_;  // made when they are first needed
-  mutable std::mutex mutex_;                            // guards the members below
+  mutable std::unordered_map<const Cell*, std::unique_ptr<WallSearch>> searches_;  // not ended yet
   mutable std::vector<std::unique_ptr<const WallList>> found_;
   mutable size_t found_walls_ = 0;  // in all of them
 };

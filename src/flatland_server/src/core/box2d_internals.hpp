@@ -26,6 +26,7 @@ struct FixtureInternals : b2Fixture {
   static int32 ProxyCount(const b2Fixture& fixture) {
     return fixture.*(&FixtureInternals::m_proxyCount);
   }
+  static b2Shape*& Shape(b2Fixture& fixture) { return fixture.*(&FixtureInternals::m_shape); }
 };
 
 struct RevoluteInternals : b2RevoluteJoint {
@@ -124,6 +125,12 @@ struct TreeRoot {
 };
 template struct DefineMember<TreeRoot, &b2DynamicTree::m_root>;
 
+struct TreeInsertionCount {
+  using Pointer = int32 b2DynamicTree::*;
+  friend constexpr Pointer Member(TreeInsertionCount);
+};
+template struct DefineMember<TreeInsertionCount, &b2DynamicTree::m_insertionCount>;
+
 inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
@@ -151,6 +158,8 @@ inline int32& MoveCount(b2World& world) {
 inline b2TreeNode*& Nodes(b2World& world) { return Tree(world).*Member(TreeNodes()); }
 inline int32& Root(b2World& world) { return Tree(world).*Member(TreeRoot()); }
 inline int32 NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
+/// How often a leaf was put into the tree: when it was added, and whenever it was moved.
+inline int32 InsertionCount(b2World& world) { return Tree(world).*Member(TreeInsertionCount()); }
 
 /// Spares the next step a search for what fixtures touch that were added since the last step: those
 /// from `begin` on among the proxies that may have new contacts. They must be static, and so must

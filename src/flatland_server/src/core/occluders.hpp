@@ -40,6 +40,12 @@ class Occluders {
     return tree_.segment_count() == 0 || ForEachIn(tree_.root(), place, visit);
   }
 
+  /// The tree of their lines, and the occluder with an index in its segments().
+  const SegmentTree& tree() const { return tree_; }
+  Occluder Get(uint32_t index) const {
+    return {tree_.segments()[index], index < wall_count_ ? nullptr : &chains_[index - wall_count_]};
+  }
+
   /// With more walls there are no chords: it takes too long to sort them.
   static constexpr size_t kMaxWalls = 100'000;
 
@@ -51,10 +57,8 @@ class Occluders {
       const auto& children = tree_.node(child).children;
       return ForEachIn(children[0], place, visit) && ForEachIn(children[1], place, visit);
     }
-    return tree_.ForEachWall(static_cast<size_t>(~child.index), [&](uint32_t index) {
-      const Box* chain = index < wall_count_ ? nullptr : &chains_[index - wall_count_];
-      return visit(Occluder{tree_.segments()[index], chain});
-    });
+    return tree_.ForEachWall(static_cast<size_t>(~child.index),
+                             [&](uint32_t index) { return visit(Get(index)); });
   }
 
   size_t wall_count_;

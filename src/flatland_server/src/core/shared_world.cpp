@@ -4,17 +4,24 @@
 #include <cstring>
 
 #include "box2d_internals.hpp"
-#include "page_copies.hpp"
+#include "shared_tree.hpp"
 #include "tree_order.hpp"
 
 namespace flatland {
 namespace {
 
-constexpr size_t kCacheLine = 64;
+template <class T>
+void PrefetchAll(const std::vector<T>& values) {
+  constexpr size_t kCacheLine = 64;
+  const auto* const bytes = reinterpret_cast<const std::byte*>(values.data());
+  for (size_t i = 0; i < values.size() * sizeof(T); i += kCacheLine) __builtin_prefetch(bytes + i);
+}
 
 }  // namespace
 
 SharedWorld::State::State() = default;
+SharedWorld::State::State(const State&) = default;
+SharedWorld::State& SharedWorld::State::operator=(const State&) = default;
 SharedWorld::State::~State() = default;
 
 SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
@@ -24,16 +31,20 @@ SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::
   SkipWalls();
   box2d::OrderNodes(box2d_world);
   CollectRanges();
-  nodes_ = box2d::Nodes(box2d_world);
-  image_ =
-      std::make_unique<PageImage>(nodes_, box2d::NodeCapacity(box2d_world) * sizeof(b2TreeNode));
+  std::vector<b2Fixture*> moving;
+  world_->bodies_.ForEach([&](World::Body, const BodyRecord& record) {
+    if (!record.may_move) return;
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) moving.push_back(each.fixture);
+  });
   beginning_.reset(new State());
   beginning_->bytes_.resize(size_);
+  tree_ = std::make_unique<SharedTree>(box2d_world, moving, beginning_->nodes_);
+  tree_->Enter(beginning_->nodes_);
   Leave(*beginning_);
 }
 
-// Box2D frees the nodes that it has allocated, and contacts with the memory that they are in.
-SharedWorld::~SharedWorld() { box2d::Nodes(*world_->world_) = nodes_; }
+// Box2D frees contacts with the memory that they are in.
+SharedWorld::~SharedWorld() = default;
 
 /// At first each fixture is to be tested for contacts with the others. Box2D finds a pair when it
 /// tests the later one of two such fixtures. So a wall finds nothing if all fixtures before it are
@@ -88,28 +99,26 @@ void SharedWorld::CollectRanges() {
 }
 
 std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
-  std::unique_ptr<State> state(new State());
-  state->tree_ = std::make_unique<PageCopy>(*image_);
-  state->bytes_ = beginning_->bytes_;
-  state->moves_ = beginning_->moves_;
-  return state;
+  return std::unique_ptr<State>(new State(*beginning_));
 }
 
 void SharedWorld::Prefetch(const State& state) {
-  for (size_t i = 0; i < state.bytes_.size(); i += kCacheLine) {
-    __builtin_prefetch(&state.bytes_[i]);
-  }
-  __builtin_prefetch(state.tree_.get());
+  PrefetchAll(state.bytes_);
+  PrefetchAll(state.nodes_);
 }
 
-World& SharedWorld::Enter(State& state) {
-  b2World& box2d_world = *world_->world_;
+void SharedWorld::WriteRanges(const State& state) {
   const std::byte* from = state.bytes_.data();
   for (const Range& range : ranges_) {
     std::memcpy(range.address, from, range.size);
     from += range.size;
   }
-  box2d::Nodes(box2d_world) = static_cast<b2TreeNode*>(state.tree_->data());
+}
+
+World& SharedWorld::Enter(const State& state) {
+  b2World& box2d_world = *world_->world_;
+  WriteRanges(state);
+  tree_->Enter(state.nodes_);
   std::copy(state.moves_.begin(), state.moves_.end(), box2d::Moves(box2d_world));
   box2d::MoveCount(box2d_world) = static_cast<int32>(state.moves_.size());
   ++world_->revision_;
@@ -125,15 +134,14 @@ void SharedWorld::Leave(State& state) {
   }
   const int32* moves = box2d::Moves(box2d_world);
   state.moves_.assign(moves, moves + box2d::MoveCount(box2d_world));
+  tree_->Leave(state.nodes_);
 }
 
 void SharedWorld::Restart(State& state) {
   b2ContactManager& contacts = box2d::Contacts(*world_->world_);
-  Enter(state);
+  WriteRanges(state);
   while (contacts.m_contactList != nullptr) contacts.Destroy(contacts.m_contactList);
-  state.tree_->Restore();
-  state.bytes_ = beginning_->bytes_;
-  state.moves_ = beginning_->moves_;
+  state = *beginning_;
 }
 
 }  // namespace flatland

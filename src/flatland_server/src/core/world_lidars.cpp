@@ -31,6 +31,9 @@ World::LidarHandle World::AddLidar(Body body, const LidarSettings& settings) {
   Lidar lidar;
   lidar.settings = settings;
   lidar.ranges.resize(settings.fan->size());
+  for (const Layer& layer : layers_) {
+    if ((layer.bits & settings.scan.layers) != 0) layer.walls->Prepare();
+  }
   if (settings.scan.reflectance_layers != 0) lidar.intensities.resize(settings.fan->size());
   return lidars_.Add({body, std::move(lidar)});
 }

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "../../src/core/wall_search.hpp"
 #include "flatland_server/depth_buffer.hpp"
 
 namespace flatland {
@@ -172,8 +173,11 @@ TEST(VisibleWallsTest, AreFoundWhereManyScansAreMade) {
   for (int i = 1; i < VisibleWalls::kScansBefore; ++i) {
     ASSERT_EQ(visible.SeenFrom(place), nullptr);
   }
-  const WallList* seen = visible.SeenFrom(place);
+  const WallList* seen = nullptr;
+  int portions = 0;
+  for (; portions < 1000 && seen == nullptr; ++portions) seen = visible.SeenFrom(place);
   ASSERT_NE(seen, nullptr);
+  EXPECT_GT(portions, 5);  // no scan makes the whole search
   EXPECT_LT(seen->size(), walls->segment_count());
   EXPECT_EQ(visible.SeenFrom(place), seen);
   EXPECT_EQ(visible.SeenFrom({100, 100}), nullptr);
@@ -196,6 +200,20 @@ TEST(VisibleWallsTest, ManyThreadsMayAsk) {
     });
   }
   for (std::thread& thread : threads) thread.join();
+}
+
+TEST(VisibleWallsTest, TheSizeOfPortionsDoesNotMatter) {
+  const SegmentTree all(Chains(5));
+  const Occluders occluders(all);
+  Box box;
+  box.Add(Segment{{3, 3}, {3.5, 3.5}});
+  for (const int effort : {1, 7, 1000}) {
+    WallSearch search(all, occluders, box);
+    int portions = 1;
+    while (!search.Continue(effort)) ++portions;
+    EXPECT_GT(portions, 1);
+    EXPECT_EQ(search.seen(), WallsSeenFrom(all, box));
+  }
 }
 
 TEST(VisibleWallsTest, EqualLayersShareThem) {

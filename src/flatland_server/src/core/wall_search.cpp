@@ -1,0 +1,357 @@
+#include "wall_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace flatland {
+namespace {
+
+/// A wall reaches past its ends by this fraction of its length, as it does for DepthBuffer.
+constexpr double kEndTolerance = 1e-9;
+/// How often cells and walls are halved, and lines are followed, before a wall counts as seen.
+constexpr int kMaxHalvings = 10;
+constexpr int kMaxLines = 48;
+
+Vec2 Middle(const Box& box) { return 0.5 * (box.low + box.high); }
+Box BoxOf(const Segment& segment) {
+  Box box;
+  box.Add(segment);
+  return box;
+}
+std::array<Vec2, 4> CornersOf(const Box& box) {
+  return {box.low, {box.high.x, box.low.y}, box.high, {box.low.x, box.high.y}};
+}
+bool AreApart(const Box& a, const Box& b) { return !a.Meets(b); }
+
+/// The two halves of a box, across its longer side.
+std::array<Box, 2> Halves(const Box& box) {
+  std::array<Box, 2> halves{box, box};
+  const Vec2 middle = Middle(box);
+  if (box.high.x - box.low.x > box.high.y - box.low.y) {
+    halves[0].high.x = halves[1].low.x = middle.x;
+  } else {
+    halves[0].high.y = halves[1].low.y = middle.y;
+  }
+  return halves;
+}
+
+/// What may be hidden: a wall, or all that is in a box.
+struct Target {
+  explicit Target(const Box& box) : corners(CornersOf(box)), count(4), bounds(box) {}
+  explicit Target(const Segment& wall)
+      : corners{wall.a, wall.b, {}, {}}, count(2), bounds(BoxOf(wall)) {}
+
+  std::array<Target, 2> Halves() const {
+    if (count == 4) {
+      const auto [low, high] = flatland::Halves(bounds);
+      return {Target(low), Target(high)};
+    }
+    const Vec2 middle = 0.5 * (corners[0] + corners[1]);
+    return {Target(Segment{corners[0], middle}), Target(Segment{middle, corners[1]})};
+  }
+
+  std::array<Vec2, 4> corners;
+  int count;
+  Box bounds;
+};
+
+Vec2 Middle(const Target& target) {
+  return target.count == 4 ? Middle(target.bounds) : 0.5 * (target.corners[0] + target.corners[1]);
+}
+
+/// Whether what begins and ends in these boxes crosses the chain of a chord that it crosses. True
+/// for walls.
+bool Counts(const Occluder& occluder, const Box& from, const Target& target) {
+  return occluder.chain == nullptr ||
+         (AreApart(*occluder.chain, from) && AreApart(*occluder.chain, target.bounds));
+}
+
+/// Whether an occluder crosses all lines from a box to a target. They all cross its line between
+/// the points where those from corner to corner do. A wall may touch one that it hides, as at the
+/// edges of a pillar, but neither lie in its line nor touch a box, which may be that of the wall
+/// itself. Lines may pass a wall just past its ends, but a chord only before them.
+bool Blocks(const Occluder& occluder, const Box& from, const Target& target) {
+  if (!Counts(occluder, from, target)) return false;
+  const Segment& wall = occluder.line;
+  const double past_ends = occluder.chain == nullptr ? kEndTolerance : -kEndTolerance;
+  const Vec2 along = wall.b - wall.a;
+  const std::array<Vec2, 4> corners = CornersOf(from);
+  double heights[4];  // above the line of the wall, times its length
+  for (int i = 0; i < 4; ++i) heights[i] = Cross(along, corners[i] - wall.a);
+  const double side = heights[0] > 0.0 ? 1.0 : -1.0;
+  const double square_length = Dot(along, along);
+  const double tolerance = kEndTolerance * square_length;
+  for (double& height : heights) {
+    height *= side;
+    if (height <= tolerance) return false;
+  }
+  bool is_behind = false;
+  for (int k = 0; k < target.count; ++k) {
+    const double depth = -side * Cross(along, target.corners[k] - wall.a);
+    if (depth < 0.0 || (target.count == 4 && depth <= tolerance)) return false;
+    is_behind = is_behind || depth > tolerance;
+    for (int i = 0; i < 4; ++i) {
+      // Where the line from corner i to corner k crosses, from 0 to 1 along the wall.
+      const Vec2 way = heights[i] * (target.corners[k] - wall.a) + depth * (corners[i] - wall.a);
+      const double place = Dot(along, way);
+      const double whole = (heights[i] + depth) * square_length;
+      if (place < -past_ends * whole || place > (1.0 + past_ends) * whole) return false;
+    }
+  }
+  return is_behind;
+}
+
+/// Where an interval lies, as seen from another one.
+bool AreApart(double low, double high, double from, double to) { return high < from || low > to; }
+
+/// A line from a to b.
+class Line {
+ public:
+  Line(Vec2 a, Vec2 b) : a_(a), b_(b), way_(b - a) {}
+
+  bool Meets(const Box& box) const {
+    if (AreApart(std::min(a_.x, b_.x), std::max(a_.x, b_.x), box.low.x, box.high.x)) return false;
+    if (AreApart(std::min(a_.y, b_.y), std::max(a_.y, b_.y), box.low.y, box.high.y)) return false;
+    const Vec2 half = 0.5 * (box.high - box.low);
+    const double reach = std::abs(way_.x) * half.y + std::abs(way_.y) * half.x;
+    return std::abs(Cross(way_, Middle(box) - a_)) <= reach * (1.0 + 1e-9) + 1e-12;
+  }
+  /// Whether it crosses a segment before its end.
+  bool Crosses(const Segment& segment) const {
+    const double right = Cross(way_, segment.a - a_), left = Cross(way_, segment.b - a_);
+    if ((right > 0.0 && left > 0.0) || (right < 0.0 && left < 0.0)) return false;
+    const Vec2 along = segment.b - segment.a;
+    const double before = Cross(along, a_ - segment.a), behind = Cross(along, b_ - segment.a);
+    if (before == 0.0) return false;
+    return before > 0.0 ? behind < -1e-9 * before : behind > -1e-9 * before;
+  }
+
+ private:
+  Vec2 a_, b_, way_;
+};
+
+/// All lines from a box to a target, and perhaps more: those between their outermost corners.
+class Shaft {
+ public:
+  Shaft(const Box& from, const Target& target) : bounds_(from) {
+    bounds_.Add(target.bounds);
+    const Vec2 way = Middle(target) - Middle(from);
+    left_ = {-way.y, way.x};
+    const auto widen = [this](Vec2 corner) {
+      low_ = std::min(low_, Dot(left_, corner));
+      high_ = std::max(high_, Dot(left_, corner));
+    };
+    for (const Vec2& corner : CornersOf(from)) widen(corner);
+    for (const Vec2& corner : CornersOf(target.bounds)) widen(corner);
+  }
+
+  bool Meets(const Box& box) const {
+    if (flatland::AreApart(box, bounds_)) return false;
+    const double middle = Dot(left_, Middle(box));
+    const Vec2 half = 0.5 * (box.high - box.low);
+    const double reach = std::abs(left_.x) * half.x + std::abs(left_.y) * half.y;
+    return !AreApart(middle - reach, middle + reach, low_, high_);
+  }
+  bool Meets(const Segment& line) const {
+    const double a = Dot(left_, line.a), b = Dot(left_, line.b);
+    return !AreApart(std::min(a, b), std::max(a, b), low_, high_) &&
+           !AreApart(BoxOf(line), bounds_);
+  }
+
+ private:
+  Box bounds_;
+  Vec2 left_;
+  double low_ = 1e300, high_ = -1e300;  // of the corners, along `left_`
+};
+
+}  // namespace
+
+class WallSearch::Finder {
+ public:
+  Finder(const SegmentTree& walls, const Occluders& occluders, const Box& from)
+      : walls_(walls), occluders_(occluders), from_(from) {
+    if (walls.segment_count() > 0) pending_.push_back({walls.root(), false});
+  }
+
+  bool Continue(int effort) {
+    effort_ = effort;
+    while (effort_ > 0 && (!parts_.empty() || !pending_.empty())) {
+      --effort_;
+      if (!unsearched_.empty()) {
+        CollectCandidates();
+      } else if (!parts_.empty()) {
+        VisitPart();
+      } else {
+        VisitPending();
+      }
+    }
+    return parts_.empty() && pending_.empty();
+  }
+
+  const std::vector<uint32_t>& seen() const { return seen_; }
+
+ private:
+  static constexpr int kRecent = 8;
+
+  /// What is still to be looked at: a box of the tree, or a wall.
+  struct Pending {
+    SegmentTree::Child child;  // of a wall, only `index` counts: in segments()
+    bool is_wall;
+  };
+
+  /// A part of the present wall, and of the box from which it may be seen.
+  struct Part {
+    Box from;
+    Target target;
+    int halvings;  // that may still be made
+  };
+
+  void VisitPending() {
+    const Pending next = pending_.back();
+    pending_.pop_back();
+    if (next.is_wall) {
+      wall_ = static_cast<uint32_t>(next.child.index);
+      shaft_.reset();
+      candidates_.clear();
+      lines_ = kMaxLines;
+      parts_.push_back({from_, Target(walls_.segments()[wall_]), kMaxHalvings});
+      return;
+    }
+    const SegmentTree::Child& child = next.child;
+    if (AreApart(from_, child.box) && IsBoxHidden(Target(child.box))) return;
+    const auto begin = static_cast<ptrdiff_t>(pending_.size());
+    if (!child.is_leaf()) {
+      for (const SegmentTree::Child& each : walls_.node(child).children) {
+        pending_.push_back({each, false});
+      }
+    } else {
+      walls_.ForEachWall(static_cast<size_t>(~child.index), [this](uint32_t index) {
+        pending_.push_back({{{}, static_cast<int32_t>(index)}, true});
+        return true;
+      });
+    }
+    std::reverse(pending_.begin() + begin, pending_.end());
+  }
+
+  /// Whether a single occluder hides it all; looks for it along one line.
+  bool IsBoxHidden(const Target& target) {
+    if (BlocksRecent(from_, target)) return true;
+    const Line line(Middle(from_), Middle(target));
+    return !occluders_.ForEachMeeting(line, [&](const Occluder& each) {
+      --effort_;
+      const bool is_hidden = line.Crosses(each.line) && Blocks(each, from_, target);
+      if (is_hidden) Remember(each);
+      return !is_hidden;
+    });
+  }
+
+  /// The present wall is hidden if all of its parts are.
+  void VisitPart() {
+    const Part part = parts_.back();
+    const bool may_be_hidden = AreApart(part.from, part.target.bounds);
+    if (may_be_hidden && BlocksRecent(part.from, part.target)) {
+      parts_.pop_back();
+    } else if (may_be_hidden && !shaft_) {
+      // It is visited again when what may hide the wall has been collected.
+      shaft_.emplace(from_, Target(walls_.segments()[wall_]));
+      unsearched_.push_back(occluders_.tree().root());
+    } else {
+      parts_.pop_back();
+      if (may_be_hidden && lines_-- > 0 && IsHiddenOrDivided(part)) return;
+      parts_.clear();
+      seen_.push_back(wall_);
+    }
+  }
+
+  /// Collects what may hide a part of the present wall from a box of the tree.
+  void CollectCandidates() {
+    const SegmentTree::Child child = unsearched_.back();
+    unsearched_.pop_back();
+    if (!shaft_->Meets(child.box)) return;
+    if (!child.is_leaf()) {
+      const auto& children = occluders_.tree().node(child).children;
+      unsearched_.push_back(children[1]);
+      unsearched_.push_back(children[0]);
+      return;
+    }
+    occluders_.tree().ForEachWall(static_cast<size_t>(~child.index), [&](uint32_t index) {
+      --effort_;
+      const Occluder each = occluders_.Get(index);
+      if (shaft_->Meets(each.line)) candidates_.push_back(each);
+      return true;
+    });
+  }
+
+  /// Whether a candidate hides a part, or else one blocks its middle line, so that its halves may
+  /// be hidden, which are to be visited then.
+  bool IsHiddenOrDivided(const Part& part) {
+    const Line line(Middle(part.from), Middle(part.target));
+    bool is_blocked = false;
+    for (const Occluder& each : candidates_) {
+      --effort_;
+      if (!line.Crosses(each.line) || !Counts(each, part.from, part.target)) continue;
+      is_blocked = true;
+      if (!Blocks(each, part.from, part.target)) continue;
+      Remember(each);
+      return true;
+    }
+    if (!is_blocked || part.halvings == 0) return false;
+    const Vec2 size = part.from.high - part.from.low;
+    const Vec2 target_size = part.target.bounds.high - part.target.bounds.low;
+    if (std::max(size.x, size.y) > std::max(target_size.x, target_size.y)) {
+      const auto [low, high] = Halves(part.from);
+      parts_.push_back({high, part.target, part.halvings - 1});
+      parts_.push_back({low, part.target, part.halvings - 1});
+    } else {
+      const auto [first, second] = part.target.Halves();
+      parts_.push_back({part.from, second, part.halvings - 1});
+      parts_.push_back({part.from, first, part.halvings - 1});
+    }
+    return true;
+  }
+
+  /// Whether one of those that have hidden others before blocks all lines.
+  bool BlocksRecent(const Box& from, const Target& target) {
+    for (int i = 0; i < recent_count_; ++i) {
+      if (!Blocks(recent_[i], from, target)) continue;
+      std::rotate(recent_.begin(), recent_.begin() + i, recent_.begin() + i + 1);
+      return true;
+    }
+    return false;
+  }
+
+  void Remember(const Occluder& occluder) {
+    recent_count_ = std::min(recent_count_ + 1, kRecent);
+    std::rotate(recent_.begin(), recent_.begin() + recent_count_ - 1,
+                recent_.begin() + recent_count_);
+    recent_[0] = occluder;
+  }
+
+  const SegmentTree& walls_;
+  const Occluders& occluders_;
+  const Box from_;
+  int effort_ = 0;                // that is left in this portion
+  std::vector<Pending> pending_;  // the next one last, as in those below
+  std::vector<uint32_t> seen_;
+  std::array<Occluder, kRecent> recent_;  // those that have hidden others, the last one first
+  int recent_count_ = 0;
+
+  uint32_t wall_ = 0;                           // the present one
+  std::vector<Part> parts_;                     // of the present wall
+  int lines_ = 0;                               // that may still be followed for it
+  std::optional<Shaft> shaft_;                  // all lines to it, if candidates are needed
+  std::vector<SegmentTree::Child> unsearched_;  // boxes with candidates
+  std::vector<Occluder> candidates_;            // what may hide a part of it
+};
+
+WallSearch::WallSearch(const SegmentTree& walls, const Occluders& occluders, const Box& from)
+    : finder_(std::make_unique<Finder>(walls, occluders, from)) {}
+
+WallSearch::~WallSearch() = default;
+
+bool WallSearch::Continue(int effort) { return finder_->Continue(effort); }
+
+const std::vector<uint32_t>& WallSearch::seen() const { return finder_->seen(); }
+
+}  // namespace flatland

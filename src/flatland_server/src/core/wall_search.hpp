@@ -1,0 +1,34 @@
+#pragma once
+
+/// The search for the walls that can be seen from a box, in portions; visible_walls.hpp has the
+/// method.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "flatland_server/geometry.hpp"
+#include "flatland_server/segment_tree.hpp"
+#include "occluders.hpp"
+
+namespace flatland {
+
+class WallSearch {
+ public:
+  /// Of the walls of a tree, from a box. The tree and what hides its walls must outlive it.
+  WallSearch(const SegmentTree& walls, const Occluders& occluders, const Box& from);
+  ~WallSearch();
+
+  /// Goes on until it has looked at about so many occluders, and at least at one wall or box of the
+  /// tree. Returns whether it has ended.
+  bool Continue(int effort);
+  /// After its end: the indices in segments() of the walls that can be seen, and perhaps of more,
+  /// in the order of the leaves. The order of portions does not change them.
+  const std::vector<uint32_t>& seen() const;
+
+ private:
+  class Finder;
+  std::unique_ptr<Finder> finder_;
+};
+
+}  // namespace flatland
