@@ -84,21 +84,36 @@ class Publisher:
         self._sim.publish("/cmd_vel", message)
 
 
-def test_a_node_stops_at_the_goal_and_acts_at_its_rate():
-    sent = []
+class Sink:
+    """Keeps what is published."""
 
-    class Sink:
-        publish = staticmethod(sent.append)
+    def __init__(self):
+        self.sent = []
+        self.publish = self.sent.append
 
-    node = PolicyNode(untrained(), Sink, goal_radius=0.3)
-    scan = messages.get("sensor_msgs/LaserScan")(ranges=[1.0] * 4)
+
+def scan_at(seconds, beams=4):
+    """A scan with this stamp."""
+    scan = messages.get("sensor_msgs/LaserScan")(ranges=[1.0] * beams)
+    scan.header.stamp.nsecs = round(seconds % 1.0 * 1e9)
+    scan.header.stamp.secs = int(seconds)
+    return scan
+
+
+def at_the_origin():
     odometry = messages.get("nav_msgs/Odometry")()
     odometry.pose.pose.orientation.w = 1.0
+    return odometry
+
+
+def test_a_node_stops_at_the_goal_and_acts_at_its_rate():
+    sink, odometry = Sink(), at_the_origin()
+    sent = sink.sent
+    node = PolicyNode(untrained(), sink, goal_radius=0.3)
     goal = messages.get("geometry_msgs/PoseStamped")()
 
     def act(milliseconds):
-        scan.header.stamp.secs, scan.header.stamp.nsecs = 0, int(milliseconds * 1e6)
-        node.on_scan(scan)
+        node.on_scan(scan_at(milliseconds / 1000.0))
 
     act(0)
     node.on_odometry(odometry)
@@ -116,6 +131,25 @@ def test_a_node_stops_at_the_goal_and_acts_at_its_rate():
     act(500)
     assert len(sent) == 4
     assert (sent[3].linear.x, sent[3].angular.z) == (0, 0)
+
+
+def test_a_node_goes_on_when_time_begins_again_and_stops_at_scans_of_another_lidar():
+    sink, reports = Sink(), []
+    node = PolicyNode(untrained(), sink, goal_radius=0.3, report=reports.append)
+    goal = messages.get("geometry_msgs/PoseStamped")()
+    goal.pose.position.x = 2.0
+    node.on_goal(goal)
+    node.on_odometry(at_the_origin())
+
+    for seconds in (60.0, 0.05, 0.1):  # reset after a minute
+        node.on_scan(scan_at(seconds))
+    assert len(sink.sent) == 2
+
+    node.on_scan(scan_at(1.0, beams=5))
+    assert (sink.sent[-1].linear.x, sink.sent[-1].angular.z) == (0, 0)
+    assert reports == ["expected scans of 4 ranges, for which the policy was trained, found 5"]
+    node.on_scan(scan_at(2.0))
+    assert len(sink.sent) == 3
 
 
 def test_equal_seeds_train_equal_policies():
