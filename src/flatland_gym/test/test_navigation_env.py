@@ -253,6 +253,7 @@ def test_there_is_an_error_if_there_is_no_room():
         (lambda env: env.step(np.zeros((1, 2))), r"expected actions of shape \(2,\)"),
         (lambda env: env.step(np.zeros(2, bool)), "expected actions of numbers, found bool"),
         (lambda env: env.reset(seed=7, options={"goal": [5, 0]}), "expected a goal that is free"),
+        (lambda env: env.reset(options={"goal": [5, 0]}), "expected a goal that is free"),
         (lambda env: env.reset(seed=7, options=[1]), "expected options as a dict"),
         (lambda env: env.reset(seed=-1), "expected seed to be None or a number of 0 or more"),
     ],
@@ -269,6 +270,7 @@ def test_wrong_calls_change_nothing(call, message):
 
     assert_same(a.step(right), b.step(right))
     assert_same(a.np_random_seed, b.np_random_seed)
+    assert_same(a.reset(), b.reset())
     a.close()
     b.close()
 

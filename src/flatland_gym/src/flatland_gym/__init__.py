@@ -17,7 +17,7 @@ from flatland_gym.policy import Policy
 from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
 from flatland_gym.scenarios import SCENARIOS, Scenario
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FlatlandError
+from flatland_server import MissingPackageError
 
 __all__ = [
     "SCENARIOS",
@@ -47,5 +47,5 @@ else:
     def __getattr__(name: str) -> Any:
         """The error for the environments, which need Gymnasium."""
         if name in __all__:
-            raise FlatlandError(f"{name} needs Gymnasium: pip install 'flatland2d[gym]'")
+            raise MissingPackageError(f"{name} needs Gymnasium: pip install 'flatland2d[gym]'")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -14,12 +14,12 @@ from flatland_gym.pictures import check_render_mode, picture
 from flatland_gym.rewards import Transition
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings, is_whole, require_seed
-from flatland_server import FlatlandError, FloatArray, UsageError
+from flatland_server import FloatArray, MissingPackageError, UsageError
 
 try:
     from pettingzoo import ParallelEnv
 except ImportError:
-    raise FlatlandError(
+    raise MissingPackageError(
         "flatland_gym.multi_robot_env needs PettingZoo: pip install 'flatland2d[gym]'"
     ) from None
 

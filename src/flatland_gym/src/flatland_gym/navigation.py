@@ -94,7 +94,13 @@ class Navigation:
         Raises:
             UsageError: an option is wrong. The environments are as before.
         """
-        episodes = [self._sampler.draw(generator, options) for generator in generators]
+        states = [generator.bit_generator.state for generator in generators] if options else []
+        try:
+            episodes = [self._sampler.draw(generator, options) for generator in generators]
+        except UsageError:
+            for generator, state in zip(generators, states):
+                generator.bit_generator.state = state
+            raise
         self.fleet.reset(indices, episodes)
         for number, index in enumerate(indices.tolist()):
             tries = 1

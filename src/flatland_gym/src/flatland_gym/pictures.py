@@ -5,7 +5,7 @@ from typing import Any, Optional, Sequence
 import numpy as np
 from PIL import Image, ImageDraw
 
-from flatland_server import FlatlandError, Point, Pose, Simulation, UsageError
+from flatland_server import FlatlandError, MissingPackageError, Point, Pose, Simulation, UsageError
 
 RENDER_MODES = ("human", "rgb_array", "ansi")
 
@@ -72,7 +72,7 @@ class Window:
         try:
             import pygame
         except ImportError:
-            raise FlatlandError(
+            raise MissingPackageError(
                 "render_mode=\"human\" needs pygame: pip install 'flatland2d[view]'"
             ) from None
         self._pygame = pygame

@@ -5,12 +5,12 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Union
 import numpy as np
 
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
-from flatland_server import FlatlandError, UsageError
+from flatland_server import MissingPackageError, UsageError
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError:
-    raise FlatlandError(
+    raise MissingPackageError(
         "flatland_gym.sb3 needs Stable-Baselines3: pip install stable-baselines3"
     ) from None
 

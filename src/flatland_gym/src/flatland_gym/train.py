@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional
 import numpy as np
 
 from flatland_gym.policy import Policy
-from flatland_server import FlatlandError
+from flatland_server import FlatlandError, MissingPackageError
 
 if TYPE_CHECKING:
     from flatland_gym.ppo import Progress
@@ -124,7 +124,9 @@ def _figure() -> Any:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError:
-        raise FlatlandError("a curve needs matplotlib: pip install 'flatland2d[view]'") from None
+        raise MissingPackageError(
+            "a curve needs matplotlib: pip install 'flatland2d[view]'"
+        ) from None
     figure = Figure(figsize=(7, 4), layout="constrained")
     FigureCanvasAgg(figure)
     return figure

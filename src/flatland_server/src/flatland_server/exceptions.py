@@ -2,6 +2,7 @@
 
     FlatlandError
     ├── YamlError      a file is missing, unreadable or wrong; has file, line and column
+    ├── MissingPackageError  what is asked for needs a Python package that is not installed
     ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
     ├── LayerError     a layer does not exist
     ├── MessageError   a message type is unknown or wrongly defined, or a message has a wrong value
@@ -114,6 +115,10 @@ class YamlError(FlatlandError):
     def column(self) -> Optional[int]:
         """The column of the first problem."""
         return self.problems[0].column
+
+
+class MissingPackageError(FlatlandError, ImportError):
+    """A Python package that this needs is not installed; the text says how to install it."""
 
 
 class ModelError(FlatlandError):

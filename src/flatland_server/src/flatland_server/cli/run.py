@@ -10,7 +10,7 @@ from types import FrameType
 from typing import Callable, Iterator, Optional
 
 from flatland_server.cli.arguments import Subparsers, add_world, open_simulation, positive
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import MissingPackageError
 from flatland_server.library.simulation import Simulation
 
 _CHUNK = 0.05
@@ -138,7 +138,7 @@ def _progress_bar(
         A function that shows how much time has been simulated [s].
 
     Raises:
-        FlatlandError: tqdm is not installed, and a bar was asked for.
+        MissingPackageError: tqdm is not installed, and a bar was asked for.
     """
     if is_wanted is None:
         is_wanted = sys.stderr.isatty()
@@ -146,7 +146,7 @@ def _progress_bar(
         import tqdm
     except ImportError:
         if is_wanted:
-            raise FlatlandError("a progress bar needs tqdm: pip install tqdm") from None
+            raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
     if not is_wanted:
         yield lambda _: None
         return

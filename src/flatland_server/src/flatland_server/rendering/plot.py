@@ -2,7 +2,7 @@
 
 from typing import Any, Optional
 
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import MissingPackageError
 from flatland_server.rendering.renderer import Renderer
 from flatland_server.rendering.view import View
 
@@ -34,7 +34,9 @@ def plot(
         try:
             from matplotlib import pyplot
         except ImportError:
-            raise FlatlandError("a plot needs Matplotlib: pip install 'flatland2d[view]'") from None
+            raise MissingPackageError(
+                "a plot needs Matplotlib: pip install 'flatland2d[view]'"
+            ) from None
         ax = pyplot.gca()
     view = view or renderer.view()
     image = renderer.image(view, sensors=sensors, names=names)

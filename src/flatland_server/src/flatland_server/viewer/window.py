@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Tuple
 
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import MissingPackageError
 from flatland_server.viewer.keys import KEYS
 from flatland_server.viewer.viewer import Viewer
 
@@ -14,7 +14,7 @@ os.environ.setdefault("SDL_VIDEO_X11_WMCLASS", "flatland")
 try:
     import pygame
 except ImportError:
-    raise FlatlandError(
+    raise MissingPackageError(
         "a window needs pygame: pip install 'flatland2d[view]', or apt install python3-pygame"
     ) from None
 
@@ -220,6 +220,6 @@ def _open_screen(size: Tuple[int, int]) -> Any:
         except pygame.error as error:
             problem = str(error)
     pygame.quit()
-    raise FlatlandError(
+    raise MissingPackageError(
         f"there is no screen to open a window on: {problem}; `flatland render` draws into a file"
     )
