@@ -371,7 +371,7 @@ void BindMechanisms(py::module_& m) {
       .def_property_readonly(
           "angle", [](const PyJoint& self) { return self.world->GetJointAngle(self.handle); });
   py::class_<PyDrive> drive(m, "Drive");
-  DefineFast<&CommandDrive>(drive, "command", "command($self, vx, vy, omega, /)\n--\n\n");
+  DefineFast<&CommandDrive>(drive, "command", "vx", "vy", "omega");
   drive
       .def_property_readonly(
           "target",
@@ -380,8 +380,7 @@ void BindMechanisms(py::module_& m) {
         return ToTuple(self.world->Get(self.handle).velocity());
       });
   py::class_<PyTricycle> tricycle(m, "Tricycle");
-  DefineFast<&CommandTricycle>(tricycle, "command",
-                               "command($self, speed, steer_angle, /)\n--\n\n");
+  DefineFast<&CommandTricycle>(tricycle, "command", "speed", "steer_angle");
   tricycle
       .def_property_readonly(
           "speed", [](const PyTricycle& self) { return self.world->Get(self.handle).speed(); })

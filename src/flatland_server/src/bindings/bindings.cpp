@@ -106,9 +106,8 @@ void SetContactListener(PyWorld& self, py::object callback) {
 
 void BindWorld(py::module_& m) {
   py::class_<PyWorld> world(m, "World");
-  DefineFast<&Step>(world, "step", "step($self, dt, /)\n--\n\n");
-  DefineFast<&StepUntilContact>(world, "step_until_contact",
-                                "step_until_contact($self, dt, count, /)\n--\n\n");
+  DefineFast<&Step>(world, "step", "dt");
+  DefineFast<&StepUntilContact>(world, "step_until_contact", "dt", "count");
   world
       .def(py::init([](int velocity_iterations, int position_iterations) {
              return PyWorld(
@@ -192,7 +191,7 @@ PYBIND11_MODULE(_core, m) {
   py::class_<PyLidar> lidar(m, "Lidar");
   lidar.def("expect_scan", [](PyLidar& self) { self.world->ExpectScan(self.handle); })
       .def("scan", &ScanLidar);
-  DefineFast<&RangesOf>(lidar, "ranges", "ranges($self, /)\n--\n\n");
+  DefineFast<&RangesOf>(lidar, "ranges");
   // Both are declared before any function that has them in its signature.
   py::class_<PyBody> body(m, "Body");
   py::class_<PyFixture> fixture(m, "Fixture");

@@ -5,10 +5,12 @@
 /// Need: pybind11 takes 0.12 us for a call, to choose an overload and convert its arguments. In a
 /// world of one robot, that would be a third of a step with its command and its scan.
 ///
-/// Method: Python's own calling convention for methods with positional arguments (METH_FASTCALL),
-/// on a class of pybind11. Python checks the type of `self`; the arguments are numbers. Exceptions
-/// are translated as everywhere, by pybind11.
+/// Method: Python's own calling convention (METH_FASTCALL) for methods of a class of pybind11.
+/// Python checks the type of `self`; the arguments are numbers. Exceptions are translated as
+/// everywhere, by pybind11.
 
+#include <algorithm>
+#include <array>
 #include <exception>
 #include <limits>
 #include <string>
@@ -54,14 +56,21 @@ struct FastMethod;
 
 template <class Result, class Self, class... Numbers, Result (*function)(Self&, Numbers...)>
 struct FastMethod<function> {
-  static PyObject* Call(PyObject* self, PyObject* const* arguments, Py_ssize_t count) {
+  static constexpr std::size_t kCount = sizeof...(Numbers);
+  using Arguments = std::array<PyObject*, kCount>;
+  using Names = std::array<const char*, kCount>;
+  static inline Names names;
+
+  /// `keywords` are the names of the last arguments, which `positional` does not count; or null.
+  static PyObject* Call(PyObject* self, PyObject* const* arguments, Py_ssize_t positional,
+                        PyObject* keywords) {
     try {
-      constexpr Py_ssize_t kExpected = sizeof...(Numbers);
-      if (count != kExpected) {
-        throw py::type_error("expected " + std::to_string(kExpected) + " arguments, found " +
-                             std::to_string(count));
+      Self& object = SelfOf(self);
+      const auto indices = std::index_sequence_for<Numbers...>();
+      if (keywords == nullptr && positional == static_cast<Py_ssize_t>(kCount)) {
+        return Apply(object, arguments, indices);
       }
-      return Apply(SelfOf(self), arguments, std::index_sequence_for<Numbers...>());
+      return Apply(object, Match(arguments, positional, keywords).data(), indices);
     } catch (...) {
       SetError(std::current_exception());
       return nullptr;
@@ -74,6 +83,26 @@ struct FastMethod<function> {
     void* const value = instance->get_value_and_holder().value_ptr();
     if (value == nullptr) throw py::type_error("__init__ was not called");
     return *static_cast<Self*>(value);
+  }
+
+  /// The arguments in their order.
+  static Arguments Match(PyObject* const* arguments, Py_ssize_t positional, PyObject* keywords) {
+    const Py_ssize_t named = keywords == nullptr ? 0 : PyTuple_GET_SIZE(keywords);
+    if (positional + named != static_cast<Py_ssize_t>(kCount)) {
+      throw py::type_error("expected " + std::to_string(kCount) + " arguments, found " +
+                           std::to_string(positional + named));
+    }
+    Arguments matched{};
+    std::copy_n(arguments, positional, matched.begin());
+    for (Py_ssize_t i = 0; i < named; ++i) {
+      const auto name = py::handle(PyTuple_GET_ITEM(keywords, i)).cast<std::string>();
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end() || matched[found - names.begin()] != nullptr) {
+        throw py::type_error("unexpected argument " + name);
+      }
+      matched[found - names.begin()] = arguments[positional + i];
+    }
+    return matched;
   }
 
   template <std::size_t... kIndices>
@@ -90,18 +119,27 @@ struct FastMethod<function> {
   }
 };
 
-/// Defines a method that takes positional arguments alone.
+/// Defines a method.
 ///
-/// @param signature  for introspection, such as "step($self, dt, /)\n--\n\n"; begins with the name
-template <auto function, class Class>
-void DefineFast(Class& cls, const char* name, const char* signature) {
-  using Fast = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t);
-  constexpr Fast kCall = &FastMethod<function>::Call;
-  static PyMethodDef definition{};  // one for each function; Python keeps its address
+/// @param name  of the method
+/// @param arguments  their names
+template <auto function, class Class, class... Names>
+void DefineFast(Class& cls, const char* name, Names... arguments) {
+  using Method = FastMethod<function>;
+  using Fast = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t, PyObject*);
+  constexpr Fast kCall = &Method::Call;
+  static_assert(sizeof...(arguments) == Method::kCount, "each argument needs a name");
+  // One of each for a method; Python keeps their addresses.
+  static PyMethodDef definition{};
+  static std::string signature;
+  Method::names = {arguments...};
+  signature = name + std::string("($self");
+  for (const char* each : Method::names) signature += std::string(", ") + each;
+  signature += ")\n--\n\n";
   definition.ml_name = name;
   definition.ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(kCall));
-  definition.ml_flags = METH_FASTCALL;
-  definition.ml_doc = signature;
+  definition.ml_flags = METH_FASTCALL | METH_KEYWORDS;
+  definition.ml_doc = signature.c_str();
   auto* const type = reinterpret_cast<PyTypeObject*>(cls.ptr());
   cls.attr(name) = py::reinterpret_steal<py::object>(PyDescr_NewMethod(type, &definition));
 }

@@ -72,13 +72,13 @@ class World(metaclass=_Metaclass):
             linear_damping: 0 or more [1/s].
             angular_damping: 0 or more [1/s].
         """
-    def step(self, dt: float, /) -> None:
+    def step(self, dt: float) -> None:
         """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
 
         Raises:
             Exception: what the contact listener has raised, after the step.
         """
-    def step_until_contact(self, dt: float, count: int, /) -> int:
+    def step_until_contact(self, dt: float, count: int) -> int:
         """Makes at most `count` steps, and at least one, as `step` does.
 
         It ends after a step in which the contact listener was called.
@@ -612,7 +612,7 @@ class Joint(_WithoutConstructor):
 class Drive(_WithoutConstructor):
     """A handle of a body's drive. Velocities are those of the body's origin, in its frame."""
 
-    def command(self, vx: float, vy: float, omega: float, /) -> None:
+    def command(self, vx: float, vy: float, omega: float) -> None:
         """Sets the velocity to reach [m/s, m/s, rad/s]."""
     @property
     def target(self) -> _Triple:
@@ -624,7 +624,7 @@ class Drive(_WithoutConstructor):
 class Tricycle(_WithoutConstructor):
     """A handle of a tricycle's drive."""
 
-    def command(self, speed: float, steer_angle: float, /) -> None:
+    def command(self, speed: float, steer_angle: float) -> None:
         """Sets the speed [m/s] and the angle [rad] of the front wheel to reach."""
     @property
     def speed(self) -> float:

@@ -19,6 +19,8 @@ def test_they_take_numbers_of_all_kinds(drive):
     drive.command(1, np.float32(0.5), np.int64(2))
 
     assert drive.target == (1.0, 0.5, 2.0)
+    drive.command(3.0, omega=1.0, vy=2.0)
+    assert drive.target == (3.0, 2.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -33,6 +35,9 @@ def test_they_take_numbers_of_all_kinds(drive):
 def test_wrong_arguments_are_refused(drive, arguments, error, message):
     with pytest.raises(error, match=message):
         drive.command(*arguments)
+    for keywords in ({"vx": 1.0}, {"speed": 1.0}):
+        with pytest.raises(TypeError, match="unexpected argument"):
+            drive.command(1.0, 2.0, **keywords)
     assert drive.target == (0.0, 0.0, 0.0)
 
 

@@ -327,6 +327,7 @@ class PluginManager:
         self.switch_off(plugin, failure)
 
     def _stop_calling(self, plugins: Sequence[Plugin]) -> None:
+        self.plan.expire()
         self._schedule.remove(plugins)
         self._contacts.remove(plugins)
 

@@ -49,7 +49,6 @@ class Schedule:
         scheduled = ScheduledPlugin(plugin, hooks, self._count)
         self._plugins[plugin] = scheduled
         self._insert(scheduled)
-        self.plan.expire()
         plugin.timer_observer = lambda: self._move(scheduled)
 
     def remove(self, plugins: Sequence[Plugin]) -> None:
@@ -57,7 +56,6 @@ class Schedule:
 
         Plugins that are not there are ignored.
         """
-        self.plan.expire()
         removed = {self._plugins.pop(plugin) for plugin in plugins if plugin in self._plugins}
         for each in removed:
             each.is_removed = True

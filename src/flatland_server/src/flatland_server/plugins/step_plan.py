@@ -9,8 +9,9 @@ _FOREVER = 2**63
 class StepPlan:
     """The simulated time before which no hook of a plugin is to be called.
 
-    The `Schedule` makes it, and keeps `until` up to date while plugins are called. It expires when
-    plugins or their timers change, and does not hold for other subscribers.
+    The `Schedule` makes it, keeps `until` up to date while plugins are called, and lets it expire
+    when their timers change; the `PluginManager` does so when plugins come or go. It does not hold
+    for other subscribers.
 
     Attributes:
         until: the time [ns] of the next step that calls a hook; 0 if each step may call one.

@@ -111,7 +111,7 @@ class Actions:
 
     def act(self, sim: Simulation) -> None:
         rng = self.rng
-        kind = rng.choice(["nothing"] * 4 + ["publish", "send", "rate", "spawn", "delete", "more"])
+        kind = rng.choice(["publish", "send", "rate", "spawn", "delete", "subscribe", "subscribe"])
         if kind == "publish":
             sim.publish("/cue", Float(rng.random()))
         elif kind == "send":
@@ -125,9 +125,9 @@ class Actions:
             sim.world.plugins_of(name)[plugin.lower()].sim = sim
         elif kind == "delete" and self.spawned:
             sim.delete(self.spawned.pop())
-        elif kind == "more":
+        elif kind == "subscribe":
             sim.transport.set_subscribed_topics(rng.choice([(), ("/news",)]))
-        if rng.random() < 0.2:
+        if rng.random() < 0.3:
             sim.transport.process()
             sim.world.step(sim.timekeeper)
 
@@ -136,9 +136,9 @@ class Actions:
 def test_they_are_those_of_a_world_that_is_asked_before_each(make, seed):
     planned, asked = make(), make()
     ours, theirs = Actions(seed), Actions(seed)
+    rng = random.Random(seed)
     for _ in range(60):
-        count = ours.rng.choice([1, 1, 1, 2, 30, 150])
-        assert theirs.rng.choice([1, 1, 1, 2, 30, 150]) == count
+        count = rng.choice([1, 1, 1, 2, 30, 150])
         for _ in range(5):
             planned.step(count)
             for _ in range(count):
@@ -148,9 +148,8 @@ def test_they_are_those_of_a_world_that_is_asked_before_each(make, seed):
         theirs.act(asked)
         assert planned.time == asked.time
         assert (planned.poses == asked.poses).all()
-        if ours.rng.random() < 0.3:
+        if rng.random() < 0.3:
             assert planned.save_state() == asked.save_state()
-        assert theirs.rng.random() <= 1.0
 
 
 def test_plugins_are_asked_when_one_is_due_or_something_has_come(make):
