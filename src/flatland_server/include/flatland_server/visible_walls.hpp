@@ -16,7 +16,7 @@
 /// counts as seen. So a scan is the same with these walls as with all.
 ///
 /// A search takes some milliseconds. So that no step is late, each scan from the cell does a part
-/// of it, which takes as long as the scan itself (wall_search.hpp).
+/// of it (wall_search.hpp).
 
 #include <atomic>
 #include <cstddef>
@@ -52,10 +52,10 @@ class VisibleWalls {
   /// (yet); valid as long as this object. Several threads may call it at a time.
   const WallList* SeenFrom(Vec2 point) const;
 
-  /// As many scans are made from a cell of a metre before the search for its walls begins, which
-  /// takes as long as they do, and as many from one of half a metre.
-  static constexpr int kScansBefore = 256;
-  static constexpr int kScansBeforeHalf = 512;
+  /// As many scans are made from a cell of a metre before the search for its walls begins, and as
+  /// many from one of half a metre. In an office about a hundred more complete it.
+  static constexpr int kScansBefore = 128;
+  static constexpr int kScansBeforeHalf = 384;
 
  private:
   struct Cell {
@@ -87,7 +87,8 @@ class VisibleWalls {
   std::vector<Grid> grids_;   // the one with the smaller cells first; none for a few walls
   mutable std::mutex mutex_;  // guards the members below
   mutable std::unique_ptr<const Occluders> occluders_;  // made when they are first needed
-  mutable std::unordered_map<const Cell*, std::unique_ptr<WallSearch>> searches_;  // not ended yet
+  /// Those that have not ended; null while a thread goes on with it.
+  mutable std::unordered_map<const Cell*, std::unique_ptr<WallSearch>> searches_;
   mutable std::vector<std::unique_ptr<const WallList>> found_;
   mutable size_t found_walls_ = 0;  // in all of them
 };

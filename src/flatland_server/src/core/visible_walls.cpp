@@ -17,9 +17,8 @@ constexpr double kMaxCells = 262144;
 constexpr size_t kMinWalls = 64;
 /// Of all cells together: 8 bytes each.
 constexpr size_t kMaxFoundWalls = 4'000'000;
-/// The number of occluders that a scan looks at for the walls of its cell: about as long as the
-/// scan itself takes.
-constexpr int kEffort = 1000;
+/// The number of occluders that a scan looks at for the walls of its cell, in about 40 us.
+constexpr int kEffort = 4000;
 /// Stands for the number of scans of a cell from which too many walls can be seen.
 constexpr int kGivenUp = INT_MAX;
 /// Cells are made wider by this, for rounding errors [m].
@@ -118,19 +117,27 @@ void VisibleWalls::PrepareLocked() const {
   if (occluders_ == nullptr) occluders_ = std::make_unique<const Occluders>(*walls_);
 }
 
+/// Of the threads that scan from a cell, one searches at a time.
 const WallList* VisibleWalls::Search(const Grid& grid, int index) const {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock.owns_lock()) return nullptr;
   Cell& cell = grid.cells[index];
+  std::unique_lock lock(mutex_);
   if (cell.scans == kGivenUp) return nullptr;
   if (const WallList* const seen = cell.seen) return seen;
+  const auto [place, is_new] = searches_.try_emplace(&cell);
+  if (!is_new && place->second == nullptr) return nullptr;
+  std::unique_ptr<WallSearch> search = std::move(place->second);
   PrepareLocked();
+  lock.unlock();
   const Box box = grid.BoxOf(index);
-  std::unique_ptr<WallSearch>& search = searches_[&cell];
   if (search == nullptr) search = std::make_unique<WallSearch>(*walls_, *occluders_, box);
-  if (!search->Continue(kEffort)) return nullptr;
-  const std::vector<uint32_t> indices = search->seen();
+  const bool has_ended = search->Continue(kEffort);
+  lock.lock();
+  if (!has_ended) {
+    searches_[&cell] = std::move(search);
+    return nullptr;
+  }
   searches_.erase(&cell);
+  const std::vector<uint32_t>& indices = search->seen();
   const bool pays = indices.size() <= walls_->segment_count() / 2 &&
                     found_walls_ + indices.size() <= kMaxFoundWalls;
   if (!pays) {
