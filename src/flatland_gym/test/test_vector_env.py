@@ -85,7 +85,7 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
-def with_plugins_in_python(count=2):
+def with_a_person_and_walls(count=2):
     """A room in which a person walks, and walls are added that differ from episode to episode."""
     room = world_content(SCENARIOS["empty_room"].world)
     person = {"pose": [-3, 2, 0], "goals": [[3, 2], [-3, -2]]}
@@ -98,18 +98,34 @@ def with_plugins_in_python(count=2):
 
 
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
-def test_plugins_that_run_in_python_make_no_difference(mode):
-    arguments = {**CROWDED, "world": with_plugins_in_python()}
+def test_people_and_walls_that_differ_make_no_difference(mode):
+    arguments = {**CROWDED, "world": with_a_person_and_walls()}
     single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode=mode)
     expected, _ = drive(single, mode, 60)
 
     for threads in (1, 2, 4):
         vector = make_vector(3, threads=threads, autoreset_mode=mode, **arguments)
+        assert type(vector.unwrapped.navigation.fleet) is BatchFleet
         assert_same(expected, drive(vector.unwrapped, mode, 60)[0])
 
 
+def test_a_plugin_that_acts_at_steps_has_simulations():
+    room = world_content(SCENARIOS["empty_room"].world)
+    disc = {"type": "circle", "radius": 0.2, "density": 1}
+    body = {"name": "base", "type": "kinematic", "footprints": [disc]}
+    plugin = {"type": "ConstVelocity", "name": "moves", "body": "base"}
+    plugin.update(vel_x=0.1, vel_y=0.0, omega=0.0)
+    model = {"bodies": [body], "plugins": [plugin]}
+    room["models"].append({"name": "cart", "pose": [-4, 0, 0], "model": model})
+    arguments = {**CROWDED, "world": room}
+    single = SyncVectorEnv([lambda: make(**arguments)] * 2, autoreset_mode="SameStep")
+    vector = make_vector(2, threads=2, autoreset_mode="SameStep", **arguments)
+    assert type(vector.unwrapped.navigation.fleet) is SimulationFleet
+    assert_same(drive(single, "SameStep", 20)[0], drive(vector.unwrapped, "SameStep", 20)[0])
+
+
 def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
-    env = make(world=with_plugins_in_python(), goal_distance=(0.4, 3.0), beams=32, flatten=False)
+    env = make(world=with_a_person_and_walls(), goal_distance=(0.4, 3.0), beams=32, flatten=False)
     for seed in range(60):
         observation, info = env.reset(seed=seed)
         walls = env.navigation.fleet.simulation(0).world.layers[0].segments
@@ -117,7 +133,7 @@ def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
         assert observation["ranges"].min() * 10 > 0.2 + 0.09  # radius and margin
         assert DistanceGrid(walls, (0.0, 0.0), 1.0).distance(*info["goal"]) > 0.2
     env.close()
-    env = make(world=with_plugins_in_python(4), beams=32)
+    env = make(world=with_a_person_and_walls(4), beams=32)
     with pytest.raises(UsageError, match="walls that a plugin of the world has added"):
         env.reset(seed=1, options={"goal": [4.4, 0.0]})
     env.close()

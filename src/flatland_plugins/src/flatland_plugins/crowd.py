@@ -95,7 +95,7 @@ class Crowd(WorldPlugin):
             self._publisher.publish(self._message(timekeeper.nanoseconds))
         if self._people:
             motion = self._motion
-            motion.outlines = self._find_others()
+            motion.see(self._find_others())
             bodies = motion.bodies
             velocities = np.array([[body.velocity for body in bodies]])
             new = motion.update(_ALONE, _poses(bodies), velocities, timekeeper.step_size)

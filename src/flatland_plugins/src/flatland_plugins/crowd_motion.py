@@ -9,7 +9,7 @@ from flatland_plugins.obstacles import Outline, Walls, seen_from, seen_walls
 from flatland_plugins.pedestrian import Pedestrian
 from flatland_plugins.people import People, Progress
 from flatland_plugins.social_force import Others, discs_apart, limit
-from flatland_server import BatchMotion, Body, FloatArray, IntArray, Segments, UpdateTimer
+from flatland_server import BatchMotion, FloatArray, IntArray, Segments, UpdateTimer
 
 _MOST_SPEED = 1.3
 """Maximum speed over desired speed (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
@@ -28,7 +28,6 @@ class CrowdMotion(BatchMotion):
 
     Attributes:
         people: those who are there.
-        outlines: the other bodies that they see.
         progress: of the people, in all worlds.
     """
 
@@ -46,29 +45,29 @@ class CrowdMotion(BatchMotion):
         self._config = config
         self._shared, self._see_walls = walls, see_walls
         self._walls = [walls] * count
-        self.people = list(people)
-        self.outlines = outlines
+        self._outlines = outlines
+        self._set_people(people)
         self.progress = Progress.of(count, len(people))
-        self._people = People([each.config for each in people])
         self._rngs: List[np.random.Generator] = [np.random.default_rng(0)] * count
 
-    @property
-    def moved(self) -> List[Body]:
-        """The people's bodies and their legs."""
-        legs = [each.model.bodies[leg] for each in self.people for leg in each.legs]
-        return [body.physics_body for body in (*(each.model.base for each in self.people), *legs)]
-
-    @property
-    def bodies(self) -> List[Body]:
-        """Those that are moved, and the other ones."""
-        return [*self.moved, *(outline.body for outline in self.outlines)]
+    def see(self, outlines: Sequence[Outline]) -> None:
+        """From now on the people see these other bodies."""
+        self._outlines = outlines
+        self.bodies = [*self.moved, *(each.body for each in outlines)]
 
     def keep(self, indices: List[int]) -> None:
         """Drops all people but some."""
-        self.people = [self.people[index] for index in indices]
+        self._set_people([self.people[index] for index in indices])
         goals, strides = self.progress
         self.progress = Progress(goals[:, indices], strides[:, indices])
-        self._people = People([each.config for each in self.people])
+
+    def _set_people(self, people: Sequence[Pedestrian]) -> None:
+        self.people = list(people)
+        self._people = People([each.config for each in people])
+        legs = [each.model.bodies[leg] for each in people for leg in each.legs]
+        bodies = [*(each.model.base for each in people), *legs]
+        self.moved = [body.physics_body for body in bodies]
+        self.see(self._outlines)
 
     def begin(
         self,
@@ -146,7 +145,7 @@ class CrowdMotion(BatchMotion):
         will = np.hypot(way[:, :1], way[:, 1:])  # a person that stands neither evades nor sways
 
         to_walls = seen_walls([self._walls[k] for k in environments], points).nearer_by(radii)
-        seen = seen_from(rows, self.outlines, np.repeat(others[0], count, axis=0))
+        seen = seen_from(rows, self._outlines, np.repeat(others[0], count, axis=0))
         to_bodies = seen.nearer_by(radii)
         distances, away = discs_apart(points, people.radii)
         apart = Others(distances.reshape(-1, count), away.reshape(-1, count, 2))

@@ -108,8 +108,7 @@ class WorldBatch {
   /// threads, each of which has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, Visit visit);
-  void Advance(const double* actions, int substeps, double dt, const BatchRows* rows,
-               bool goes_on);
+  void Advance(const double* actions, int substeps, double dt, const BatchRows* rows, bool goes_on);
   void Command(World& world, const double* action) const;
   /// Moves a model as Model.move does: with the same arithmetic.
   static void Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,

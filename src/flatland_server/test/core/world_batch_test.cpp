@@ -157,6 +157,59 @@ TEST_F(WorldBatchTest, RefusesWhatBox2DCannotComputeWith) {
   EXPECT_THROW(WorldBatch(world_, robot_, 1, 0), std::invalid_argument);
 }
 
+TEST_F(WorldBatchTest, AReplacedEnvironmentIsAnotherWorld) {
+  AddWalls();
+  AddBodies();
+  const std::unique_ptr<World> other = world_.Copy();
+  other->AddLayer({{{1.0, -1.5}, {1.2, 1.5}}}, kAllLayers);
+  WorldBatch batch(world_, robot_, 3, 2), shared(world_, robot_, 3, 1);
+  Rows rows(3), expected(3);
+  for (const bool is_again : {false, true}) {
+    batch.Replace(1, *other);
+    batch.Reset(nullptr, nullptr, rows.rows());
+    shared.Reset(nullptr, nullptr, expected.rows());
+    const std::unique_ptr<World> alone = other->Copy();
+    for (int round = 0; round < 40; ++round) {
+      const std::vector<double> actions = ActionsOf(round, 3);
+      batch.Step(actions.data(), 5, kStep, rows.rows());
+      shared.Step(actions.data(), 5, kStep, expected.rows());
+      alone->Get(std::get<World::Drive>(robot_.drive)).Command({actions[2], 0.0, actions[3]});
+      for (int i = 0; i < 5; ++i) alone->Step(kStep);
+      ASSERT_EQ(rows.poses[3], alone->GetPose(robot_.bodies[0]).x) << is_again;
+      ASSERT_EQ(rows.ranges[kBeams], alone->Scan(robot_.lidar).ranges[0]);
+      ASSERT_EQ(rows.poses[0], expected.poses[0]);
+      ASSERT_EQ(rows.poses[6], expected.poses[6]);
+    }
+    EXPECT_NE(rows.poses[3], expected.poses[3]);
+  }
+  EXPECT_THROW(batch.Replace(3, *other), std::invalid_argument);
+}
+
+TEST_F(WorldBatchTest, MotionsAreReadAndSet) {
+  AddBodies();
+  const World::Body box = AddBox(world_, {4, 4, 0}, 0.2);
+  const std::vector<World::Body> bodies{box, robot_.bodies[0]};
+  WorldBatch batch(world_, robot_, 3, 2);
+  Rows rows(3);
+  const bool mask[] = {false, true, true};
+  std::vector<double> set(9, 0.0), poses(18, -1.0), velocities(18, -1.0);
+  set[3] = 0.5;
+  set[8] = 2.0;
+  batch.SetVelocities(mask, {box}, set.data());
+  const std::vector<double> actions(6, 0.25);
+  batch.Advance(actions.data(), 20, kStep);
+  batch.Step(actions.data(), 20, kStep, rows.rows(), true);
+  batch.GetMotions(mask, bodies, poses.data(), velocities.data());
+  EXPECT_EQ(rows.steps[0], 40);
+  EXPECT_EQ(poses[0], -1.0);  // not chosen
+  EXPECT_NEAR(poses[6], 4.0 + 40 * kStep * 0.5, 1e-5);
+  EXPECT_NEAR(velocities[6], 0.5, 1e-6);
+  EXPECT_NEAR(poses[14], 40 * kStep * 2.0, 1e-5);
+  EXPECT_EQ(poses[9], rows.poses[3]);
+  set[4] = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(batch.SetVelocities(nullptr, {box}, set.data()), std::invalid_argument);
+}
+
 TEST(ThreadTeamTest, SharesWorkInEqualParts) {
   ThreadTeam team(3);
   for (int run = 0; run < 50; ++run) {

@@ -17,20 +17,17 @@ class BatchMotion(ABC):
 
     Args:
         rate: of the updates [Hz], which are due as with an `UpdateTimer`; infinity is each step.
+
+    Attributes:
+        bodies: those that `update` is told about, m of them; set by the derived class.
+        moved: those that it moves; the same.
     """
+
+    bodies: Sequence[_core.Body]
+    moved: Sequence[_core.Body]
 
     def __init__(self, rate: float) -> None:
         self.rate = rate
-
-    @property
-    @abstractmethod
-    def bodies(self) -> Sequence[_core.Body]:
-        """The bodies that `update` is told about, m of them."""
-
-    @property
-    @abstractmethod
-    def moved(self) -> Sequence[_core.Body]:
-        """The bodies that it moves."""
 
     @abstractmethod
     def begin(
