@@ -2,10 +2,14 @@
 
 import math
 import operator
-from typing import Any, Sequence
+import os
+from pathlib import Path
+from typing import Any, Iterable, List, Sequence, TypeVar, Union
 
 from flatland_server.exceptions import UsageError, shortened
 from flatland_server.geometry import Pose
+
+T = TypeVar("T")
 
 
 def whole_number(value: Any, what: str, minimum: int) -> int:
@@ -41,6 +45,26 @@ def pose_of(value: Any) -> Pose:
     if not pose.is_finite():
         raise UsageError(f"expected a pose of finite numbers, found {shown(value)}")
     return pose
+
+
+def several(values: Iterable[T], what: str) -> List[T]:
+    """The entries of an argument that takes several; a single string is none.
+
+    Raises:
+        UsageError: it is something else.
+    """
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        raise UsageError(f"expected {what} as a list, found {shown(values)}")
+    return list(values)
+
+
+def folders_of(folders: Iterable[Union[str, "os.PathLike[str]"]]) -> List[Path]:
+    """The argument `model_folders`.
+
+    Raises:
+        UsageError: it is no list.
+    """
+    return [Path(folder) for folder in several(folders, "model_folders")]
 
 
 def finite(values: Sequence[Any], what: str) -> None:

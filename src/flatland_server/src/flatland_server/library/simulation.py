@@ -8,7 +8,7 @@ from flatland_server import _core
 from flatland_server.arrays import FloatArray, UInt8Array
 from flatland_server.exceptions import ModelError, listed, shortened, suggestion
 from flatland_server.geometry import Pose
-from flatland_server.library.arguments import pose_of, whole_number
+from flatland_server.library.arguments import folders_of, pose_of, whole_number
 from flatland_server.library.catalog import Catalog
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.recorder import Recorder
@@ -78,7 +78,7 @@ class Simulation(SimulatedTopics):
             transport,
             seed=self._seed,
             simplify_map=simplify_map,
-            model_folders=[Path(folder) for folder in model_folders],
+            model_folders=folders_of(model_folders),
             loader=loader,
         )
         super().__init__(opened, step_size)

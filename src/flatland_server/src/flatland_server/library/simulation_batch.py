@@ -3,7 +3,6 @@
 import inspect
 import math
 import os
-from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import shown, whole_number
+from flatland_server.library.arguments import folders_of, several, shown, whole_number
 from flatland_server.library.batch_arguments import (
     actions_of,
     mask_of,
@@ -107,7 +106,7 @@ class SimulationBatch:
             LocalTransport(dict(params), ()),
             seed=int(self._seeds[0]),
             simplify_map=simplify_map,
-            model_folders=[Path(folder) for folder in model_folders],
+            model_folders=folders_of(model_folders),
             loader=loader,
         )
         require_passive(self._world)
@@ -115,7 +114,7 @@ class SimulationBatch:
         self._stage: Optional[Simulation] = None
         self._params, self._loader = dict(params), loader
         self._worlds = BatchWorlds(self._world, self._num_envs, self._open)
-        self._moved = [self._world.get_model(name) for name in moved]
+        self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
         core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
@@ -355,13 +354,13 @@ class SimulationBatch:
         Raises:
             UsageError: the clearance is not usable, or leaves no place.
         """
+        is_number = isinstance(clearance, (int, float, np.number))
+        if not (is_number and math.isfinite(clearance) and clearance > 0.0):
+            raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
         if clearance not in self._spaces:
             robot = self._robot.model
             others = [each for each in self._world.models.values() if each is not robot]
             discs = discs_of((each.pose, each.radius) for each in others)
-            is_number = isinstance(clearance, (int, float, np.number))
-            if not (is_number and math.isfinite(clearance) and clearance > 0.0):
-                raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
             resolution = min(max(clearance / 6.0, 0.02), 0.1)
             grid = DistanceGrid(
                 self._walls(), robot.pose[:2], clearance, discs=discs, resolution=resolution

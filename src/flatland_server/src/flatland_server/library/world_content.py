@@ -3,12 +3,13 @@
 import os
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
+from typing import Any, Dict, Mapping, Optional, Sequence, Union
 
 from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import UsageError, shortened
+from flatland_server.library.arguments import folders_of
 from flatland_server.models.layer import LayerConfig
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -41,6 +42,7 @@ def world_content(
         FlatlandError: there is no such world, or a file is missing or no YAML.
     """
     transport = LocalTransport(dict(params), ())
+    folders = [folder.absolute() for folder in folders_of(model_folders)]
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
         if isinstance(world, Mapping):
             reader = YamlReader.from_content(world, "world", preprocessor)
@@ -54,7 +56,7 @@ def world_content(
             reader = YamlReader.from_file(find_world(name), preprocessor)
 
         def model(section: YamlReader) -> Optional[Dict[str, Any]]:
-            return _model_entry(section, preprocessor, model_folders)
+            return _model_entry(section, preprocessor, folders)
 
         content = reader.content()
         maps = reader.get_sections("layers", LayerConfig.read_map_path)
@@ -68,15 +70,14 @@ def world_content(
 
 
 def _model_entry(
-    section: YamlReader, preprocessor: YamlPreprocessor, folders: Sequence[Any]
+    section: YamlReader, preprocessor: YamlPreprocessor, folders: Sequence[Path]
 ) -> Optional[Dict[str, Any]]:
     """An entry of `models`, its model a dict; None if it is switched off."""
     if not section.get_bool("enabled", True):
         return None
     entry = section.content()
     if not section.is_map("model"):
-        looked_up: List[Any] = [os.path.abspath(folder) for folder in folders]
-        path = section.get_path("model", looked_up)
+        path = section.get_path("model", folders)
         section.raise_problems()
         entry["model"] = YamlReader.from_file(path, preprocessor).content()
     return entry

@@ -75,6 +75,8 @@ def test_wrong_calls_change_nothing():
     content = crowded_room()
     with pytest.raises(FlatlandError, match='there is no model "colum"'):
         SimulationBatch(content, 2, moved=["colum"])
+    with pytest.raises(UsageError, match="expected moved as a list, found 'column'"):
+        SimulationBatch(content, 2, moved="column")
     with pytest.raises(UsageError, match="expected other models as moved, found the robot"):
         SimulationBatch(content, 2, moved=["turtlebot"])
     with SimulationBatch(content, 2, moved=["column"]) as batch:

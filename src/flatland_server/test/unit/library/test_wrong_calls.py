@@ -57,6 +57,11 @@ WRONG = [
     ),
     (lambda sim: sim.models["robot"].plugin("x"), ModelError, 'has no plugin "x"; it has: pusher'),
     (lambda sim: sim.render(follow="bx"), ModelError, "bx"),
+    (
+        lambda sim: Simulation("office", model_folders="models"),
+        UsageError,
+        "expected model_folders as a list, found 'models'",
+    ),
 ]
 
 
