@@ -37,7 +37,8 @@ class ModelPlugin(Plugin):
         quantities: what it measures besides what `read` returns: there is a method
             `read_<quantity>` for each, with the same argument.
         core_drive: the drive of the core that `command` controls; set by `on_initialize`. A
-            `SimulationBatch` needs it.
+            `SimulationBatch` commands it without `command`: a subclass that changes what commands
+            do sets it to None, and is refused there.
         core_lidar: the lidar of the core that `read` reads; likewise.
     """
 
