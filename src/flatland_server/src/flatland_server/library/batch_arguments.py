@@ -141,3 +141,15 @@ def _array(value: Any, what: str, form: str, shape: Tuple[int, ...]) -> Any:
     if array.shape != shape:
         raise UsageError(f"expected {what} of {form}, found shape {array.shape}")
     return array
+
+
+def index_of(value: Any, count: int) -> BoolArray:
+    """An environment as a mask of n.
+
+    Raises:
+        UsageError: there is none of this index.
+    """
+    if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
+        raise UsageError(f"expected an environment from 0 to {count - 1}, found {shown(value)}")
+    mask: BoolArray = np.arange(count) == value
+    return mask

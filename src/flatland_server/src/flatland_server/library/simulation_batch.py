@@ -3,7 +3,7 @@
 import inspect
 import math
 import os
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -13,16 +13,17 @@ from flatland_server.exceptions import UsageError
 from flatland_server.library.arguments import folders_of, several, shown, whole_number
 from flatland_server.library.batch_arguments import (
     actions_of,
+    index_of,
     mask_of,
     model_poses_of,
     poses_of,
     require_finite,
     seeds_of,
 )
-from flatland_server.library.batch_motions import BatchMotions
 from flatland_server.library.batch_observation import BatchObservation
+from flatland_server.library.batch_plugins import BatchPlugins
 from flatland_server.library.batch_robot import find_robot, require_passive
-from flatland_server.library.batch_worlds import BatchWorlds
+from flatland_server.library.batch_view import BatchView
 from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.simulation import Simulation
@@ -111,9 +112,8 @@ class SimulationBatch:
         )
         require_passive(self._world)
         self._robot = find_robot(self._world, robot, lidar)
-        self._stage: Optional[Simulation] = None
         self._params, self._loader = dict(params), loader
-        self._worlds = BatchWorlds(self._world, self._num_envs, self._open)
+        self._view = BatchView(self._world, self.step_size, self._params, loader)
         self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
@@ -132,8 +132,10 @@ class SimulationBatch:
         )
         self._beams = self._core.beams
         self._steps = np.zeros(self._num_envs, np.int64)
-        self._motions = BatchMotions(self._world, self._num_envs, self._step_nanoseconds)
-        self._begin_motions(None)
+        self._plugins = BatchPlugins(
+            self._world, self._num_envs, self._step_nanoseconds, self._open
+        )
+        self._plugins.begin(None, self._seeds)
         self._noises: Dict[int, RangeNoise] = {}
         self._spaces: Dict[float, FreeSpace] = {}
 
@@ -216,9 +218,9 @@ class SimulationBatch:
         if substeps > _MOST_STEPS:
             raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
         observation = self._rows(out)
-        self._load(core, None, self._seeds)
+        self._plugins.load(core, None, self._seeds, self._steps)
         try:
-            self._advance(core, commands, substeps, self._arrays(observation))
+            self._plugins.step(core, commands, substeps, self._steps, self._arrays(observation))
         except ValueError:
             require_finite(commands)
             raise
@@ -263,12 +265,13 @@ class SimulationBatch:
             others = others if self._moved else None
         new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
         observation = self._rows(out)
-        self._load(core, chosen, self._seeds if new_seeds is None else new_seeds)
+        seeds_now = self._seeds if new_seeds is None else new_seeds
+        self._plugins.load(core, chosen, seeds_now, self._steps)
         core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
-        self._begin_motions(chosen)
+        self._plugins.begin(chosen, self._seeds)
         if out is None and chosen is not None:
-            self._load(core, None, self._seeds)
+            self._plugins.load(core, None, self._seeds, self._steps)
             core.observe(self._arrays(observation))
             chosen = None
         self._finish(observation, chosen)
@@ -285,7 +288,7 @@ class SimulationBatch:
         """
         core = self._require_open()
         observation = self._rows(out)
-        self._load(core, None, self._seeds)
+        self._plugins.load(core, None, self._seeds, self._steps)
         core.observe(self._arrays(observation))
         self._finish(observation, None)
         return observation
@@ -305,25 +308,12 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        core, chosen = self._require_open(), self._only(index)
+        core, chosen = self._require_open(), index_of(index, self._num_envs)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
+        poses, velocities = core.motions(self._view.bodies, chosen)
+        nanoseconds = int(self._steps[index]) * self._step_nanoseconds
         seed = int(self._seeds[index])
-        if self._stage is None:
-            self._stage = Simulation(
-                self._world.config,
-                seed=seed,
-                step_size=self.step_size,
-                params=self._params,
-                loader=self._loader,
-            )
-        elif self._stage.seed != seed:
-            self._stage.reset(seed)
-        self._load(core, chosen, self._seeds)
-        poses, velocities = core.motions(_bodies_of(self._world), chosen)
-        rows = zip(_bodies_of(self._stage.world), poses[index].tolist(), velocities[index].tolist())
-        for body, pose, velocity in rows:
-            body.pose, body.velocity = tuple(pose), tuple(velocity)
-        self._stage.timekeeper.jump_to(int(self._steps[index]) * self._step_nanoseconds)
-        return self._stage
+        return self._view.show(seed, nanoseconds, poses[index], velocities[index])
 
     # Places
 
@@ -336,13 +326,9 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        chosen = self._only(index)
-        self._load(self._require_open(), chosen, self._seeds)
-        config = self._world.config
-        counts = [len(config.walls_of(layer)) for layer in config.layers]
-        walls = self._worlds.walls(index) or []
-        added = [segments[count:] for segments, count in zip(walls, counts)]
-        return np.concatenate([np.empty((0, 4)), *added])
+        core, chosen = self._require_open(), index_of(index, self._num_envs)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
+        return self._plugins.added_walls(index)
 
     def free_space(self, clearance: float) -> FreeSpace:
         """Where the robot may be put at the beginning; computed once for each clearance.
@@ -391,31 +377,14 @@ class SimulationBatch:
         if self._core is not None:
             self._core = None
             self._world.close()
-            self._worlds.close()
-            if self._stage is not None:
-                self._stage.close()
+            self._plugins.close()
+            self._view.close()
 
     def __enter__(self) -> "SimulationBatch":
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _advance(
-        self, core: _core.WorldBatch, commands: FloatArray, substeps: int, out: Tuple[Any, ...]
-    ) -> None:
-        """Makes the steps of a call of `step`, with the updates of plugins between them."""
-        made = 0
-        if self._motions:
-            require_finite(commands)  # before anything is moved
-        while self._motions:
-            times = (self._steps + made) * self._step_nanoseconds
-            count = self._motions.update(core, times, substeps - made)
-            if count == substeps - made:
-                break
-            core.step(commands, count, self.step_size, None, goes_on=made > 0)
-            made += count
-        core.step(commands, substeps - made, self.step_size, out, goes_on=made > 0)
 
     def _require_open(self) -> _core.WorldBatch:
         if self._core is None:
@@ -426,36 +395,6 @@ class SimulationBatch:
         """The world with another seed."""
         loader = self._loader or exported_plugins()
         return World(self._world.config, LocalTransport(self._params, ()), seed=seed, loader=loader)
-
-    def _load(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
-        """Makes sure that environments are in the worlds of their seeds."""
-        if not self._worlds:
-            return
-        every = np.ones(self._num_envs, bool)
-        is_other = self._worlds.load(core, every if chosen is None else chosen, seeds)
-        if is_other.any():
-            self._steps[is_other] = 0
-            self._begin_motions(is_other)
-
-    def _begin_motions(self, mask: Optional[BoolArray]) -> None:
-        """Lets the motions of plugins begin anew in the environments that the mask chooses."""
-        if self._motions:
-            every = range(self._num_envs)
-            for k in every if mask is None else np.flatnonzero(mask).tolist():
-                self._motions.begin(k, int(self._seeds[k]), self._worlds.walls(k))
-
-    def _only(self, index: int) -> BoolArray:
-        """Chooses an environment.
-
-        Raises:
-            UsageError: there is no such environment.
-        """
-        if not (isinstance(index, (int, np.integer)) and 0 <= index < self._num_envs):
-            raise UsageError(
-                f"expected an environment from 0 to {self._num_envs - 1}, found {shown(index)}"
-            )
-        chosen: BoolArray = np.arange(self._num_envs) == index
-        return chosen
 
     def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
         if out is None:
@@ -505,8 +444,3 @@ class SimulationBatch:
         config = self._world.config
         walls = [config.walls_of(layer) for layer in config.layers if layer.bits & bits]
         return np.concatenate([np.empty((0, 4)), *walls])
-
-
-def _bodies_of(world: World) -> List[_core.Body]:
-    """The bodies of all models, in the order of their creation."""
-    return [body for model in world.models.values() for body in model.physics_bodies]

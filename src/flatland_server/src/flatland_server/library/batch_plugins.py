@@ -1,0 +1,100 @@
+"""What plugins do in a batch: worlds that they change by chance, and bodies that they move."""
+
+from typing import Any, Callable, Optional, Tuple
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.library.batch_arguments import require_finite
+from flatland_server.library.batch_motions import BatchMotions
+from flatland_server.library.batch_worlds import BatchWorlds
+from flatland_server.simulation.world import World
+
+
+class BatchPlugins:
+    """The plugins of the environments of a batch that are more than passive.
+
+    Args:
+        world: that the environments begin as.
+        count: number of environments, n.
+        step_nanoseconds: length of a step.
+        open: loads the world with another seed.
+    """
+
+    def __init__(
+        self, world: World, count: int, step_nanoseconds: int, open: Callable[[int], World]
+    ) -> None:
+        self._config = world.config
+        self._count = count
+        self._step = step_nanoseconds
+        self._worlds = BatchWorlds(world, count, open)
+        self._motions = BatchMotions(world, count, step_nanoseconds)
+
+    def load(
+        self,
+        core: _core.WorldBatch,
+        chosen: Optional[BoolArray],
+        seeds: IntArray,
+        steps: IntArray,
+    ) -> None:
+        """Makes sure that environments are in the worlds of their seeds.
+
+        Args:
+            core: the batch.
+            chosen: which environments, (n,); None: all.
+            seeds: of the environments, (n,).
+            steps: that each has made, (n,); 0 is written for those with another world.
+        """
+        if self._worlds:
+            every = np.ones(self._count, bool)
+            is_other = self._worlds.load(core, every if chosen is None else chosen, seeds)
+            if is_other.any():
+                steps[is_other] = 0
+                self.begin(is_other, seeds)
+
+    def begin(self, chosen: Optional[BoolArray], seeds: IntArray) -> None:
+        """Lets environments begin anew, with their seeds (n,)."""
+        if self._motions:
+            every = range(self._count)
+            for k in every if chosen is None else np.flatnonzero(chosen).tolist():
+                self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
+
+    def step(
+        self,
+        core: _core.WorldBatch,
+        commands: FloatArray,
+        count: int,
+        steps: IntArray,
+        out: Tuple[Any, ...],
+    ) -> None:
+        """Makes steps, with the updates of plugins between them.
+
+        Args:
+            core: the batch.
+            commands: of all robots.
+            count: of the steps.
+            steps: that each environment has made before, (n,).
+            out: arrays that the core writes to.
+        """
+        made, step_size = 0, self._step * 1e-9
+        if self._motions:
+            require_finite(commands)  # before anything is moved
+        while self._motions:
+            now = self._motions.update(core, (steps + made) * self._step, count - made)
+            if now == count - made:
+                break
+            core.step(commands, now, step_size, None, goes_on=made > 0)
+            made += now
+        core.step(commands, count - made, step_size, out, goes_on=made > 0)
+
+    def added_walls(self, environment: int) -> FloatArray:
+        """Walls that plugins have added to an environment: (m, 4)."""
+        counts = [len(self._config.walls_of(layer)) for layer in self._config.layers]
+        walls = self._worlds.walls(environment) or []
+        added = [segments[count:] for segments, count in zip(walls, counts)]
+        return np.concatenate([np.empty((0, 4)), *added])
+
+    def close(self) -> None:
+        """Closes what was loaded."""
+        self._worlds.close()
