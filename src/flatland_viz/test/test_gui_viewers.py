@@ -192,8 +192,9 @@ def test_a_model_is_dragged_while_the_simulation_waits(viewer, crate):
 
 
 def test_a_model_is_turned_by_its_ring(viewer, crate):
-    along = [  # in the middle of the ring, which is from 0.44 m to 0.57 m wide
-        viewer.view.pixel(2.0 + 0.5 * math.cos(angle), 3.0 + 0.5 * math.sin(angle))
+    ring = viewer.ring_radius()
+    along = [
+        viewer.view.pixel(2.0 + ring * math.cos(angle), 3.0 + ring * math.sin(angle))
         for angle in np.linspace(0.0, math.pi / 2, 10)
     ]
     if viewer.kind == "window":  # only what is selected or under the mouse has a ring
