@@ -76,6 +76,7 @@ class Launch:
         command: what is run.
         port: of the master.
         with_port: whether `-p` is added; without, ROS_MASTER_URI says which master is used.
+        environment: what else the environment has.
     """
 
     def __init__(
@@ -86,15 +87,16 @@ class Launch:
         command=(str(ROOT / "scripts" / "run"),),
         port=None,
         with_port=True,
+        environment=None,
     ):
         self.port = port or free_port()
         self.uri = f"http://127.0.0.1:{self.port}"
         settings = str(output.parent / "config")  # the window's
-        environment = {**os.environ, "ROS_MASTER_URI": self.uri, "XDG_CONFIG_HOME": settings}
-        environment.pop("DISPLAY", None)
+        self.environment = {**os.environ, "XDG_CONFIG_HOME": settings}
+        self.environment.pop("DISPLAY", None)
         if display:
-            environment.update(DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")
-        self.environment = environment
+            self.environment.update(DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")
+        self.environment.update(environment or {}, ROS_MASTER_URI=self.uri)
         self._output = output
         if with_port and "-p" not in arguments:
             arguments = (*arguments, "-p", str(self.port))
@@ -104,7 +106,7 @@ class Launch:
                 stdout=file,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,
-                env=environment,
+                env=self.environment,
                 start_new_session=True,
                 # A shell that starts us in the background has SIGINT ignored; a user's has not.
                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),

@@ -1,276 +1,52 @@
-"""A virtual screen with mouse, keyboard and screenshots, and ROS programs on it.
+"""The window on virtual screens, and ROS programs. A module has one server: see `screens`."""
 
-A module has one launch: starting rviz takes longer than most tests.
-"""
-
-import json
-import math
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
-import numpy as np
 import pytest
-import waiting as waits
-from ros_processes import free_port
-from screen_pictures import Screenshots, near
+from desktop import desktop
+from gui_screen import Screen, wait_until
+from ros_programs import Ros
+from screens import SCREENS, chosen, screens_option
 
 ROOT = Path(__file__).resolve().parents[3]
 OFFICE = ROOT / "src" / "flatland_server" / "worlds" / "office"
-OFFICE_COLORS = (  # of the world's files and our rviz configuration; least number of pixels
-    # An arrow is on the robot.
-    ((102, 102, 102), 1000),  # walls
-    ((194, 145, 87), 100),  # boxes
-    ((204, 0, 0), 200),  # scan
-)
-LIMIT = 60.0  # s: a busy machine may take much longer than an idle one
-INTERVAL = 0.2  # s: each look at the screen takes processor time from what draws there
 
 
-def wait_until(holds, what, limit=LIMIT):
-    """The first true value of `holds()`."""
-    return waits.wait_until(holds, what, limit, INTERVAL)
+def pytest_addoption(parser):
+    parser.addoption(
+        "--screens",
+        default="usual",
+        type=screens_option,
+        metavar="NAMES",
+        help="screens that each test of the window runs on: all, or "
+        f"{', '.join(SCREENS)} with commas between them; otherwise each module runs on its own",
+    )
 
 
-class Screen:
-    """An X display, controlled by xdotool.
-
-    Args:
-        display: its name.
-    """
-
-    def __init__(self, display):
-        self.environment = {**os.environ, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}
-        self._screenshots = Screenshots(display, "gui")
-        self.picture = self._screenshots.take
-        self.save_pictures = self._screenshots.save
-
-    def shows_office(self, name):
-        """Whether the window shows the office, by a minimum number of pixels of each colour."""
-        pixels = self.picture(name)[70:750, :1280]  # without menus, tools and status line
-        return all(near(pixels, color, 30).sum() >= least for color, least in OFFICE_COLORS)
-
-    def settled(self, look, seconds):
-        """What `look()` returns, once that has been the same for some time [s]."""
-        values, times = [look()], [time.monotonic()]
-
-        def is_settled():
-            value = look()
-            if np.array_equal(value, values[-1]):
-                return time.monotonic() - times[-1] >= seconds
-            values.append(value)
-            times.append(time.monotonic())
-            return False
-
-        wait_until(is_settled, "what is on the screen to stay the same")
-        return values[-1]
-
-    def xdotool(self, *arguments):
-        """Runs xdotool for mouse, keyboard or windows. Returns the words of its output."""
-        command = ["xdotool", *map(str, arguments)]
-        return subprocess.run(
-            command, env=self.environment, stdout=subprocess.PIPE, text=True
-        ).stdout.split()
-
-    def text(self, *command):
-        """The lines that a program prints."""
-        return subprocess.run(
-            list(map(str, command)), env=self.environment, stdout=subprocess.PIPE, text=True
-        ).stdout.splitlines()
-
-    def windows(self, title):
-        """The visible windows with this title."""
-        return self.xdotool("search", "--onlyvisible", "--name", f"^{title}$")
-
-    def wait_for_window(self, title):
-        window = wait_until(lambda: self.windows(title), f"the window {title!r}")[-1]
-        self.focus(window)
-        return window
-
-    def wait_until_closed(self, title):
-        wait_until(lambda: not self.windows(title), f"the window {title!r} to close")
-
-    def focus(self, window):
-        """Gives a window the keyboard, as a window manager does."""
-        self.xdotool("windowfocus", "--sync", window)
-
-    def key(self, *keys):
-        self.xdotool("key", "--delay", 40, *keys)
-
-    def type(self, text):
-        self.xdotool("type", "--delay", 3, "--", text)
-
-    def click(self, pixel, button=1):
-        self.move(pixel)
-        self.xdotool("click", button)
-        time.sleep(0.2)
-
-    def move(self, pixel):
-        """In two steps: rviz determines what is under the mouse when it moves."""
-        x, y = map(int, pixel)
-        self.xdotool("mousemove", x - 2, y, "sleep", 0.1, "mousemove", x, y, "sleep", 0.1)
-
-    def drag(self, pixels, while_held=lambda: None):
-        """With the left button, along some pixels."""
-        self.move(pixels[0])
-        time.sleep(0.3)
-        self.xdotool("mousedown", 1)
-        for x, y in pixels:
-            self.xdotool("mousemove", round(x), round(y), "sleep", 0.05)
-        try:
-            while_held()
-        finally:
-            self.xdotool("mouseup", 1)
-
-
-class Ros:
-    """A ROS master, programs that use it, and a node that queries them.
-
-    Attributes:
-        frame_rate: how often the window draws [Hz]. Without a graphics card each frame takes much
-            of a core.
-    """
-
-    frame_rate = 5
-
-    def __init__(self, environment, logs):
-        port = free_port()
-        self._logs = logs
-        self._programs = []
-        self._log_files = {}  # by process
-        self.environment = {
-            **environment,
-            "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-            "ROS_IP": "127.0.0.1",
-            "XDG_CONFIG_HOME": str(logs / "config"),  # the window's settings
-        }
-        self.start("rosmaster", "--core", "-p", port)
-        # Before any node starts: a node that finds it unset uses real time.
-        wait_until(
-            lambda: self._run("rosparam", "set", "/use_sim_time", "true").returncode == 0,
-            "the master",
-        )
-        self.set_parameter("/flatland_viz/frame_rate", self.frame_rate)
-        self._probe = subprocess.Popen(
-            [sys.executable, Path(__file__).with_name("ros_probe.py")],
-            env=self.environment,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        assert self._probe.stdout.readline() == "ready\n"
-
-    def set_parameter(self, name, value):
-        """Sets a parameter of the ROS master."""
-        self._run("rosparam", "set", name, str(value))
-
-    def _run(self, *command):
-        return subprocess.run(
-            command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-
-    def close(self):
-        self._probe.kill()
-        self._probe.wait()
-        for program in reversed(self._programs):
-            self.end(program)
-
-    def start(self, *command):
-        """Start a program; its output goes to a file."""
-        log = self._logs / f"{len(self._programs)}_{Path(command[0]).name}.log"
-        with log.open("w") as file:
-            program = subprocess.Popen(
-                list(map(str, command)),
-                env=self.environment,
-                stdin=subprocess.DEVNULL,
-                stdout=file,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-                # A shell that starts pytest in the background has SIGINT ignored; a user's has not.
-                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-            )
-        self._programs.append(program)
-        self._log_files[program.pid] = log
-        return program
-
-    def log(self, program):
-        """What a program has written so far."""
-        return self._log_files[program.pid].read_text()
-
-    def launch_server(self, world, *arguments):
-        """Run server.launch; returns when the simulation runs."""
-        program = self.start(
-            *("roslaunch", "--sigint-timeout=1.5", "--sigterm-timeout=0.3", "--skip-log-check"),
-            *("flatland_server", "server.launch", f"world_path:={world}", *arguments),
-        )
-        self.wait_for_clock(program)
-        return program
-
-    def wait_for_clock(self, program):
-        """Wait until the simulation started by a program runs."""
-
-        def has_come():
-            assert program.poll() is None, [log.read_text() for log in self._logs.glob("*.log")]
-            return self.message("/clock", "rosgraph_msgs/Clock", timeout=1)
-
-        wait_until(has_come, "the server to run")
-
-    def end(self, program, number=signal.SIGINT):
-        if program.poll() is None:
-            os.killpg(program.pid, number)
-            try:
-                program.wait(15)
-            except subprocess.TimeoutExpired:
-                os.killpg(program.pid, signal.SIGKILL)
-                program.wait()
-
-    def _ask(self, *request):
-        self._probe.stdin.write(json.dumps(request) + "\n")
-        self._probe.stdin.flush()
-        return json.loads(self._probe.stdout.readline())
-
-    def message(self, topic, kind, timeout=5):
-        """The next message of a topic, or its latched one; None if there is none."""
-        return self._ask("message", topic, kind, timeout)
-
-    def call(self, service, **arguments):
-        return self._ask("call", service, [arguments] if arguments else [])
-
-    def state(self):
-        return self.message("/flatland_server/state", "flatland_msgs/SimulationState")
-
-    def clock(self):
-        """Simulated time [s]."""
-        return self.message("/clock", "rosgraph_msgs/Clock")["clock"]
-
-    def models(self):
-        """The names of the models in the world."""
-        topics = self.message("/flatland_server/debug/topics", "flatland_msgs/DebugTopicList")
-        return [topic[6:] for topic in topics["topics"] if topic.startswith("model/")]
-
-    def pose(self, model):
-        """Position [m] and yaw [rad] of the model's first marker."""
-        topic = f"/flatland_server/debug/model/{model}"
-        markers = self.message(topic, "visualization_msgs/MarkerArray")
-        pose = next(m for m in markers["markers"] if m["action"] == 0)["pose"]
-        rotation = pose["orientation"]
-        yaw = 2 * math.atan2(rotation["z"], rotation["w"])
-        return pose["position"]["x"], pose["position"]["y"], yaw
-
-    def spawn(self, file, name, x, y, theta=0.0):
-        pose = {"x": x, "y": y, "theta": theta}
-        answer = self.call("/spawn_model", yaml_path=str(file), name=name, ns="", pose=pose)
-        assert answer["success"], answer["message"]
+def pytest_generate_tests(metafunc):
+    """Gives each test of a window its module's viewers and screens."""
+    if "screen" not in metafunc.fixturenames:
+        return
+    module = Path(metafunc.module.__file__).stem
+    pairs = chosen(module, metafunc.config.getoption("screens", "usual"))
+    ids = [screen if viewer == "window" else f"{viewer}-{screen}" for viewer, screen in pairs]
+    metafunc.parametrize("viewer_and_screen", pairs, ids=ids, indirect=True, scope="module")
 
 
 @pytest.fixture(scope="module")
-def screen(display):
-    screen = Screen(display)
-    yield screen
-    screen.save_pictures()
+def viewer_and_screen(request):
+    """The program that shows the world, "window" or "rviz", and the name of its screen."""
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def screen(viewer_and_screen, tmp_path_factory):
+    _, name = viewer_and_screen
+    kind = SCREENS[name]
+    with desktop(kind.width, kind.height) as display:
+        screen = Screen(display, kind, name, tmp_path_factory.mktemp("config"))
+        yield screen
+        screen.save_pictures()
 
 
 @pytest.fixture(scope="module")

@@ -3,17 +3,18 @@
 import os
 import shutil
 import subprocess
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import pytest
 
 
 @contextmanager
-def desktop(size):
+def desktop(width, height):
     """An X server with openbox, while the context lasts.
 
     Args:
-        size: of the screen in pixels, such as "1280x800".
+        width: of the screen [pixels].
+        height: of the screen [pixels].
 
     Yields:
         The name of the display.
@@ -22,12 +23,17 @@ def desktop(size):
         if not shutil.which(program):
             pytest.skip(f"{program} is not installed")
     read, write = os.pipe()
+    screen = ("-screen", "0", f"{width}x{height}x24")
     server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{size}x24", "-noreset"],
+        ["Xvfb", "-displayfd", str(write), *screen, "-nolisten", "tcp", "-noreset"],
         pass_fds=[write],
         stderr=subprocess.DEVNULL,
     )
     os.close(write)
+    # rviz asks for a window that the X server may not have made yet, and crashes (window_ids.py):
+    # less often if the server never waits for a core.
+    with suppress(OSError):  # it needs a right
+        os.sched_setscheduler(server.pid, os.SCHED_RR, os.sched_param(1))
     with os.fdopen(read) as pipe:
         display = f":{pipe.readline().strip()}"
     manager = subprocess.Popen(

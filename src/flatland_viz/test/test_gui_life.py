@@ -1,6 +1,13 @@
-"""The window and the server, started separately: neither needs the other to run."""
+"""The window and the server, started separately: neither needs the other to run.
 
+The window is light on the processor, too: an unchanged view is not drawn, and stays intact.
+"""
+
+import os
 import signal
+import sys
+import time
+from pathlib import Path
 
 import pytest
 from screen_pictures import near
@@ -8,74 +15,117 @@ from screen_pictures import near
 pytestmark = pytest.mark.slow
 
 BOX = (194, 145, 87)
+SCAN = (204, 0, 0)
 NO_SERVER = (198, 40, 40)  # background of this state in the status line
 TITLE = "Flatland.*"
+TICKS = os.sysconf("SC_CLK_TCK")
+
+COVER = """
+from PyQt5.QtCore import QTimer
+from PyQt5.QtWidgets import QApplication, QLabel
+application = QApplication([])
+label = QLabel()
+label.setStyleSheet("background: black")
+label.setGeometry({}, {}, {}, {})
+label.show()
+QTimer.singleShot(500, application.quit)
+application.exec_()
+"""
+"""Another program's window, which is in front of ours for half a second."""
 
 
-def count(pixels, color, tolerance=30):
-    return int(near(pixels, color, tolerance).sum())
+def processor_share(program, seconds=2.0):
+    """The share of a core that a process takes."""
+
+    def used():
+        words = Path(f"/proc/{program.pid}/stat").read_text().rpartition(")")[2].split()
+        return sum(map(int, words[11:13])) / TICKS
+
+    begin, before = time.monotonic(), used()
+    time.sleep(seconds)
+    return (used() - before) / (time.monotonic() - begin)
 
 
-def settled_count(screen, name, color):
-    """The number of pixels of a colour once it is constant: a world appears bit by bit."""
-    return screen.settled(lambda: count(screen.picture(name), color), seconds=2.0)
+class Office:
+    """The office's server alone, and a window that shows it."""
 
+    def __init__(self, screen, ros, office, waiting):
+        self.screen, self.ros, self._office, self._waiting = screen, ros, office, waiting
+        ros.publish_transform("map", "odom")
+        ros.set_parameter("/flatland_viz/frame_rate", 30)
+        self.start_server()
+        self.window = ros.start_window()
+        self._id = screen.wait_for_window(TITLE)
+        waiting(lambda: screen.shows_office("life_office"), "the office")
+        self.rows, self.columns = screen.view(screen.picture("life_office"))
 
-def says_no_server(screen, name):
-    return count(screen.picture(name)[750:830, :1280], NO_SERVER, tolerance=5) > 300
+    def start_server(self):
+        self.server = self.ros.start_server(self._office / "world.yaml")
+
+    def view(self, name):
+        """A screenshot of the view."""
+        return self.screen.picture(name)[self.rows, self.columns]
+
+    def says_no_server(self, name):
+        left, _, right, bottom = self.screen.inside(self._id)
+        line = self.screen.picture(name)[bottom - self.screen.px(27) : bottom, left:right]
+        return near(line, NO_SERVER, 5).sum() > 300
+
+    def boxes(self, name):
+        """The number of pixels of boxes."""
+        return near(self.view(name), BOX, 30).sum()
 
 
 @pytest.fixture(scope="module")
-def start_server(ros, office):
-    """Starts the office's server alone, to be killed; returns when it runs."""
-    ros.start("rosrun", "tf2_ros", "static_transform_publisher", *[0] * 6, "map", "odom")
-
-    def start():
-        program = ros.start(
-            *("rosrun", "flatland_server", "flatland_server", "__name:=flatland_server"),
-            *(f"_world_path:={office / 'world.yaml'}", "_show_viz:=true"),
-        )
-        ros.wait_for_clock(program)
-        return program
-
-    return start
+def shown(screen, ros, office, waiting):
+    return Office(screen, ros, office, waiting)
 
 
-@pytest.fixture
-def open_window(screen, ros, waiting):
-    """Opens the window alone; returns when it shows the office."""
+def test_an_unchanged_view_costs_little_and_is_intact_after_another_window(shown, waiting):
+    shown.ros.call("/pause")
+    waiting(lambda: processor_share(shown.window) < 0.1, "a window at rest")
 
-    def start():
-        program = ros.start("rosrun", "flatland_viz", "flatland_viz")
-        screen.wait_for_window(TITLE)
-        waiting(lambda: screen.shows_office("life_before"), "the office")
-        return program
+    before = shown.view("light_before")
+    height, width = before.shape[:2]
+    left, top = shown.columns.start + width // 4, shown.rows.start + height // 4
+    qt = [length // shown.screen.kind.scale for length in (left, top, width // 2, height // 2)]
+    cover = shown.ros.start(sys.executable, "-c", COVER.format(*qt))
+    waiting(lambda: (shown.view("light_covered") != before).any(), "the other window")
+    cover.wait(20)
+    waiting(lambda: (shown.view("light_after") == before).all(), "the view", limit=5)
 
-    return start
+    assert "media_export" not in shown.ros.log(shown.window)
+    shown.ros.call("/resume")
+    drive = shown.ros.start(
+        *("rostopic", "pub", "-1", "/cmd_vel", "geometry_msgs/Twist"),
+        "{linear: {x: 0.3}, angular: {z: 0.3}}",
+    )
+    waiting(lambda: (shown.view("light_drive") != before).any(), "the robot to drive")
+    share = processor_share(shown.window)
+    assert 0.1 < share < 0.8, share
+    shown.ros.end(drive)
 
 
-def test_a_window_outlives_servers_and_a_server_windows(
-    screen, ros, start_server, open_window, office, waiting
-):
-    server, window = start_server(), open_window()
-
-    ros.end(server, signal.SIGKILL)
-    waiting(lambda: says_no_server(screen, "life_no_server"), '"no server"', limit=20)
-    assert window.poll() is None
+def test_a_window_outlives_servers_and_a_server_windows(shown, ros, office, waiting):
+    screen = shown.screen
+    ros.end(shown.server, signal.SIGKILL)
+    waiting(lambda: shown.says_no_server("life_no_server"), '"no server"', limit=20)
+    assert shown.window.poll() is None
 
     # A new run: time starts at 0, and the world is as in its file.
-    server = start_server()
-    waiting(lambda: not says_no_server(screen, "life_after"), "the status line to recover")
+    shown.start_server()
+    waiting(lambda: not shown.says_no_server("life_after"), "the status line to recover")
     waiting(lambda: screen.shows_office("life_after"), "the office again")
-    boxes = settled_count(screen, "life_after", BOX)
+    # It appears bit by bit.
+    boxes = screen.settled(lambda: shown.boxes("life_after"), seconds=2.0)
     ros.spawn(office / "box.model.yaml", "crate", 2.0, 3.0)
-    waiting(lambda: count(screen.picture("life_crate"), BOX) > boxes + 20, "a new model")
+    waiting(lambda: shown.boxes("life_crate") > boxes + 10, "a new model")
     assert ros.call("/delete_model", name="crate")["success"]
-    waiting(lambda: count(screen.picture("life_after"), BOX) <= boxes, "the model to vanish")
-    assert window.poll() is None
+    waiting(lambda: shown.boxes("life_after") <= boxes, "the model to vanish")
+    assert shown.window.poll() is None
 
-    ros.end(window, signal.SIGKILL)
+    ros.end(shown.window, signal.SIGKILL)
     before = ros.clock()
-    waiting(lambda: ros.clock() > before + 1.0, "simulated time to go on", limit=20)
-    assert server.poll() is None
+    waiting(lambda: ros.clock() > before + 0.5, "simulated time to go on", limit=20)
+    assert shown.server.poll() is None
     assert not ros.state()["paused"]

@@ -1,18 +1,14 @@
 """The window's scene with several robots and no localiser: scans, the mouse, names, selection."""
 
 import math
-import shutil
-import subprocess
-import xmlrpc.client
 
 import numpy as np
 import pytest
-from window_map import RoomMap, near
+from scene_window import CRATE, SceneWindow
+from screen_pictures import near
 
 pytestmark = pytest.mark.slow
 
-BOX = (194, 145, 87)
-CRATE = (1.5, 1.5)
 WORLD = """
 properties: {{}}
 layers: [{{name: room, map: {room}, color: [0.4, 0.4, 0.4, 1]}}]
@@ -28,100 +24,10 @@ rospy.init_node("goals", disable_rostime=True)
 rospy.Subscriber("/move_base_simple/goal", PoseStamped, lambda goal: print(goal, flush=True))
 rospy.spin()
 """
-TF = ("/tf", "tf2_msgs/TFMessage")
 
 
 @pytest.fixture(scope="module")
-def window_manager(screen):
-    """A window manager, as users have one."""
-    if not shutil.which("openbox"):
-        pytest.skip("openbox is not installed")
-    manager = subprocess.Popen(["openbox"], env=screen.environment, stderr=subprocess.DEVNULL)
-    yield
-    manager.terminate()
-    manager.wait(10)
-
-
-class SceneWindow:
-    """The window with the test room and its robots.
-
-    Args:
-        id: of the window.
-        size: that it gets [pixels].
-        view: rows and columns of the screen within the view.
-    """
-
-    def __init__(self, screen, ros, waiting, id, size, view):
-        self.screen, self.ros, self.waiting = screen, ros, waiting
-        self.id, self._view = id, view
-        self.screen.xdotool("windowsize", self.id, *size)
-        self.screen.xdotool("windowmove", self.id, 10, 30)
-        self.show_all()
-
-    def show_all(self):
-        """Shows the whole room, by the key; returns its map once it is steady."""
-        self.screen.focus(self.id)
-        self.screen.key("Home")
-        seen = []
-
-        def is_steady():
-            try:
-                pixels = self.picture("scene")
-                only_view = np.zeros_like(pixels)
-                only_view[self._view] = pixels[self._view]
-                seen.append(RoomMap(only_view))
-            except LookupError:
-                seen.clear()
-            return len(seen) > 1 and seen[-1].pixel(0, 0) == seen[-2].pixel(0, 0)
-
-        self.waiting(is_steady, "the whole room", 30)
-        self.map = seen[-1]
-        return self.map
-
-    def picture(self, name):
-        return self.screen.picture(f"scene_{name}")
-
-    def inside(self, pixels):
-        """The pixels of the room's floor, away from the walls."""
-        left, top = self.map.pixel(-4.7, 2.7)
-        right, bottom = self.map.pixel(4.7, -2.7)
-        return pixels[top:bottom, left:right]
-
-    def drag(self, begin, end, *keys):
-        """With the left button between two pixels, while keys are held."""
-        for key in keys:
-            self.screen.xdotool("keydown", key)
-        self.screen.drag(np.linspace(begin, end, 8))
-        for key in keys:
-            self.screen.xdotool("keyup", key)
-
-    def transforms(self):
-        """The frames to which the next messages on /tf lead, by their parents."""
-        found = {}
-        for _ in range(25):
-            for transform in (self.ros.message(*TF) or {"transforms": []})["transforms"]:
-                found[transform["child_frame_id"]] = transform["header"]["frame_id"]
-        return found
-
-    def subscriptions(self):
-        """The topics to which the window's Python part subscribes."""
-        master = xmlrpc.client.ServerProxy(self.ros.environment["ROS_MASTER_URI"])
-        subscribers = master.getSystemState("/test_gui_scene")[2][1]
-        return {topic for topic, nodes in subscribers if "/flatland_viz" in nodes}
-
-    def click(self, x, y, button=1):
-        """At a point of the world [m]."""
-        self.screen.focus(self.id)
-        self.screen.click(self.map.pixel(x, y), button)
-
-    def place_of_crate(self, name):
-        """The middle of the crate on the screen."""
-        ys, xs = np.nonzero(near(self.picture(name)[100:], BOX, 25))
-        return (xs.mean() + 0.5, ys.mean() + 100.5) if len(xs) > 100 else None
-
-
-@pytest.fixture(scope="module")
-def window(screen, ros, waiting, window_manager, office, tmp_path_factory):
+def window(screen, ros, waiting, office, tmp_path_factory):
     """The window, with a server that does not publish map -> odom."""
     world = tmp_path_factory.mktemp("world") / "world.yaml"
     names = {
@@ -130,9 +36,9 @@ def window(screen, ros, waiting, window_manager, office, tmp_path_factory):
         "box": office / "box.model.yaml",
     }
     world.write_text(WORLD.format(**names))
-    ros.launch_server(world, "show_viz:=true")
-    id = screen.wait_for_window("Flatland - .*")
-    return SceneWindow(screen, ros, waiting, id, (1024, 660), np.s_[110:640, 15:760])
+    ros.start_server(world)
+    ros.start_window()
+    return SceneWindow(screen, ros, waiting, screen.wait_for_window("Flatland - .*"))
 
 
 def is_colored(pixels):
@@ -145,7 +51,7 @@ def scans(window, name):
     free = pixels.copy()
     for x, y in ((-3.0, 0.0), (0.0, -1.5), CRATE):
         free[window.map.around(x, y, 0.75)] = 0
-    return is_colored(pixels[100:630, 20:750]).sum(), is_colored(window.inside(free)).sum()
+    return is_colored(pixels[window.view]).sum(), is_colored(window.inside(free)).sum()
 
 
 def test_scans_show_where_no_localiser_runs(window):
@@ -175,9 +81,7 @@ def test_the_window_publishes_map_to_odom_until_a_localiser_does(window):
     window.waiting(
         lambda: window.transforms().get("r2_odom") == "map", "the window's transform", 20
     )
-    localiser = window.ros.start(
-        *("rosrun", "tf2_ros", "static_transform_publisher", *[0] * 6, "map", "r2_odom")
-    )
+    localiser = window.ros.publish_transform("map", "r2_odom")
     window.waiting(lambda: "r2_odom" not in window.transforms(), "the window to give way", 20)
     window.waiting(
         lambda: window.transforms().get("r10_odom") == "map", "the other robot's transform", 20
@@ -190,14 +94,17 @@ def test_the_window_publishes_map_to_odom_until_a_localiser_does(window):
 
 def test_a_drag_moves_the_map_and_the_wheel_zooms_at_the_cursor(window):
     crate = window.place_of_crate("mouse")
-    begin, by = window.map.pixel(-1.0, 0.0), (70, 40)
+    by = np.subtract(window.map.pixel(-0.2, -0.4), window.map.pixel(-1.0, 0.0))
+    begin = window.map.pixel(-1.0, 0.0)
     window.drag(begin, np.add(begin, by))
     window.waiting(
         lambda: math.dist(window.place_of_crate("panned"), np.add(crate, by)) < 3, "the map to move"
     )
 
     at = np.array(window.place_of_crate("panned"))
-    cursor = np.add(at, (-50, -40))  # beside the crate: nothing covers it
+    cursor = np.add(
+        at, (-0.7 * window.map.scale, -0.5 * window.map.scale)
+    )  # beside the crate: nothing covers it
     window.screen.move(cursor)
     window.screen.xdotool("click", "--repeat", 5, "--delay", 30, 4)
     expected = cursor + 1.12**5 * (at - cursor)
@@ -212,9 +119,10 @@ def test_a_drag_moves_the_map_and_the_wheel_zooms_at_the_cursor(window):
 def test_a_drag_with_ctrl_rotates_the_map_about_the_middle(window):
     middle = np.array(window.map.pixel(0.0, 0.0))
     crate = np.subtract(window.place_of_crate("rotated"), middle)
-    begin = np.add(middle, (200, 0))
+    reach = 2.8 * window.map.scale
+    begin = np.add(middle, (reach, 0))
     angle = math.radians(30)
-    end = np.add(middle, (200 * math.cos(angle), -200 * math.sin(angle)))  # to the left
+    end = np.add(middle, (reach * math.cos(angle), -reach * math.sin(angle)))  # to the left
     window.drag(begin, end, "ctrl")
 
     turn = [[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]]
@@ -229,7 +137,8 @@ def test_tools_for_navigation_come_with_their_subscribers(window):
     """2D Nav Goal is in the toolbar, by its key too, while something subscribes to goals."""
 
     def toolbar():
-        return window.picture("tools")[60:110, :760]
+        rows, columns = window.view
+        return window.picture("tools")[: rows.start, columns]
 
     before = toolbar()
     subscriber = window.ros.start("/usr/bin/python3", "-c", GOALS)
@@ -243,23 +152,24 @@ def test_tools_for_navigation_come_with_their_subscribers(window):
     window.waiting(lambda: (toolbar() == before).all(), "the tool to go", 20)
 
 
-def white(window, name, x, y):
-    """How many white pixels there are around a point of the world: the plate of a name."""
-    return near(window.picture(name)[window.map.around(x, y, 0.9)], (252, 252, 252), 3).sum()
+def plate(window, name, x, y):
+    """How many pixels around a point of the world have the colour of the plate of a name."""
+    color = window.screen.kind.plate
+    return near(window.picture(name)[window.map.around(x, y, 0.9)], color, 3).sum()
 
 
 def test_robots_have_names_and_headings_that_switches_hide(window):
     at_robot = window.map.around(-3.0, 0.0, 0.15)
     red = lambda: near(window.picture("marks")[at_robot], (204, 0, 0), 20).sum()  # noqa: E731
     window.screen.move(window.map.pixel(4.0, -2.5))
-    window.waiting(lambda: white(window, "marks", -3.0, 0.0) > 100, "its name", 20)
+    window.waiting(lambda: plate(window, "marks", -3.0, 0.0) > 100, "its name", 20)
     assert red() > 40
-    assert white(window, "marks", *CRATE) < 20  # names of what is no robot would be too many
+    assert plate(window, "marks", *CRATE) < 20  # names of what is no robot would be too many
 
     for key in ("n", "e"):  # View > Names, Headings
         window.screen.key("alt+v")
         window.screen.key(key)
-    window.waiting(lambda: white(window, "no_marks", -3.0, 0.0) < 50, "no name", 20)
+    window.waiting(lambda: plate(window, "no_marks", -3.0, 0.0) < 50, "no name", 20)
     window.waiting(lambda: red() == 0, "no heading", 20)
     for key in ("n", "e"):
         window.screen.key("alt+v")
@@ -271,7 +181,7 @@ def test_robots_are_seen_from_afar(window):
     window.screen.move(window.map.pixel(-3.0, 0.0))
     window.screen.xdotool("click", "--repeat", 20, "--delay", 30, 5)
     window.waiting(
-        lambda: near(window.picture("far")[110:640, 20:760], (204, 0, 0), 20).sum() > 60,
+        lambda: near(window.picture("far")[window.view], (204, 0, 0), 20).sum() > 60,
         "an arrow of a few pixels",
         20,
     )
@@ -279,8 +189,9 @@ def test_robots_are_seen_from_afar(window):
 
 
 def test_what_is_under_the_mouse_has_a_ring_and_tells_its_state(window):
+    color = window.screen.kind.mixed((84, 110, 140), 0.5)
     ring = lambda name: near(  # noqa: E731
-        window.picture(name)[window.map.around(*CRATE, 0.6)], (160, 172, 188), 30
+        window.picture(name)[window.map.around(*CRATE, 0.6)], color, 20
     ).sum()
     tip = lambda name: near(window.picture(name), (255, 255, 220), 5).sum()  # noqa: E731
     window.screen.move(window.map.pixel(4.0, -2.5))
@@ -358,26 +269,3 @@ def test_the_view_follows(window):
     window.screen.key("f")
     window.show_all()
     window.ros.call("/move_model", name="crate", pose={"x": CRATE[0], "y": CRATE[1], "theta": 0.0})
-
-
-def test_with_two_pixels_for_one_and_a_dark_background(window):
-    """Another window on the same server: what the mouse points at is what is there."""
-    others = set(window.screen.windows("Flatland - .*"))
-    program = window.ros.start(
-        *("env", "QT_SCALE_FACTOR=2", "rosrun", "flatland_viz", "flatland_viz", "__name:=large")
-    )
-    new = lambda: set(window.screen.windows("Flatland - .*")) - others  # noqa: E731
-    window.waiting(new, "the window")
-    [id] = new()
-    large = SceneWindow(
-        window.screen, window.ros, window.waiting, id, (1380, 830), np.s_[190:800, 20:860]
-    )
-    large.screen.key("alt+v")
-    large.screen.key("b", "d")  # View > Background > Dark
-    large.waiting(
-        lambda: near(large.inside(large.picture("dark")), (18, 19, 22), 3).mean() > 0.8, "the dark"
-    )
-    large.drag(large.map.pixel(*CRATE), large.map.pixel(2.5, -1.0))
-    large.waiting(lambda: is_at(large, "crate", 2.5, -1.0), "the drag")
-    large.picture("dark")
-    large.ros.end(program)

@@ -1,5 +1,6 @@
 """What keeps rviz from a crash when its render window is created, and the program that shows it."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -29,10 +30,10 @@ print(is_synchronous())
 """
 
 
-def test_connections_opened_meanwhile_are_synchronous(screen):
+def test_connections_opened_meanwhile_are_synchronous(display):
     run = subprocess.run(
         [sys.executable, "-c", PROGRAM],
-        env=screen.environment,
+        env={**os.environ, "DISPLAY": display},
         stdout=subprocess.PIPE,
         text=True,
         check=True,

@@ -1,12 +1,9 @@
 """The window's view of the test room: where a point of the world is on the screen."""
 
 import numpy as np
+from screen_pictures import near
 
 ROOM = (-5.0, -3.0, 5.0, 3.0)  # of the test room [m]
-
-
-def near(pixels, color, tolerance=40):
-    return np.abs(pixels - np.array(color)).max(axis=2) <= tolerance
 
 
 class RoomMap:
@@ -14,24 +11,28 @@ class RoomMap:
 
     Args:
         pixels: a screenshot in which the whole room is seen, unrotated.
+        color: of its walls.
+        rows: of the view, as a slice.
+        columns: of the view, as a slice.
 
     Raises:
         LookupError: it is not.
     """
 
-    def __init__(self, pixels):
-        # Thin lines; scans may cover some. Text has short ones only.
-        lines = (pixels.min(axis=2) < 130) & (pixels.max(axis=2) > 40)
-        rows = np.nonzero(lines.sum(axis=1) > 0.3 * pixels.shape[1])[0]
-        columns = np.nonzero(lines.sum(axis=0) > 0.3 * pixels.shape[0])[0]
-        if len(rows) < 2 or len(columns) < 2:
+    def __init__(self, pixels, color, rows, columns):
+        view = pixels[rows, columns]
+        lines = near(view, color, 45)
+        lines |= (view.max(axis=2) > 150) & (view.min(axis=2) < 60)  # of scans, which cover walls
+        across = np.nonzero(lines.sum(axis=1) > 0.4 * view.shape[1])[0]  # text has short ones
+        down = np.nonzero(lines.sum(axis=0) > 0.4 * view.shape[0])[0]
+        if len(across) < 2 or len(down) < 2:
             raise LookupError("the room's walls are not seen")
         min_x, min_y, max_x, max_y = ROOM
-        self.scale = (columns.max() - columns.min()) / (max_x - min_x)
-        if abs((rows.max() - rows.min()) / (max_y - min_y) / self.scale - 1.0) > 0.05:
+        self.scale = np.ptp(down) / (max_x - min_x)
+        if abs(np.ptp(across) / (max_y - min_y) / self.scale - 1.0) > 0.05:
             raise LookupError("these are not the room's walls")
-        self._u = (columns.min() + columns.max() + 1) / 2
-        self._v = (rows.min() + rows.max() + 1) / 2
+        self._u = columns.start + (down.min() + down.max() + 1) / 2
+        self._v = rows.start + (across.min() + across.max() + 1) / 2
 
     def pixel(self, x, y):
         """Of a point in the world [m]."""

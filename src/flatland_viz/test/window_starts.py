@@ -21,7 +21,7 @@ from typing import Dict, List, Optional
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "flatland_server" / "test"))
 
-from ros_processes import free_port
+from ros_processes import executable, free_port
 
 LIMIT = 60.0  # s: for a window to appear, and to end
 
@@ -44,7 +44,7 @@ class Start:
         self._shown: Optional[float] = None
         self._interrupted: Optional[float] = None
         self.process = subprocess.Popen(
-            ["rosrun", "flatland_viz", "flatland_viz", f"__name:=window_{number}"],
+            [executable("flatland_viz", "flatland_viz"), f"__name:=window_{number}"],
             env=environment,
             cwd=folder,
             stdout=subprocess.DEVNULL,

@@ -1,7 +1,8 @@
 """The topics that robots take commands from, as the master knows them."""
 
-import re
 from typing import Any, List, NamedTuple, Sequence, Tuple
+
+from flatland_teleop.natural_order import natural_key
 
 TWIST = "geometry_msgs/Twist"
 
@@ -32,15 +33,9 @@ def robot_topics(
     twists = {topic for topic, kind in topic_types if kind == TWIST}
     return [
         RobotTopic(topic, tuple(sorted(set(publishers.get(topic, ())) - {node})))
-        for topic, _ in sorted(subscribers, key=lambda entry: _natural(entry[0]))
+        for topic, _ in sorted(subscribers, key=lambda entry: natural_key(entry[0]))
         if topic in twists
     ]
-
-
-def _natural(name: str) -> List[Tuple[int, str]]:
-    """A key that orders numbers in names by their value."""
-    parts = re.split(r"(\d+)", name)
-    return [(int(part), "") if part.isdigit() else (0, part) for part in parts]
 
 
 def next_topic(topics: Sequence[RobotTopic], current: str) -> str:

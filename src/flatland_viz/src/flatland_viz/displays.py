@@ -5,7 +5,7 @@ Pure functions of the topics that the ROS master lists.
 
 from typing import Iterable, List, NamedTuple, Tuple
 
-from flatland_viz.natural_order import natural_key
+from flatland_teleop.natural_order import natural_key
 
 MARKERS = "rviz/MarkerArray"
 SCAN = "rviz/LaserScan"

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from python_qt_binding.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from python_qt_binding.QtCore import QPoint, QPointF, QRectF, QSize, Qt, Signal
 from python_qt_binding.QtGui import QColor, QPainter, QPalette, QPen
 from python_qt_binding.QtWidgets import QSizePolicy, QWidget
 
@@ -33,6 +33,8 @@ class DrivePad(QWidget):
         self.setToolTip("Drag to drive: up is forwards. The robot stops when you let go.")
         self._right = self._up = 0.0
         self._is_dragged = False
+        self._middle = QPoint()
+        """Of the pad on the screen when a drag began. A notice above may move it meanwhile."""
 
     def sizeHint(self) -> QSize:  # noqa: N802
         """Its fixed size."""
@@ -55,22 +57,24 @@ class DrivePad(QWidget):
         """Begins a drag."""
         if event.button() == Qt.LeftButton:
             self._is_dragged = True
+            self._middle = self.mapToGlobal(QPoint(_SIDE // 2, _SIDE // 2))
             self.setCursor(Qt.ClosedHandCursor)
-            self._drag(event.localPos())
+            self._drag(event.globalPos())
 
     def mouseMoveEvent(self, event: Any) -> None:  # noqa: N802
         """Follows the mouse, also beyond the pad."""
         if self._is_dragged:
-            self._drag(event.localPos())
+            self._drag(event.globalPos())
 
     def mouseReleaseEvent(self, event: Any) -> None:  # noqa: N802
         """Ends a drag."""
         if event.button() == Qt.LeftButton:
             self.release()
 
-    def _drag(self, place: QPointF) -> None:
-        middle, reach = _SIDE / 2, _SIDE / 2 - _MARGIN
-        self.moved.emit(part_of(place.x() - middle, reach), part_of(middle - place.y(), reach))
+    def _drag(self, place: QPoint) -> None:
+        reach = _SIDE / 2 - _MARGIN
+        right, down = place.x() - self._middle.x(), place.y() - self._middle.y()
+        self.moved.emit(part_of(right, reach), part_of(-down, reach))
 
     def paintEvent(self, event: Any) -> None:  # noqa: N802
         """Draws the square, its axes and the knob."""

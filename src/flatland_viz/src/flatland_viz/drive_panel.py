@@ -89,11 +89,11 @@ class DrivePanel(QDockWidget):
         form.addRow(self._turn_label, self._turn)
         content = QWidget()
         layout = QVBoxLayout(content)
+        layout.addWidget(self._notice)  # above: a small screen does not show what is below
         layout.addLayout(form)
         layout.addWidget(self._pad, 0, Qt.AlignHCenter)
         layout.addWidget(self._now, 0, Qt.AlignHCenter)
         layout.addWidget(self._keys, 0, Qt.AlignHCenter)
-        layout.addWidget(self._notice)
         layout.addStretch()
         area = QScrollArea()  # on a small screen
         area.setFrameShape(QScrollArea.NoFrame)

@@ -63,14 +63,19 @@ def _table(title: str, rows: Iterable[Tuple[str, str]]) -> str:
 
 
 class KeysDialog(QDialog):
-    """Shows the page; the window can be used meanwhile."""
+    """Shows the page; the window can be used meanwhile.
 
-    def __init__(self, parent: object, text: str) -> None:
+    Args:
+        parent: the window.
+        columns: of titled tables, which are below each other on a screen that is too narrow.
+    """
+
+    def __init__(self, parent: object, columns: Sequence[Sequence[Tuple[str, Rows]]]) -> None:
         super().__init__(parent)
         self.setObjectName("keys_dialog")
         self.setWindowTitle("Keys and Mouse")
         self.setAttribute(Qt.WA_DeleteOnClose)
-        label = QLabel(text)
+        label = QLabel(page(columns))
         label.setTextFormat(Qt.RichText)
         label.setAlignment(Qt.AlignTop)
         buttons = QDialogButtonBox(QDialogButtonBox.Close)
@@ -82,5 +87,8 @@ class KeysDialog(QDialog):
         layout.addWidget(area)
         layout.addWidget(buttons)
         bar = area.verticalScrollBar().sizeHint().width()
+        available = first_size(QApplication.primaryScreen().availableSize())
+        if label.sizeHint().width() + 2 * bar > available.width():
+            label.setText(page([[table for column in columns for table in column]]))
         wanted = label.sizeHint() + QSize(2 * bar, buttons.sizeHint().height() + 3 * bar)
-        self.resize(first_size(QApplication.primaryScreen().availableSize()).boundedTo(wanted))
+        self.resize(available.boundedTo(wanted))

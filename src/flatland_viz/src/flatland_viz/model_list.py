@@ -3,8 +3,8 @@
 import re
 from typing import Any, Dict, Iterable, List, NamedTuple, Tuple
 
+from flatland_teleop.natural_order import natural_key
 from flatland_viz.displays import SCAN_TYPE
-from flatland_viz.natural_order import natural_key
 
 
 class Topic(NamedTuple):

@@ -1,6 +1,8 @@
 """The status line: hints of the tools, and the state of the simulation."""
 
-from python_qt_binding.QtCore import QSize, Qt, QTimer
+from typing import Any
+
+from python_qt_binding.QtCore import QEvent, QSize, Qt, QTimer
 from python_qt_binding.QtWidgets import QLabel, QProgressBar, QSizePolicy, QStatusBar
 
 from flatland_viz.status import Status
@@ -10,9 +12,9 @@ _STYLE = {
     "paused": "background: #f0c419; color: black",
     "no server": "background: #c62828; color: white",
 }
-
-
 _MESSAGE_TIME = 10_000  # ms
+_LEAST_HINT = 90  # pixels
+_SPACE = 12  # pixels: of a field, beside its widest text
 
 
 class _Field(QLabel):
@@ -27,6 +29,42 @@ class _Field(QLabel):
         return super().sizeHint().expandedTo(QSize(self._width, 0))
 
 
+class _SpeedField(_Field):
+    """A field for a speed that drops words where there is no room for them."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__(width)
+        self._full = ""
+
+    def show_speed(self, text: str) -> None:
+        if text != self._full:
+            self._full = text
+            self._choose()
+            self.updateGeometry()
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """With all words."""
+        return super().sizeHint().expandedTo(QSize(self._width_of(self._full), 0))
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """With a number alone."""
+        return QSize(self._width_of("1000.00 x"), 0)
+
+    def resizeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Shows the words that there is room for."""
+        super().resizeEvent(event)
+        self._choose()
+
+    def _width_of(self, text: str) -> int:
+        return int(self.fontMetrics().horizontalAdvance(text)) + _SPACE
+
+    def _choose(self) -> None:
+        """Leaves out what was asked for, and then the unit."""
+        texts = [self._full, *(self._full.partition(end)[0] for end in (" (", " real"))]
+        fitting = [text for text in texts if self._width_of(text) <= self.width()]
+        self.setText(fitting[0] if fitting else texts[-1])
+
+
 class StatusLine(QStatusBar):
     """Hints at the left; at the right simulated time, speed and state."""
 
@@ -36,6 +74,7 @@ class StatusLine(QStatusBar):
         self._hint = QLabel(objectName="status_hint")
         # A long hint is truncated; it must not widen the window.
         self._hint.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
+        self._hint.setMinimumWidth(_LEAST_HINT)
         self.addWidget(self._hint, 1)
         self._progress = QProgressBar(objectName="status_progress")
         self._progress.setMaximumSize(160, self.fontMetrics().height())
@@ -44,13 +83,15 @@ class StatusLine(QStatusBar):
         self._expiry = QTimer(self, singleShot=True, interval=_MESSAGE_TIME)
         self._expiry.timeout.connect(self._hint.clear)
         self._time = self._field("status_time", "simulated time", "100000.0 s")
-        self._speed = self._field("status_speed", "simulated per real time", "1.00 x real time")
+        self._speed = self._field(
+            "status_speed", "simulated per real time", "1.00 x real time", _SpeedField
+        )
         self._state = self._field("status_state", "the simulation", "waiting for the server")
         self._state.setAlignment(Qt.AlignCenter)
 
-    def _field(self, name: str, meaning: str, widest: str) -> QLabel:
+    def _field(self, name: str, meaning: str, widest: str, kind: Any = _Field) -> Any:
         """A label with a width that does not depend on its text, where there is room for it."""
-        field = _Field(self.fontMetrics().horizontalAdvance(widest) + 12)
+        field = kind(self.fontMetrics().horizontalAdvance(widest) + _SPACE)
         field.setObjectName(name)
         field.setToolTip(meaning)
         field.setAlignment(Qt.AlignRight | Qt.AlignVCenter)
@@ -60,7 +101,7 @@ class StatusLine(QStatusBar):
     def show_status(self, status: Status) -> None:
         """Shows the state of the simulation."""
         self._time.setText(status.time)
-        self._speed.setText(status.speed)
+        self._speed.show_speed(status.speed)
         if status.state != self._state.text():
             self._state.setText(status.state)
             self._state.setStyleSheet(_STYLE.get(status.state, ""))

@@ -1,7 +1,7 @@
-"""rviz's toolbar in the window: tooltips with keys, and buttons of our own behind the tools."""
+"""rviz's toolbar in the window: tooltips with keys, buttons of our own, what is used most first."""
 
 from pathlib import Path
-from typing import Any, List
+from typing import Any, Dict, List, Optional
 
 import rospkg
 from python_qt_binding.QtCore import QEvent, QObject, Qt
@@ -9,6 +9,9 @@ from python_qt_binding.QtGui import QIcon
 from python_qt_binding.QtWidgets import QAction, QToolBar
 
 _SPACE = " "
+_PAUSE = "flatland_viz/PauseSim"
+_LEAST_USED = ("flatland_viz/ChangeRate", "rviz/Measure")
+"""Tools at the end of the toolbar: where there is no room, they go behind its ">>"."""
 
 
 def key_of(tool: Any) -> str:
@@ -26,7 +29,10 @@ def icon(name: str) -> QIcon:
 
 
 class Toolbar(QObject):
-    """Adds to the toolbar, and shows icons alone where there is no room for their names.
+    """Orders the toolbar, and shows icons alone where there is no room for their names.
+
+    First come the tools for the view and its models, with those that rviz adds later; then Pause,
+    with our own buttons; and at last what is used least.
 
     Args:
         bar: rviz's toolbar.
@@ -38,12 +44,29 @@ class Toolbar(QObject):
         self._bar = bar
         self._is_fitting = False
         self._full_width = 0
+        buttons = {}
         for tool in tools:
             for action in bar.actions():
                 if action.text() == tool.getName():
                     self._describe(action, tool)
-        bar.addSeparator()
+                    buttons[tool.getClassId()] = action
+        self._order(buttons)
         bar.installEventFilter(self)
+
+    def _order(self, buttons: Dict[str, QAction]) -> None:
+        """Moves the buttons; `buttons` are those of tools, by their classes."""
+        bar = self._bar
+        # rviz adds tools before an action of its own, which is hidden, and stays in front of these.
+        bar.addSeparator()
+        self._move_to_end(buttons.get(_PAUSE))
+        self._least_used = bar.addSeparator()
+        for kind in _LEAST_USED:
+            self._move_to_end(buttons.get(kind))
+
+    def _move_to_end(self, action: Optional[QAction]) -> None:
+        if action is not None:
+            self._bar.removeAction(action)
+            self._bar.addAction(action)
 
     @staticmethod
     def _describe(action: QAction, tool: Any) -> None:
@@ -63,7 +86,7 @@ class Toolbar(QObject):
         action.setIcon(icon(icon_name))
         action.setIconText(text)
         action.setIconVisibleInMenu(False)
-        self._bar.addAction(action)
+        self._bar.insertAction(self._least_used, action)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Fits the toolbar to its width, and to names that have changed."""

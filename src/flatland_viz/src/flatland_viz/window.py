@@ -7,7 +7,6 @@ from typing import List, Optional
 from python_qt_binding.QtCore import QEvent, QObject, Qt, QTimer
 from python_qt_binding.QtWidgets import (
     QApplication,
-    QFileDialog,
     QInputDialog,
     QMainWindow,
     QMenu,
@@ -17,8 +16,9 @@ from python_qt_binding.QtWidgets import (
 from flatland_viz.bounds import Bounds, around
 from flatland_viz.displays import wanted
 from flatland_viz.drive_panel import DrivePanel
+from flatland_viz.file_dialog import ask_for_file
 from flatland_viz.ground_truth import GroundTruth
-from flatland_viz.keys_dialog import DRIVING, MOUSE, KeysDialog, page, rows_of
+from flatland_viz.keys_dialog import DRIVING, MOUSE, KeysDialog, rows_of
 from flatland_viz.menus import Menus
 from flatland_viz.model_workbench import ModelWorkbench
 from flatland_viz.problem_badge import ProblemBadge
@@ -189,9 +189,7 @@ class Window(QMainWindow):
 
     def _open_other(self) -> None:
         folder = str(Path(self._world).parent) if self._world else ""
-        file, _ = QFileDialog.getOpenFileName(
-            self, "Open a World", folder, "Worlds (*.yaml *.yml);;All files (*)"
-        )
+        file = ask_for_file(self, "Open a World", folder, "Worlds (*.yaml *.yml);;All files (*)")
         if file:
             self._server.open(file)
 
@@ -205,14 +203,12 @@ class Window(QMainWindow):
     def _show_keys(self) -> None:
         menus = [(title, rows_of(menu)) for title, menu in self._menus.titled]
         tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
-        text = page([menus, [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]])
-        KeysDialog(self, text).show()
+        others = [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]
+        KeysDialog(self, [menus, others]).show()
 
     def _spawn_other(self) -> None:
         folder = str(Path(self._world).parent) if self._world else ""
-        file, _ = QFileDialog.getOpenFileName(
-            self, "Spawn a model", folder, "Models (*.yaml *.yml);;All files (*)"
-        )
+        file = ask_for_file(self, "Spawn a model", folder, "Models (*.yaml *.yml);;All files (*)")
         if file:
             self._scene.spawn(file)
 
@@ -223,9 +219,8 @@ class Window(QMainWindow):
         panel = self._scene.panel
         picture = panel.screen().grabWindow(panel.winId())
         name = time.strftime("flatland_%Y-%m-%d_%H-%M-%S.png")
-        file, _ = QFileDialog.getSaveFileName(
-            self, "Save a screenshot", str(Path.home() / name), "PNG (*.png)"
-        )
+        start = str(Path.home() / name)
+        file = ask_for_file(self, "Save a screenshot", start, "PNG (*.png)", is_new=True)
         if not file:
             return
         if not Path(file).suffix:

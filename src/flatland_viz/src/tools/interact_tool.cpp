@@ -156,7 +156,7 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
                                         : rviz::makeIconCursor("package://rviz/icons/rotate.svg"));
       return Render;
     }
-  } else if (!is_panning_ && Distance(pixel, press_->pixel) > kClickReach) {
+  } else if (!is_panning_ && Distance(pixel, press_->pixel) > kClickReach * ratio) {
     if (press_->button == Qt::LeftButton) {
       BeginDrag(at);
       return Render;
@@ -170,7 +170,8 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
 
 int InteractTool::Release(rviz::ViewportMouseEvent& event) {
   const bool is_click = press_ && event.acting_button == press_->button &&
-                        Distance({double(event.x), double(event.y)}, press_->pixel) <= kClickReach;
+                        Distance({double(event.x), double(event.y)}, press_->pixel) <=
+                            kClickReach * panel_->devicePixelRatioF();
   const std::string model = press_ ? press_->hit.model : "";
   const bool is_on_model = press_ && press_->hit.part != Part::kNone;
   if (is_panning_) PassOn(event);

@@ -39,11 +39,11 @@ void MapView::handleMouseEvent(rviz::ViewportMouseEvent& event) {
   setStatus(
       "<b>Drag:</b> Move the map. <b>Wheel:</b> Zoom. <b>Ctrl-Drag:</b> Rotate. <b>Home:</b> Show "
       "all.");
-  // The scale is in pixels of the device.
-  const double ratio = event.panel->devicePixelRatioF();
-  const QPointF middle(0.5 * event.panel->width(), 0.5 * event.panel->height());
-  const QPointF now = ratio * (QPointF(event.x, event.y) - middle);
-  const QPointF before = ratio * (QPointF(event.last_x, event.last_y) - middle);
+  // rviz tells tools the mouse's place in pixels of the device, as the scale is.
+  const QPointF middle(0.5 * event.viewport->getActualWidth(),
+                       0.5 * event.viewport->getActualHeight());
+  const QPointF now = QPointF(event.x, event.y) - middle;
+  const QPointF before = QPointF(event.last_x, event.last_y) - middle;
   const bool has_moved = event.type == QEvent::MouseMove && now != before;
 
   if (event.type == QEvent::Wheel) {
@@ -56,7 +56,8 @@ void MapView::handleMouseEvent(rviz::ViewportMouseEvent& event) {
     Pan(now - before);
   } else if (has_moved && event.right()) {
     setCursor(rviz::ViewController::Zoom);
-    Zoom(1.0 - kZoomPerPixel * (now - before).y(), QPointF());
+    const double ratio = event.panel->devicePixelRatioF();
+    Zoom(1.0 - kZoomPerPixel * (now - before).y() / ratio, QPointF());
   } else {
     if (event.buttons_down == Qt::NoButton) setCursor(Qt::ArrowCursor);
     return;

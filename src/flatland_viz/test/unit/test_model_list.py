@@ -4,7 +4,6 @@ import pytest
 from flatland_msgs.msg import BodyInfo, ModelInfo, ModelList, PluginInfo, TopicInfo
 
 from flatland_viz.model_list import free_name, models_of, scan_owners, sorted_topics
-from flatland_viz.natural_order import natural_key
 
 ODOMETRY = TopicInfo("/r2/odometry/filtered", "nav_msgs/Odometry", True)
 COMMAND = TopicInfo("/r2/cmd_vel", "geometry_msgs/Twist", False)
@@ -43,22 +42,6 @@ def test_models_are_in_natural_order_and_own_their_scans():
     assert scan_owners(models) == {"/r2/scan": "r2"}
     assert models["crate"].command_topic == ""
     assert models["crate"].size == 0.0
-
-
-@pytest.mark.parametrize(
-    "ordered",
-    [
-        ["r2", "r10"],
-        ["r2/scan", "r10/scan"],
-        ["1", "2", "10", "a"],
-        ["box", "box_1", "box_2", "box_11", "boxes"],
-        ["a1b2", "a1b10", "a2b1"],
-    ],
-)
-def test_natural_order(ordered):
-    names = ordered[::-1]
-
-    assert sorted(names, key=natural_key) == ordered
 
 
 @pytest.mark.parametrize(

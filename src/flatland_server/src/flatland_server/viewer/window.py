@@ -5,7 +5,8 @@ import sys
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Tuple
 
-from flatland_server.exceptions import MissingPackageError
+from flatland_server.exceptions import FlatlandError, MissingPackageError
+from flatland_server.viewer.display_libraries import missing_libraries
 from flatland_server.viewer.keys import KEYS
 from flatland_server.viewer.viewer import Viewer
 
@@ -215,6 +216,8 @@ def _open_screen(size: Tuple[int, int]) -> Any:
             pygame.font.init()
             if not asked and pygame.display.get_driver() in _WITHOUT_SCREEN:
                 problem = f"the display {displays[0] or displays[1]} cannot be opened"
+                missing = missing_libraries() if displays[0] else ""
+                problem += f", since {missing}" if missing else ""
             else:
                 return pygame.display.set_mode(size, pygame.RESIZABLE)
         except pygame.error as error:

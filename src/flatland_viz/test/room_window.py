@@ -1,0 +1,141 @@
+"""The window with a world of one robot in the test room, opened by scripts/run."""
+
+from contextlib import contextmanager
+from pathlib import Path
+
+from screen_pictures import near
+from window_map import RoomMap
+
+KNOB = (60, 130, 196)  # colour of the pad's knob
+STATES = {"paused": (240, 196, 25), "no server": (198, 40, 40)}
+BADGE = {"warning": (240, 196, 25), "error": (198, 40, 40)}
+WORLDS = Path(__file__).resolve().parents[2] / "flatland_server" / "worlds"
+ROBOT = WORLDS / "office" / "turtlebot.model.yaml"
+WORLD = f"""properties: {{}}
+layers:
+  - {{name: room, map: {WORLDS}/test_room/room.yaml, color: [0.4, 0.4, 0.4, 1]}}
+models:
+  - {{name: turtlebot, pose: [0, 0, 0], model: {ROBOT}}}
+"""
+_LINE = 27  # Qt's pixels: the height in which the status line is
+
+
+class RoomWindow:
+    """The window with a world of one robot, which can be edited.
+
+    Args:
+        screen: that it is on.
+        ros: the master that the launch joins.
+        waiting: `wait_until`.
+        run: starts scripts/run.
+        folder: for the world's file.
+    """
+
+    def __init__(self, screen, ros, waiting, run, folder):
+        self.screen, self.ros, self.waiting = screen, ros, waiting
+        self.world = folder / "room" / "world.yaml"
+        self.world.parent.mkdir()
+        self.world.write_text(WORLD)
+        self.launch = ros.launch(run, str(self.world))
+        self.id = screen.wait_for_window("Flatland - room/world.yaml")
+        self.map = waiting(self._find_map, "the room")
+
+    def _find_map(self):
+        pixels = self.screen.picture("window_first")
+        rows, columns = self.screen.view(pixels)
+        try:
+            return RoomMap(pixels, self.screen.kind.walls, rows, columns)
+        except LookupError:
+            return None
+
+    def key(self, *keys):
+        """Keys for the window, not for one of its dialogs."""
+        self.screen.focus(self.id)
+        self.screen.key(*keys)
+
+    def press(self, key):
+        """A key of one of rviz's tools: with the mouse over the view."""
+        self.screen.focus(self.id)
+        self.screen.move(self.map.pixel(1.4, 1.5))
+        self.screen.move(self.map.pixel(1.5, 1.5))
+        self.screen.key(key)
+
+    def wait_for_dialog(self, title):
+        """Waits for a dialog, which must fit on the screen."""
+        dialog = self.screen.wait_for_window(title)
+        assert self.screen.has(dialog), (title, self.screen.frame(dialog))
+        return dialog
+
+    def wait_for_state(self, **values):
+        def holds():
+            state = self.ros.state()
+            return all(state[name] == value for name, value in values.items())
+
+        self.waiting(holds, str(values), 20)
+
+    def status_line(self, name):
+        """A screenshot of the status line, and where its left end and its top are."""
+        left, _, right, bottom = self.screen.inside(self.id)
+        top = bottom - self.screen.px(_LINE)
+        return self.screen.picture(name)[top:bottom, left:right], (left, top)
+
+    def says(self, state):
+        """Whether the status line shows a state of the simulation, by its background."""
+        line, _ = self.status_line("window_status")
+        return near(line, STATES[state], 5).sum() > 200
+
+    def badge(self, kind):
+        """The middle of the badge in the status line; None if there is none of this colour."""
+        line, (left, top) = self.status_line("window_badge")
+        ys, xs = near(line, BADGE[kind], 5).nonzero()
+        return (left + xs.mean(), top + ys.mean()) if len(xs) > 300 else None
+
+    def has_hint(self):
+        """Whether the status line shows a hint or message, at its left end."""
+        line, _ = self.status_line("window_hint")
+        left = line[:, self.screen.px(2) : self.screen.px(80)]
+        return (left.max(axis=2) < 100).sum() > 40
+
+    def find_knob(self):
+        """The middle of the Drive panel's pad at rest; None if it is not shown."""
+        pixels = self.screen.picture("window_knob")
+        panel = self.screen.view(pixels)[1].stop
+        ys, xs = near(pixels[:, panel:], KNOB, 2).nonzero()
+        number = len(xs) / self.screen.kind.scale**2
+        return (panel + xs.mean(), ys.mean()) if 300 < number < 1500 else None
+
+    @contextmanager
+    def held(self, key):
+        """A key is held down."""
+        self.screen.focus(self.id)
+        self.screen.xdotool("keydown", key)
+        try:
+            yield
+        finally:
+            self.screen.xdotool("keyup", key)
+
+    def command(self):
+        """Speed [m/s] and turn [rad/s] that are commanded now."""
+        twist = self.ros.message("/cmd_vel", "geometry_msgs/Twist")
+        return twist["linear"]["x"], twist["angular"]["z"]
+
+    def wait_for_rest(self):
+        def rests():
+            odometry = self.ros.message("/odometry/ground_truth", "nav_msgs/Odometry")
+            twist = odometry["twist"]["twist"]
+            return abs(twist["linear"]["x"]) + abs(twist["angular"]["z"]) < 1e-3
+
+        self.waiting(rests, "the robot to stop", 20)
+
+    def wait_for_models(self, *names):
+        self.waiting(lambda: self.ros.models() == [*names], f"the models {names}", 20)
+
+    def open_problems(self, kind, name):
+        """Opens the list by a click on the badge."""
+        self.screen.click(self.waiting(lambda: self.badge(kind), "the badge", 30))
+        dialog = self.wait_for_dialog("Problems")
+        self.waiting(lambda: self.is_drawn(dialog, name), "the list", 20)
+
+    def is_drawn(self, dialog, name):
+        """Whether a dialog with a white list is drawn."""
+        return (self.screen.picture_of(dialog, name) > 250).all(axis=2).mean() > 0.3

@@ -1,0 +1,110 @@
+"""The window fits on its screen whatever it shows, and remembers its panels and background."""
+
+from pathlib import Path
+
+import pytest
+from screen_pictures import near
+from screens import ScreenKind
+
+pytestmark = pytest.mark.slow
+
+ROOM = Path(__file__).resolve().parents[2] / "flatland_server/worlds/test_room/world.yaml"
+TITLE = "Flatland - test_room/world.yaml"
+KNOB = (60, 130, 196)
+ROBOT = (204, 0, 0)  # of the dot in the list of models, of the first robot
+SELECTED = (70, 76, 84)
+SMALL = (1024, 660)  # pixels: at double size as few as a phone's
+
+
+@pytest.fixture(scope="module")
+def open_window(ros, screen):
+    """Opens the window, which has a server."""
+    ros.start_server(ROOM)
+
+    def start():
+        return ros.start_window(), screen.wait_for_window(TITLE)
+
+    return start
+
+
+class Looks:
+    """What is seen of the window.
+
+    Args:
+        screen: that it is on.
+        background: of the view.
+    """
+
+    def __init__(self, screen, background):
+        self.screen, self.background = screen, background
+
+    def has_background(self, name):
+        """Whether the view has the background, and walls that stand out on it."""
+        pixels = self.screen.picture(name)
+        is_seen = near(pixels, self.background.background, 2).mean() > 0.15
+        return is_seen and near(pixels, self.background.walls, 5).sum() > 300
+
+    def panel(self, name):
+        """A screenshot of what is to the right of the view, and where it begins."""
+        pixels = self.screen.picture(name)
+        begin = int(near(pixels, self.background.background, 0).nonzero()[1].max()) + 1
+        return pixels[:, begin:], begin
+
+    def row_of_robot(self, name):
+        """The middle of the robot's dot in the list of models; None if it is not seen."""
+        panel, begin = self.panel(name)
+        ys, xs = near(panel, ROBOT, 10).nonzero()
+        return (begin + xs.mean(), ys.mean()) if len(xs) > 20 else None
+
+    def has_selected_row(self, name):
+        return near(self.panel(name)[0], SELECTED, 2).sum() > 1000
+
+    def has_pad(self, name):
+        """Whether the Drive panel is shown, with its knob."""
+        return near(self.panel(name)[0], KNOB, 2).sum() > 300
+
+
+def test_the_window_fits_and_remembers(open_window, screen, waiting):
+    program, window = open_window()
+    kind = screen.kind
+    looks = Looks(screen, kind)
+    waiting(lambda: looks.has_background("fits_first"), "the room")
+    assert screen.has(window)
+    screen.click(waiting(lambda: looks.row_of_robot("fits_list"), "the robot in the list", 20))
+    waiting(lambda: looks.has_selected_row("fits_selected"), "a selected model", 20)
+    assert screen.has(window)
+    screen.key("F4")
+    waiting(lambda: looks.has_pad("fits_drive"), "the pad to drive", 20)
+    assert screen.has(window)
+    screen.key("F1")
+    keys = screen.wait_for_window("Keys and Mouse")
+    assert screen.has(keys)
+    screen.picture("fits_keys")
+    screen.key("Escape")
+    screen.wait_until_closed("Keys and Mouse")
+
+    # Nothing keeps it from being smaller.
+    screen.focus(window)
+    screen.xdotool("windowsize", window, *SMALL)
+
+    def is_small():
+        left, top, right, bottom = screen.inside(window)
+        return (right - left, bottom - top) == SMALL
+
+    waiting(is_small, "a smaller window", 20)
+    screen.picture("fits_small")
+
+    other = ScreenKind(kind.width, kind.height, kind.scale, not kind.is_dark)
+    screen.key("alt+v", "b", "l" if kind.is_dark else "d")
+    looks = Looks(screen, other)
+    waiting(lambda: looks.has_background("fits_other"), "the other background", 30)
+    screen.key("ctrl+q")
+    screen.wait_until_closed(TITLE)
+    assert program.wait(20) == 0
+
+    # The server runs on, and the next window looks as the last one did.
+    program, window = open_window()
+    waiting(lambda: looks.has_background("fits_again"), "the same background", 30)
+    waiting(lambda: looks.has_pad("fits_again"), "the pad to drive", 20)
+    left, top, right, bottom = screen.inside(window)
+    assert (right - left, bottom - top) == SMALL
