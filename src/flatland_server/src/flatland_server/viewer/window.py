@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional, Tuple
 
-from flatland_server.exceptions import FlatlandError, MissingPackageError
+from flatland_server.exceptions import MissingPackageError
 from flatland_server.viewer.display_libraries import missing_libraries
 from flatland_server.viewer.keys import KEYS
 from flatland_server.viewer.viewer import Viewer
