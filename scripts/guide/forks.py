@@ -7,6 +7,7 @@ arguments, output and signals are its own.
 usage: forks.py SOCKET    the process that forks, until its input ends
 """
 
+import atexit
 import contextlib
 import gc
 import importlib
@@ -208,21 +209,47 @@ def _connect_streams(output: str) -> None:
     os.close(writing)
 
 
-def _run(words: List[str], path: List[str]) -> None:
+def _run(words: List[str], path: List[str], ending: "_Ending") -> None:
     """Runs a program as Python's command line does.
 
     Args:
         words: see `python_words`.
         path: the folders of modules, without those of PYTHONPATH.
+        ending: is told the exit code.
     """
     is_module = words[0] == "-m"
     first = os.getcwd() if is_module else os.path.dirname(os.path.realpath(words[0]))
     sys.path[:] = [first, *_python_path(), *path]
     sys.argv[:] = words[is_module:]
-    if is_module:
-        runpy.run_module(words[1], run_name="__main__", alter_sys=True)
-    else:
-        runpy.run_path(words[0], run_name="__main__")
+    try:
+        if is_module:
+            runpy.run_module(words[1], run_name="__main__", alter_sys=True)
+        else:
+            runpy.run_path(words[0], run_name="__main__")
+        ending.code = 0
+    except SystemExit as end:
+        ending.code = end.code if isinstance(end.code, int) else int(end.code is not None)
+        raise
+
+
+class _Ending:
+    """Ends a fork after all that Python does at exit, but does not free its objects.
+
+    That would copy the memory that it shares, which takes longer than most programs.
+
+    Attributes:
+        code: the exit code; None of a program that ends otherwise, by an exception.
+    """
+
+    def __init__(self) -> None:
+        self.code: Optional[int] = None
+        atexit.register(self._end)  # before those of the modules: it is called last
+
+    def _end(self) -> None:
+        if self.code is not None:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(self.code)
 
 
 def _python_path() -> List[str]:
@@ -231,8 +258,9 @@ def _python_path() -> List[str]:
 
 if __name__ == "__main__":
     _own = [folder for folder in sys.path[1:] if folder not in _python_path()]
+    _ending = _Ending()
     for _name in IMPORTED:
         with contextlib.suppress(ImportError):
             importlib.import_module(_name)
     gc.freeze()  # the collector would copy the memory of each fork, at the latest when it ends
-    _run(_serve(sys.argv[1]), _own)
+    _run(_serve(sys.argv[1]), _own, _ending)
