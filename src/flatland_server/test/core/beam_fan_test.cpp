@@ -8,6 +8,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "test_rounds.hpp"
+
 namespace flatland {
 namespace {
 
@@ -103,14 +105,14 @@ TEST_P(BeamsNear, AreAllVisitedForRandomBearings) {
   std::uniform_real_distribution<double> bearing(-M_PI, M_PI);
   std::uniform_real_distribution<double> half_width(0.0, M_PI / 2);
 
-  for (int i = 0; i < 2000; ++i) ExpectAllVisited(bearing(random), half_width(random));
+  for (int i = 0; i < Rounds(2000); ++i) ExpectAllVisited(bearing(random), half_width(random));
 }
 
 TEST_P(BeamsNear, AreAllVisitedForNarrowThings) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> bearing(-M_PI, M_PI);
 
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < Rounds(2000); ++i) {
     ExpectAllVisited(bearing(random), 0.6 * std::abs(GetParam().span) / (GetParam().count - 1));
   }
 }

@@ -14,6 +14,7 @@
 #include "flatland_server/beam_fan.hpp"
 #include "flatland_server/depth_buffer.hpp"
 #include "reference_walls.hpp"
+#include "test_rounds.hpp"
 
 namespace flatland {
 namespace {
@@ -47,7 +48,7 @@ void ExpectAsTryingEveryWall(const std::vector<Segment>& walls, const SegmentTre
 void ExpectAsTryingEveryWall(const std::vector<Segment>& walls, Vec2 low, Vec2 high, int rays) {
   const SegmentTree tree(walls);
   std::mt19937 random(42);
-  for (int i = 0; i < rays; ++i) {
+  for (int i = 0; i < Rounds(rays); ++i) {
     const Vec2 origin = RandomPoint(random, low, high);
     ASSERT_NO_FATAL_FAILURE(ExpectAsTryingEveryWall(walls, tree, origin, RandomDirection(random)));
     for (const Vec2 axis : {Vec2{1, 0}, Vec2{0, 1}, Vec2{-1, 0}, Vec2{0, -1}}) {
@@ -93,7 +94,7 @@ TEST(SegmentTree, SeesItsWallsFromFarOutside) {
   std::mt19937 random(5);
 
   int hits = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < Rounds(4000); ++i) {
     const Vec2 origin = RandomPoint(random, {-500, -500}, {500, 500});
     const Vec2 goal = RandomPoint(random, {-5, -5}, {25, 15});
     const Vec2 way = goal - origin;
@@ -102,7 +103,7 @@ TEST(SegmentTree, SeesItsWallsFromFarOutside) {
     ASSERT_NO_FATAL_FAILURE(ExpectAsTryingEveryWall(walls, tree, origin, direction));
     if (Cast(tree, origin, direction, kFar) < kInfinity) ++hits;
   }
-  EXPECT_GT(hits, 1000);
+  EXPECT_GT(hits, Rounds(1000));
 }
 
 // On whole and half numbers the arithmetic is exact, so the answers must be the very same. A ray

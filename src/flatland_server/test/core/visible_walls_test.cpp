@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "flatland_server/depth_buffer.hpp"
+#include "test_rounds.hpp"
 
 namespace flatland {
 namespace {
@@ -78,7 +79,7 @@ TEST(VisibleWallsTest, ScansAreTheSameFromEveryPointOfACell) {
   for (int seed = 0; seed < 4; ++seed) {
     Dice dice(100 + seed);
     const SegmentTree all(Hall(seed));
-    for (int cell = 0; cell < 40; ++cell) {
+    for (int cell = 0; cell < Rounds(40); ++cell) {
       const Vec2 low{std::floor(dice(0, 20)), std::floor(dice(0, 20))};
       Box box;
       box.Add(Segment{low, low + Vec2{1, 1}});
@@ -133,7 +134,7 @@ TEST(VisibleWallsTest, ScansAreTheSameBetweenChains) {
   for (int seed = 0; seed < 4; ++seed) {
     Dice dice(200 + seed);
     const SegmentTree all(Chains(seed));
-    for (int cell = 0; cell < 40; ++cell) {
+    for (int cell = 0; cell < Rounds(40); ++cell) {
       const Vec2 low{dice(0, 8), dice(0, 8)};
       Box box;
       box.Add(Segment{low, low + Vec2{0.5, 0.5}});
