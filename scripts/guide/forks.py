@@ -26,6 +26,8 @@ from pathlib import Path
 from typing import List, Mapping, Optional, Sequence
 
 IMPORTED = (
+    "encodings.idna",
+    "flatland_msgs.srv",
     "flatland_plugins.diff_drive",
     "flatland_plugins.laser",
     "flatland_plugins.model_tf_publisher",
@@ -35,6 +37,7 @@ IMPORTED = (
     "PIL.PngImagePlugin",
     "nav_msgs.msg",
     "pytest",
+    "rosbag",
     "roslaunch",
     "rosservice",
     "rostopic",
