@@ -7,6 +7,8 @@ view. What can be checked before anything starts is: arguments, the port and the
 """
 
 import argparse
+import atexit
+import gc
 import http.client
 import os
 import re
@@ -150,6 +152,7 @@ def is_open(host, port):
         return False
 
 
+atexit.register(gc.freeze)  # what is left at exit need not be collected
 reason = problem(sys.argv[1:])
 if reason:
     print(f"run: {reason}", file=sys.stderr)

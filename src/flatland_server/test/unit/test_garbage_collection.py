@@ -1,5 +1,6 @@
-"""The server's objects are excluded from garbage collection, and are freed nevertheless."""
+"""What is excluded from garbage collection; the server's objects are freed nevertheless."""
 
+import atexit
 import gc
 import weakref
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Iterator
 
 import pytest
 
+from flatland_server.cli import main
 from flatland_server.ros.server import exclude_from_garbage_collection
 from flatland_server.simulation.world import World
 
@@ -23,6 +25,9 @@ def frozen_office() -> Iterator[World]:
     gc.unfreeze()
     gc.enable()
     world.close()
+    del world
+    gc.collect()
+    gc.freeze()  # the collected tests again: src/conftest.py
 
 
 def test_a_collection_does_not_traverse_what_was_loaded(frozen_office):
@@ -39,3 +44,12 @@ def test_a_deleted_model_is_freed_without_a_collection(frozen_office, name):
     frozen_office.delete_model(name)
 
     assert [reference() for reference in references] == [None] * len(references)
+
+
+def test_a_command_collects_nothing_at_exit(monkeypatch):
+    at_exit = []
+    monkeypatch.setattr(atexit, "register", at_exit.append)
+
+    assert main(["worlds"]) == 0
+
+    assert gc.freeze in at_exit

@@ -1,6 +1,8 @@
 """The command line: which subcommand is run, and how its errors are told."""
 
 import argparse
+import atexit
+import gc
 import logging
 import os
 import sys
@@ -25,6 +27,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
         The exit code: 0, or 1 if something is wrong with files, models or the machine. Arguments
         that the command does not know end the process with 2.
     """
+    atexit.register(gc.freeze)  # what is left at exit need not be collected
     parser = argparse.ArgumentParser(
         prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."
     )

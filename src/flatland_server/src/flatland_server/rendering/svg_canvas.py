@@ -1,7 +1,7 @@
 """A canvas that writes SVG: https://www.w3.org/TR/SVG11/."""
 
+from html import escape
 from typing import List, Optional
-from xml.sax.saxutils import escape
 
 from flatland_server.arrays import FloatArray, Segments
 from flatland_server.canvas import Canvas, Points, Rgba
@@ -80,7 +80,9 @@ class SvgCanvas(Canvas):
     def label(self, point: Point, text: str, color: Rgba) -> None:
         x, y = self.view.pixels([point])[0] + _LABEL_OFFSET
         fill = _paint("fill", color)
-        self._add(f'<text x="{x:.2f}" y="{y:.2f}" {_FONT} {fill}>{escape(text)}</text>')
+        self._add(
+            f'<text x="{x:.2f}" y="{y:.2f}" {_FONT} {fill}>{escape(text, quote=False)}</text>'
+        )
 
     def _add(self, element: str) -> None:
         self._elements.append(element)

@@ -3,6 +3,7 @@
 The node flatland_benchmark does the same, and ends after some simulated time.
 """
 
+import atexit
 import gc
 import logging
 from typing import Callable
@@ -53,6 +54,7 @@ def run_node(name: str, simulate: Simulate) -> int:
     Returns:
         The exit code.
     """
+    atexit.register(gc.freeze)  # what is left at exit need not be collected
     rospy.init_node(name, disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
     tolerate_write_errors()
