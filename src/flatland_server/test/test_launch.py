@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import socketserver
 import subprocess
 import sys
@@ -13,9 +14,10 @@ from pathlib import Path
 
 import pytest
 import tcpros_client
-from ros_processes import processes_under
+from ros_processes import executable, processes_under
 from rosgraph_msgs.msg import Clock
 from running_server import simulated_time
+from waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[3]
 ROOM = ROOT / "src" / "flatland_server" / "worlds" / "test_room"
@@ -54,38 +56,64 @@ def test_without_a_display_it_says_so_and_goes_on_until_ctrl_c_ends_everything_q
     assert processes_under(launch.uri) == []
 
 
-def uri_of_server(launch):
-    master = xmlrpc.client.ServerProxy(launch.uri)
+def uri_of_server(master_uri):
+    master = xmlrpc.client.ServerProxy(master_uri)
     return master.lookupNode("/test_launch", "/flatland_server")[2]
 
 
-def pid_of_server(launch):
+def pid_of_server(master_uri):
     """None if no server answers; one that ended while it was loading stays known to the master."""
     try:
-        return xmlrpc.client.ServerProxy(uri_of_server(launch)).getPid("/test_launch")[2]
+        return xmlrpc.client.ServerProxy(uri_of_server(master_uri)).getPid("/test_launch")[2]
     except OSError:
         return None
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.15, 0.3, 0.6])
-def test_ctrl_c_while_the_world_is_loading_ends_it_too(run_at_master, tmp_path, delay):
-    """Rospy's own signal handler could wait for a lock of the thread that it interrupted."""
+@pytest.fixture(scope="module")
+def many_robots(tmp_path_factory):
+    """A world that takes a second to load."""
     robot = ROOT / "src" / "flatland_server" / "worlds" / "office" / "turtlebot.model.yaml"
     models = "".join(
         f"  - {{name: r{i}, namespace: r{i}, model: {robot}, pose: [{i}, 0, 0]}}\n"
         for i in range(200)
     )
-    world = tmp_path / "many.yaml"
+    world = tmp_path_factory.mktemp("many_robots") / "many.yaml"
     world.write_text(f"properties: {{}}\nlayers: []\nmodels:\n{models}")
-    launch = run_at_master(str(world), "show_viz:=false")
-    launch.wait_until(lambda: pid_of_server(launch), "the server to register")
-    time.sleep(delay)  # another phase of loading each time
+    return world
+
+
+def test_ctrl_c_while_the_world_is_loading_ends_it_too(run_at_master, many_robots):
+    """Rospy's own signal handler could wait for a lock of the thread that it interrupted."""
+    launch = run_at_master(str(many_robots), "show_viz:=false")
+    launch.wait_until(lambda: pid_of_server(launch.uri), "the server to register")
+    time.sleep(0.3)
 
     launch.press_ctrl_c()
 
     assert launch.process.wait(20) == 0, launch.output
     assert "escalating" not in launch.output
     assert processes_under(launch.uri) == []
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.15, 0.6])
+def test_ctrl_c_in_other_phases_of_loading_ends_the_server(master, many_robots, delay):
+    server = subprocess.Popen(
+        [
+            *(executable("flatland_server", "flatland_server"), "__name:=flatland_server"),
+            *(f"_world_path:={many_robots}", "_show_viz:=false"),
+        ],
+        env={**os.environ, "ROS_MASTER_URI": master.uri},
+    )
+    try:
+        wait_until(lambda: pid_of_server(master.uri) == server.pid, "the server to register")
+        time.sleep(delay)
+
+        server.send_signal(signal.SIGINT)
+
+        assert server.wait(20) in (0, -signal.SIGINT)
+    finally:
+        server.kill()
+        server.wait()
 
 
 def may_have_real_time_priority():
@@ -110,7 +138,7 @@ def test_an_endless_plugin_loses_its_priority_and_ctrl_c_ends_it(run, tmp_path, 
     )
     launch.wait_for("running")
     launch.wait_for('held up for more than 1 s by the plugin "robot/looper"')
-    pid = pid_of_server(launch)
+    pid = pid_of_server(launch.uri)
     if may_have_real_time_priority():
         launch.wait_until(lambda: os.sched_getscheduler(pid), "the priority")
         launch.wait_for("has lost its real-time priority")
@@ -208,5 +236,5 @@ def test_the_master_of_another_run_is_one_line(run, room):
 
 
 def test_time_goes_at_update_rate_times_step_size(room):
-    with tcpros_client.subscribe(uri_of_server(room), "/clock", Clock) as clock:
+    with tcpros_client.subscribe(uri_of_server(room.uri), "/clock", Clock) as clock:
         assert simulated_time(clock, 4.0) / 4.0 == pytest.approx(2.0, rel=0.03)
