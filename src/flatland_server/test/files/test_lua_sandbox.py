@@ -228,7 +228,7 @@ def test_an_attack_fails_soon_with_an_error_that_names_it(evaluate, files, code,
 
 @pytest.mark.parametrize("code", ENDLESS.values(), ids=ENDLESS.keys())
 def test_what_does_not_end_is_ended(evaluate, files, monkeypatch, code):
-    limit = lua.TIME_LIMIT if code == ENDLESS["loops"] else 0.2  # processor time for each
+    limit = lua.TIME_LIMIT if code == ENDLESS["loops"] else 0.1  # processor time for each
     monkeypatch.setattr(lua, "TIME_LIMIT", limit)
     begin = processor_time()
 
