@@ -25,6 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def pytest_configure(config):
     """Gives ROS's logs a folder for each test process: roslaunch renews a link in it."""
+    gc.disable()  # until the tests are collected
     worker = os.environ.get("PYTEST_XDIST_WORKER")
     if worker:
         for variable in ("ROS_HOME", "ROS_LOG_DIR"):
@@ -35,6 +36,7 @@ def pytest_collection_finish():
     """Takes the thousands of collected tests out of what each garbage collection looks at."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 FOLDERS = itertools.count()
