@@ -218,10 +218,19 @@ class Ros:
         return [topic[6:] for topic in topics["topics"] if topic.startswith("model/")]
 
     def pose(self, model):
-        """Position [m] and yaw [rad] of the model's first marker."""
+        """Position [m] and yaw [rad] of the model's first marker.
+
+        A reset deletes markers first: a message may have none.
+        """
         topic = f"/flatland_server/debug/model/{model}"
-        markers = self.message(topic, "visualization_msgs/MarkerArray")
-        pose = next(m for m in markers["markers"] if m["action"] == 0)["pose"]
+        added = (
+            marker["pose"]
+            for message in self.messages(topic, "visualization_msgs/MarkerArray", 5)
+            for marker in message["markers"]
+            if marker["action"] == 0
+        )
+        pose = next(added, None)
+        assert pose, f"no marker on {topic}"
         rotation = pose["orientation"]
         yaw = 2 * math.atan2(rotation["z"], rotation["w"])
         return pose["position"]["x"], pose["position"]["y"], yaw
