@@ -15,14 +15,15 @@
 /// that do so for each half. To be on the safe side, a wall for which this does not succeed soon
 /// counts as seen. So a scan is the same with these walls as with all.
 ///
-/// A search takes some milliseconds. So that no step is late, each scan from the cell does a part
-/// of it (wall_search.hpp).
+/// A search takes some milliseconds. So that no step is late, a scan from a cell that waits for its
+/// walls makes a part of the first search that waits (wall_search.hpp). Searches take much memory,
+/// so only as many are begun as there are threads.
 
 #include <atomic>
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
 #include <vector>
 
 #include "flatland_server/geometry.hpp"
@@ -78,17 +79,22 @@ class VisibleWalls {
     std::unique_ptr<Cell[]> cells;
   };
 
+  struct Search {
+    Cell* cell;
+    Box from;
+    std::unique_ptr<WallSearch> search;  // null before its begin
+  };
+
   const WallList* SeenFrom(const Grid& grid, Vec2 point) const;
   void PrepareLocked() const;
-  /// Searches on for the walls of a cell; null unless they are known then.
-  const WallList* Search(const Grid& grid, int cell) const;
+  /// Makes a part of a search.
+  void SearchOn() const;
 
   std::shared_ptr<const SegmentTree> walls_;
   std::vector<Grid> grids_;   // the one with the smaller cells first; none for a few walls
   mutable std::mutex mutex_;  // guards the members below
   mutable std::unique_ptr<const Occluders> occluders_;  // made when they are first needed
-  /// Those that have not ended; null while a thread goes on with it.
-  mutable std::unordered_map<const Cell*, std::unique_ptr<WallSearch>> searches_;
+  mutable std::deque<Search> waiting_;                  // but those that a thread goes on with
   mutable std::vector<std::unique_ptr<const WallList>> found_;
   mutable size_t found_walls_ = 0;  // in all of them
 };

@@ -3,9 +3,8 @@
 /// The order in memory of the nodes of Box2D's tree of bounding boxes.
 ///
 /// Box2D numbers nodes as it needs them, so the path from the root to a leaf is all over the array.
-/// Where pages of memory are copied when they are first written to (page_copies.hpp), it is better
-/// if a path is in few pages: the upper levels in one or two, and each subtree below in another
-/// one.
+/// The processor's caches hold more of what is needed if a path is in few pages: the upper levels
+/// in one or two, and each subtree below in another one.
 
 #include <box2d/box2d.h>
 

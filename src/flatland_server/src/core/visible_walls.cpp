@@ -103,9 +103,15 @@ const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point) const {
   if (seen != nullptr) return seen;
   int scans = cell.scans.load(std::memory_order_relaxed);
   if (scans == kGivenUp) return nullptr;
-  if (scans >= grid.scans_before) return Search(grid, index);
-  cell.scans.compare_exchange_weak(scans, scans + 1, std::memory_order_relaxed);
-  return nullptr;
+  if (scans < grid.scans_before) {
+    const bool is_counted =
+        cell.scans.compare_exchange_strong(scans, scans + 1, std::memory_order_relaxed);
+    if (!is_counted || scans + 1 < grid.scans_before) return nullptr;
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back({&cell, grid.BoxOf(index), nullptr});
+  }
+  SearchOn();
+  return cell.seen.load(std::memory_order_acquire);
 }
 
 void VisibleWalls::Prepare() const {
@@ -117,38 +123,34 @@ void VisibleWalls::PrepareLocked() const {
   if (occluders_ == nullptr) occluders_ = std::make_unique<const Occluders>(*walls_);
 }
 
-/// Of the threads that scan from a cell, one searches at a time.
-const WallList* VisibleWalls::Search(const Grid& grid, int index) const {
-  Cell& cell = grid.cells[index];
+/// Of those that wait, the first ones are searched for: as many as there are threads that do so.
+void VisibleWalls::SearchOn() const {
   std::unique_lock lock(mutex_);
-  if (cell.scans == kGivenUp) return nullptr;
-  if (const WallList* const seen = cell.seen) return seen;
-  const auto [place, is_new] = searches_.try_emplace(&cell);
-  if (!is_new && place->second == nullptr) return nullptr;
-  std::unique_ptr<WallSearch> search = std::move(place->second);
+  if (waiting_.empty()) return;
+  Search next = std::move(waiting_.front());
+  waiting_.pop_front();
   PrepareLocked();
   lock.unlock();
-  const Box box = grid.BoxOf(index);
-  if (search == nullptr) search = std::make_unique<WallSearch>(*walls_, *occluders_, box);
-  const bool has_ended = search->Continue(kEffort);
+  if (next.search == nullptr) {
+    next.search = std::make_unique<WallSearch>(*walls_, *occluders_, next.from);
+  }
+  const bool has_ended = next.search->Continue(kEffort);
   lock.lock();
   if (!has_ended) {
-    searches_[&cell] = std::move(search);
-    return nullptr;
+    waiting_.push_front(std::move(next));
+    return;
   }
-  searches_.erase(&cell);
-  const std::vector<uint32_t>& indices = search->seen();
+  const std::vector<uint32_t>& indices = next.search->seen();
   const bool pays = indices.size() <= walls_->segment_count() / 2 &&
                     found_walls_ + indices.size() <= kMaxFoundWalls;
   if (!pays) {
-    cell.scans = kGivenUp;
-    return nullptr;
+    next.cell->scans = kGivenUp;
+    return;
   }
   found_walls_ += indices.size();
-  const Vec2 middle = 0.5 * (box.low + box.high);
+  const Vec2 middle = 0.5 * (next.from.low + next.from.high);
   found_.push_back(std::make_unique<const WallList>(walls_->segments(), indices, middle));
-  cell.seen.store(found_.back().get(), std::memory_order_release);
-  return found_.back().get();
+  next.cell->seen.store(found_.back().get(), std::memory_order_release);
 }
 
 }  // namespace flatland
