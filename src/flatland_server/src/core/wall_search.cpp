@@ -1,6 +1,7 @@
 #include "wall_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
