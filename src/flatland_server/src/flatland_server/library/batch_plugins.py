@@ -54,7 +54,7 @@ class BatchPlugins:
                 self.begin(is_other, seeds)
 
     def begin(self, chosen: Optional[BoolArray], seeds: IntArray) -> None:
-        """Lets environments begin anew, with their seeds (n,)."""
+        """Resets environments, with their seeds (n,)."""
         if self._motions:
             every = range(self._count)
             for k in every if chosen is None else np.flatnonzero(chosen).tolist():

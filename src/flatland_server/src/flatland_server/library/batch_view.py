@@ -34,7 +34,7 @@ class BatchView:
 
     @property
     def bodies(self) -> List[_core.Body]:
-        """The bodies of all models of the batch's world, whose poses `show` is told."""
+        """The bodies of all models of the batch's world, in the order of `show`'s poses."""
         return _bodies_of(self._world)
 
     def show(

@@ -1,4 +1,4 @@
-"""A world whose time a program advances: what a `Simulation` and that of tests have in common."""
+"""A world that a program steps: what `Simulation` and the `Simulation` of tests have in common."""
 
 from typing import Any, List, Optional, Tuple
 

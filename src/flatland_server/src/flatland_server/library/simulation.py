@@ -24,7 +24,7 @@ from flatland_server.transport.local_transport import LocalTransport
 
 
 class Simulation(SimulatedTopics):
-    """A world whose time a program advances, without ROS.
+    """A world that a program steps, without ROS.
 
         with Simulation("office", seed=1) as sim:
             robot = sim.models["turtlebot"]
@@ -138,7 +138,7 @@ class Simulation(SimulatedTopics):
         return self
 
     def reset(self, seed: Optional[int] = None) -> "Simulation":
-        """Makes the world anew, as it was loaded, at time 0, and returns this simulation.
+        """Rebuilds the world as it was loaded, at time 0, and returns this simulation.
 
         What follows equals, bit for bit, a run of a new simulation. Models that were spawned are
         gone, and those that were deleted are back. Topics stay subscribed.

@@ -36,7 +36,7 @@ class BatchMotion(ABC):
         rng: np.random.Generator,
         walls: Optional[Sequence[Segments]],
     ) -> None:
-        """Called when an environment begins anew.
+        """Called when an environment is reset.
 
         Args:
             environment: its index.

@@ -21,7 +21,7 @@ others are never called.
     post_solve            after the forces of a contact were solved              t
     after_physics_step    after the physics                                      t + dt
 
-4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed or made anew.
+4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed or rebuilt.
    After it, the topics, subscriptions and frames of the plugin are closed.
 
 `get_state` is called between two steps, when the state of the world is saved. When the world is
@@ -244,7 +244,7 @@ class Plugin:
     def set_state(self, state: Any) -> None:
         """Sets what `get_state` has returned: here, or of the same plugin in another process.
 
-        Called between steps on a plugin that has been initialized anew, when all models and bodies
+        Called between steps on a plugin that has just been initialized, when all models and bodies
         are there, in their places. What it publishes from now on must not depend on whether it has
         lived since the beginning or was restored.
         """

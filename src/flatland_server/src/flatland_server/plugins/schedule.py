@@ -93,7 +93,7 @@ class Schedule:
     ) -> int:
         """The number of steps from now on, up to a limit, in which no hook is to be called.
 
-        This holds until plugins, their timers or subscribers change. Makes the `plan` anew.
+        This holds until plugins, their timers or subscribers change. Renews the `plan`.
 
         Args: those of `calls`, and the limit.
         """

@@ -29,6 +29,6 @@ class StepPlan:
         self.until = math.ceil(until) if until < _FOREVER else _FOREVER
 
     def expire(self) -> None:
-        """The plan is to be made anew: something that it depends on has changed."""
+        """Drops the plan: something that it depends on has changed."""
         self.until = 0
         self.subscriber_revision = None

@@ -8,7 +8,7 @@ from typing import Iterator
 import rospy
 
 _OTHERS = ("ros", "tf2_ros", "PIL")
-"""Prefixes of loggers whose records ROS handles itself, or that do not concern users."""
+"""Prefixes of loggers that ROS handles itself, or that do not concern users."""
 
 
 class RosLogHandler(logging.Handler):
