@@ -10,7 +10,7 @@ from flatland_server.simulation.world import World
 
 
 class BatchView:
-    """Makes a `Simulation` when it is first needed, and puts its bodies elsewhere after that.
+    """Makes a `Simulation` when it is first needed, and later only moves its bodies.
 
     Args:
         world: of the batch.

@@ -14,7 +14,7 @@ class BatchWorlds:
     """Loads a world for each environment, with its seed, where worlds differ by their seeds.
 
     Args:
-        world: that the environments share if their worlds do not differ.
+        world: shared by the environments if their worlds do not differ.
         count: number of environments, n.
         open: loads the world with a seed.
     """

@@ -11,7 +11,7 @@ from flatland_server.transport.local_transport import LocalTransport
 
 
 class SimulatedWorld:
-    """A world and its time. Time passes only when it is told to, and topics stay in this process.
+    """A world and its time. Time passes only in steps, and topics stay in this process.
 
     Args:
         world: what is simulated; its transport must be a `LocalTransport`.

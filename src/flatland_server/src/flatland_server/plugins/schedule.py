@@ -21,10 +21,10 @@ class Schedule:
     wait for them.
 
     Args:
-        has_work: asks a plugin; see `Plugin.has_work`. It may remove plugins here.
+        has_work: calls `Plugin.has_work` of a plugin. It may remove plugins here.
 
     Attributes:
-        plan: until when no plugin is to be called, if that is known.
+        plan: the time until which no plugin is to be called, if known.
     """
 
     def __init__(self, has_work: Callable[[Plugin], bool]) -> None:

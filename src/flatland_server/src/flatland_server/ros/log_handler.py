@@ -1,4 +1,4 @@
-"""Logging of Python and of ROS: records go to rosout, and what cannot be written is left out."""
+"""Logging of Python and ROS: records go to rosout, and those that cannot be written are dropped."""
 
 import contextlib
 import logging

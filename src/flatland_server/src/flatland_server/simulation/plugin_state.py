@@ -12,7 +12,7 @@ from flatland_server.update_timer import UpdateTimer
 
 @dataclass(frozen=True)
 class PluginState:
-    """A plugin: `state` is what its `get_state` has returned, the rest is the framework's."""
+    """A plugin: `state` is from its `get_state`, the other attributes are the framework's."""
 
     owner: str
     """The name of its model; empty for a plugin of the world."""

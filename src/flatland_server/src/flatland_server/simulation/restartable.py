@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 class Restartable(ABC):
     """The part of a `World` that replaces its contents as a whole, between two steps.
 
-    The new contents are made while the former ones are there. If that fails, the former ones stay;
-    otherwise their plugins are shut down then. So a topic that both have keeps its connections.
+    The new contents are made while the old ones still exist. If this fails, the old ones are kept;
+    otherwise their plugins are shut down afterwards. So topics that both have keep their
+    connections.
     """
 
     transport: Transport

@@ -1,4 +1,4 @@
-"""What a transport has to offer: topics, transforms and parameters, over ROS or in this process.
+"""The interface of a transport: topics, transforms and parameters, over ROS or in this process.
 
 `flatland_server.ros.ros_transport` implements it with rospy, and
 `flatland_server.transport.local_transport` within this process, without a ROS master. A plugin does
