@@ -79,7 +79,7 @@ class InteractiveMarkers(unittest.TestCase):
 
         self.send(Feedback.MOUSE_DOWN, 6.0, -0.2, 0.3)
         self.wait_for_state(paused=True)
-        dragged = (5.6, 5.1, 4.6)  # elsewhere than other tests, whose last pose may come late
+        dragged = (5.6, 5.1, 4.6)  # not where other tests drag to: their last pose may come late
         for x in dragged:
             self.send(Feedback.POSE_UPDATE, x, -0.2, 0.8)
             self.wait_for_pose(x, -0.2, 0.8)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Runs rostests in one process with one launch; rostest starts the launch anew for each process.
+"""Runs rostests in one process with one launch; rostest repeats the launch for each process.
 
 The arguments are their modules, in this order: `args="services_rostest server_rostest"`.
 """

@@ -21,7 +21,7 @@ def free_poses(
     They are rounded to single precision, so that all ray casters start at the same point.
 
     Args:
-        map_file: of an image map whose origin is not rotated.
+        map_file: of an image map with an origin that is not rotated.
         count: number of poses.
         rng: the random generator.
         reachable_from: only pixels connected with this point [m]; by default all free pixels,

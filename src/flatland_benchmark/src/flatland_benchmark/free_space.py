@@ -26,7 +26,7 @@ class FreeSpace(NamedTuple):
 
 
 def read_free_space(map_file: Path) -> FreeSpace:
-    """Reads a map whose origin is not rotated."""
+    """Reads a map with an origin that is not rotated."""
     layer = yaml.safe_load(map_file.read_text())
     with Image.open(map_file.parent / layer["image"]) as image:
         free = bright_pixels(image, layer["occupied_thresh"])[::-1]

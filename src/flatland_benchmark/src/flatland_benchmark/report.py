@@ -42,7 +42,7 @@ class CaseReport:
 
     @classmethod
     def of_runs(cls, description: str, runs: List[Dict[str, float]]) -> "CaseReport":
-        """Collects the runs' figures, whose names end in a unit in brackets."""
+        """Collects the runs' figures; their names end in a unit in brackets."""
         figures = {}
         for key in runs[0]:
             match = _WITH_UNIT.fullmatch(key)

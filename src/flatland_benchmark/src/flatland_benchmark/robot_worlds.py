@@ -100,7 +100,7 @@ def free_places(map_file: Path, count: int, crowded: bool = False) -> List[Tuple
     """Places [m] all over a map, within its walls and clear of them and of each other.
 
     Args:
-        map_file: of an image map whose origin is not rotated.
+        map_file: of an image map with an origin that is not rotated.
         count: how many.
         crowded: whether to choose those that are nearest to the lobby, as close as they may be.
 

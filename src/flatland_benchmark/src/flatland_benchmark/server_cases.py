@@ -38,7 +38,7 @@ SLOW_EXPRESSION = "local r = 0.2 for i = 1, 8e6 do r = r + i % 3 - i % 3 end ret
 SLOW_MODEL = "bodies:\n- name: base\n  footprints:\n" + 8 * (
     f"  - {{type: circle, density: 1, radius: '$eval {SLOW_EXPRESSION}'}}\n"
 )
-"""A model file whose expressions take about half a second."""
+"""A model file with expressions that take about half a second."""
 
 REAL_TIME = 200.0
 """Steps per second of real time, where the loop is not unbounded."""
@@ -100,7 +100,7 @@ def _connected(server: ServerProcess) -> CountingSubscriber:
 
 
 def stalled_subscriber(worlds: Path) -> Figures:
-    """A subscriber whose process is stopped: its messages are dropped."""
+    """A subscriber in a stopped process: its messages are dropped."""
     with _robots(worlds, 10) as server:
         subscriber = _connected(server)
         server.settle(SETTLING)
@@ -238,5 +238,5 @@ SERVER_CASES: Tuple[Case, ...] = (
         else []
     ),
     Case("serve_spawn", "spawning a robot by /spawn_model", spawn),
-    Case("serve_slow_spawn", "spawning a model whose file takes long to read", slow_spawn),
+    Case("serve_slow_spawn", "spawning a model from a file that takes long to read", slow_spawn),
 )

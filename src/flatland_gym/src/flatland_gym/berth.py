@@ -43,7 +43,7 @@ class Berth:
         return self._simulation
 
     def begin(self, episode: Episode) -> None:
-        """Makes the world anew, and puts everything to its place."""
+        """Resets the world, and puts everything in its place."""
         if self._simulation is None:
             self._simulation = Simulation(
                 self._world.config,

@@ -27,8 +27,9 @@ except ImportError:
 class MultiRobotEnv(ParallelEnv[str, Any, Any]):
     """Robots in one world that each drive to a goal of their own, past each other.
 
-    Observations, actions and rewards of each are those of `NavigationEnv`. A robot whose episode
-    has ended leaves the world. The agents are called robot_0, robot_1 ... after the world's robot.
+    Observations, actions and rewards of each are those of `NavigationEnv`. A robot leaves
+    the world when its episode has ended. The agents are called robot_0, robot_1 ... after the
+    world's robot.
 
     Args:
         robots: how many there are, two at least: each one like the world's robot.

@@ -251,8 +251,8 @@ def _require_alike(first: NavigationWorld, other: NavigationWorld) -> None:
         a, b = getattr(first.robot, name), getattr(other.robot, name)
         if a != b:
             raise UsageError(
-                f"expected worlds whose robots are alike: {name} is {a} in {first.name}, {b} in "
-                f"{other.name}"
+                f"expected worlds in which the robots are alike: {name} is {a} in {first.name}, "
+                f"{b} in {other.name}"
             )
 
 

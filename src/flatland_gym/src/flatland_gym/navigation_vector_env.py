@@ -102,8 +102,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     def step(self, actions: Any) -> Tuple[Any, Any, BoolArray, BoolArray, Dict[str, Any]]:
         """Drives all robots for `frame_skip` steps.
 
-        With "NextStep", an environment whose episode has ended is reset instead, with a reward of
-        0. With "SameStep" it is reset at once, and the infos have the last observation of the
+        With "NextStep", an environment is reset instead after its episode has ended, with a reward
+        of 0. With "SameStep" it is reset at once, and the infos have the last observation of the
         episode (`final_obs`) and its info (`final_info`).
 
         Args:
@@ -120,8 +120,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         if mode == AutoresetMode.DISABLED and self._ended.any():
             ended = np.flatnonzero(self._ended).tolist()
             raise UsageError(
-                'expected reset(options={"reset_mask": ...}) of the environments whose episodes '
-                f"have ended: {ended[:10]}"
+                'expected reset(options={"reset_mask": ...}) of the environments in which '
+                f"episodes have ended: {ended[:10]}"
             )
         restarted = self._ended if mode == AutoresetMode.NEXT_STEP else np.zeros_like(self._ended)
         results = self.navigation.step(checked, np.flatnonzero(~restarted))

@@ -82,7 +82,7 @@ def find_robot(content: Content, settings: NavigationSettings) -> Tuple[Content,
 
 
 def describe_robot(robot: Content, drive: Content, lidar: Content, s: NavigationSettings) -> Robot:
-    """The facts of a robot whose world has been loaded, so that its values are known to be right.
+    """Describes a robot of a world that has been loaded, so that its values are known to be right.
 
     Args:
         robot: its entry in the world.

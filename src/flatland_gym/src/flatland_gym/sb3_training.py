@@ -104,7 +104,7 @@ def policy_of(model: Any) -> Policy:
     """The policy of a model that was trained with a `NavigationVecEnv`, for files and for robots.
 
     Args:
-        model: one whose "MlpPolicy" has layers with tanh between them, as that of PPO and A2C.
+        model: with an "MlpPolicy" of layers with tanh between them, as PPO and A2C have it.
 
     Raises:
         UsageError: its policy is another one, or its environments are.

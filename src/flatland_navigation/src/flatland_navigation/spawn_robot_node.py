@@ -17,7 +17,7 @@ _DELETE_LIMIT = 2.0
 
 
 def main() -> int:
-    """Spawns the model `~model` in the namespace `~namespace`, whose name it also gets.
+    """Spawns the model `~model` in the namespace `~namespace`, and names it after the namespace.
 
     Returns:
         The exit code: 1 if the robot could not be spawned.

@@ -120,7 +120,7 @@ def test_one_robot_without_a_namespace(stack):
 
 
 def test_one_robot_in_a_namespace(stack):
-    """Its frames are those of a Flatland model whose drive has odom_frame_id: ~odom."""
+    """Its frames are those of a Flatland model with a drive that has odom_frame_id: ~odom."""
     config = load("navigation.launch", "ns:=r1", "x:=1.5", "y:=-2", "yaw:=0.5")
     nodes = nodes_of(config)
     amcl, move_base = params_of(config, "/r1/amcl"), params_of(config, "/r1/move_base")

@@ -29,7 +29,7 @@ class OdometryPublisher:
 
     Args:
         plugin: the drive.
-        body: the body, whose origin is tracked.
+        body: the body; its origin is tracked.
         frames: of the poses.
         config: topics, noise and drift.
     """

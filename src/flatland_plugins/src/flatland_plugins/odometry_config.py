@@ -32,7 +32,7 @@ class OdometryFrames(NamedTuple):
 class OdometryConfig:
     """The keys of a drive that concern odometry, except its frames.
 
-    Noises are variances of x, y and yaw, or of their velocities, drawn anew for each message. Drift
+    Noises are variances of x, y and yaw, or of their velocities; each message gets new noise. Drift
     accumulates; see `OdometryDrift`.
     """
 

@@ -34,7 +34,7 @@ class ScanWriter(MessageWriter):
         )
 
     def message(self, nanoseconds: int, ranges: Float32Array, intensities: Float32Array) -> Any:
-        """A LaserScan whose ranges and intensities are arrays."""
+        """A LaserScan with arrays for ranges and intensities."""
         return LaserScan(
             header=header(nanoseconds, self._frame_id),
             ranges=ranges,

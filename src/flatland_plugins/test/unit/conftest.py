@@ -31,7 +31,7 @@ def files(tmp_path: Path, loader: PluginLoader) -> WorldFiles:
 
 @pytest.fixture
 def no_subscribers() -> LocalTransport:
-    """A transport whose topics have no subscribers, until a test gives them some."""
+    """A transport without subscribers, until a test adds some."""
     return LocalTransport(subscribed_topics=())
 
 

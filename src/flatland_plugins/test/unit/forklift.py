@@ -51,7 +51,7 @@ def forklift(
     replaced: Tuple[str, str] = ("", ""),
     **options: Any,
 ):
-    """A world with a forklift whose drive has these keys too; something in its file replaced."""
+    """A world with a forklift; its drive has these keys too, and its file this replacement."""
     text = MODEL.lstrip("\n").format(
         body_shape=BODY_SHAPE, wheel=WHEEL, front=front, keys="\n    ".join(keys),
         left_x=left[0], left_y=left[1], right_x=right[0], right_y=right[1],

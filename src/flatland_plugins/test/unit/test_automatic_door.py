@@ -1,4 +1,4 @@
-"""A BoolSensor whose topic triggers a Tween: an automatic door, without ROS."""
+"""A Tween triggered by a BoolSensor's topic: an automatic door, without ROS."""
 
 import pytest
 

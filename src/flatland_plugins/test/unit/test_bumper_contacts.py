@@ -215,7 +215,7 @@ def test_footprints_of_other_layers_do_not_collide(files):
 
 
 def clapper(files, *plugins: str):
-    """A robot whose two arms fall together: joined, they may collide with each other."""
+    """A robot with two arms that fall together: joined, they may collide with each other."""
     lines = "".join(f"\n          - {{{plugin}}}" for plugin in plugins)
     text = f"""
         bodies:

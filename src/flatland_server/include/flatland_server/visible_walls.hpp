@@ -3,7 +3,7 @@
 /// The walls of a layer that can be seen from a place, for lidars.
 ///
 /// Need. A lidar in an office sees a hundred walls of thousands. Drawing front to back, DepthBuffer
-/// skips most of those that are hidden, but finds out anew in each scan that they are.
+/// skips most of those that are hidden, but has to find them in each scan again.
 ///
 /// Method. The floor is divided into square cells of a metre, and these into cells of half a metre.
 /// For a cell where many scans are made, the walls that can be seen from any point of it are found

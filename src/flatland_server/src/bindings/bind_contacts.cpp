@@ -13,7 +13,7 @@ struct PyContact {
   PyFixture a;
   PyFixture b;
 
-  /// Identifies the contact from its begin to its end, also when Box2D's world is made anew.
+  /// Identifies the contact from its begin to its end, also when Box2D's world is rebuilt.
   std::tuple<uint64_t, uint32_t, uint64_t, uint32_t> Key() const {
     return {IdOf(a.handle.body), a.handle.index, IdOf(b.handle.body), b.handle.index};
   }

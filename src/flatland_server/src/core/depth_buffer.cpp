@@ -40,7 +40,7 @@
 ///
 /// Early out: a box is skipped with all its walls if every beam of its wedge already ends nearer
 /// than the box begins. In an office, 4 of 100 walls are drawn, and each beam is compared with 5 of
-/// them. Bodies come last: those whose bounding circle is out of range or hidden are skipped too.
+/// them. Bodies come last; those with a bounding circle out of range or hidden are skipped.
 ///
 /// Accuracy: all numbers are in double precision, and the results are the same on every processor.
 /// With AVX2 four numbers are computed at a time, without it one or two.

@@ -3,8 +3,8 @@
 /// Box2D has no functions for this. Its tree of bounding boxes depends on the whole past, and
 /// decides in which order contacts are found, hence solved. So a restored world is a new b2World:
 /// bodies, fixtures and joints are made again in the order of the old ones, their state is copied,
-/// and contacts are made in their old order. A world whose state is saved is rebuilt as well, so
-/// that it goes on like the one that is restored from it.
+/// and contacts are made in their old order. Saving rebuilds the saved world as well, so that it
+/// goes on like one that is restored from it.
 
 #include "world_state.hpp"
 

@@ -85,7 +85,7 @@ class BeamsNear : public testing::TestWithParam<FanCase> {
     return visited;
   }
 
-  // Every beam whose direction is within half_width of the bearing must be visited, and once.
+  // Every beam with a direction within half_width of the bearing must be visited exactly once.
   void ExpectAllVisited(double bearing, double half_width) const {
     const std::multiset<int> visited = Visit(bearing, half_width);
 

@@ -32,7 +32,7 @@ TEST_F(WorldTest, ForceSpeedsUpAMass) {
   ExpectTwist(world_.GetVelocity(box), {0.02, -0.01, 0}, 1e-6);
 }
 
-// A body whose centre of mass is at (0.3, 0.1) of its frame: 2 m by 1 m, 2 kg/m^2, so 4 kg.
+// A body with its centre of mass at (0.3, 0.1) in its frame: 2 m by 1 m, 2 kg/m^2, so 4 kg.
 World::Body AddPlank(World& world, const Pose& pose) {
   FixtureSettings wood = Solid();
   wood.density = 2.0;

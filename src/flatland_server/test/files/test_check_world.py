@@ -310,7 +310,7 @@ def test_a_picture_shows_walls_footprints_and_names(files, check):
 
 
 def test_a_name_is_readable_on_a_screen_and_beside_its_model(good_files, check):
-    """Its letters are as tall in SVG, whose text is the name."""
+    """Its letters are as tall in SVG, where the name is text."""
     answer = check("world.yaml", "--render", "world.svg")
 
     assert answer.returncode == 0, answer.stderr

@@ -19,8 +19,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[4]
 FOLDER = ROOT / "build" / "test" / "pip"
 
-# What builds the wheel, and the example package. pip would install them anew for each build, in
-# another place, and everything would be compiled again.
+# Packages to build the wheel and the example package. pip would install them again for each
+# build, in another place, and everything would be compiled again.
 BUILD_REQUIREMENTS = (
     "scikit-build-core==0.11.6",
     "pybind11==2.13.6",

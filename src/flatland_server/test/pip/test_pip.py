@@ -245,7 +245,7 @@ def test_a_sweep_is_the_same_to_the_bit_in_processes_and_on_ray(library_with_ray
                 *arguments,
                 RAY_TMPDIR=ray_folder,
             )
-        assert "its worker was killed by SIGKILL; it is begun again" in output
+        assert "its worker was killed by SIGKILL; it is run again" in output
 
     for name in ("results.parquet", "results.csv", "summary.csv", "report.html"):
         contents = {folder.joinpath(name).read_bytes() for folder in folders.values()}

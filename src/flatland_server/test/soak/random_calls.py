@@ -1,7 +1,7 @@
 """Random service calls of several clients at once, against a model of the world in Python.
 
-Each client has names of its own, whose spawns and deletions have known answers, and all of them
-share some: of these it is known that spawns and deletions alternate.
+Each client has names of its own: the answers to spawning and deleting these are known. All clients
+share other names: for these it is known that spawns and deletions alternate.
 """
 
 import math

@@ -49,7 +49,7 @@ def full_disk(master: Master, findings: Findings) -> None:
 def signals_at_random(
     master: Master, folder: Path, rng: random.Random, count: int, findings: Findings
 ) -> None:
-    """Signals at any time of a start end it without a traceback of ours."""
+    """Signals at any time of a start end it without a traceback from our code."""
     for number in range(count):
         name, delay = rng.choice(SIGNALS), rng.uniform(0.0, START)
         log = folder / f"signal{number}.log"

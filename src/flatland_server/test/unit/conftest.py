@@ -22,7 +22,7 @@ hypothesis.settings.load_profile("flatland")
 
 
 class Files(WorldFiles):
-    """A folder of world, model and map files, whose worlds are not stepped yet."""
+    """A folder of world, model and map files; its worlds are not stepped yet."""
 
     def load(self, world: str, **options: Any) -> World:
         return super().load(world, **options).world
@@ -75,5 +75,5 @@ def files(tmp_path: Path, loader: PluginLoader) -> Files:
 
 @pytest.fixture
 def simulate() -> Callable[..., Simulation]:
-    """Makes a `Simulation` of a world, whose plugins may fail."""
+    """Makes a `Simulation` of a world; plugins may fail."""
     return partial(Simulation, allow_failures=True)

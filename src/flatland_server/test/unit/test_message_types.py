@@ -177,7 +177,7 @@ def test_messages_can_be_copied_and_pickled(monkeypatch):
         ("geom_msgs/Twist", '(did you mean "geometry_msgs/Twist"?)'),
         ("sensor_msgs/LaserScna", '(did you mean "sensor_msgs/LaserScan"?)'),
         ("flatland_msgs/Collison", '(did you mean "flatland_msgs/Collision"?)'),
-        ("nobody/Knows", 'no message type "nobody/Knows"; messages.add(name, definition) adds one'),
+        ("unknown/Kind", 'no message type "unknown/Kind"; messages.add(name, definition) adds one'),
         ("a/b/c", 'expected the name of a message type, such as "geometry_msgs/Twist"'),
         (None, "expected the name of a message type"),
     ],

@@ -29,7 +29,7 @@ class Packages:
         self.folder = folder
 
     def add(self, package: str, plugins_xml: str, *, package_xml: str = "", **modules: str) -> None:
-        """Writes a package, with modules whose names begin with loader_."""
+        """Writes a package; the names of its modules begin with loader_."""
         prefix = self.folder / package
         prefix.mkdir()
         export = '<export><flatland_server plugin="${prefix}/plugins.xml"/></export>'

@@ -26,7 +26,7 @@ class Running(Plugin):
 
 @pytest.fixture
 def watch(monkeypatch):
-    """A watch that was updated at the time 0 and whose thread does nothing."""
+    """A watch that was updated at time 0, with a thread that does nothing."""
     monkeypatch.setattr(SlowPluginWatch, "_watch", lambda self: None)
     watch = SlowPluginWatch()
     watch._latest = 0.0

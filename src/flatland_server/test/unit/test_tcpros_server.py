@@ -40,7 +40,7 @@ def is_closed(connection):
 
 
 class Peers:
-    """Connections whose headers are waited for."""
+    """Connections that have yet to send their headers."""
 
     def __init__(self):
         self.complete = queue.Queue()

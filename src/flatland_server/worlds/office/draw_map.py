@@ -193,7 +193,7 @@ class Pen:
     side: int = 1  # -1 swaps left and right
 
     def at(self, u: float, v: float, degrees: float = 0.0, mirrored: bool = False) -> Pen:
-        """Return a pen whose frame lies at (u, v), turned by `degrees`, then mirrored."""
+        """Return a pen with its frame at (u, v), turned by `degrees`, then mirrored."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return replace(
             self,
@@ -228,7 +228,7 @@ class Pen:
     def paint(
         self, w: float, d: float, inside: Callable[[float, float], bool], grey: int = OCCUPIED
     ) -> None:
-        """Paint each pixel of the w x d box about the origin whose centre is `inside`."""
+        """Paint each pixel of the w x d box about the origin with a centre that is `inside`."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         reach_x, reach_y = (abs(c) * w + abs(s) * d) / 2, (abs(s) * w + abs(c) * d) / 2
         column = math.floor((self.x - reach_x - ORIGIN[0]) / RESOLUTION)

@@ -56,7 +56,7 @@ class Terminal:
             return ""
         try:
             data = os.read(self._input, 4096)
-        except OSError:  # a pseudo-terminal whose other end is closed
+        except OSError:  # the other end of a pseudo-terminal is closed
             return None
         return self._decoder.decode(data) if data else None
 

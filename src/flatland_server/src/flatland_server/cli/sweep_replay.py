@@ -109,7 +109,7 @@ class _Recording(RunObserver):
 
 
 class _WindowClosed(BaseException):
-    """Ends a run whose window was closed. No Exception, so that no controller handles it."""
+    """Ends a run when its window is closed. Not an Exception, so that no controller catches it."""
 
 
 class _Show(RunObserver):

@@ -1,4 +1,4 @@
-"""Checks of what a program passes to a simulation."""
+"""Checks of the arguments that a program passes to a simulation."""
 
 import math
 import operator

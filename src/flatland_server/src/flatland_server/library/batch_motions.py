@@ -48,7 +48,7 @@ class BatchMotions:
         return bool(self._entries)
 
     def begin(self, environment: int, seed: int, walls: Optional[Sequence[Segments]]) -> None:
-        """Lets an environment begin anew, with a seed and the walls of its world."""
+        """Resets an environment, with a seed and the walls of its world."""
         for each in self._entries:
             each.due[environment] = 0.0
             each.motion.begin(environment, plugin_rng(seed, each.owner, each.name), walls)

@@ -1,4 +1,4 @@
-"""What plugins do in a batch: worlds that they change by chance, and bodies that they move."""
+"""The effects of plugins in a batch: worlds that they change at random, bodies that they move."""
 
 from typing import Any, Callable, Optional, Tuple
 
@@ -13,7 +13,7 @@ from flatland_server.simulation.world import World
 
 
 class BatchPlugins:
-    """The plugins of the environments of a batch that are more than passive.
+    """The plugins of a batch that are not passive.
 
     Args:
         world: that the environments begin as.
@@ -54,7 +54,7 @@ class BatchPlugins:
                 self.begin(is_other, seeds)
 
     def begin(self, chosen: Optional[BoolArray], seeds: IntArray) -> None:
-        """Lets environments begin anew, with their seeds (n,)."""
+        """Resets environments, with their seeds (n,)."""
         if self._motions:
             every = range(self._count)
             for k in every if chosen is None else np.flatnonzero(chosen).tolist():

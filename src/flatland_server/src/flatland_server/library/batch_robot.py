@@ -1,4 +1,4 @@
-"""Which model of a world is the robot of a batch, and whether a batch can run the world."""
+"""Finds the robot of a batch among the models of a world, and checks that a batch can run it."""
 
 from typing import Dict, List, NamedTuple, Optional
 

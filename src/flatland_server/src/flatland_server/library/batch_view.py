@@ -10,7 +10,7 @@ from flatland_server.simulation.world import World
 
 
 class BatchView:
-    """Makes a `Simulation` when it is first needed, and puts its bodies elsewhere after that.
+    """Makes a `Simulation` when it is first needed, and later only moves its bodies.
 
     Args:
         world: of the batch.
@@ -34,7 +34,7 @@ class BatchView:
 
     @property
     def bodies(self) -> List[_core.Body]:
-        """The bodies of all models of the batch's world, whose poses `show` is told."""
+        """The bodies of all models of the batch's world, in the order of `show`'s poses."""
         return _bodies_of(self._world)
 
     def show(

@@ -1,4 +1,4 @@
-"""The worlds of a batch whose plugins act when they are loaded, by chance, such as RandomWall."""
+"""The worlds of a batch with plugins that act at random when loaded, such as RandomWall."""
 
 from typing import Callable, Dict, List, Optional
 
@@ -14,7 +14,7 @@ class BatchWorlds:
     """Loads a world for each environment, with its seed, where worlds differ by their seeds.
 
     Args:
-        world: that the environments share if their worlds do not differ.
+        world: shared by the environments if their worlds do not differ.
         count: number of environments, n.
         open: loads the world with a seed.
     """
@@ -35,7 +35,7 @@ class BatchWorlds:
         return self._differ
 
     def load(self, core: _core.WorldBatch, chosen: BoolArray, seeds: IntArray) -> BoolArray:
-        """Loads the worlds of those chosen environments whose seeds have changed.
+        """Loads the worlds of chosen environments again where the seed has changed.
 
         Returns:
             Which environments have another world now: they are at its beginning.

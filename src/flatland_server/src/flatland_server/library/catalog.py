@@ -1,4 +1,4 @@
-"""Things that are looked up by name, with errors that name what there is."""
+"""Lookup by name, with errors that list the existing names."""
 
 from typing import Any, Callable, Collection, Iterator, Mapping, TypeVar
 
@@ -12,8 +12,8 @@ class Catalog(Mapping[str, T]):
 
     Args:
         names: the present names, in their order.
-        make: the thing of a name that is there.
-        unknown: the error for a name that is not.
+        make: returns the value for a present name.
+        unknown: returns the error for any other name.
     """
 
     def __init__(

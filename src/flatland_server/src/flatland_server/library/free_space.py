@@ -1,4 +1,4 @@
-"""Where a robot may be: the floor that it can reach without touching a wall."""
+"""Free space: the floor that a robot can reach without touching a wall."""
 
 import math
 from typing import Dict, Iterable, Tuple
@@ -15,12 +15,12 @@ _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in sides
 
 
 class FreeSpace:
-    """The places at a distance from all obstacles that are connected with a start.
+    """The places with a clearance from all obstacles that can be reached from a start.
 
-    The floor is divided into squares. A square is free if each of its points is as far from all
-    obstacles as the clearance, and reachable if free squares lead to it from the start's, side by
-    side, within the rectangle around all walls. So passages are lost that are wider than twice the
-    clearance by less than two squares.
+    The floor is divided into squares. A square is free if the distance of each of its points from
+    all obstacles is at least the clearance, and reachable if adjacent free squares, within the
+    bounding rectangle of all walls, lead to it from the start. So a passage may count as closed
+    unless it is wider than twice the clearance by two squares.
 
     Args:
         reachable: the squares, shape (rows, columns): a row has the same y.
@@ -96,9 +96,9 @@ class DistanceGrid:
     Args:
         walls: shape (n, 4), x1, y1, x2, y2 [m].
         start: a point of the floor, from which free space is reached: x, y [m].
-        farthest: the grid tells distances up to this one [m].
+        farthest: the largest distance in the grid [m].
         discs: other obstacles: shape (m, 3), x, y and radius [m].
-        resolution: side of a square [m]; squares are larger where there would be over 4 million.
+        resolution: side of a square [m]; it is increased if there would be over 4 million squares.
         open_reach: how far the grid reaches from the start in a world without walls [m].
 
     Attributes:

@@ -1,4 +1,4 @@
-"""What a simulation hands out for its models and their plugins."""
+"""The handles of a simulation's models and of their plugins."""
 
 import inspect
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Tuple
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 class ModelHandle:
     """A model of a simulation, by its name.
 
-    It stays valid when the simulation is reset, or a state is loaded: it then means the new model
-    of this name. Once the model has been deleted, everything but `name` raises a ModelError.
+    It stays valid when the simulation is reset or a state is loaded: it then refers to the new
+    model of this name. Once the model has been deleted, everything but `name` raises a ModelError.
 
     Attributes:
         name: of the model.

@@ -60,7 +60,7 @@ class Recorder(Tap):
         transport: has the topics.
         timekeeper: has the time.
         path: of the file, which ends with .bag or .mcap. It has ".active" appended until it is
-            closed; then it replaces one of the same name.
+            closed; then it replaces a file of the same name.
         topics: names of topics, or regular expressions that match whole names; by default all.
         odometry_frames: returns the present frames of odometry: `lambda: world.odometry_frames`.
 

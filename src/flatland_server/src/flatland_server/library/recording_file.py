@@ -1,6 +1,6 @@
 """Files of recorded messages: .bag, as `rosbag record` writes them, and .mcap, as Foxglove does.
 
-Both have the definitions of the message types in them, so that a reader needs nothing else.
+Both contain the definitions of the message types, so that a reader needs nothing else.
 """
 
 import os

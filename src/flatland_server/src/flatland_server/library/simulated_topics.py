@@ -1,4 +1,4 @@
-"""The topics of a simulation: which are computed, what was published, and what is sent."""
+"""The topics of a simulation: subscribing, reading and publishing messages."""
 
 from typing import Any, Dict, Iterable
 
@@ -12,7 +12,7 @@ TF = "/tf"
 
 
 class SimulatedTopics(SimulatedWorld):
-    """The part of a `Simulation` that has to do with topics.
+    """The part of a `Simulation` that handles topics.
 
     Args: those of `SimulatedWorld`.
     """

@@ -1,4 +1,4 @@
-"""A world whose time a program advances: what a `Simulation` and that of tests have in common."""
+"""A world that a program steps: what `Simulation` and the `Simulation` of tests have in common."""
 
 from typing import Any, List, Optional, Tuple
 
@@ -11,7 +11,7 @@ from flatland_server.transport.local_transport import LocalTransport
 
 
 class SimulatedWorld:
-    """A world and its time. Time passes only when it is told to, and topics stay in this process.
+    """A world and its time. Time passes only in steps, and topics stay in this process.
 
     Args:
         world: what is simulated; its transport must be a `LocalTransport`.

@@ -24,7 +24,7 @@ from flatland_server.transport.local_transport import LocalTransport
 
 
 class Simulation(SimulatedTopics):
-    """A world whose time a program advances, without ROS.
+    """A world that a program steps, without ROS.
 
         with Simulation("office", seed=1) as sim:
             robot = sim.models["turtlebot"]
@@ -32,19 +32,19 @@ class Simulation(SimulatedTopics):
             sim.step(20)
             ranges = robot.sensors["laser"].read()
 
-    It is the code that the ROS server runs: equal worlds, seeds and commands give, bit for bit,
-    what the server gives in lockstep. Nothing is computed that is not read. Simulations do not
-    influence each other; each is used by one thread at a time.
+    The ROS server runs the same code: with equal worlds, seeds and commands, a run equals one of
+    the server in lockstep, bit for bit. Values are computed only when they are read. Simulations do
+    not affect each other; each is used by one thread at a time.
 
     Args:
         world: the name of a shipped world such as "office", the path of a world file, the content
-            of one as a dict, or a `WorldConfig`: what was read once for many simulations.
+            of one as a dict, or a `WorldConfig`, which can be read once for many simulations.
         seed: of all random numbers.
         step_size: length of a step [s].
         topics: those that are computed from the beginning; see `subscribe`.
         params: parameters by absolute name, for expressions in the files and for plugins.
         simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
-        model_folders: where model files are looked up that are not beside the world file.
+        model_folders: folders to search for model files that are not beside the world file.
         loader: finds plugin classes; by default those that installed packages declare.
         raise_failures: whether the exception of a plugin ends the step with a PluginError;
             otherwise it is logged as by the server. In both cases the plugin is switched off.
@@ -138,7 +138,7 @@ class Simulation(SimulatedTopics):
         return self
 
     def reset(self, seed: Optional[int] = None) -> "Simulation":
-        """Makes the world anew, as it was loaded, at time 0, and returns this simulation.
+        """Rebuilds the world as it was loaded, at time 0, and returns this simulation.
 
         What follows equals, bit for bit, a run of a new simulation. Models that were spawned are
         gone, and those that were deleted are back. Topics stay subscribed.

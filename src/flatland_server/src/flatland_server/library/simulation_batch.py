@@ -46,9 +46,9 @@ class SimulationBatch:
             observation.ranges, observation.poses, observation.collided
             observation = batch.reset(observation.collided)
 
-    An environment is a `Simulation` of the same world and seed: it has the same poses, velocities
-    and ranges, bit for bit, whatever the number of environments and threads, and whatever happens
-    in the others; with a layer of more than 500,000 walls, up to rounding. Robots of different
+    An environment has the same poses, velocities and ranges, bit for bit, as a `Simulation` of the
+    same world and seed, for any number of environments and threads, and independent of the other
+    environments; with a layer of more than 500,000 walls, up to rounding. Robots of different
     environments do not see each other.
 
     Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars and tweens

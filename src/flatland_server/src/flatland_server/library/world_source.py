@@ -1,4 +1,4 @@
-"""What a user names a world by: one that is shipped, a file, or its content."""
+"""The ways in which a user names a world: a shipped one, a file, or its content."""
 
 import os
 from contextlib import closing

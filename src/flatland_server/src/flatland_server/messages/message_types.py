@@ -1,4 +1,4 @@
-"""Message types by name: ROS's own classes where there is ROS, else classes of ours.
+"""Message types by name: ROS's own classes where there is ROS, else our own.
 
     from flatland_server import messages
 

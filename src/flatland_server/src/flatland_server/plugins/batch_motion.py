@@ -1,4 +1,4 @@
-"""What a plugin does at its updates in the environments of a batch: `BatchMotion`."""
+"""Motions of bodies by a plugin in the environments of a batch: `BatchMotion`."""
 
 from abc import ABC, abstractmethod
 from typing import Optional, Sequence
@@ -12,15 +12,15 @@ from flatland_server.arrays import FloatArray, IntArray, Segments
 class BatchMotion(ABC):
     """Bodies that a plugin moves in n environments: it sets their velocities at its updates.
 
-    It computes what the plugin's own `before_physics_step` sets, to the bit, for many environments
-    in a call; best, that hook calls it for one. See `Plugin.make_batch_motion`.
+    It computes, bit for bit, the velocities that the plugin's `before_physics_step` sets, for many
+    environments in one call. That hook should call it for one. See `Plugin.make_batch_motion`.
 
     Args:
-        rate: of the updates [Hz], which are due as with an `UpdateTimer`; infinity is each step.
+        rate: of the updates [Hz], due as with an `UpdateTimer`; infinity is each step.
 
     Attributes:
-        bodies: those that `update` is told about, m of them; set by the derived class.
-        moved: those that it moves; the same.
+        bodies: the m bodies with poses and velocities passed to `update`; set by the derived class.
+        moved: the bodies that it moves; likewise.
     """
 
     bodies: Sequence[_core.Body]
@@ -36,7 +36,7 @@ class BatchMotion(ABC):
         rng: np.random.Generator,
         walls: Optional[Sequence[Segments]],
     ) -> None:
-        """Called when an environment begins anew.
+        """Called when an environment is reset.
 
         Args:
             environment: its index.

@@ -23,7 +23,7 @@ class CoreDrive(NamedTuple):
 
 
 class CoreLidar(NamedTuple):
-    """A lidar of the core, the ranges of which `ModelPlugin.read` returns, perhaps with noise."""
+    """A lidar of the core; `ModelPlugin.read` returns its ranges, perhaps with noise."""
 
     lidar: _core.Lidar
     range: float

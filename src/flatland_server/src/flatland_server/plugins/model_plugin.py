@@ -34,11 +34,11 @@ class ModelPlugin(Plugin):
     `flatland_server.plugins.plugin` describes the life of a plugin.
 
     Attributes:
-        quantities: what it measures besides what `read` returns: there is a method
-            `read_<quantity>` for each, with the same argument.
+        quantities: names of further quantities that it measures: for each there is a method
+            `read_<quantity>` with the same argument as `read`.
         core_drive: the drive of the core that `command` controls; set by `on_initialize`. A
-            `SimulationBatch` commands it without `command`: a subclass that changes what commands
-            do sets it to None, and is refused there.
+            `SimulationBatch` commands it without calling `command`: a subclass that changes the
+            effect of commands sets it to None, and is refused by batches.
         core_lidar: the lidar of the core that `read` reads; likewise.
     """
 

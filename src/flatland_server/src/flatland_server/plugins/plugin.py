@@ -21,7 +21,7 @@ others are never called.
     post_solve            after the forces of a contact were solved              t
     after_physics_step    after the physics                                      t + dt
 
-4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed or made anew.
+4. `on_shutdown`: the model is deleted, the plugin has failed, or the world is closed or rebuilt.
    After it, the topics, subscriptions and frames of the plugin are closed.
 
 `get_state` is called between two steps, when the state of the world is saved. When the world is
@@ -82,16 +82,16 @@ class Plugin:
             model and the plugin.
 
     Attributes:
-        only_publishes: whether the step hooks do nothing but publish, so that `has_work` depends on
-            nothing but subscribers. With an `update_timer`, the plugin is then not asked each time
-            this is due, and while it has no work, the world makes many steps at once.
+        only_publishes: whether the step hooks only publish, so that `has_work` depends only on
+            subscribers. With an `update_timer`, `has_work` is then not called each time the timer
+            is due, and while the plugin has no work, the world makes many steps at once.
         is_passive: whether the plugin changes nothing in the world by itself: all of its hooks only
-            observe, and what it adds to the core when it starts does not depend on chance. It may
-            obey messages and commands. A derived class that overrides a hook has to say so again.
-        acts_when_loaded: the same, except that what `on_initialize` adds to the core, such as
-            walls, depends on chance: each environment of a `SimulationBatch` then has a world of
-            its own, loaded with its seed. A batch runs no other plugins than these two kinds, and
-            those with `make_batch_motion`.
+            observe, and the parts that it adds to the core when it starts are not random. It may
+            obey messages and commands. A derived class that overrides a hook has to set it again.
+        acts_when_loaded: the same, except that the parts that `on_initialize` adds to the core,
+            such as walls, are random: each environment of a `SimulationBatch` then has its own
+            world, loaded with its seed. A batch runs only plugins of these two kinds, and those
+            with `make_batch_motion`.
     """
 
     only_publishes: ClassVar[bool] = False
@@ -244,7 +244,7 @@ class Plugin:
     def set_state(self, state: Any) -> None:
         """Sets what `get_state` has returned: here, or of the same plugin in another process.
 
-        Called between steps on a plugin that has been initialized anew, when all models and bodies
+        Called between steps on a plugin that has just been initialized, when all models and bodies
         are there, in their places. What it publishes from now on must not depend on whether it has
         lived since the beginning or was restored.
         """

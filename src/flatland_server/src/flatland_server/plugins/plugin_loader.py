@@ -5,9 +5,9 @@ exports (`ros_exports`), a Python package that pip installs by entry points (`en
 package may do both, with the same files under catkin and under pip: a class that is found twice
 counts once.
 
-A C++ class, whose `type` in the XML file has `::`, cannot be loaded: only a file that names it gets
-an error. A plugin of `EXAMPLE_PACKAGE`, which is there to be copied, is hidden by others of the
-same name.
+A C++ class, with `::` in its `type` in the XML file, cannot be loaded: only a file that names it
+gets an error. Plugins of `EXAMPLE_PACKAGE`, which is there to be copied, are hidden by others of
+the same name.
 """
 
 import importlib
@@ -82,7 +82,7 @@ class PluginLoader:
 
 
 def _question() -> str:
-    """What to ask a user who has no plugins at all, not even ours."""
+    """The question to a user who has no plugins at all, not even the built-in ones."""
     if "ROS_PACKAGE_PATH" in os.environ:
         return "is the workspace's setup.bash sourced?"
     return "is flatland2d installed in this Python (pip install)?"

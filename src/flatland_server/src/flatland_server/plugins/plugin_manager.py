@@ -83,7 +83,7 @@ class PluginManager:
         revision: counts the changes of plugins; the world's, which may get another manager.
 
     Attributes:
-        plan: until when no hook is to be called, of steps or contacts, if that is known.
+        plan: the time until which no step hook or contact hook is to be called, if known.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Finds the plugin that a thread is running, from its stack: calling plugins costs nothing more."""
+"""Finds the plugin that a thread is running, from its stack, without extra cost for each call."""
 
 from types import FrameType
 from typing import Optional

@@ -1,4 +1,4 @@
-"""The plugins that ROS packages export, as those of pluginlib.
+"""The plugins that ROS packages export, in the way of pluginlib.
 
 A package declares its plugins in an XML file and exports it in its package.xml:
 

@@ -21,10 +21,10 @@ class Schedule:
     wait for them.
 
     Args:
-        has_work: asks a plugin; see `Plugin.has_work`. It may remove plugins here.
+        has_work: calls `Plugin.has_work` of a plugin. It may remove plugins here.
 
     Attributes:
-        plan: until when no plugin is to be called, if that is known.
+        plan: the time until which no plugin is to be called, if known.
     """
 
     def __init__(self, has_work: Callable[[Plugin], bool]) -> None:
@@ -93,7 +93,7 @@ class Schedule:
     ) -> int:
         """The number of steps from now on, up to a limit, in which no hook is to be called.
 
-        This holds until plugins, their timers or subscribers change. Makes the `plan` anew.
+        This holds until plugins, their timers or subscribers change. Renews the `plan`.
 
         Args: those of `calls`, and the limit.
         """

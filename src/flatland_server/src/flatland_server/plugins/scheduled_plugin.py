@@ -1,4 +1,4 @@
-"""The plugins in a schedule, and the calls that it makes of them."""
+"""The plugins in a schedule, and the calls of their hooks."""
 
 from dataclasses import dataclass
 from typing import Callable, Dict, List, Optional, Tuple

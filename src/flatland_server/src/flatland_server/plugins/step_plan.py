@@ -1,4 +1,4 @@
-"""Until when steps can be made without a look at the plugins."""
+"""The time until which steps can be made without calling plugins."""
 
 import math
 
@@ -9,9 +9,9 @@ _FOREVER = 2**63
 class StepPlan:
     """The simulated time before which no hook of a plugin is to be called.
 
-    The `Schedule` makes it, keeps `until` up to date while plugins are called, and lets it expire
-    when their timers change; the `PluginManager` does so when plugins come or go. It does not hold
-    for other subscribers.
+    The `Schedule` makes it, keeps `until` up to date while plugins are called, and drops it
+    when their timers change; the `PluginManager` drops it when plugins are added or removed. It is
+    valid only as long as the subscribers are the same.
 
     Attributes:
         until: the time [ns] of the next step that calls a hook; 0 if each step may call one.
@@ -29,6 +29,6 @@ class StepPlan:
         self.until = math.ceil(until) if until < _FOREVER else _FOREVER
 
     def expire(self) -> None:
-        """The plan is to be made anew: something that it depends on has changed."""
+        """Drops the plan: something that it depends on has changed."""
         self.until = 0
         self.subscriber_revision = None

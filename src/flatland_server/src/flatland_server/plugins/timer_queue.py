@@ -1,4 +1,4 @@
-"""Plugins with an update rate, by the time at which each is due next."""
+"""Plugins with an update rate, ordered by the time at which each is due next."""
 
 import math
 from heapq import heapify, heappop, heappush

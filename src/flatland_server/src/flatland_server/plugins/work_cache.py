@@ -10,11 +10,11 @@ from flatland_server.plugins.scheduled_plugin import ScheduledPlugin, StepCalls
 class WorkCache:
     """Remembers which plugins have work, and asks them again only when that may have changed.
 
-    This is when the subscribers have changed, since a plugin has no work if its topics have no
-    subscriber, and when plugins were added or removed.
+    It may change when subscribers change, since a plugin has no work if its topics have no
+    subscriber, and when plugins are added or removed.
 
     Args:
-        has_work: asks a plugin; see `Plugin.has_work`. It may add and remove plugins here.
+        has_work: calls `Plugin.has_work` of a plugin. It may add and remove plugins here.
     """
 
     def __init__(self, has_work: Callable[[Plugin], bool]) -> None:

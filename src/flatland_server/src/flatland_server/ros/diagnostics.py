@@ -14,7 +14,7 @@ _PERIOD = 1.0
 
 
 class _Updater(diagnostic_updater.Updater):
-    """Without the library's extra message for each new status, which says "starting up"."""
+    """The library's Updater without its extra message "starting up" for each new status."""
 
     def addedTaskCallback(self, task: Any) -> None:  # noqa: N802 (the library's name)
         pass

@@ -39,7 +39,7 @@ _REAL_KEEP_ALIVE_PERIOD = 1.0
 
 
 class _Handle(NamedTuple):
-    """What is shown of a model."""
+    """The shown state of a model."""
 
     model: Model
     centre: Pose

@@ -1,4 +1,4 @@
-"""Publishes how far a large world is loaded, for the window: `~loading`, in percent."""
+"""Publishes the progress of loading a large world, for the window: `~loading`, in percent."""
 
 import logging
 

@@ -1,4 +1,4 @@
-"""Logging of Python and of ROS: records go to rosout, and what cannot be written is left out."""
+"""Logging of Python and ROS: records go to rosout, and those that cannot be written are dropped."""
 
 import contextlib
 import logging
@@ -8,7 +8,7 @@ from typing import Iterator
 import rospy
 
 _OTHERS = ("ros", "tf2_ros", "PIL")
-"""Prefixes of loggers whose records ROS handles itself, or that do not concern users."""
+"""Prefixes of loggers that ROS handles itself, or that do not concern users."""
 
 
 class RosLogHandler(logging.Handler):

@@ -1,8 +1,8 @@
-"""What the models are, and where they are: for windows and tools.
+"""Publishes the models and their states, for windows and tools.
 
 `~models` (latched) describes the models: files, namespaces, bodies, plugins and their topics.
-`~model_states` has their ground truth while it has subscribers: at a rate of real time those that
-have moved, and once a second all of them. A message without models says that all of them rest.
+`~model_states` has their ground truth while it has subscribers: models that have moved at a rate of
+real time, and all models once a second. A message without models means that all of them rest.
 """
 
 import time

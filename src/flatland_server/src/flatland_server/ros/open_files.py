@@ -1,4 +1,4 @@
-"""The limit of open files of this process: connections, topics of a rospy without patches."""
+"""The process's limit of open files, for connections, and for topics if rospy is not patched."""
 
 import logging
 import resource

@@ -1,4 +1,4 @@
-"""Signals and `rosnode kill`: end the simulation after the current step, if that ends."""
+"""Signals and `rosnode kill`: end the simulation after the current step, if this step ends."""
 
 import logging
 import os
@@ -26,16 +26,16 @@ logger = logging.getLogger(__name__)
 
 
 class Shutdown:
-    """Handles the signals that end the node. To be made on the main thread, which simulates.
+    """Handles the signals that end the node. Create it on the main thread, which simulates.
 
     rospy's own handler shuts down at once, on the main thread: if it interrupts a spawn that holds
-    one of rospy's locks, it waits for itself for ever. Here the current step is finished first. A
-    step that does not end, for instance in a plugin with an endless loop, ends the process. So does
-    the end itself if it takes too long: rospy waits for the ROS master, which may be stopped.
+    one of rospy's locks, it deadlocks. Here the current step is finished first. If the step does
+    not end, for instance in a plugin with an endless loop, the process is ended. It is also ended
+    if the shutdown takes too long: rospy waits for the ROS master, which may be stopped.
 
     While the world is loading there is no step to wait for: the process ends at once.
 
-    rospy calls shutdown hooks in the order in which they were added. To be made before topics are
+    rospy calls shutdown hooks in the order in which they were added. Create it before topics are
     opened and the patches installed, so that their hooks are called after the world is closed.
     """
 

@@ -101,7 +101,8 @@ class StateServices:
         write_state(path, state)
         message = ""
         if without_hooks:
-            message = f"plugins without get_state, which start anew: {', '.join(without_hooks)}"
+            names = ", ".join(without_hooks)
+            message = f"plugins without get_state, which start from scratch: {names}"
         return SaveStateResponse(True, message, without_hooks)
 
     def _load_state(self, request: LoadStateRequest) -> None:
@@ -109,7 +110,7 @@ class StateServices:
         self._change(lambda: self._manager.load_state(state))
 
     def _change(self, action: Callable[[], None]) -> None:
-        """Makes the world anew on the simulation's thread."""
+        """Rebuilds the world on the simulation's thread."""
 
         def change() -> None:
             with self._transport.rospy_calls.batch_registration():

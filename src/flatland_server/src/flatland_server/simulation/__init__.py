@@ -1,1 +1,1 @@
-"""The world, its steps, and running it at a rate of real time."""
+"""The world, its steps, and the loop that runs it in real time."""

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 class Additions:
     """Models and walls in the order in which they were added.
 
-    Those that come with the world, or that plugins add in `on_initialize`, are no additions: they
-    are there again when the world or the plugin is made anew. Models are noted nevertheless, so
-    that it is known which of them exist.
+    Those that come with the world, or that plugins add in `on_initialize`, are not additions:
+    rebuilding the world or the plugin brings them back. Models are noted nevertheless, so that it
+    is known which of them exist.
     """
 
     def __init__(self) -> None:
@@ -101,7 +101,7 @@ def check_walls(state: WorldState, config: WorldConfig) -> None:
 
 
 def replay(state: WorldState, world: "World") -> None:
-    """Deletes and adds models and walls of a world made anew, until it has those of a state.
+    """Deletes and adds models and walls of a rebuilt world, until it has those of a state.
 
     Raises:
         FlatlandError: a file is missing, or the state is of another world.

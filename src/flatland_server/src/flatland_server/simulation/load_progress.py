@@ -1,4 +1,4 @@
-"""How far a large world is loaded: lines in the log, which the server's node also publishes."""
+"""The progress of loading a large world: lines in the log, which the server also publishes."""
 
 import logging
 import time

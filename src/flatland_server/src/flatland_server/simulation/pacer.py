@@ -1,4 +1,4 @@
-"""Keeps steps at a rate of real time: when the next one is due, and how well that is kept."""
+"""Paces steps at a rate of real time: when the next one is due, and how late steps are."""
 
 import time
 from collections import deque
@@ -26,8 +26,8 @@ class Pacer:
     Steps are due one period after the other, however long each of them takes. If they are late, the
     next ones follow without a wait until the delay is caught up, or given up if it is too long.
 
-    A tick gives other work its turn, such as publishing a state. It is due before each wait, and
-    every millisecond while there is none.
+    In a tick, other work is done, such as publishing a state. It is due before each wait, and every
+    millisecond while there are no waits.
 
         pacer.start(simulated_time)
         while True:

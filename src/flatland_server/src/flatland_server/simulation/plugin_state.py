@@ -12,7 +12,7 @@ from flatland_server.update_timer import UpdateTimer
 
 @dataclass(frozen=True)
 class PluginState:
-    """A plugin: `state` is what its `get_state` has returned, the rest is the framework's."""
+    """A plugin: `state` is from its `get_state`, the other attributes are the framework's."""
 
     owner: str
     """The name of its model; empty for a plugin of the world."""
@@ -55,7 +55,7 @@ class PluginState:
         return state
 
     def restore(self, plugin: Plugin) -> None:
-        """Puts a plugin that has been initialized anew into this state.
+        """Puts a plugin that has just been initialized into this state.
 
         Raises:
             StateError: the state does not fit, or `set_state` raises an exception.
@@ -111,7 +111,7 @@ def restore_failures(manager: PluginManager, states: Sequence[PluginState]) -> N
 
 
 def restore(manager: PluginManager, states: Sequence[PluginState]) -> None:
-    """Puts all plugins, which have been initialized anew, into their states.
+    """Puts all plugins, which have just been initialized, into their states.
 
     Raises:
         StateError: the states do not fit.
@@ -135,7 +135,7 @@ def _pairs(
 
 
 def without_hooks(manager: PluginManager) -> List[str]:
-    """The running plugins whose attributes are not saved, as `model/plugin`."""
+    """The running plugins with attributes that are not saved, as `model/plugin`."""
     return [
         plugin.node.owner
         for _, plugin in manager.all_plugins()

@@ -1,4 +1,4 @@
-"""Making the contents of a world anew: resets, other files, and saved states."""
+"""Rebuilding the contents of a world: resets, other files, and saved states."""
 
 from abc import ABC, abstractmethod
 from contextlib import closing
@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 class Restartable(ABC):
     """The part of a `World` that replaces its contents as a whole, between two steps.
 
-    The new contents are made while the former ones are there. If that fails, the former ones stay;
-    otherwise their plugins are shut down then. So a topic that both have keeps its connections.
+    The new contents are made while the old ones still exist. If this fails, the old ones are kept;
+    otherwise their plugins are shut down afterwards. So topics that both have keep their
+    connections.
     """
 
     transport: Transport
@@ -54,7 +55,7 @@ class Restartable(ABC):
         """Stops all plugins."""
 
     def reset(self, seed: Optional[int] = None) -> None:
-        """Makes the world anew, as it was loaded: its models, plugins, walls and random numbers.
+        """Rebuilds the world as it was loaded: its models, plugins, walls and random numbers.
 
         What follows equals, bit for bit, a run of a newly loaded world. No file is read. Models and
         plugins are new objects, and the former ones are gone; topics stay connected.
@@ -150,7 +151,7 @@ class Restartable(ABC):
         return plugin_state.without_hooks(self._plugins)
 
     def _restore(self, state: WorldState) -> None:
-        """Makes the world anew, replays what has happened to it, and sets the state."""
+        """Rebuilds the world, repeats what was added and deleted, and sets the state."""
         self._start(self._config, state.seed)
         check_walls(state, self._config)
         replay(state, cast("World", self))
@@ -162,7 +163,7 @@ class Restartable(ABC):
         plugin_state.restore(self._plugins, state.plugins)
 
     def _replace(self, make: Callable[[], None]) -> None:
-        """Makes all contents of the world anew; if this fails, those that there were stay.
+        """Rebuilds all contents of the world; if this fails, the old contents are kept.
 
         The new plugins start while the former ones are there, so that topics stay connected.
         """

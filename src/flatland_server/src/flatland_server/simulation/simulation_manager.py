@@ -149,7 +149,7 @@ class SimulationManager:
         return self._request.done
 
     def reset(self, seed: Optional[int] = None, *, keep_time: bool = False) -> None:
-        """Makes the world anew, as it was loaded; see `World.reset`. For between steps.
+        """Rebuilds the world as it was loaded; see `World.reset`. To be called between steps.
 
         Args:
             seed: of all random numbers from now on; None is the same as before.

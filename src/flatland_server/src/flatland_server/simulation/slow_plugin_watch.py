@@ -20,11 +20,11 @@ logger = logging.getLogger(__name__)
 class SlowPluginWatch:
     """Warns, once for each plugin, when a hook or callback of it takes longer than `LIMIT`.
 
-    A thread looks at what the simulation's thread is running when that has not called `update` for
-    some time. Hooks themselves are not timed, which would take longer than many of them do. A
-    plugin is named when it is seen twice in a row: many quick plugins may make a slow step too.
+    If the simulation's thread has not called `update` for some time, another thread looks at its
+    stack. Hooks are not timed, as this would take longer than many of them. A plugin is named when
+    it is found twice in a row: many quick plugins may also make a slow step.
 
-    To be made on the simulation's thread.
+    Create it on the simulation's thread.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Models that come and go in a running world: spawn, delete, move."""
+"""Spawning, deleting and moving models in a running world."""
 
 import logging
 from contextlib import closing, suppress

@@ -12,9 +12,9 @@ class StepRequest:
 
     Args:
         count: how many steps, 1 or more.
-        expected: topics, by their absolute names; the first step waits until all subscriptions of
-            each have got a message since the last step.
-        deadline: real time at which this wait is given up [s].
+        expected: topics, by their absolute names; the first step waits until all subscriptions to
+            them have received a message since the last step.
+        deadline: real time at which the wait ends without a step [s].
         arrivals: of the transport.
 
     Raises:

@@ -16,7 +16,7 @@ class Stepping:
     """The part of a `World` that advances it.
 
     Attributes:
-        plan: until when steps call no hooks, for the present plugins and subscribers.
+        plan: the time until which steps call no hooks, with the present plugins and subscribers.
     """
 
     plan: StepPlan

@@ -161,7 +161,8 @@ class WorldConfig:
 def _read_walls(reader: YamlReader, read: Callable[[Path], Segments]) -> Dict[Path, Segments]:
     """The walls of each map file that a layer names.
 
-    Includes layers whose entry has problems, so that those of all files are reported together.
+    Includes layers with problems in their entries, so that the problems of all files are reported
+    together.
     """
     walls: Dict[Path, Segments] = {}
     for path in dict.fromkeys(reader.get_sections("layers", LayerConfig.read_map_path)):

@@ -1,7 +1,7 @@
 """The state of a world, as plain data: what a saved state consists of.
 
-What the world's files determine is not in it: a state is loaded by making the world anew from its
-files, replaying what has been added and deleted since, and then setting what has changed.
+What the world's files determine is not in it: a state is loaded by rebuilding the world from its
+files, repeating what has been added and deleted since, and then setting what has changed.
 """
 
 from dataclasses import asdict, dataclass

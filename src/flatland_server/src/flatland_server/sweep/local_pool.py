@@ -36,7 +36,7 @@ class Done:
 class LocalPool:
     """Worker processes; each does one job at a time.
 
-    A job is begun again if its worker has died. One that takes too long is stopped.
+    A job is run again if its worker has died. One that takes too long is stopped.
 
     Args:
         settings: of the sweep.
@@ -125,7 +125,7 @@ class LocalPool:
                 return None
             if attempts[job.scenario.number] > self._settings.retries:
                 return self._give_up(job, f"its worker {death}, at each attempt", attempts)
-            self._report(f"{job.scenario}: its worker {death}; it is begun again")
+            self._report(f"{job.scenario}: its worker {death}; it is run again")
             waiting.appendleft(job)
             return None
         if message == READY:

@@ -1,6 +1,6 @@
 """Workers on a Ray cluster. Ray hands out the jobs; each is done by a worker process beside it.
 
-A scenario that crashes or hangs therefore costs a process of ours, and is treated as on one
+A scenario that crashes or hangs therefore costs one of our processes, and is treated as on one
 machine: the same attempts, limits and reasons. What Ray repeats by itself is what is lost with a
 machine.
 """

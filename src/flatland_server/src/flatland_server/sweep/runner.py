@@ -77,7 +77,7 @@ class ScenarioRunner:
             observer: looks at the run; it changes nothing.
 
         Returns:
-            The result; also of a scenario whose controller raises an exception.
+            The result; also if the controller raises an exception.
         """
         try:
             with self.open(scenario) as simulation:

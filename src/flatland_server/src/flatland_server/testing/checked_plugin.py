@@ -34,7 +34,7 @@ KeyPath = Tuple[Union[str, int], ...]
 Document = Dict[str, Any]
 
 ROBOT = "robot"
-"""The name of the model whose plugin is checked."""
+"""The name of the model with the checked plugin."""
 
 _LOADER: Any = getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # for the lines alone
 

@@ -18,7 +18,7 @@ Problems = Iterator[str]
 
 _RATE_KEYS = re.compile(r"(^|_)rate$")
 _NAMES_NO_PART = re.compile(r"frame|topic|_pub$|_sub$")
-"""Keys whose value is not the name of a body or joint, even if there is one of that name."""
+"""Keys that do not name a body or joint, even if there is one named like the key's value."""
 
 
 def check_keys(case: CheckedPlugin) -> Problems:

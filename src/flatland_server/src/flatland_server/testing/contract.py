@@ -81,7 +81,7 @@ def check_plugin(
         other_keys: names of keys that it reads too, such as deprecated ones.
         model: the file of the robot, without plugins; by default a disc called "base".
         world: the world's file, without the robot, which is called "robot" and stands at the
-            origin; by default a room of 10 x 10 m, whose walls are on the layer "map".
+            origin; by default a room of 10 x 10 m, with its walls on the layer "map".
         files: other files that these name, by their names.
         loader: finds the plugin; by default among those that packages export. For a class that no
             package exports: `PluginLoader([PluginDeclaration.of(MyPlugin)])`.

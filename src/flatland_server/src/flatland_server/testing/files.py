@@ -16,7 +16,7 @@ from flatland_server.simulation.world import World
 from flatland_server.testing.simulation import Simulation
 
 Entry = Union[str, Mapping[str, Any]]
-"""A YAML map: as a dict, or as a string, whose outer braces may be left out."""
+"""A YAML map: as a dict, or as a string; the outer braces may be left out."""
 
 Segment = Union[str, Sequence[float]]
 """A wall [m]: (x1, y1, x2, y2), or the same as a string."""

@@ -85,20 +85,20 @@ def _names(case: CheckedPlugin, entry: Document, namespace: str) -> Names:
 
 
 def _topic_keys(case: CheckedPlugin, names: Names) -> List[KeyPath]:
-    """The keys of an entry whose values are topics."""
+    """The keys of an entry that have topics as values."""
     topics = {*names.published, *names.subscribed}
     return [path for path, value in _texts(case) if _absolute(value) in topics]
 
 
 def _frame_keys(case: CheckedPlugin, names: Names) -> List[KeyPath]:
-    """The keys of an entry whose values are frames."""
+    """The keys of an entry that have frames as values."""
     frames = {frame for edge in names.transforms for frame in edge}
     frames |= {frame for _, frame in names.message_frames}
     return [path for path, value in _texts(case) if value in frames and "frame" in key_name(path)]
 
 
 def _texts(case: CheckedPlugin) -> Iterator[Tuple[KeyPath, str]]:
-    """The keys whose values are strings."""
+    """The keys with strings as values, and these strings."""
     for path in keys_of(case.entry):
         value = value_at(case.entry, path)
         if isinstance(value, str):

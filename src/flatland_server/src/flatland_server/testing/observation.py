@@ -73,7 +73,7 @@ class ObservingTransport(LocalTransport):
         """The message type of each topic that was ever published or subscribed to."""
         self.latched: Set[str] = set()
         self.wrong_data: List[str] = []
-        """The topics whose `MessageWriter` makes bytes that differ from its message."""
+        """The topics with a `MessageWriter` that makes other bytes than those of its message."""
 
     @property
     def now(self) -> int:
@@ -226,7 +226,7 @@ class _ObservingReader:
     def _with_observed_items(
         self, path: str, args: Tuple[Any, ...], options: Dict[str, Any]
     ) -> Tuple[Tuple[Any, ...], Dict[str, Any]]:
-        """The arguments of `get_sections`, whose `read` gets observed readers too."""
+        """The arguments of `get_sections`, with a `read` that gets observed readers too."""
         read = args[0] if args else options["read"]
 
         def observed(reader: YamlReader) -> Any:

@@ -1,4 +1,4 @@
-"""A world whose simulated time a test advances, and its topics."""
+"""A world that a test steps, and its topics."""
 
 from typing import TYPE_CHECKING, Any, List, Optional
 
@@ -56,7 +56,7 @@ class Simulation(SimulatedWorld):
         return self
 
     def reset(self, seed: Optional[int] = None) -> "Simulation":
-        """Makes the world anew, at time 0; see `World.reset`."""
+        """Rebuilds the world, at time 0; see `World.reset`."""
         self._reset(seed)
         return self
 

@@ -1,1 +1,1 @@
-"""Topics, transforms and parameters: what plugins use of them, and a transport without ROS."""
+"""Topics, transforms and parameters: the interface for plugins, and a transport without ROS."""

@@ -1,4 +1,4 @@
-"""Which subscriptions have got a message since the last step, for controllers in lockstep."""
+"""Which subscriptions have received a message since the last step, for control in lockstep."""
 
 from typing import Dict, List, Optional
 

@@ -12,8 +12,8 @@ logger = logging.getLogger(__name__)
 class FrameRegistry:
     """Finds frames with several publishers, and frames of odometry that several models share.
 
-    TF is a tree: a frame with two publishers would jump between them. And where two robots have one
-    frame of odometry, a localiser that corrects the odometry of one of them moves both.
+    TF is a tree: a frame with two publishers would jump between their poses. And if two robots
+    share a frame of odometry, a localiser that corrects the odometry of one of them moves both.
     """
 
     def __init__(self) -> None:

@@ -1,6 +1,6 @@
 """Topics within this process: for unit tests, batch runs and Python programs without a master.
 
-What one plugin publishes, another one that subscribes to the topic gets at the end of the step.
+Plugins that subscribe to a topic get the messages that others publish at the end of the step.
 
 transport = LocalTransport()
 manager = SimulationManager(World.from_file(path, transport), Timekeeper(0.005))

@@ -1,4 +1,4 @@
-"""Makes messages out of values, either as ROS message objects or directly in serialized form."""
+"""Makes messages from values, either as ROS message objects or directly in serialized form."""
 
 from abc import ABC, abstractmethod
 from typing import Any

@@ -1,4 +1,4 @@
-"""A plugin's access to topics, transforms and parameters, whatever the transport.
+"""A plugin's access to topics, transforms and parameters, the same for all transports.
 
 Since a plugin knows only its node, it runs unchanged under roslaunch, in a unit test and in a
 program without a ROS master. Callbacks run between steps, on the thread of the simulation.
@@ -31,14 +31,14 @@ class NodeTopic(NamedTuple):
 class Node:
     """The topics, transforms and parameters of one plugin, in the namespace of its model.
 
-    When the plugin ends, the node is closed, and its topics and frames go with it.
+    When the plugin ends, the node is closed with all of its topics and frames.
 
     Args:
         transport: carries them.
         namespace: put before each name that does not begin with "/".
         owner: the name of the plugin, for warnings.
         frames: the frames of the whole world, to find those with several publishers.
-        topics: the topics of the whole world, to refuse those of two types.
+        topics: the topics of the whole world, to refuse a second type for a topic.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What receives all messages of a `LocalTransport`: a recorder."""
+"""The interface of a recorder, which receives all messages of a `LocalTransport`."""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -9,7 +9,7 @@ from flatland_server.geometry import Transform
 class Tap(ABC):
     """Receives messages and transforms at once when they are published or sent.
 
-    It counts as a subscriber of the topics that it wants.
+    It counts as a subscriber to the topics that it records.
     """
 
     @abstractmethod

@@ -1,8 +1,8 @@
-"""Which plugin has which topic, and of which type.
+"""The topics of plugins, and their types.
 
-ROS lets nodes publish messages of two types to one topic; a subscriber then gets what it cannot
-read. A plugin that publishes to `/clock` or `/tf` disturbs every node. Both are refused here, with
-a message that names the other side.
+ROS lets nodes publish messages of two types to one topic; a subscriber then gets messages that it
+cannot read. A plugin that publishes to `/clock` or `/tf` disturbs every node. Both are refused
+here, with a message that names the other publisher or subscriber.
 """
 
 from typing import Any, Dict, List, Tuple

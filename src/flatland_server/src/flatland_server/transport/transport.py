@@ -1,4 +1,4 @@
-"""What a transport has to offer: topics, transforms and parameters, over ROS or in this process.
+"""The interface of a transport: topics, transforms and parameters, over ROS or in this process.
 
 `flatland_server.ros.ros_transport` implements it with rospy, and
 `flatland_server.transport.local_transport` within this process, without a ROS master. A plugin does
@@ -49,7 +49,7 @@ class Subscription(ABC):
 
 
 class Frames:
-    """Frames whose transforms are sent together; the parent of each stays the same.
+    """Frames with transforms that are sent together; the parent of each stays the same.
 
     Args:
         transport: sends the transforms.
@@ -141,7 +141,7 @@ class Transport(ABC):
 
     @abstractmethod
     def flush(self) -> None:
-        """Sends what was collected during the step, and begins to count arrivals anew."""
+        """Sends what was collected during the step, and resets the count of arrivals."""
 
     def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)
         """Drops what the former world has left, such as messages that are not delivered yet."""

@@ -91,7 +91,7 @@ class Viewer:
         self._step()
 
     def reset(self) -> None:
-        """Makes the world anew, as it was loaded."""
+        """Rebuilds the world as it was loaded."""
         self.simulation.reset()
         self.drive.forget()
         self._trail.clear()

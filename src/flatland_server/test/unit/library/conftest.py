@@ -8,7 +8,7 @@ from flatland_server import Simulation
 
 @pytest.fixture
 def world(tmp_path):
-    """A room with a robot, a box, and a robot whose body is not at its origin."""
+    """A room with a robot, a box, and a robot with a body that is not at its origin."""
     (tmp_path / "map.dat").write_text(WALLS)
     (tmp_path / "map.yaml").write_text(
         "{type: line_segments, data: map.dat, scale: 1, origin: [0, 0, 0]}"

@@ -1,4 +1,4 @@
-"""Calls that cannot be obeyed: an exception of ours says what was expected, and nothing changes."""
+"""Wrong calls raise a FlatlandError that says what was expected, and change nothing."""
 
 import math
 

@@ -146,7 +146,7 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
         "towards": "",
         "once": "",
     }
-    assert "controller once, seed 2): its worker was killed by SIGKILL; it is begun again" in error
+    assert "controller once, seed 2): its worker was killed by SIGKILL; it is run again" in error
     assert "3 of 5 scenarios failed to run to the end" in error
     with Path("out/timing.csv").open(newline="") as file:
         attempts = {row["scenario"]: row["attempts"] for row in csv.DictReader(file)}
@@ -329,7 +329,7 @@ def _version(installed, name):
 
 
 def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_of):
-    """On another machine, whose working directory is a copy of the folder."""
+    """On another machine, where the working directory is a copy of the folder."""
     settings = settings_of(seeds=1, controllers='[{name: a, call: "drivers.py:ahead"}]')
     [scenario] = scenarios_of(settings)
     elsewhere = replace(settings, file=Path("/no/such/folder/scenarios.yaml"))

@@ -1,4 +1,4 @@
-"""Latched topics that drop a message which is out of date.
+"""Latched topics that can drop an outdated message.
 
 A latched topic keeps its last message for later subscribers, and rospy has no way to withdraw it. A
 topic that publishes only while it has subscribers would send an old state to the next one.

@@ -1,6 +1,6 @@
 """Interactive markers without the library's thread, which wakes at every step of simulated time.
 
-And without the poses that the library sends back to a client that drags.
+It also leaves out the poses that the library sends back to a client that drags.
 """
 
 import threading

@@ -2,7 +2,7 @@
 
 rospy calls the master for each topic, on the thread that opens or closes it, and waits for the
 answer: with a thousand robots, that takes longer than the rest of loading the world. If the master
-is stopped or gone, that thread waits for ever; here it would be the simulation's.
+is stopped or gone, that thread waits forever; here it would be the simulation's.
 
 A `Registrar` collects what is opened and closed, and registers or unregisters many in one call. If
 the master does not answer, it tries again. If the master has been restarted, so that it does not
