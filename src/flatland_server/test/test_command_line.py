@@ -306,7 +306,7 @@ def page_options(command):
     text = re.sub(r"```.*?```", "", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
     common, *sections = re.split(r"^## ", text, flags=re.MULTILINE)
     [section] = [each for each in sections if each.startswith(f"{command}\n")]
-    return options_in(section + common.partition("These are of")[2])
+    return options_in(section + common.partition("have these:")[2])
 
 
 def options_in(text):
