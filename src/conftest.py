@@ -50,7 +50,10 @@ def tmp_path(request, tmp_path_factory):
     return tmp_path_factory.mktemp(f"{next(FOLDERS)}_{name}", numbered=False)
 
 
-LONGEST = ("test_rostests.py", "test_gui_viewers.py", "test_launch.py")
+LONGEST = (
+    *("test_core.py", "test_pip.py"),  # compile, in a fresh clone
+    *("test_rostests.py", "test_gui_viewers.py", "test_launch.py"),
+)
 """The files that take longest."""
 
 
