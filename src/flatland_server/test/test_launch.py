@@ -140,8 +140,7 @@ def test_an_endless_plugin_loses_its_priority_and_ctrl_c_ends_it(run, tmp_path, 
     launch.wait_for('held up for more than 1 s by the plugin "robot/looper"')
     pid = pid_of_server(launch.uri)
     if may_have_real_time_priority():
-        launch.wait_until(lambda: os.sched_getscheduler(pid), "the priority")
-        launch.wait_for("has lost its real-time priority")
+        launch.wait_for("has lost its real-time priority")  # a second after it was held up
         assert 'the plugin "robot/looper"' in launch.output
         assert os.sched_getscheduler(pid) == os.SCHED_OTHER
 

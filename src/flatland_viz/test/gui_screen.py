@@ -170,6 +170,19 @@ class Screen:
         x, y = map(int, pixel)
         self.xdotool("mousemove", x - 2, y, "sleep", 0.1, "mousemove", x, y, "sleep", 0.1)
 
+    def open_menu(self, pixel, name):
+        """Right-clicks in the view; returns once a menu covers a part of its background.
+
+        Args:
+            pixel: where something has a menu.
+            name: of the screenshot with the menu.
+        """
+        least = self.px(40) * self.px(60)
+        background = lambda: near(self.picture(name), self.kind.background, 0).sum()  # noqa: E731
+        before = background()
+        self.click(pixel, button=3)
+        wait_until(lambda: background() < before - least, "the menu")
+
     def drag(self, pixels, while_held=lambda: None):
         """With the left button, along some pixels."""
         self.move(pixels[0])

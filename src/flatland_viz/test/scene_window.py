@@ -75,10 +75,15 @@ class SceneWindow:
         subscribers = self.ros.master.ask("getSystemState")[1]
         return {topic for topic, nodes in subscribers if "/flatland_viz" in nodes}
 
-    def click(self, x, y, button=1):
+    def click(self, x, y):
         """At a point of the world [m]."""
         self.screen.focus(self.id)
-        self.screen.click(self.map.pixel(x, y), button)
+        self.screen.click(self.map.pixel(x, y))
+
+    def open_menu(self, x, y):
+        """Of what is at a point of the world [m]."""
+        self.screen.focus(self.id)
+        self.screen.open_menu(self.map.pixel(x, y), "menu")
 
     def place_of_crate(self, name):
         """The middle of the crate on the screen."""

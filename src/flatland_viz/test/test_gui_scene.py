@@ -226,8 +226,7 @@ def test_a_drag_is_undone(window):
 
 
 def test_a_model_is_deleted_by_its_menu_and_comes_back(window):
-    window.click(*CRATE, button=3)
-    window.waiting(lambda: (window.picture("menu") != window.picture("away")).any(), "the menu")
+    window.open_menu(*CRATE)
     window.screen.key("e")
     window.waiting(lambda: "crate" not in window.ros.models(), "the deletion")
     window.screen.key("ctrl+z")

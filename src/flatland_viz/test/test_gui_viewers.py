@@ -224,9 +224,7 @@ def test_a_drag_in_a_pause_does_not_end_it(viewer, crate):
 def test_a_model_is_deleted_by_its_menu(viewer, crate):
     at = viewer.view.pixel(2.0, 3.0)
     viewer.take_hold(at)
-    viewer.screen.click(at, button=3)
-    time.sleep(0.5)
-    viewer.picture("menu")
+    viewer.screen.open_menu(at, f"{viewer.kind}_menu")
     if viewer.kind == "window":
         viewer.screen.key("e")  # D&elete
     else:
