@@ -13,7 +13,7 @@ from typing import Any, Dict, Tuple
 
 import numpy as np
 
-from flatland_server import Float32Array, FloatArray
+from flatland_server import Float32Array, FloatArray, cos_sin
 
 FARTHEST = 10.0
 FASTEST = 2.0
@@ -70,8 +70,7 @@ def observe(
     np.divide(ranges, np.float32(max_range), out=result[:, :beams])
     np.minimum(result[:, :beams], np.float32(1.0), out=result[:, :beams])
     x, y = goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1]
-    yaw = np.ascontiguousarray(poses[:, 2])
-    cosine, sine = np.cos(yaw), np.sin(yaw)
+    cosine, sine = cos_sin(poses[:, 2])
     distance = np.hypot(x, y)
     safe = np.where(distance > 0.0, distance, 1.0)
     result[:, beams] = np.minimum(distance / max_range, FARTHEST)

@@ -6,7 +6,7 @@ import numpy as np
 
 from flatland_plugins.social_force import Others
 from flatland_plugins.wall_grid import WallGrid, nearest
-from flatland_server import Circle, FloatArray, Footprint, Model, ModelBody, Segments
+from flatland_server import Circle, FloatArray, Footprint, Model, ModelBody, Segments, cos_sin
 
 
 class Walls:
@@ -73,7 +73,7 @@ class Outline:
             poses: of the body, for each of these [m, m, rad], shape (n, 3).
         """
         x, y, yaw = poses.T[..., np.newaxis]
-        cos, sin = np.cos(yaw), np.sin(yaw)
+        cos, sin = cos_sin(yaw)
         lines = np.empty((len(points), *self._lines.shape))
         for i in (0, 2):
             along, across = self._lines[:, i], self._lines[:, i + 1]

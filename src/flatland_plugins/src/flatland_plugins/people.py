@@ -11,7 +11,7 @@ import numpy as np
 from flatland_plugins.crowd_config import PedestrianConfig
 from flatland_plugins.pedestrian import LEG_OFFSET, LEGS
 from flatland_plugins.social_force import directions
-from flatland_server import FloatArray, IntArray
+from flatland_server import FloatArray, IntArray, cos_sin, headings
 
 _WALK_RATIO = 0.0064 * 60.0
 """A step's length by the steps per second [m s], about equal at all speeds.
@@ -56,7 +56,7 @@ class People:
     Attributes:
         radii: [m], (p,).
         speeds: desired ones [m/s], (p,).
-        walkers: indices of those who have legs, (q,).
+        walkers: indices of those with legs, (q,).
     """
 
     def __init__(self, configs: Sequence[PedestrianConfig]) -> None:
@@ -89,7 +89,7 @@ class People:
 
     def turns(self, yaws: FloatArray, velocities: FloatArray, dt: float) -> FloatArray:
         """By how much they turn in `dt` seconds towards the direction of their velocities [rad]."""
-        turn = np.arctan2(velocities[..., 1], velocities[..., 0]) - yaws
+        turn = headings(velocities) - yaws
         turn -= math.tau * np.rint(turn / math.tau)
         _, speeds = directions(velocities)
         turn = np.minimum(np.maximum(turn, -_TURN_RATE * dt), _TURN_RATE * dt)
@@ -113,7 +113,7 @@ class People:
             Strides (n, p), and positions of left and right legs [m], (n, q, 2, 2).
         """
         after = poses + motions * dt
-        cos, sin = np.cos(after[..., 2]), np.sin(after[..., 2])
+        cos, sin = cos_sin(after[..., 2])
         speeds = motions[..., 0] * cos + motions[..., 1] * sin
         steps = np.sqrt(_WALK_RATIO * np.abs(speeds))
         done = speeds * dt / (2.0 * np.where(steps > 0.0, steps, 1.0))

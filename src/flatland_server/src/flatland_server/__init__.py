@@ -31,6 +31,7 @@ from flatland_server._core import (
     Tricycle,
     Tween,
 )
+from flatland_server.array_math import cos_sin, headings
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
 from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import check_topic_name
@@ -165,9 +166,11 @@ __all__ = [
     "YamlError",
     "YamlReader",
     "check_topic_name",
+    "cos_sin",
     "fill_pose",
     "fill_twist",
     "header",
+    "headings",
     "messages",
     "quaternion",
     "ros_time",
