@@ -91,7 +91,7 @@ def test_the_office_is_shown_again_after_a_reset(viewer):
     assert answer["success"], answer["message"]
     if viewer.kind == "rviz":  # which discards everything
         viewer.waiting(lambda: walls(viewer.picture("reset")) < 0.5 * before, "the walls to go", 20)
-    else:  # the window keeps the walls, and subscribes anew to what moves
+    else:  # the window keeps the walls, and subscribes again to what moves
         while viewer.ros.clock() < 4.0:
             assert walls(viewer.picture("reset")) > 0.8 * before
     viewer.waiting(viewer.shows_office, "walls, robot, boxes and scan", 20)

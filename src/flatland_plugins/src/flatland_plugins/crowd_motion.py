@@ -22,12 +22,12 @@ class CrowdMotion(BatchMotion):
         config: of the crowd.
         walls: of the world, that they see.
         see_walls: makes these out of the walls of each layer of a world.
-        people: those who are there, p.
+        people: those that exist, p.
         outlines: the other bodies that they see.
         count: number of worlds, n.
 
     Attributes:
-        people: those who are there.
+        people: those that exist.
         progress: of the people, in all worlds.
     """
 

@@ -1,16 +1,16 @@
 """The exceptions of Flatland, as one tree.
 
     FlatlandError
-    ├── YamlError      a file is missing, unreadable or wrong; has file, line and column
-    ├── MissingPackageError  what is asked for needs a Python package that is not installed
-    ├── ModelError     a model does not exist or cannot be created, or its name is taken or invalid
-    ├── LayerError     a layer does not exist
-    ├── MessageError   a message type is unknown or wrongly defined, or a message has a wrong value
-    ├── PluginError    a plugin is unknown or cannot be imported, or fails in a `Simulation`
-    ├── RecordingError a recording cannot be written
-    ├── StateError     a world's state cannot be saved, or does not fit the world it is loaded into
-    ├── TopicError     a topic or frame cannot have this name, or a topic not this type
-    └── UsageError     a program calls something with a wrong value, or after `close`
+    ├── YamlError           a file is missing, unreadable or wrong; has file, line and column
+    ├── ModelError          a model does not exist or cannot be created, or its name is not usable
+    ├── LayerError          a layer does not exist
+    ├── MessageError        a message type is unknown or wrongly defined, or a value is wrong
+    ├── MissingPackageError a Python package is needed that is not installed
+    ├── PluginError         a plugin is unknown or cannot be imported, or fails in a `Simulation`
+    ├── RecordingError      a recording cannot be written
+    ├── StateError          a state cannot be saved, or does not fit the world it is loaded into
+    ├── TopicError          a topic or frame cannot have this name, or a topic not this type
+    └── UsageError          a program calls something with a wrong value, or after `close`
 
 The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
 Messages tell the user where the problem is, what was expected and what was found.

@@ -79,7 +79,7 @@ class Menus(QObject):
         menu.addMenu(self._recent)
         self._recent.chosen.connect(self.world_chosen)
         reload = self._action(menu, "Re&load files", "action_reload", self.reload_asked.emit, "F5")
-        reload.setToolTip("After an edit: loads the world's files anew; time goes on.")
+        reload.setToolTip("After an edit: loads the world's files again; time goes on.")
         menu.addSeparator()
         self.reset = self._action(
             menu, "Re&set", "action_reset", self.world_reset_asked.emit, "Ctrl+R"

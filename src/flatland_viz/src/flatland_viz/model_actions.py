@@ -101,7 +101,7 @@ class ModelActions(QObject):
         self._show()
 
     def forget(self) -> None:
-        """Forgets what could be undone: the world has begun anew."""
+        """Forgets what could be undone: the world has begun again."""
         self._undo.clear()
         self._show()
 

@@ -74,7 +74,7 @@ class ModelWorkbench(QObject):
         view.addAction(self.panel.toggleViewAction())
 
     def forget(self) -> None:
-        """Forgets what could be undone: the world has begun anew."""
+        """Forgets what could be undone: the world has begun again."""
         self._actions.forget()
 
     def _on_models(self, models: Dict[str, Model]) -> None:

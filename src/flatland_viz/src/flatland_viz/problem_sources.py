@@ -65,7 +65,7 @@ class ProblemSources(QObject):
         self._emit(self.lasts, "models", states, rospy.get_time())
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        """Each message has all states of its node, whose names begin with the node's."""
+        """Each message has all states of its node. Their names begin with the node's."""
         states = [
             (status.name, status.message, status.level >= DiagnosticStatus.ERROR)
             for status in message.status

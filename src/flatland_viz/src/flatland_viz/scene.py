@@ -157,7 +157,7 @@ class Scene(QObject):
         self._manager.getViewManager().getCurrent().subProp("Follow").setValue(model)
 
     def begin_again(self) -> None:
-        """Discards everything shown of a previous run, and subscribes anew."""
+        """Discards everything shown of a previous run, and subscribes again."""
         self._manager.resetTime()
         for shown, display in self._displays.items():
             if display.isEnabled() and shown.kind != WALLS:  # rviz does not discard walls

@@ -140,12 +140,12 @@ class Server(QObject):
         self._call("step", Step, count, [], 0.0)
 
     def reset(self) -> None:
-        """Makes the world anew, as it was loaded."""
+        """Resets the world to the state in which it was loaded."""
         done = "The world is as it was loaded."
         self._call("reset", Reset, False, False, 0, done=done, refused="The world is not reset")
 
     def reload(self) -> None:
-        """Makes the world anew from its files."""
+        """Loads the world again from its files."""
         done = "The world's files are loaded."
         self._call("reload_world", Trigger, done=done, refused="The files are not loaded")
 

@@ -91,7 +91,7 @@ class Toolbar(QObject):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Fits the toolbar to its width, and to names that have changed."""
         if event.type() in (QEvent.ActionAdded, QEvent.ActionRemoved):
-            self._bar.setToolButtonStyle(Qt.ToolButtonTextBesideIcon)  # its width is measured anew
+            self._bar.setToolButtonStyle(Qt.ToolButtonTextBesideIcon)  # its width is measured again
         if event.type() in (QEvent.Resize, QEvent.LayoutRequest) and not self._is_fitting:
             self._is_fitting = True
             self._fit()

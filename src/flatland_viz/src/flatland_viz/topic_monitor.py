@@ -75,7 +75,7 @@ class _Watched:
             self._value = describe(self._type, message_class().deserialize(last))
         counts = self._counts
         if counts and time < counts[-1][0]:
-            counts.clear()  # the simulation has begun anew
+            counts.clear()  # the simulation has begun again
         if not counts or time > counts[-1][0]:
             counts.append((time, count))
         while len(counts) > 2 and counts[1][0] <= time - _WINDOW:

@@ -37,7 +37,7 @@ _STEPS = "steps"
 _REFRESH_PERIOD = 200  # ms: of the status line
 _MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
 _RESET_DELAYS = (200, 3000)
-"""Milliseconds after the restart of a server until the displays subscribe anew. rviz discards all
+"""Milliseconds after the restart of a server until the displays subscribe again. rviz discards all
 messages, latched ones too, when it notices that time went back, at an unknown time within these."""
 
 

@@ -16,7 +16,7 @@ class SceneNode;
 
 namespace flatland_viz {
 
-/// In its own frame, whose pose and scale can be changed without making the triangles anew.
+/// In its own frame: its pose and scale change without making new triangles.
 class FlatShape {
  public:
   /// `layer`: shapes with a higher one are on top, from 0 to 3.

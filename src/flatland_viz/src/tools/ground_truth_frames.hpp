@@ -39,7 +39,7 @@ class GroundTruthFrames {
   bool is_published = false;
 
   void Add(const flatland_msgs::ModelStates& states);
-  /// Discards what is known of the past: simulated time has begun anew.
+  /// Discards what is known of the past: simulated time has begun again.
   void Clear();
   /// Computes the transforms at the present time; to be called often.
   void Update();

@@ -37,7 +37,7 @@ class NameLabel {
   NameLabel(const NameLabel&) = delete;
   NameLabel& operator=(const NameLabel&) = delete;
 
-  /// Draws the label anew if it has changed.
+  /// Draws the label again if it has changed.
   void Set(const QString& text, const LabelStyle& style);
   /// [device pixels]
   QSize size() const { return size_; }

@@ -10,7 +10,7 @@
 namespace flatland_viz {
 
 /// Lines on the ground that are made once. A line takes 16 bytes; rviz's own take hundreds, and are
-/// computed anew when the camera moves.
+/// computed again when the camera moves.
 class WallLines : public Ogre::SimpleRenderable {
  public:
   /// @param ends  x, y of both ends of each line [m]; may be discarded afterwards

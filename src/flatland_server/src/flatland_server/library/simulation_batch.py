@@ -308,8 +308,7 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        core, chosen = self._require_open(), index_of(index, self._num_envs)
-        self._plugins.load(core, chosen, self._seeds, self._steps)
+        core, chosen = self._load_one(index)
         poses, velocities = core.motions(self._view.bodies, chosen)
         nanoseconds = int(self._steps[index]) * self._step_nanoseconds
         seed = int(self._seeds[index])
@@ -326,8 +325,7 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        core, chosen = self._require_open(), index_of(index, self._num_envs)
-        self._plugins.load(core, chosen, self._seeds, self._steps)
+        self._load_one(index)
         return self._plugins.added_walls(index)
 
     def free_space(self, clearance: float) -> FreeSpace:
@@ -390,6 +388,16 @@ class SimulationBatch:
         if self._core is None:
             raise UsageError("the batch is closed")
         return self._core
+
+    def _load_one(self, index: int) -> Tuple[_core.WorldBatch, BoolArray]:
+        """The core, after the plugins of an environment are loaded, and the mask of that one.
+
+        Raises:
+            UsageError: there is no such environment, or the batch is closed.
+        """
+        core, chosen = self._require_open(), index_of(index, self._num_envs)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
+        return core, chosen
 
     def _open(self, seed: int) -> World:
         """The world with another seed."""

@@ -1,7 +1,5 @@
 """The services that control time and state: steps, resets, and saved states."""
 
-import threading
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Callable, Type, Union
 
@@ -30,6 +28,7 @@ from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError
 from flatland_server.messages import ros_time
 from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
+from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import read_state, write_state
@@ -122,17 +121,9 @@ class StateServices:
 
 def _set_param(name: str, value: str) -> None:
     """Sets a parameter, if the ROS master answers in time; it may be stopped, or dead."""
-
-    def set_param() -> None:
-        with suppress(OSError, rosgraph.MasterException, rospy.ROSException):
-            rospy.set_param(name, value)
-            is_set.set()
-
-    is_set = threading.Event()
-    thread = threading.Thread(target=set_param, daemon=True)
-    thread.start()
-    thread.join(REGISTRATION_LIMIT)
-    if not is_set.is_set():
+    try:
+        Master(rosgraph.get_master_uri()).set_parameter(rospy.resolve_name(name), value)
+    except NO_ANSWER:
         rospy.logwarn("the ROS master does not answer: %s is not set to %s", name, value)
 
 

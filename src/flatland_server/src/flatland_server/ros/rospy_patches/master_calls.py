@@ -1,4 +1,4 @@
-"""The calls to the ROS master that concern topics and services, each with a limited time."""
+"""Calls to the ROS master, each with a limited time."""
 
 import http.client
 import xmlrpc.client
@@ -83,6 +83,14 @@ class Master:
             else:
                 call(node, change.name, node_uri)
         return list(calls())
+
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Sets a parameter by its resolved name.
+
+        Raises:
+            NO_ANSWER: one of these.
+        """
+        self._proxy.setParam(rospy.get_caller_id(), name, value)
 
     def has_service(self, name: str, uri: str) -> bool:
         """Whether the master knows this service.
