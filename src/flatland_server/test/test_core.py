@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-SOURCE = Path(__file__).parent / "core"
 BUILD = Path(__file__).resolve().parents[3] / "build"
+PROGRAMS = ("flatland_core_test", "flatland_core_test_sanitized")
 
 pytestmark = pytest.mark.slow
 
@@ -22,23 +22,15 @@ def run(*command):
         )
 
 
-def build(folder, *options):
-    """Compile; the tests that run meanwhile, some of them in real time, come first."""
-    run("nice", "cmake", "--build", folder, "--parallel", os.cpu_count(), *options)
+@pytest.fixture(scope="module")
+def programs():
+    """The folder of the programs. The tests that run meanwhile, some in real time, come first."""
+    jobs = f"--parallel={os.cpu_count()}"
+    run("nice", "cmake", "--build", BUILD, jobs, "--target", *PROGRAMS)
+    return BUILD / "src" / "flatland_server" / "test" / "core"
 
 
-def test_core_as_the_server_uses_it():
-    """With the objects of the extension module; only the tests are compiled."""
-    build(BUILD, "--target", "flatland_core_test")
-
-    run(BUILD / "src" / "flatland_server" / "test" / "core" / "flatland_core_test")
-
-
-def test_core_under_the_sanitizers():
-    """With AddressSanitizer and UndefinedBehaviorSanitizer, the core and the tests."""
-    folder = BUILD / "core_test_sanitized"
-
-    run("cmake", "-S", SOURCE, "-B", folder, "-DFLATLAND_SANITIZE=ON")
-    build(folder)
-
-    run(folder / "flatland_core_test")
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_core(programs, program):
+    """As the server uses it, and with AddressSanitizer and UndefinedBehaviorSanitizer."""
+    run(programs / program)

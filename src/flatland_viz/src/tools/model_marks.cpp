@@ -18,7 +18,7 @@
 namespace flatland_viz {
 namespace {
 
-constexpr float kHeight = 0.2f;      // m: above the models
+constexpr float kMarkZ = 0.2f;       // m: above the models
 constexpr double kMinArrow = 9;      // pixels from the middle to the tip
 constexpr double kArrowPart = 0.45;  // of the robot's radius
 constexpr double kGap = 4;           // pixels between a model's handle and its name
@@ -109,7 +109,7 @@ void ModelMarks::Update(const WorldModels& models, const WorldPlane& world,
       geometry_msgs::Pose2D middle;
       middle.x = model->middle().x();
       middle.y = model->middle().y();
-      const Ogre::Vector3 at = world.PositionInScene(Compose(model->state.pose, middle), kHeight);
+      const Ogre::Vector3 at = world.PositionInScene(Compose(model->state.pose, middle), kMarkZ);
       const ScreenScale scale = ScreenScale::At(at, viewport);
       const double handle =
           ModelHandle::Radius(*model, scale.pixels_per_metre, options.pixel_ratio) *
@@ -148,7 +148,7 @@ void ModelMarks::PlaceHeading(Mark& mark, const WorldModel& model, const WorldPl
   }
   // On the base, which is what drives.
   const geometry_msgs::Pose2D& base = model.state.bodies.front();
-  const Ogre::Vector3 at = world.PositionInScene(base, kHeight);
+  const Ogre::Vector3 at = world.PositionInScene(base, kMarkZ);
   const ScreenScale scale = ScreenScale::At(at, viewport);
   const double size = std::max(kArrowPart * model.radius() * scale.pixels_per_metre,
                                kMinArrow * options.pixel_ratio);
@@ -174,7 +174,7 @@ void ModelMarks::PlaceRing(Mark& mark, const WorldModel& model, const WorldPlane
   middle.x = (box.min_x + box.max_x) / 2;
   middle.y = (box.min_y + box.max_y) / 2;
   const geometry_msgs::Pose2D at = Compose(model.state.bodies.front(), middle);
-  mark.ring.Place(world.PositionInScene(at, kHeight), world.OrientationInScene(at),
+  mark.ring.Place(world.PositionInScene(at, kMarkZ), world.OrientationInScene(at),
                   scale.Metres(1.0));
   mark.ring.SetVisible(true);
 }
