@@ -10,9 +10,10 @@ import pytest
 from environments import assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from flatland_gym import SCENARIOS, NavigationSettings
+from flatland_gym import SCENARIOS, NavigationSettings, multi_world_fleet
 from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
+from flatland_gym.multi_world_fleet import MultiWorldFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_server import DistanceGrid, UsageError, world_content
 
@@ -46,10 +47,39 @@ def drive(env, mode, steps, seed=11):
     return results, ends
 
 
+def with_a_person_and_walls(count=2):
+    """A room in which a person walks, and walls are added that differ from episode to episode."""
+    room = world_content(SCENARIOS["empty_room"].world)
+    person = {"pose": [-3, 2, 0], "goals": [[3, 2], [-3, -2]]}
+    walls = {"layer": "walls", "robot_name": "robot", "num_of_walls": count, "wall_wall_dist": 0.6}
+    room["plugins"] = [
+        {"type": "Crowd", "name": "person", "update_rate": 20, "pedestrians": [person]},
+        {"type": "RandomWall", "name": "more", **walls},
+    ]
+    return room
+
+
+def with_a_cart():
+    """A room in which a plugin moves a cart, in Python at each step."""
+    room = world_content(SCENARIOS["empty_room"].world)
+    disc = {"type": "circle", "radius": 0.2, "density": 1}
+    body = {"name": "base", "type": "kinematic", "footprints": [disc]}
+    plugin = {"type": "ConstVelocity", "name": "moves", "body": "base"}
+    plugin.update(vel_x=0.1, vel_y=0.0, omega=0.0)
+    model = {"bodies": [body], "plugins": [plugin]}
+    room["models"].append({"name": "cart", "pose": [-4, 0, 0], "model": model})
+    return room
+
+
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
 @pytest.mark.parametrize("count", [1, 7])
 @pytest.mark.parametrize(
-    ("world", "fleet"), [(("discs", "empty_room"), SimulationFleet), ("discs", BatchFleet)]
+    ("world", "fleet"),
+    [
+        ("discs", BatchFleet),
+        (("discs", with_a_person_and_walls()), MultiWorldFleet),
+    ],
+    ids=["one world", "two worlds"],
 )
 def test_it_equals_so_many_single_environments(mode, count, world, fleet):
     arguments = {"world": world, **CROWDED}
@@ -85,43 +115,46 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
-def with_a_person_and_walls(count=2):
-    """A room in which a person walks, and walls are added that differ from episode to episode."""
-    room = world_content(SCENARIOS["empty_room"].world)
-    person = {"pose": [-3, 2, 0], "goals": [[3, 2], [-3, -2]]}
-    walls = {"layer": "walls", "robot_name": "robot", "num_of_walls": count, "wall_wall_dist": 0.6}
-    room["plugins"] = [
-        {"type": "Crowd", "name": "person", "update_rate": 20, "pedestrians": [person]},
-        {"type": "RandomWall", "name": "more", **walls},
-    ]
-    return room
-
-
-@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
-def test_people_and_walls_that_differ_make_no_difference(mode):
+def test_people_and_walls_that_differ_make_no_difference():
     arguments = {**CROWDED, "world": with_a_person_and_walls()}
-    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode=mode)
-    expected, _ = drive(single, mode, 60)
+    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
+    expected, _ = drive(single, "SameStep", 60)
 
     for threads in (1, 2, 4):
-        vector = make_vector(3, threads=threads, autoreset_mode=mode, **arguments)
+        vector = make_vector(3, threads=threads, autoreset_mode="SameStep", **arguments)
         assert type(vector.unwrapped.navigation.fleet) is BatchFleet
-        assert_same(expected, drive(vector.unwrapped, mode, 60)[0])
+        assert_same(expected, drive(vector.unwrapped, "SameStep", 60)[0])
 
 
-def test_a_plugin_that_acts_at_steps_has_simulations():
-    room = world_content(SCENARIOS["empty_room"].world)
-    disc = {"type": "circle", "radius": 0.2, "density": 1}
-    body = {"name": "base", "type": "kinematic", "footprints": [disc]}
-    plugin = {"type": "ConstVelocity", "name": "moves", "body": "base"}
-    plugin.update(vel_x=0.1, vel_y=0.0, omega=0.0)
-    model = {"bodies": [body], "plugins": [plugin]}
-    room["models"].append({"name": "cart", "pose": [-4, 0, 0], "model": model})
-    arguments = {**CROWDED, "world": room}
-    single = SyncVectorEnv([lambda: make(**arguments)] * 2, autoreset_mode="SameStep")
-    vector = make_vector(2, threads=2, autoreset_mode="SameStep", **arguments)
-    assert type(vector.unwrapped.navigation.fleet) is SimulationFleet
-    assert_same(drive(single, "SameStep", 20)[0], drive(vector.unwrapped, "SameStep", 20)[0])
+@pytest.mark.parametrize(
+    ("world", "fleet"),
+    [(with_a_cart(), SimulationFleet), (("empty_room", with_a_cart()), MultiWorldFleet)],
+    ids=["alone", "beside a batch"],
+)
+def test_a_plugin_that_acts_at_steps_has_simulations(world, fleet):
+    arguments = {**CROWDED, "world": world, "time_limit": 0.5}
+    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
+    vector = make_vector(3, threads=2, autoreset_mode="SameStep", **arguments)
+    assert type(vector.unwrapped.navigation.fleet) is fleet
+    assert_same(drive(single, "SameStep", 25)[0], drive(vector.unwrapped, "SameStep", 25)[0])
+
+
+def test_a_batch_is_made_when_an_episode_is_in_its_world(monkeypatch):
+    made = []
+
+    def new_batch(world, *others):
+        made.append(world.name)
+        return BatchFleet(world, *others)
+
+    monkeypatch.setattr(multi_world_fleet, "BatchFleet", new_batch)
+    env = make_vector(3, world=("discs", "doors", "empty_room"), beams=4)
+    env.reset(seed=1, options={"world": "empty_room"})
+    assert made == ["empty_room"]
+    last = np.array([False, False, True])
+    for _ in range(2):
+        env.reset(options={"reset_mask": last, "world": "discs"})
+    assert made == ["empty_room", "discs"]
+    env.close()
 
 
 def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
@@ -346,8 +379,9 @@ def test_wrong_arguments_are_named(arguments, message):
         {"world": "discs", "obstacles": 3},
         {"world": "doors"},
         {"world": "corridor"},
+        {"world": ("empty_room", "doors")},
     ],
-    ids=["boxes and noise", "obstacles", "a door", "a crowd"],
+    ids=["boxes and noise", "obstacles", "a door", "a crowd", "two worlds"],
 )
 def test_pictures_are_those_of_single_environments(arguments):
     """To the pixel, after a reset of one of two environments."""

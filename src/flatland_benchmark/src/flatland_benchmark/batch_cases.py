@@ -4,11 +4,12 @@ import math
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any, Dict, NamedTuple
+from typing import Any, Dict, List, NamedTuple, Optional
 
 import numpy as np
 
 from flatland_benchmark.case import Case, Figures
+from flatland_server.arrays import BoolArray
 from flatland_server.library.simulation_batch import SimulationBatch
 
 _CLEARANCE = 0.3
@@ -70,8 +71,13 @@ def office(worlds: Path, beams: int) -> Dict[str, Any]:
     }
 
 
-def run_batch(worlds: Path, count: int, beams: int, pace: Pace, threads: int) -> Figures:
-    """Environments with robots all over the office that drive at random until they collide."""
+def run_batch(
+    worlds: Path, count: int, beams: int, pace: Pace, threads: int, calls: int = 1
+) -> Figures:
+    """Environments with robots all over the office that drive at random until they collide.
+
+    Each step takes so many calls, as if the environments of a call were in a world of their own.
+    """
     before = proportional_memory()
     rng = np.random.default_rng(0)
     with SimulationBatch(
@@ -81,7 +87,7 @@ def run_batch(worlds: Path, count: int, beams: int, pace: Pace, threads: int) ->
         warm_up(batch, rng)
         spread(batch, rng)
         memory = proportional_memory() - before
-        figures = measure(batch, pace.substeps, rng)
+        figures = measure(batch, pace.substeps, rng, calls)
         return {**figures, "memory [MB]": memory, **time_resets(batch, rng)}
 
 
@@ -101,16 +107,18 @@ def warm_up(batch: SimulationBatch, rng: np.random.Generator) -> None:
             batch.observe(out=out)
 
 
-def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator) -> Figures:
+def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator, calls: int) -> Figures:
     """Steps all environments for a while; resets in between are not counted."""
     out = batch.observe()
+    masks = masks_of(batch.num_envs, calls, rng)
     count, seconds, cpu, fastest = 0, 0.0, 0.0, math.inf
     steps = max(1, _BLOCK // batch.num_envs // substeps)
     while seconds < _MEASURED:
         actions = rng.uniform([0.0, -1.0], [0.6, 1.0], (batch.num_envs, 2))
         begin, begin_cpu = time.perf_counter(), time.process_time()
         for _ in range(steps):
-            batch.step(actions, substeps, out=out)
+            for mask in masks:
+                batch.step(actions, substeps, out=out, mask=mask)
         block = time.process_time() - begin_cpu
         seconds += time.perf_counter() - begin
         cpu += block
@@ -125,6 +133,14 @@ def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator) -> 
         "CPU per env step [us]": cpu / count * 1e6,
         "fastest CPU per env step [us]": fastest * 1e6,
     }
+
+
+def masks_of(count: int, parts: int, rng: np.random.Generator) -> List[Optional[BoolArray]]:
+    """Masks that share environments at random; None for a single part."""
+    if parts == 1:
+        return [None]
+    part_of = rng.integers(parts, size=count)
+    return [part_of == part for part in range(parts)]
 
 
 def time_resets(batch: SimulationBatch, rng: np.random.Generator) -> Figures:
@@ -152,14 +168,16 @@ def proportional_memory() -> float:
     raise RuntimeError("/proc/self/smaps_rollup has no Pss")
 
 
-def _case(count: int, beams: int, pace: Pace, threads: int) -> Case:
+def _case(count: int, beams: int, pace: Pace, threads: int, calls: int = 1) -> Case:
     name = f"batch_{count}_{beams}_{pace.name}" + ("_x2" if threads > 1 else "")
+    name += "_masks" if calls > 1 else ""
     environments = "1 environment" if count == 1 else f"{count} environments"
     on = "2 threads" if threads > 1 else "1 thread"
+    on += f", in {calls} calls with masks" if calls > 1 else ""
     return Case(
         name,
         f"{environments} of the office, {beams} beams, steps of {pace.name}, {on}",
-        partial(run_batch, count=count, beams=beams, pace=pace, threads=threads),
+        partial(run_batch, count=count, beams=beams, pace=pace, threads=threads, calls=calls),
     )
 
 
@@ -171,4 +189,5 @@ BATCH_CASES = (
         for pace in _PACES
     ),
     *(_case(1024, 360, pace, 2) for pace in _PACES),
+    *(_case(count, 64, _PACES[0], 1, calls=3) for count in (64, 1024)),
 )

@@ -11,9 +11,9 @@ from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.settings import NavigationSettings
 from flatland_server import (
     BatchObservation,
+    BoolArray,
     FloatArray,
     IntArray,
-    PluginError,
     Simulation,
     SimulationBatch,
 )
@@ -27,14 +27,22 @@ class BatchFleet(Fleet):
         settings: of the environment.
         count: of places.
         threads: of the batch.
+        arrays: see `Fleet`; None: new ones.
 
     Raises:
         PluginError: a plugin of the world runs in Python at each step.
     """
 
     def __init__(
-        self, world: NavigationWorld, settings: NavigationSettings, count: int, threads: int = 1
+        self,
+        world: NavigationWorld,
+        settings: NavigationSettings,
+        count: int,
+        threads: int = 1,
+        arrays: Optional[BatchObservation] = None,
     ) -> None:
+        self._rows = arrays or BatchObservation.empty(count, world.robot.beams)
+        super().__init__(self._rows)
         self._settings = settings
         self._room = world.radius + settings.margin
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
@@ -49,29 +57,23 @@ class BatchFleet(Fleet):
             params=settings.params,
         )
         self._places = np.zeros((count, len(self._moved), 3))
-        self._rows = BatchObservation.empty(count, world.robot.beams)
-        self.ranges = self._rows.ranges
-        self.poses = self._rows.poses
-        self.velocities = self._rows.local_velocities
-        self.collided = self._rows.collided
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         count = len(self.poses)
-        mask, seeds, poses = np.zeros(count, bool), np.zeros(count, np.int64), np.zeros((count, 3))
-        mask[indices] = True
+        seeds, poses = np.zeros(count, np.int64), np.zeros((count, 3))
         seeds[indices] = [episode.seed for episode in episodes]
         poses[indices] = [episode.starts[0] for episode in episodes]
         places = self._places
         for index, episode in zip(indices.tolist(), episodes):
             places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
-        self._batch.reset(mask, seeds, poses, out=self._rows, model_poses=places)
+        self._batch.reset(self._mask(indices), seeds, poses, out=self._rows, model_poses=places)
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
         return are_near(episode, self._batch.added_walls(index), self._room)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
-        """Steps all places: those that are left out are reset before they are used again."""
-        self._batch.step(actions, self._settings.frame_skip, out=self._rows)
+        mask = None if len(indices) == len(self.poses) else self._mask(indices)
+        self._batch.step(actions, self._settings.frame_skip, out=self._rows, mask=mask)
 
     def simulation(self, index: int) -> Simulation:
         """A simulation that shows the place: the same one for all places."""
@@ -80,14 +82,7 @@ class BatchFleet(Fleet):
     def close(self) -> None:
         self._batch.close()
 
-
-def batch_fleet(
-    worlds: Sequence[NavigationWorld], settings: NavigationSettings, count: int, threads: int
-) -> Optional[BatchFleet]:
-    """A `BatchFleet`, or None if these worlds need simulations of their own."""
-    if len(worlds) > 1:
-        return None
-    try:
-        return BatchFleet(worlds[0], settings, count, threads)
-    except PluginError:
-        return None
+    def _mask(self, indices: IntArray) -> BoolArray:
+        mask = np.zeros(len(self.poses), bool)
+        mask[indices] = True
+        return mask

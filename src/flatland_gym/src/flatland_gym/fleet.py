@@ -13,11 +13,16 @@ from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FloatArray, IntArray, Simulation
+from flatland_server import BatchObservation, FloatArray, IntArray, Simulation
 
 
 class Fleet(RobotRows, ABC):
-    """The state of n robots, one in each of n simulations."""
+    """The state of n robots, one in each of n simulations.
+
+    Args:
+        arrays: that the state is written to. Fleets may share them, if each place is used in one of
+            the fleets at a time.
+    """
 
     @abstractmethod
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
@@ -55,6 +60,7 @@ class SimulationFleet(Fleet):
         settings: of the environment.
         count: of places.
         threads: how many of them are stepped at a time.
+        arrays: see `Fleet`; None: new ones.
     """
 
     def __init__(
@@ -63,12 +69,13 @@ class SimulationFleet(Fleet):
         settings: NavigationSettings,
         count: int,
         threads: int = 1,
+        arrays: Optional[BatchObservation] = None,
     ) -> None:
-        super().__init__(count, worlds[0].robot.beams)
+        super().__init__(arrays or BatchObservation.empty(count, worlds[0].robot.beams))
         self._worlds = worlds
         self._settings = settings
         self._berths: List[Dict[int, Berth]] = [{} for _ in range(count)]
-        self._current: List[Berth] = []
+        self._current: Dict[int, Berth] = {}
         self._pool: Optional[ThreadPoolExecutor] = None
         self._threads = min(threads, count)
         if self._threads > 1:
@@ -76,8 +83,6 @@ class SimulationFleet(Fleet):
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         chosen = dict(zip(indices.tolist(), episodes))
-        if not self._current:
-            self._current = [self._berth(i, chosen[i].world) for i in range(len(self._berths))]
 
         def begin(index: int) -> None:
             berth = self._current[index] = self._berth(index, chosen[index].world)

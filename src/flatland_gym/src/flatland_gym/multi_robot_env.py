@@ -14,7 +14,7 @@ from flatland_gym.pictures import check_render_mode, picture
 from flatland_gym.rewards import Transition
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings, is_whole, require_seed
-from flatland_server import FloatArray, MissingPackageError, UsageError
+from flatland_server import BatchObservation, FloatArray, MissingPackageError, UsageError
 
 try:
     from pettingzoo import ParallelEnv
@@ -64,7 +64,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         self._sampler = EpisodeSampler([self._world], settings)
         self._rng: Optional[np.random.Generator] = None
         self._berth = Berth(self._world, settings)
-        self._rows = RobotRows(len(self.possible_agents), self._robot.beams)
+        self._rows = RobotRows(BatchObservation.empty(len(self.possible_agents), self._robot.beams))
         self._goals = np.zeros((len(self.possible_agents), 2))
         self._distances = np.zeros(len(self.possible_agents))
         self._steps = 0

@@ -10,9 +10,9 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from gymnasium import spaces
 
-from flatland_gym.batch_fleet import batch_fleet
 from flatland_gym.episodes import EpisodeSampler
 from flatland_gym.fleet import Fleet, SimulationFleet
+from flatland_gym.multi_world_fleet import make_fleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import as_dict, bounds, goal_distances, observe
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
@@ -66,8 +66,8 @@ class Navigation:
         for world in self._worlds[1:]:
             _require_alike(self._worlds[0], world)
         self._sampler = EpisodeSampler(self._worlds, settings)
-        batch = None if in_python else batch_fleet(self._worlds, settings, count, threads)
-        self.fleet: Fleet = batch or SimulationFleet(self._worlds, settings, count, threads)
+        new_fleet = SimulationFleet if in_python else make_fleet
+        self.fleet: Fleet = new_fleet(self._worlds, settings, count, threads)
         self.action_space = self.robot.action_space()
         self.observation_space = observation_space(self.robot, settings)
         self._limits = self.robot.actions

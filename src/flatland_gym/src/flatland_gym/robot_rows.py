@@ -1,12 +1,13 @@
 """What is measured of n robots, as arrays with a row for each."""
 
-import numpy as np
-
-from flatland_server import BoolArray, Float32Array, FloatArray
+from flatland_server import BatchObservation, BoolArray, Float32Array, FloatArray
 
 
 class RobotRows:
     """The state of n robots, as arrays that are overwritten in each step.
+
+    Args:
+        arrays: that these are.
 
     Attributes:
         ranges: [m], +inf for no return; float32, shape (n, beams).
@@ -15,8 +16,8 @@ class RobotRows:
         collided: whether a robot has touched something solid in its last step, shape (n,).
     """
 
-    def __init__(self, count: int, beams: int) -> None:
-        self.ranges: Float32Array = np.zeros((count, beams), np.float32)
-        self.poses: FloatArray = np.zeros((count, 3))
-        self.velocities: FloatArray = np.zeros((count, 3))
-        self.collided: BoolArray = np.zeros(count, dtype=bool)
+    def __init__(self, arrays: BatchObservation) -> None:
+        self.ranges: Float32Array = arrays.ranges
+        self.poses: FloatArray = arrays.poses
+        self.velocities: FloatArray = arrays.local_velocities
+        self.collided: BoolArray = arrays.collided

@@ -336,6 +336,32 @@ def test_a_reset_writes_the_rows_of_those_that_are_reset(world_of):
             assert np.array_equal(array, present)
 
 
+def test_environments_that_are_not_stepped_stay_as_they_are(world_of):
+    """Each makes its steps in calls of its own, as if all were stepped in each call."""
+    count, rounds = 5, 12
+    world = world_of(noise="0.02", models=WORLD + CROWD + MORE_WALLS)
+    actions = np.stack([commands(k, 2)[:rounds] for k in range(count)], axis=1)
+    with SimulationBatch(world, count, seed=3) as batch:
+        expected = [batch.observe()] + [batch.step(each, 7) for each in actions]
+
+    for threads in (1, 2):
+        rng, made = np.random.default_rng(1), np.zeros(count, int)
+        with SimulationBatch(world, count, seed=3, threads=threads) as batch:
+            out = batch.observe()
+            while made.min() < rounds:
+                mask = (rng.random(count) < 0.4) & (made < rounds)
+                present = np.full((count, 2), math.nan)
+                for k in np.flatnonzero(mask):
+                    present[k] = actions[made[k], k]
+                batch.step(present, 7, out, mask)
+                made += mask
+                for field, array in enumerate(out):
+                    rows = [expected[made[k]][field][k] for k in range(count)]
+                    assert np.array_equal(array, rows), field
+            for array, kept in zip(batch.step(present, 7, mask=np.zeros(count, bool)), out):
+                assert np.array_equal(array, kept)
+
+
 def test_free_poses_are_as_far_from_walls_and_boxes_as_asked_for(world_of):
     with SimulationBatch(world_of(), 200) as batch:
         poses = batch.free_poses(200, 0.4, np.random.default_rng(0))
@@ -377,6 +403,9 @@ def unusable():
         (lambda b: b.step(ones, out=small), "expected out.ranges as float32 of shape (2, 81)"),
         (lambda b: b.step(ones, out=whole), "out.poses"),
         (lambda b: b.step(ones, out=()), "BatchObservation"),
+        (lambda b: b.step(ones, mask=[0, 1]), "a mask of bool"),
+        (lambda b: b.step(ones, mask=np.ones(3, bool)), "shape (2,)"),
+        (lambda b: b.step(ones * math.nan, mask=[False, True]), "[nan, nan] for environment 1"),
         (lambda b: b.reset([0, 1]), "a mask of bool"),
         (lambda b: b.reset(np.ones(3, bool)), "shape (2,)"),
         (lambda b: b.reset(seeds=[1, -1]), "seeds"),

@@ -61,17 +61,19 @@ class WorldBatch {
   const BatchRobot& robot() const { return robot_; }
   int model_count() const { return static_cast<int>(models_.size()); }
 
-  /// In each environment: commands the drive with its row of `actions` (count x action_size), makes
-  /// `substeps` steps of `dt` [s], and writes its row. If it `goes_on`, a collision in the steps of
-  /// the last call of Advance counts, too. Throws std::invalid_argument, and changes nothing, if an
+  /// In each environment that `mask` chooses (null: all): commands the drive with its row of
+  /// `actions` (count x action_size), makes `substeps` steps of `dt` [s], and writes its row. If it
+  /// `goes_on`, a collision in the steps of the last call of Advance counts, too. The actions of
+  /// other environments are not read. Throws std::invalid_argument, and changes nothing, if an
   /// action is not finite.
   void Step(const double* actions, int substeps, double dt, const BatchRows& rows,
-            bool goes_on = false) {
-    Advance(actions, substeps, dt, &rows, goes_on);
+            bool goes_on = false, const bool* mask = nullptr) {
+    Advance(mask, actions, substeps, dt, &rows, goes_on);
   }
   /// The same without rows: the first steps of several, between which bodies are looked at.
-  void Advance(const double* actions, int substeps, double dt, bool goes_on = false) {
-    Advance(actions, substeps, dt, nullptr, goes_on);
+  void Advance(const double* actions, int substeps, double dt, bool goes_on = false,
+               const bool* mask = nullptr) {
+    Advance(mask, actions, substeps, dt, nullptr, goes_on);
   }
   /// Puts the environments that `mask` chooses (null: all) back to the beginning, moves their
   /// robots to `poses` (count x 3: x, y [m], yaw [rad]; null: they stay) and then the models to
@@ -108,7 +110,8 @@ class WorldBatch {
   /// threads, each of which has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, Visit visit);
-  void Advance(const double* actions, int substeps, double dt, const BatchRows* rows, bool goes_on);
+  void Advance(const bool* mask, const double* actions, int substeps, double dt,
+               const BatchRows* rows, bool goes_on);
   void Command(World& world, const double* action) const;
   /// Moves a model as Model.move does: with the same arithmetic.
   static void Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,

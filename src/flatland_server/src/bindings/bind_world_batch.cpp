@@ -61,16 +61,19 @@ BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
 }
 
 void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double dt,
-          const std::optional<py::tuple>& out, bool goes_on) {
+          const std::optional<py::tuple>& out, bool goes_on,
+          const std::optional<Array<bool>>& mask) {
   RequireShape(actions, "actions", self.batch.count(), self.batch.robot().action_size);
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
   std::optional<BatchRows> rows;
   if (out) rows = ToRows(self.batch, *out);
+  const bool* chosen = mask ? mask->data() : nullptr;
   const Use use(self);
   const py::gil_scoped_release release;
   if (rows) {
-    self.batch.Step(actions.data(), substeps, dt, *rows, goes_on);
+    self.batch.Step(actions.data(), substeps, dt, *rows, goes_on, chosen);
   } else {
-    self.batch.Advance(actions.data(), substeps, dt, goes_on);
+    self.batch.Advance(actions.data(), substeps, dt, goes_on, chosen);
   }
 }
 
@@ -181,7 +184,8 @@ void BindWorldBatch(py::module_& m) {
            py::arg("models"))
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("step", &Step, py::arg("actions").noconvert(), py::arg("substeps"), py::arg("dt"),
-           py::arg("out").none(true), py::arg("goes_on") = false)
+           py::arg("out").none(true), py::arg("goes_on") = false,
+           py::arg("mask").noconvert().none(true) = py::none())
       .def("reset", &Reset, py::arg("mask").noconvert().none(true),
            py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))

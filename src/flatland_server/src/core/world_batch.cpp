@@ -71,27 +71,38 @@ template <class Visit>
 void WorldBatch::ForEach(const bool* mask, Visit visit) {
   team_.Run([&](int i) noexcept {
     const int end = team_.Begin(i + 1, count());
-    for (int row = team_.Begin(i, count()); row < end; ++row) {
-      if (mask != nullptr && !mask[row]) continue;
-      if (row + 1 < end) SharedWorld::Prefetch(*environments_[row + 1].state);
-      if (row + 2 < end) SharedWorld::PrefetchPlaces(*environments_[row + 2].state);
+    const auto first_from = [mask, end](int row) {
+      while (mask != nullptr && row < end && !mask[row]) ++row;
+      return row;
+    };
+    int row = first_from(team_.Begin(i, count()));
+    int next = first_from(row + 1);
+    while (row < end) {
+      const int later = first_from(next + 1);
+      if (next < end) SharedWorld::Prefetch(*environments_[next].state);
+      if (later < end) SharedWorld::PrefetchPlaces(*environments_[later].state);
       Environment& environment = environments_[row];
       visit(environment.own ? *environment.own : *worlds_[i], environment, row);
+      row = next;
+      next = later;
     }
   });
 }
 
-void WorldBatch::Advance(const double* actions, int substeps, double dt, const BatchRows* rows,
-                         bool goes_on) {
+void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, double dt,
+                         const BatchRows* rows, bool goes_on) {
   Require(substeps >= 1, "expected 1 step or more");
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
-  const int64_t numbers = int64_t{count()} * robot_.action_size;
-  for (int64_t i = 0; i < numbers; ++i) {
-    Require(IsUsable(actions[i]), "a commanded velocity must be finite");
+  const int64_t width = robot_.action_size;
+  for (int row = 0; row < count(); ++row) {
+    if (mask != nullptr && !mask[row]) continue;
+    for (int64_t i = width * row; i < width * (row + 1); ++i) {
+      Require(IsUsable(actions[i]), "a commanded velocity must be finite");
+    }
   }
-  ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
+  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
     World& world = shared.Enter(*environment.state);
-    Command(world, actions + int64_t{row} * robot_.action_size);
+    Command(world, actions + width * row);
     environment.collided = environment.collided && goes_on;
     for (int i = 0; i < substeps; ++i) {
       world.Step(dt);

@@ -205,11 +205,13 @@ class WorldBatch(metaclass=_Metaclass):
         dt: float,
         out: tuple[Any, ...] | None,
         goes_on: bool = False,
+        mask: BoolArray | None = None,
     ) -> None:
-        """Commands the robots, makes steps of `dt` [s], and writes all rows. Releases the GIL.
+        """Commands the robots, makes steps of `dt` [s], and writes the rows. Releases the GIL.
 
         With None as `out`, no row is written, and the next call may go on: then a collision of this
-        one counts in its rows, too.
+        one counts in its rows, too. With a mask, only those environments are stepped, their rows
+        written, and their actions read.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.

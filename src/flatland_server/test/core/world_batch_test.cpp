@@ -138,6 +138,40 @@ TEST_F(WorldBatchTest, EnvironmentsThatAreNotResetGoOn) {
   }
 }
 
+TEST_F(WorldBatchTest, OnlyChosenEnvironmentsMakeSteps) {
+  AddWalls();
+  AddBodies();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const int threads : {1, 2}) {
+    WorldBatch batch(world_, robot_, 7, threads), all(world_, robot_, 7, 1);
+    Rows rows(7), expected(7);
+    for (int round = 0; round < 30; ++round) {
+      const std::vector<double> actions = ActionsOf(round, 7);
+      all.Step(actions.data(), 5, kStep, expected.rows());
+      for (const int part : {0, 1, 2}) {  // two, three and two environments
+        bool mask[7];
+        std::vector<double> chosen(actions);
+        for (int k = 0; k < 7; ++k) {
+          mask[k] = (k + 1) / 3 == part;
+          if (!mask[k]) chosen[2 * k] = nan;
+        }
+        batch.Step(chosen.data(), 5, kStep, rows.rows(), false, mask);
+        EXPECT_EQ(rows.steps[0], 5 * (round + 1));
+        EXPECT_EQ(rows.steps[6], 5 * (round + (part == 2 ? 1 : 0)));
+      }
+      ASSERT_EQ(rows.poses, expected.poses);
+      ASSERT_EQ(rows.ranges, expected.ranges);
+    }
+    const bool none[7] = {};
+    const std::vector<double> wrong(14, nan);
+    batch.Step(wrong.data(), 5, kStep, rows.rows(), false, none);
+    EXPECT_EQ(rows.poses, expected.poses);
+    const bool one[7] = {false, true};
+    EXPECT_THROW(batch.Step(wrong.data(), 5, kStep, rows.rows(), false, one),
+                 std::invalid_argument);
+  }
+}
+
 TEST_F(WorldBatchTest, RefusesWhatBox2DCannotComputeWith) {
   AddWalls();
   AddBodies();

@@ -36,14 +36,20 @@ def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> Floa
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def require_finite(actions: FloatArray) -> None:
-    """Checks that all actions are finite, and not beyond MAX_COMMAND, which is the core's limit.
+def require_finite(actions: FloatArray, mask: Optional[BoolArray]) -> None:
+    """Checks that actions are finite, and not beyond MAX_COMMAND, which is the core's limit.
+
+    Args:
+        actions: a row for each environment.
+        mask: which of them matter; None: all.
 
     Raises:
         UsageError: one is not.
     """
     # False for NaN too.
     wrong = ~(np.abs(actions) <= MAX_COMMAND).all(axis=1)
+    if mask is not None:
+        wrong &= mask
     if wrong.any():
         row = int(wrong.argmax())
         raise UsageError(

@@ -53,21 +53,27 @@ class BatchMotions:
             each.due[environment] = 0.0
             each.motion.begin(environment, plugin_rng(seed, each.owner, each.name), walls)
 
-    def update(self, core: _core.WorldBatch, times: IntArray, most: int) -> int:
+    def update(
+        self, core: _core.WorldBatch, chosen: Optional[BoolArray], times: IntArray, most: int
+    ) -> int:
         """Makes the updates that are due; returns the number of steps until the next one is.
 
         Args:
             core: the batch.
+            chosen: which environments, (n,); None: all. The others are not looked at.
             times: of the environments now [ns], (n,).
             most: the largest number that is returned.
         """
         for each in self._entries:
             is_due = times >= each.due
+            if chosen is not None:
+                is_due &= chosen
             if is_due.any():
                 self._update(core, each, is_due)
                 each.due[is_due] = _due_after(times[is_due], each.motion.rate)
-            left = float((each.due - times).min())
-            most = int(min(most, max(1.0, np.ceil(left / self._step))))
+            left = each.due - times
+            least = left.min() if chosen is None else left[chosen].min(initial=np.inf)
+            most = int(min(most, max(1.0, np.ceil(least / self._step))))
         return most
 
     def _update(self, core: _core.WorldBatch, each: _Entry, is_due: BoolArray) -> None:

@@ -63,6 +63,7 @@ class BatchPlugins:
     def step(
         self,
         core: _core.WorldBatch,
+        chosen: Optional[BoolArray],
         commands: FloatArray,
         count: int,
         steps: IntArray,
@@ -72,6 +73,7 @@ class BatchPlugins:
 
         Args:
             core: the batch.
+            chosen: which environments are stepped, (n,); None: all.
             commands: of all robots.
             count: of the steps.
             steps: that each environment has made before, (n,).
@@ -79,14 +81,14 @@ class BatchPlugins:
         """
         made, step_size = 0, self._step * 1e-9
         if self._motions:
-            require_finite(commands)  # before anything is moved
+            require_finite(commands, chosen)  # before anything is moved
         while self._motions:
-            now = self._motions.update(core, (steps + made) * self._step, count - made)
+            now = self._motions.update(core, chosen, (steps + made) * self._step, count - made)
             if now == count - made:
                 break
-            core.step(commands, now, step_size, None, goes_on=made > 0)
+            core.step(commands, now, step_size, None, goes_on=made > 0, mask=chosen)
             made += now
-        core.step(commands, count - made, step_size, out, goes_on=made > 0)
+        core.step(commands, count - made, step_size, out, goes_on=made > 0, mask=chosen)
 
     def added_walls(self, environment: int) -> FloatArray:
         """Walls that plugins have added to an environment: (m, 4)."""

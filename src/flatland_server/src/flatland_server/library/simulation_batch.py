@@ -193,24 +193,32 @@ class SimulationBatch:
     # Steps
 
     def step(
-        self, actions: Any, substeps: int = 20, out: Optional[BatchObservation] = None
+        self,
+        actions: Any,
+        substeps: int = 20,
+        out: Optional[BatchObservation] = None,
+        mask: Optional[Any] = None,
     ) -> BatchObservation:
-        """Commands all robots, makes steps in all environments, and observes them.
+        """Commands robots, makes steps in their environments, and observes.
 
         Args:
             actions: shape (n, k), of float32 or float64: a row for each environment, as its
                 `Simulation` would pass to `command`.
             substeps: number of steps, during which the commands hold.
-            out: arrays that the observation is written to; by default new ones.
+            out: arrays that the observation is written to: only the rows of those environments that
+                are stepped. By default new arrays, with all rows.
+            mask: shape (n,), bool: which environments; None: all. The others stay as they are,
+                whatever their actions, which may be NaN. A mask of False alone changes nothing.
 
         Returns:
             `out`, or new arrays.
 
         Raises:
-            UsageError: the actions are no finite numbers of this shape, `out` does not fit, or the
-                batch is closed. Nothing has changed.
+            UsageError: the actions are no finite numbers of this shape, the mask or `out` does not
+                fit, or the batch is closed. Nothing has changed.
         """
         core = self._require_open()
+        chosen = None if mask is None else mask_of(mask, self._num_envs)
         commands = actions_of(
             actions, (self._num_envs, len(self._action_names)), self._action_names
         )
@@ -218,13 +226,14 @@ class SimulationBatch:
         if substeps > _MOST_STEPS:
             raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
         observation = self._rows(out)
-        self._plugins.load(core, None, self._seeds, self._steps)
+        arrays = self._arrays(observation)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
         try:
-            self._plugins.step(core, commands, substeps, self._steps, self._arrays(observation))
+            self._plugins.step(core, chosen, commands, substeps, self._steps, arrays)
         except ValueError:
-            require_finite(commands)
+            require_finite(commands, chosen)
             raise
-        self._finish(observation, None)
+        self._finish(observation, chosen, is_new=out is None)
         return observation
 
     def reset(
@@ -270,11 +279,7 @@ class SimulationBatch:
         core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
         self._plugins.begin(chosen, self._seeds)
-        if out is None and chosen is not None:
-            self._plugins.load(core, None, self._seeds, self._steps)
-            core.observe(self._arrays(observation))
-            chosen = None
-        self._finish(observation, chosen)
+        self._finish(observation, chosen, is_new=out is None)
         return observation
 
     def observe(self, out: Optional[BatchObservation] = None) -> BatchObservation:
@@ -286,11 +291,9 @@ class SimulationBatch:
         Raises:
             UsageError: `out` does not fit, or the batch is closed.
         """
-        core = self._require_open()
+        self._require_open()
         observation = self._rows(out)
-        self._plugins.load(core, None, self._seeds, self._steps)
-        core.observe(self._arrays(observation))
-        self._finish(observation, None)
+        self._observe(observation)
         return observation
 
     def view(self, index: int) -> Simulation:
@@ -416,8 +419,23 @@ class SimulationBatch:
         """What the core writes to."""
         return (*rows[:5], self._steps)
 
-    def _finish(self, rows: BatchObservation, mask: Optional[BoolArray]) -> None:
-        """Writes the times of the environments that the mask chooses, and adds noise."""
+    def _observe(self, rows: BatchObservation) -> None:
+        """Writes the rows of all environments."""
+        core = self._require_open()
+        self._plugins.load(core, None, self._seeds, self._steps)
+        core.observe(self._arrays(rows))
+        self._finish(rows, None)
+
+    def _finish(
+        self, rows: BatchObservation, mask: Optional[BoolArray], is_new: bool = False
+    ) -> None:
+        """Completes what the core has written of the environments that the mask chooses.
+
+        Writes their times, and adds noise. In new arrays, writes the rows of the others, too.
+        """
+        if is_new and mask is not None and not mask.all():
+            self._observe(rows)
+            return
         nanoseconds = self._steps * self._step_nanoseconds
         if mask is None:
             np.multiply(nanoseconds, 1e-9, out=rows.times)
