@@ -1,21 +1,21 @@
 """Laser: a planar lidar on a body."""
 
 import math
-from functools import lru_cache, partial
-from typing import Callable, Tuple
+from functools import lru_cache
+from typing import Tuple
 
 import numpy as np
 
 from flatland_plugins.laser_config import LaserConfig
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_plugins.sensor_frame import SensorFrame
-from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
     BeamFan,
     Canvas,
     CoreLidar,
     Float32Array,
     ModelPlugin,
+    RangeNoise,
     Timekeeper,
     UpdateTimer,
     YamlReader,
@@ -23,9 +23,6 @@ from flatland_server import (
 
 REFLECTANCE_LAYER = "reflectance"
 """What is on the layer of this name returns an intensity of 255."""
-
-RangeNoise = Callable[[Float32Array, int], Float32Array]
-"""Ranges with noise, of ranges without it and the simulated time [ns]."""
 
 _BEAMS = (0.8, 0.0, 0.0, 0.08)
 _RETURNS = (0.8, 0.0, 0.0, 1.0)
@@ -50,9 +47,8 @@ class Laser(ModelPlugin):
             raise config.error(str(error), "layers") from None
         has_reflectance = REFLECTANCE_LAYER in registry.names
         reflectance = registry.bits([REFLECTANCE_LAYER]) if has_reflectance else 0
-        make_noise = partial(_range_noise, laser)
-        self._add_noise = make_noise(self.rng)
         self._is_noisy = laser.noise_std_dev > 0.0
+        self._add_noise = self._make_noise(self.rng)
         # Mounted upside down, the lidar turns about the downward axis: its beams go the other way.
         handedness = self._handedness = -1.0 if laser.upside_down else 1.0
         fan = _fan(handedness * laser.angle_min, handedness * laser.increment, laser.beams)
@@ -60,7 +56,7 @@ class Laser(ModelPlugin):
             fan, laser.origin, laser.range, layers, reflectance
         )
         self.core_lidar = CoreLidar(
-            self._lidar, laser.range, make_noise if self._is_noisy else None
+            self._lidar, laser.range, self._make_noise if self._is_noisy else None
         )
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
@@ -75,6 +71,9 @@ class Laser(ModelPlugin):
             range_min=0.0,
             range_max=laser.range,
         )
+
+    def _make_noise(self, rng: np.random.Generator) -> RangeNoise:
+        return RangeNoise(int(rng.integers(2**63)), self._config.noise_std_dev, self._config.range)
 
     def has_work(self) -> bool:
         """Whether to scan, or to publish the lidar's frame."""
@@ -137,21 +136,3 @@ class Laser(ModelPlugin):
 def _fan(angle_min: float, increment: float, count: int) -> BeamFan:
     """A fan, shared by equal lidars, so that its tables stay in the processor's cache."""
     return BeamFan(angle_min, increment, count)
-
-
-def _range_noise(laser: LaserConfig, rng: np.random.Generator) -> RangeNoise:
-    """The noise of a laser with these random numbers."""
-    noise = TimedNoise(rng)
-
-    def add(ranges: Float32Array, nanoseconds: int) -> Float32Array:
-        return add_noise(ranges, laser.noise_std_dev, laser.range, noise.at(nanoseconds))
-
-    return add
-
-
-def add_noise(
-    ranges: Float32Array, std_dev: float, range_max: float, rng: np.random.Generator
-) -> Float32Array:
-    """Ranges with Gaussian noise; returns stay within [0, range_max], and no return stays +inf."""
-    noisy = np.clip(ranges + rng.normal(0.0, std_dev, ranges.shape), 0.0, range_max)
-    return np.where(np.isinf(ranges), ranges, noisy).astype(np.float32)

@@ -206,6 +206,7 @@ PYBIND11_MODULE(_core, m) {
   BindWorldBatch(m);
   m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);
+  BindRangeNoise(m);
 }
 
 }  // namespace flatland

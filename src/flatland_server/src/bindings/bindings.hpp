@@ -107,6 +107,7 @@ void BindFixtureChecker(py::module_& m);
 void BindMechanisms(py::module_& m);
 void BindContacts(py::module_& m);
 void BindPriorityGuard(py::module_& m);
+void BindRangeNoise(py::module_& m);
 void BindWorldBatch(py::module_& m);
 
 }  // namespace flatland

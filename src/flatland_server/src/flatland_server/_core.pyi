@@ -15,7 +15,10 @@ properties raise, unless it is said otherwise:
 
 from typing import Any, Callable, NoReturn, Sequence, overload
 
-from flatland_server.arrays import BoolArray, Float32Array, FloatArray, Segments
+import numpy as np
+import numpy.typing as npt
+
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
 
 _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
@@ -648,6 +651,38 @@ class Tween(_WithoutConstructor):
     @property
     def progress(self) -> float:
         """Elapsed fraction of the duration, 0 at the start and 1 at the end; before easing."""
+
+class RangeNoise(metaclass=_Metaclass):
+    """Gaussian noise of a lidar's ranges, for each time another one.
+
+    It depends on the key, the time and the beam alone: a scan made twice has the same noise.
+
+    Args:
+        key: from the plugin's random numbers: `int(self.rng.integers(2**63))`.
+        std_dev: its standard deviation [m], 0 or more.
+        max_range: of the lidar [m].
+    """
+
+    def __init__(self, key: int, std_dev: float, max_range: float) -> None: ...
+    @property
+    def key(self) -> int: ...
+    def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
+        """A new array of ranges with the noise of a time [ns].
+
+        Ranges stay within [0, max_range]; no return stays +inf.
+        """
+    def add_to_rows(
+        self,
+        ranges: Float32Array,
+        keys: npt.NDArray[np.uint64],
+        nanoseconds: IntArray,
+        mask: BoolArray | None,
+    ) -> None:
+        """Adds the noise of these keys (n,) and times (n,) to ranges (n, beams), in place.
+
+        With a mask (n,), only to the rows that it chooses. The noise's own key is not used.
+        Releases the GIL.
+        """
 
 class BeamFan(metaclass=_Metaclass):
     """The directions of a lidar's beams, in its frame.

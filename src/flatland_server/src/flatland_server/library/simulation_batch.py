@@ -20,6 +20,7 @@ from flatland_server.library.batch_arguments import (
     require_finite,
     seeds_of,
 )
+from flatland_server.library.batch_noise import BatchNoise
 from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.batch_plugins import BatchPlugins
 from flatland_server.library.batch_robot import find_robot, require_passive
@@ -28,8 +29,6 @@ from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_source import WorldSource, exported_plugins, open_world
-from flatland_server.plugins.core_parts import RangeNoise
-from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
@@ -136,7 +135,7 @@ class SimulationBatch:
             self._world, self._num_envs, self._step_nanoseconds, self._open
         )
         self._plugins.begin(None, self._seeds)
-        self._noises: Dict[int, RangeNoise] = {}
+        self._noise = BatchNoise(self._robot, self._num_envs)
         self._spaces: Dict[float, FreeSpace] = {}
 
     # Facts
@@ -441,25 +440,14 @@ class SimulationBatch:
             np.multiply(nanoseconds, 1e-9, out=rows.times)
         else:
             rows.times[mask] = nanoseconds[mask] * 1e-9
-        if self._robot.core_lidar.make_noise is not None:
-            for k in range(self._num_envs) if mask is None else np.flatnonzero(mask).tolist():
-                rows.ranges[k] = self._noise(k)(rows.ranges[k], int(nanoseconds[k]))
-
-    def _noise(self, k: int) -> RangeNoise:
-        """The noise of the lidar of an environment."""
-        if k not in self._noises:
-            make_noise = self._robot.core_lidar.make_noise
-            assert make_noise is not None
-            rng = plugin_rng(int(self._seeds[k]), self.robot, self._robot.lidar.name)
-            self._noises[k] = make_noise(rng)
-        return self._noises[k]
+        self._noise.add(rows.ranges, self._seeds, nanoseconds, mask)
 
     def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
         if seeds is None:
             return
-        for k in range(self._num_envs) if mask is None else np.flatnonzero(mask).tolist():
-            self._seeds[k] = seeds[k]
-            self._noises.pop(k, None)
+        chosen = np.arange(self._num_envs) if mask is None else np.flatnonzero(mask)
+        self._seeds[chosen] = seeds[chosen]
+        self._noise.restart(chosen.tolist())
 
     def _walls(self) -> FloatArray:
         """The walls that the robot collides with: shape (n, 4)."""

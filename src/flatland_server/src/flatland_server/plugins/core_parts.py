@@ -7,8 +7,8 @@ import numpy as np
 from flatland_server import _core
 from flatland_server.arrays import Float32Array
 
-RangeNoise = Callable[[Float32Array, int], Float32Array]
-"""Ranges with noise, of ranges [m] without it and the simulated time [ns]."""
+AddNoise = Callable[[Float32Array, int], Float32Array]
+"""Ranges with noise, of ranges [m] without it and the simulated time [ns]: such as `RangeNoise`."""
 
 
 class CoreDrive(NamedTuple):
@@ -28,5 +28,5 @@ class CoreLidar(NamedTuple):
     lidar: _core.Lidar
     range: float
     """The largest distance that is measured [m]."""
-    make_noise: Optional[Callable[[np.random.Generator], RangeNoise]]
+    make_noise: Optional[Callable[[np.random.Generator], AddNoise]]
     """Makes the noise of a plugin out of its random numbers (`Plugin.rng`); None: no noise."""

@@ -1,0 +1,61 @@
+"""The noise of the lidars of a batch."""
+
+from typing import List, Optional, Sequence, Set
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, Float32Array, IntArray
+from flatland_server.library.batch_robot import BatchRobot
+from flatland_server.plugins.core_parts import AddNoise
+from flatland_server.plugins.plugin_factory import plugin_rng
+
+
+class BatchNoise:
+    """Adds to ranges what the lidar of a `Simulation` with an environment's seed would add.
+
+    Args:
+        robot: its model and lidar.
+        count: number of environments, n.
+    """
+
+    def __init__(self, robot: BatchRobot, count: int) -> None:
+        self._robot = robot
+        self._make_noise = robot.core_lidar.make_noise
+        self._noises: List[Optional[AddNoise]] = [None] * count
+        self._keys = np.zeros(count, np.uint64)
+        self._new: Set[int] = set(range(count))
+
+    def restart(self, environments: Sequence[int]) -> None:
+        """To be called after environments have got other seeds."""
+        self._new.update(environments)
+
+    def add(
+        self,
+        ranges: Float32Array,
+        seeds: IntArray,
+        nanoseconds: IntArray,
+        mask: Optional[BoolArray],
+    ) -> None:
+        """Adds the noise of times [ns] to ranges (n, beams), with a mask to those of some rows."""
+        if self._make_noise is None:
+            return
+        self._make(seeds)
+        first = self._noises[0]
+        if isinstance(first, _core.RangeNoise):  # all are
+            first.add_to_rows(ranges, self._keys, nanoseconds, mask)
+            return
+        for k in range(len(ranges)) if mask is None else np.flatnonzero(mask).tolist():
+            noise = self._noises[k]
+            assert noise is not None
+            ranges[k] = noise(ranges[k], int(nanoseconds[k]))
+
+    def _make(self, seeds: IntArray) -> None:
+        """Makes the noise of environments that have got other seeds."""
+        assert self._make_noise is not None
+        for k in self._new:
+            rng = plugin_rng(int(seeds[k]), self._robot.model.name, self._robot.lidar.name)
+            noise = self._noises[k] = self._make_noise(rng)
+            if isinstance(noise, _core.RangeNoise):
+                self._keys[k] = noise.key
+        self._new.clear()
