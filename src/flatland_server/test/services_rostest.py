@@ -7,6 +7,7 @@ from pathlib import Path
 
 import rospkg
 import rospy
+import tcpros_client
 from flatland_msgs.msg import DebugTopicList
 from flatland_msgs.srv import ChangeRate, GetModelMarkers
 from geometry_msgs.msg import Twist
@@ -212,6 +213,10 @@ class Services(RecordingCase):
         for _ in range(20):
             self.assertFalse(delete("missing").success)
         self.assertLessEqual(len(self.clock.messages) - count, 1)
+        _, _, server = rospy.get_master().lookupNode("/flatland_server")
+        with tcpros_client.subscribe(server, "/clock", Clock) as late_node:
+            time_of_pause = tcpros_client.next_message(late_node, Clock)
+        self.assertEqual(time_of_pause, self.clock.messages[-1])
 
         call("/resume", Empty)
         self.clock.next(5)

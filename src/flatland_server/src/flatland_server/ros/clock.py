@@ -6,6 +6,7 @@ from typing import List
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from flatland_server.ros.ros_transport import SubscriberCounter
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.timekeeper import Timekeeper
 
@@ -29,7 +30,11 @@ class ClockPublisher:
     def __init__(self, timekeeper: Timekeeper, rospy_calls: RospyCalls) -> None:
         self._timekeeper = timekeeper
         self._send_framed = rospy_calls.send_framed
-        self._publisher = rospy.Publisher("/clock", Clock, queue_size=100, tcp_nodelay=True)
+        self._subscribers = SubscriberCounter()
+        self._served_revision = self._subscribers.revision
+        self._publisher = rospy.Publisher(
+            "/clock", Clock, self._subscribers, queue_size=100, tcp_nodelay=True
+        )
         self._numbers: List[int] = []  # of each tick: size, seconds, nanoseconds
         self._local_time = rospy_calls.take_over_time()
         self._set_local_time = self._local_time.set if self._local_time is not None else None
@@ -54,7 +59,18 @@ class ClockPublisher:
         numbers = self._numbers
         if not numbers:
             return
+        self._served_revision = self._subscribers.revision
         self._send_framed(self._publisher, struct.pack(f"<{len(numbers)}I", *numbers))
         numbers.clear()
         if self._local_time is not None:
             self._local_time.notify()
+
+    def repeat_for_new_subscribers(self) -> None:
+        """Sends the current time again if subscribers have come. To be called during a pause.
+
+        A node that starts then would have no time until the next step: `rospy.sleep` and lookups of
+        transforms would wait, and `rosbag record` would miss the messages of that step.
+        """
+        if self._served_revision != self._subscribers.revision:
+            self.tick()
+            self.flush()

@@ -114,6 +114,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
     manager.after_step.append(clock.tick)
     manager.on_tick.append(clock.flush)
+    manager.on_tick.append(lambda: manager.is_stepping or clock.repeat_for_new_subscribers())
     manager.after_jump += [clock.tick, clock.flush]
     transport.before_sending = clock.flush
     if config.show_viz:
