@@ -53,6 +53,21 @@ def test_the_world_may_be_in_a_package(read):
     assert path.parts[-2:] == ("office", "world.yaml")
 
 
+def test_a_relative_world_has_to_be_in_the_nodes_working_directory(read, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FlatlandError) as refusal:
+        read(world_path="sub/world.yaml")
+    assert str(refusal.value) == (
+        f"~world_path: there is no file {tmp_path}/sub/world.yaml; a relative path begins in the "
+        "node's working directory, which is not that of roslaunch: write $PWD/sub/world.yaml for it"
+    )
+
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "world.yaml").touch()
+
+    assert read(world_path="sub/world.yaml").world_path == tmp_path / "sub" / "world.yaml"
+
+
 def test_the_world_may_run_as_fast_as_the_machine_can(read):
     assert read(update_rate="inf").update_rate == float("inf")
 
@@ -60,7 +75,12 @@ def test_the_world_may_run_as_fast_as_the_machine_can(read):
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("world_path", "", "the parameter ~world_path must be the path of a world file"),
+        (
+            "world_path",
+            "",
+            "the parameter ~world_path must be the path of a world file: "
+            "world_path:=PATH for roslaunch, _world_path:=PATH for rosrun",
+        ),
         ("update_rate", 0, "~update_rate: expected a number above 0, found 0"),
         ("update_rate", "fast", "~update_rate: expected a number above 0, found fast"),
         ("update_rate", True, "~update_rate: expected a number above 0, found True"),

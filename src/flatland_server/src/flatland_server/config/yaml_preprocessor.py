@@ -10,10 +10,11 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import yaml
 
+from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import MAX_YAML, is_file, read_input
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
-from flatland_server.exceptions import YamlError, shortened
+from flatland_server.exceptions import FlatlandError, YamlError, shortened
 
 _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
@@ -195,7 +196,10 @@ class YamlPreprocessor:
 
     def _include(self, node: yaml.Node, name: str, files: Tuple[Path, ...]) -> List[yaml.Node]:
         """The resolved documents of a file that a node includes."""
-        path = files[-1].parent / name
+        try:
+            path = files[-1].parent / to_path(name)
+        except FlatlandError as error:
+            raise error_at(node, str(error)) from None
         if not is_file(path):
             raise error_at(node, f"there is no file {path}")
         if any(file.exists() and path.samefile(file) for file in files):
