@@ -31,6 +31,7 @@ def start_server(master, tmp_path):
 
 def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_server):
     server = start_server()
+    assert "/use_sim_time is not set" in server.log
     clock = tcpros_client.subscribe(server.uri, "/clock", Clock)
     topics = master.topics()
 

@@ -16,6 +16,15 @@ _MAX_NUMBERS = 3 * 50
 """Numbers in 50 ticks, which are sent together: a subscriber with a queue of 100 loses none."""
 
 
+def warn_without_simulated_time() -> None:
+    """Logs a warning if other nodes go by real time: their times do not fit the stamps here."""
+    if not rospy.get_param("/use_sim_time", False):
+        rospy.logwarn(
+            "/use_sim_time is not set: other nodes go by real time, though stamps are simulated "
+            "time; server.launch sets it, or `rosparam set /use_sim_time true` before nodes start"
+        )
+
+
 class ClockPublisher:
     """Publishes /clock. The ROS node must be initialised.
 

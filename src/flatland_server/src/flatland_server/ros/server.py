@@ -12,7 +12,7 @@ import rospy
 
 from flatland_server.exceptions import FlatlandError, counted
 from flatland_server.ros import open_files, rospy_patches
-from flatland_server.ros.clock import ClockPublisher
+from flatland_server.ros.clock import ClockPublisher, warn_without_simulated_time
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
@@ -78,6 +78,7 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         timekeeper = Timekeeper(config.step_size)
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
+    warn_without_simulated_time()
     shutdown = Shutdown()
     transport = RosTransport(rospy_patches.install(config.rospy_patches))
     shutdown.transport = transport
