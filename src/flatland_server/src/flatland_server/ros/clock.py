@@ -6,6 +6,7 @@ from typing import List
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from flatland_server.exceptions import listed
 from flatland_server.ros.ros_transport import SubscriberCounter
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.timekeeper import Timekeeper
@@ -16,12 +17,24 @@ _MAX_NUMBERS = 3 * 50
 """Numbers in 50 ticks, which are sent together: a subscriber with a queue of 100 loses none."""
 
 
-def warn_without_simulated_time() -> None:
-    """Logs a warning if other nodes go by real time: their times do not fit the stamps here."""
+def warn_of_other_times() -> None:
+    """Logs a warning if the time of other nodes is not the time of the stamps here."""
     if not rospy.get_param("/use_sim_time", False):
         rospy.logwarn(
             "/use_sim_time is not set: other nodes go by real time, though stamps are simulated "
             "time; server.launch sets it, or `rosparam set /use_sim_time true` before nodes start"
+        )
+    topic = rospy.resolve_name("/clock")
+    _, _, (publishers, _, _) = rospy.get_master().getSystemState()
+    nodes = {node for name, nodes in publishers if name == topic for node in nodes}
+    others = sorted(nodes - {rospy.get_name()})
+    if others:
+        rospy.logwarn(
+            "%s is also published by %s: time will jump from one to the other and back. For a "
+            'server in a namespace, remap it: <remap from="/clock" to="clock"/>, and likewise /tf '
+            "and /tf_static",
+            topic,
+            listed(others),
         )
 
 

@@ -12,7 +12,7 @@ import rospy
 
 from flatland_server.exceptions import FlatlandError, counted
 from flatland_server.ros import open_files, rospy_patches
-from flatland_server.ros.clock import ClockPublisher, warn_without_simulated_time
+from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
@@ -78,7 +78,6 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         timekeeper = Timekeeper(config.step_size)
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
-    warn_without_simulated_time()
     shutdown = Shutdown()
     transport = RosTransport(rospy_patches.install(config.rospy_patches))
     shutdown.transport = transport
@@ -94,7 +93,9 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         manager = SimulationManager(world, timekeeper, config.update_rate)
         _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
-    if not transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+    if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+        warn_of_other_times()  # of two nodes that start together, the second one sees the first
+    else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
     rospy.loginfo(
         "%s: %s, %s; running",
