@@ -88,6 +88,8 @@ class YamlPreprocessor:
             mark = error.problem_mark
             line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
             problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
+            if mark and text[mark.index : mark.index + 1] == "\t":  # the parser does not name it
+                problem = "lines are indented by spaces, found a tab"
             raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
         except (yaml.YAMLError, RecursionError, ValueError) as error:
             reason = shortened(str(error).splitlines()[0])
