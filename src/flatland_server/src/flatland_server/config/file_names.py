@@ -16,9 +16,10 @@ _HOME = "~/"
 def to_path(name: Union[str, Path]) -> Path:
     """The path that a name means: itself, or for `package://name/path`, one in a package.
 
-    A path may begin with `~/`, the home folder: no shell replaces it in `world_path:=~/world.yaml`,
-    in a request of a service or in a file. A package is a ROS package on ROS_PACKAGE_PATH, or else an installed Python package. Of the folders
-    of a Python package (see `config.packages`), the first counts that has the path.
+    A path may begin with `~/`, the home folder: no shell expands it in `world_path:=~/world.yaml`,
+    in a request of a service, or in a file. A package is a ROS package on ROS_PACKAGE_PATH, or else
+    an installed Python package. Of the folders of a Python package (see `config.packages`), the
+    first counts that has the path.
 
     Raises:
         FlatlandError: there is no such package.
