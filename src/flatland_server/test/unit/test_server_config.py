@@ -72,6 +72,11 @@ def test_the_world_may_run_as_fast_as_the_machine_can(read):
     assert read(update_rate="inf").update_rate == float("inf")
 
 
+@pytest.mark.parametrize("value", [0, 1])
+def test_a_flag_may_be_0_or_1_as_for_roslaunch(read, value):
+    assert read(show_viz=value).show_viz is bool(value)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
@@ -98,7 +103,8 @@ def test_the_world_may_run_as_fast_as_the_machine_can(read):
         ("models", "/:/nowhere", "~models: expected a folder, but /nowhere is none"),
         ("models", "package://", '~models: expected package://name/path, found "package://"'),
         ("world_path", "package://x", 'expected package://name/path, found "package://x"'),
-        ("realtime_priority", 1, "~realtime_priority: expected true or false, found 1"),
+        ("show_viz", 1.0, "~show_viz: expected true or false, found 1.0"),
+        ("realtime_priority", 2, "~realtime_priority: expected true or false, found 2"),
     ],
 )
 def test_a_wrong_parameter_is_named(read, name, value, message):

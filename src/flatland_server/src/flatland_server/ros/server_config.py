@@ -94,9 +94,9 @@ def _folders(name: str) -> Tuple[Path, ...]:
 
 def _flag(name: str, default: bool) -> bool:
     value = rospy.get_param(name, default)
-    if not isinstance(value, bool):
+    if not isinstance(value, int) or value not in (0, 1):  # roslaunch's `if` takes 0 and 1, too
         raise FlatlandError(f"{name}: expected true or false, found {value}")
-    return value
+    return bool(value)
 
 
 def positive_param(name: str, default: float, *, allow_infinity: bool = False) -> float:
