@@ -14,6 +14,7 @@ from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import MAX_YAML, is_file, read_input
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
+from flatland_server.config.yaml_values import is_null
 from flatland_server.exceptions import FlatlandError, YamlError, shortened
 
 _INCLUDE = "$include"
@@ -96,6 +97,8 @@ class YamlPreprocessor:
             raise YamlError(path, f"is not valid YAML: {reason}") from None
         if not documents or documents[0] is None:
             raise YamlError(path, "expected a map, found an empty file")
+        if len(documents) > 1 and _is_empty(documents[-1]):
+            documents.pop()  # nothing follows the last `---`
         return documents
 
     def _check_structure(self, path: Path, text: str) -> None:
@@ -219,6 +222,11 @@ def _named(text: str, path: Path) -> io.StringIO:
     stream = io.StringIO(text)
     stream.name = str(path)
     return stream
+
+
+def _is_empty(document: yaml.Node) -> bool:
+    """Whether nothing is written in a document, not even `null`."""
+    return isinstance(document, yaml.ScalarNode) and is_null(document) and not document.value
 
 
 def _directive(node: yaml.Node, keyword: str) -> Any:
