@@ -22,7 +22,7 @@ def parameters_of(node: str) -> List[Tuple[str, Any]]:
     def note(name: str, default: Any = None) -> Any:
         if name.startswith("~"):
             found[name[1:]] = default
-        return "world.yaml" if name.endswith("world_path") else default
+        return "/world.yaml" if name.endswith("world_path") else default
 
     with mock.patch.object(rospy, "get_param", note):
         READERS[node]()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import rospkg
 import rospy
+import tcpros_client
 from flatland_msgs.msg import DebugTopicList
 from flatland_msgs.srv import ChangeRate, GetModelMarkers
 from geometry_msgs.msg import Twist
@@ -149,6 +150,7 @@ class Services(RecordingCase):
         for answer, error, expected in (
             (spawn("/nowhere/robot.yaml", "a"), MODEL, "there is no file /nowhere/robot.yaml"),
             (spawn(str(OFFICE), "a"), MODEL, f"there is no file {OFFICE}"),
+            (spawn("", "a"), MODEL, "expected the path of a model file, found an empty string"),
             (spawn(str(OFFICE / "office.png"), "a"), YAML, "is not UTF-8 text"),
             (spawn(str(OFFICE / "office.yaml"), "a"), YAML, '"bodies" is missing'),
             (spawn(BOX, "turtlebot"), MODEL, 'a model named "turtlebot" is already there'),
@@ -212,6 +214,10 @@ class Services(RecordingCase):
         for _ in range(20):
             self.assertFalse(delete("missing").success)
         self.assertLessEqual(len(self.clock.messages) - count, 1)
+        _, _, server = rospy.get_master().lookupNode("/flatland_server")
+        with tcpros_client.subscribe(server, "/clock", Clock) as late_node:
+            time_of_pause = tcpros_client.next_message(late_node, Clock)
+        self.assertEqual(time_of_pause, self.clock.messages[-1])
 
         call("/resume", Empty)
         self.clock.next(5)

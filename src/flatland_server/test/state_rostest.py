@@ -160,6 +160,8 @@ class State(unittest.TestCase):
             name = "/save_state" if service is SaveState else "/load_state"
             answer = call(name, service, path)
             self.assertEqual(answer.message, 'ValueError: expected an absolute path, found "state"')
+        answer = call("/load_state", LoadState, "~/nowhere/state")
+        self.assertIn(f"cannot read {Path.home()}/nowhere/state: No such file", answer.message)
         answer = call("/load_state", LoadState, "/nowhere/state")
         self.assertIn("StateError: cannot read /nowhere/state: No such file", answer.message)
 

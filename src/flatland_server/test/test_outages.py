@@ -30,7 +30,11 @@ def start_server(master, tmp_path):
 
 
 def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_server):
+    player = ("/clock", "rosgraph_msgs/Clock", "http://127.0.0.1:1")
+    master.ask("registerPublisher", *player, caller="/rosbag_play")
     server = start_server()
+    assert "/use_sim_time is not set" in server.log
+    assert "/clock is also published by /rosbag_play: time will jump" in server.log
     clock = tcpros_client.subscribe(server.uri, "/clock", Clock)
     topics = master.topics()
 

@@ -26,7 +26,7 @@ def frame_of(robot: Simulation, topic: str) -> str:
     [
         ("earth", "", "earth"),
         ("earth", "r1", "earth"),
-        ("/earth", "r1", "/earth"),
+        ("/earth", "r1", "earth"),
         ("~earth", "", "earth"),
         ("~earth", "r1", "r1_earth"),
         ("~/earth", "r1", "r1_earth"),

@@ -28,17 +28,37 @@ def package(good_files, monkeypatch):
     return folder
 
 
-def test_maps_images_data_and_models_may_be_in_a_package(good_files, package):
+def test_maps_images_data_models_and_includes_may_be_in_a_package(good_files, package):
     good_files.edit("world.yaml", "map: map.yaml", "map: package://robots/map.yaml")
     good_files.edit("world.yaml", "map: lines.yaml", "map: package://robots/lines.yaml")
     good_files.edit("world.yaml", "model: robot", "model: package://robots/robot")
     map_file = "workspace/robots/map.yaml"
     good_files.edit(map_file, "image: map.png", "image: package://robots/map.png")
+    good_files.edit("world.yaml", "properties: {", "properties: $include package://robots/p.yaml #")
+    (package / "p.yaml").write_text("{velocity_iterations: 7}")
 
     world = good_files.load()
 
     assert len(world.get_layer("map").segments) > 4
     assert world.get_model("robot").config.path == package / "robot.model.yaml"
+    good_files.edit("world.yaml", "package://robots/p.yaml", "package://robts/p.yaml")
+    assert 'world.yaml:1: no ROS package is named "robts"' in good_files.refusal()
+
+
+def test_a_path_may_begin_with_the_home_folder(good_files, monkeypatch):
+    monkeypatch.setenv("HOME", str(good_files.folder / "home"))
+    for name in ("map.yaml", "map.png", "robot.model.yaml"):
+        good_files.write(f"home/{name}", (good_files.folder / name).read_bytes())
+    good_files.edit("world.yaml", "map: map.yaml", "map: ~/map.yaml")
+    good_files.edit("world.yaml", "model: robot", "model: ~/robot")
+
+    world = good_files.load()
+    world.spawn_model("~/robot.model.yaml", "another", "another", Pose())
+
+    folders = {model.config.path.parent.name for model in world.models.values()}
+    assert folders == {"home"}
+    with pytest.raises(ModelError, match=r"there is no file /.*/home/none\.yaml$"):
+        world.spawn_model("~/none.yaml", "none", "", Pose())
 
 
 def test_a_model_of_a_package_may_be_spawned(good_files, package):
@@ -206,7 +226,8 @@ def test_a_name_that_says_where_it_is_is_not_looked_up(fleet, name):
         load(fleet).spawn_model(name, "b", "", Pose())
 
 
-def test_a_model_that_is_nowhere_is_an_error_with_the_folders(fleet):
+def test_a_model_that_is_nowhere_is_an_error_with_the_folders(fleet, monkeypatch):
+    monkeypatch.chdir(fleet.folder / "two")
     with pytest.raises(FlatlandError) as of_world:
         load(fleet, "e.yaml")
     with pytest.raises(ModelError) as of_spawn:
@@ -217,7 +238,7 @@ def test_a_model_that_is_nowhere_is_an_error_with_the_folders(fleet):
         "nor in one, two"
     )
     assert fleet.without_folder(str(of_spawn.value)) == (
-        "there is no file e.yaml, nor in world, one, two"
+        "there is no file two/e.yaml, nor in world, one, two"
     )
 
 

@@ -54,6 +54,12 @@ def test_the_documented_include_of_several_documents_into_a_sequence(files, read
     assert result == {"foo": ["first", "one", {"a": "foo", "b": "baz"}, "three", "last"]}
 
 
+def test_a_separator_after_the_last_document_begins_no_other_one(files, read):
+    files.write("child.yaml", "one\n---\ntwo\n---\n")
+
+    assert read("foo:\n  - $[include] child.yaml\n---\n# the end\n") == {"foo": ["one", "two"]}
+
+
 def test_an_include_is_relative_to_the_file_that_it_is_written_in(files, read):
     files.write("parts/wheel.yaml", "radius: $include sizes/radius.yaml\n")
     files.write("parts/sizes/radius.yaml", "0.25\n")

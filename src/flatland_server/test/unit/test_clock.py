@@ -1,7 +1,7 @@
 """/clock without a master: which messages are sent, and in which order."""
 
 import struct
-from typing import Any, ClassVar, List, Tuple
+from typing import Any, ClassVar, Dict, List, Tuple
 
 import pytest
 import rospy
@@ -19,9 +19,11 @@ class Publisher:
     """A fake of rospy's."""
 
     sent: ClassVar[List[Tuple[str, Any]]] = []
+    listeners: ClassVar[Dict[str, Any]] = {}  # by topic: they are told of subscribers
 
-    def __init__(self, topic: str, *_: Any, **__: Any) -> None:
+    def __init__(self, topic: str, _: Any, listener: Any = None, **__: Any) -> None:
         self.topic = topic
+        self.listeners[topic] = listener
 
     def get_num_connections(self) -> int:
         return 1
@@ -61,7 +63,7 @@ def make_clock(sent, rospy_calls, monkeypatch):
     """Makes a clock of a timekeeper at 0, and discards its first tick."""
 
     def make(timekeeper: Timekeeper, uses_simulated_time: bool = False) -> ClockPublisher:
-        subscription = Publisher("/clock") if uses_simulated_time else None
+        subscription = Publisher("/clock", None) if uses_simulated_time else None
         monkeypatch.setattr(local_time.simtime, "_clock_sub", subscription, raising=False)
         monkeypatch.setattr(Publisher, "unregister", lambda _: None, raising=False)
         clock = ClockPublisher(timekeeper, rospy_calls)
@@ -108,6 +110,19 @@ def test_no_more_ticks_are_sent_together_than_fit_into_a_queue_of_100(sent, make
 
     assert len(sent) == 6
     assert ticks(sent) == [STEP * (i + 1) for i in range(300)]
+
+
+def test_a_subscriber_that_comes_in_a_pause_gets_the_time(sent, make_clock):
+    timekeeper = Timekeeper(STEP * 1e-9)
+    clock = make_clock(timekeeper)
+    make_step(timekeeper, clock)
+    clock.flush()
+
+    Publisher.listeners["/clock"].peer_subscribe("/clock", None, None)
+    for _ in range(3):
+        clock.repeat_for_new_subscribers()
+
+    assert ticks(sent) == [STEP, STEP]
 
 
 def test_this_process_knows_the_time_of_each_step_at_once(make_clock, monkeypatch):

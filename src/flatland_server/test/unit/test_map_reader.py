@@ -84,6 +84,13 @@ def test_line_segments_are_scaled_turned_and_moved(files):
     )
 
 
+def test_line_segments_may_begin_with_a_byte_order_mark_and_end_lines_as_on_windows(files):
+    (files.folder / "wall.dat").write_bytes(b"\xef\xbb\xbf0 0 1 1\r\n2 3 -1 2\r\n")
+    path = files.write("wall.yaml", segment_map())
+
+    assert read_map(path).tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
+
+
 def test_the_yaml_file_is_read_without_the_image_that_it_names(maps):
     maps.write("map.png", "not an image")
 

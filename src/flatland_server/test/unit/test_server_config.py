@@ -53,14 +53,39 @@ def test_the_world_may_be_in_a_package(read):
     assert path.parts[-2:] == ("office", "world.yaml")
 
 
+def test_a_relative_world_has_to_be_in_the_nodes_working_directory(read, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FlatlandError) as refusal:
+        read(world_path="sub/world.yaml")
+    assert str(refusal.value) == (
+        f"~world_path: there is no file {tmp_path}/sub/world.yaml; a relative path begins in the "
+        "node's working directory, which is not that of roslaunch: write $PWD/sub/world.yaml for it"
+    )
+
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "world.yaml").touch()
+
+    assert read(world_path="sub/world.yaml").world_path == tmp_path / "sub" / "world.yaml"
+
+
 def test_the_world_may_run_as_fast_as_the_machine_can(read):
     assert read(update_rate="inf").update_rate == float("inf")
+
+
+@pytest.mark.parametrize("value", [0, 1])
+def test_a_flag_may_be_0_or_1_as_for_roslaunch(read, value):
+    assert read(show_viz=value).show_viz is bool(value)
 
 
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("world_path", "", "the parameter ~world_path must be the path of a world file"),
+        (
+            "world_path",
+            "",
+            "the parameter ~world_path must be the path of a world file: "
+            "world_path:=PATH for roslaunch, _world_path:=PATH for rosrun",
+        ),
         ("update_rate", 0, "~update_rate: expected a number above 0, found 0"),
         ("update_rate", "fast", "~update_rate: expected a number above 0, found fast"),
         ("update_rate", True, "~update_rate: expected a number above 0, found True"),
@@ -78,7 +103,8 @@ def test_the_world_may_run_as_fast_as_the_machine_can(read):
         ("models", "/:/nowhere", "~models: expected a folder, but /nowhere is none"),
         ("models", "package://", '~models: expected package://name/path, found "package://"'),
         ("world_path", "package://x", 'expected package://name/path, found "package://x"'),
-        ("realtime_priority", 1, "~realtime_priority: expected true or false, found 1"),
+        ("show_viz", 1.0, "~show_viz: expected true or false, found 1.0"),
+        ("realtime_priority", 2, "~realtime_priority: expected true or false, found 2"),
     ],
 )
 def test_a_wrong_parameter_is_named(read, name, value, message):

@@ -10,20 +10,23 @@ from flatland_server.config.packages import package_folders, ros_packages
 from flatland_server.exceptions import FlatlandError, listed, shortened, suggestion
 
 _SCHEME = "package://"
+_HOME = "~/"
 
 
 def to_path(name: Union[str, Path]) -> Path:
     """The path that a name means: itself, or for `package://name/path`, one in a package.
 
-    That is a ROS package on ROS_PACKAGE_PATH, or else an installed Python package. Of the folders
-    of a Python package (see `config.packages`), the first counts that has the path.
+    A path may begin with `~/`, the home folder: no shell expands it in `world_path:=~/world.yaml`,
+    in a request of a service, or in a file. A package is a ROS package on ROS_PACKAGE_PATH, or else
+    an installed Python package. Of the folders of a Python package (see `config.packages`), the
+    first counts that has the path.
 
     Raises:
         FlatlandError: there is no such package.
     """
     text = os.fspath(name)
     if not text.startswith(_SCHEME):
-        return Path(text)
+        return Path(os.path.expanduser(text) if text.startswith(_HOME) else text)
     package, _, inner = text[len(_SCHEME) :].partition("/")
     if not package or not inner:
         raise FlatlandError(f'expected package://name/path, found "{shortened(text)}"')
@@ -54,7 +57,7 @@ def find_file(name: Union[str, Path], folders: Sequence[Path]) -> Path:
 def is_bare(name: Union[str, Path]) -> bool:
     """Whether a name is looked up in the folders of models: relative, without "./" or "../"."""
     text = os.fspath(name)
-    return not text.startswith(("/", "./", "../", _SCHEME)) and text not in ("", ".", "..")
+    return not text.startswith(("/", "./", "../", _HOME, _SCHEME)) and text not in ("", ".", "..")
 
 
 def nor_in(folders: Sequence[Path]) -> str:

@@ -10,10 +10,12 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import yaml
 
+from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import MAX_YAML, is_file, read_input
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
-from flatland_server.exceptions import YamlError, shortened
+from flatland_server.config.yaml_values import is_null
+from flatland_server.exceptions import FlatlandError, YamlError, shortened
 
 _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
@@ -87,12 +89,16 @@ class YamlPreprocessor:
             mark = error.problem_mark
             line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
             problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
+            if mark and text[mark.index : mark.index + 1] == "\t":  # the parser does not name it
+                problem = "lines are indented by spaces, found a tab"
             raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
         except (yaml.YAMLError, RecursionError, ValueError) as error:
             reason = shortened(str(error).splitlines()[0])
             raise YamlError(path, f"is not valid YAML: {reason}") from None
         if not documents or documents[0] is None:
             raise YamlError(path, "expected a map, found an empty file")
+        if len(documents) > 1 and _is_empty(documents[-1]):
+            documents.pop()  # nothing follows the last `---`
         return documents
 
     def _check_structure(self, path: Path, text: str) -> None:
@@ -195,7 +201,10 @@ class YamlPreprocessor:
 
     def _include(self, node: yaml.Node, name: str, files: Tuple[Path, ...]) -> List[yaml.Node]:
         """The resolved documents of a file that a node includes."""
-        path = files[-1].parent / name
+        try:
+            path = files[-1].parent / to_path(name)
+        except FlatlandError as error:
+            raise error_at(node, str(error)) from None
         if not is_file(path):
             raise error_at(node, f"there is no file {path}")
         if any(file.exists() and path.samefile(file) for file in files):
@@ -213,6 +222,11 @@ def _named(text: str, path: Path) -> io.StringIO:
     stream = io.StringIO(text)
     stream.name = str(path)
     return stream
+
+
+def _is_empty(document: yaml.Node) -> bool:
+    """Whether nothing is written in a document, not even `null`."""
+    return isinstance(document, yaml.ScalarNode) and is_null(document) and not document.value
 
 
 def _directive(node: yaml.Node, keyword: str) -> Any:

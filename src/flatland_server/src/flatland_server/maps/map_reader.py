@@ -156,7 +156,7 @@ def _read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
         Segments: shape (n, 4). The numbers of their lines, from 1: shape (n,).
     """
     try:
-        lines = read_input(path, MAX_LINE_SEGMENTS).decode("utf-8").splitlines()
+        lines = read_input(path, MAX_LINE_SEGMENTS).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
         raise YamlError(path, "cannot be read: it is not UTF-8 text") from None
     values = array("d")

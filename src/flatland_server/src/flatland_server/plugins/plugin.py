@@ -136,7 +136,8 @@ class Plugin:
 
         For frames outside of the model, which are used as they are written, unless they begin with
         "~": `~odom` is `<namespace>_odom`, or `odom` without a namespace, so that several models
-        can be spawned from one file. Frames of the model itself are named by `name_space_tf`.
+        can be spawned from one file. A leading "/" is stripped, because tf2 does not look up frames
+        that begin with it. Frames of the model itself are named by `name_space_tf`.
 
         Args:
             config: the plugin's configuration.
@@ -145,7 +146,7 @@ class Plugin:
         """
         frame_id = config.get_frame(key, default)
         if not frame_id.startswith("~"):
-            return frame_id
+            return frame_id.lstrip("/")
         bare = frame_id[1:].lstrip("/")
         if not bare:
             config.problem(f'expected a frame, such as "~odom", found "{frame_id}"', key)

@@ -6,6 +6,8 @@ from typing import List
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from flatland_server.exceptions import listed
+from flatland_server.ros.ros_transport import SubscriberCounter
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.timekeeper import Timekeeper
 
@@ -13,6 +15,27 @@ _TICK_SIZE = 8  # bytes: seconds, nanoseconds
 
 _MAX_NUMBERS = 3 * 50
 """Numbers in 50 ticks, which are sent together: a subscriber with a queue of 100 loses none."""
+
+
+def warn_of_other_times() -> None:
+    """Logs a warning if the time of other nodes is not the time of the stamps here."""
+    if not rospy.get_param("/use_sim_time", False):
+        rospy.logwarn(
+            "/use_sim_time is not set: other nodes go by real time, though stamps are simulated "
+            "time; server.launch sets it, or `rosparam set /use_sim_time true` before nodes start"
+        )
+    topic = rospy.resolve_name("/clock")
+    _, _, (publishers, _, _) = rospy.get_master().getSystemState()
+    nodes = {node for name, nodes in publishers if name == topic for node in nodes}
+    others = sorted(nodes - {rospy.get_name()})
+    if others:
+        rospy.logwarn(
+            "%s is also published by %s: time will jump from one to the other and back. For a "
+            'server in a namespace, remap it: <remap from="/clock" to="clock"/>, and likewise /tf '
+            "and /tf_static",
+            topic,
+            listed(others),
+        )
 
 
 class ClockPublisher:
@@ -29,7 +52,11 @@ class ClockPublisher:
     def __init__(self, timekeeper: Timekeeper, rospy_calls: RospyCalls) -> None:
         self._timekeeper = timekeeper
         self._send_framed = rospy_calls.send_framed
-        self._publisher = rospy.Publisher("/clock", Clock, queue_size=100, tcp_nodelay=True)
+        self._subscribers = SubscriberCounter()
+        self._served_revision = self._subscribers.revision
+        self._publisher = rospy.Publisher(
+            "/clock", Clock, self._subscribers, queue_size=100, tcp_nodelay=True
+        )
         self._numbers: List[int] = []  # of each tick: size, seconds, nanoseconds
         self._local_time = rospy_calls.take_over_time()
         self._set_local_time = self._local_time.set if self._local_time is not None else None
@@ -54,7 +81,18 @@ class ClockPublisher:
         numbers = self._numbers
         if not numbers:
             return
+        self._served_revision = self._subscribers.revision
         self._send_framed(self._publisher, struct.pack(f"<{len(numbers)}I", *numbers))
         numbers.clear()
         if self._local_time is not None:
             self._local_time.notify()
+
+    def repeat_for_new_subscribers(self) -> None:
+        """Sends the current time again if subscribers have come. To be called during a pause.
+
+        A node that starts then would have no time until the next step: `rospy.sleep` and lookups of
+        transforms would wait, and `rosbag record` would miss the messages of that step.
+        """
+        if self._served_revision != self._subscribers.revision:
+            self.tick()
+            self.flush()

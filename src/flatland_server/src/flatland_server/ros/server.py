@@ -12,7 +12,7 @@ import rospy
 
 from flatland_server.exceptions import FlatlandError, counted
 from flatland_server.ros import open_files, rospy_patches
-from flatland_server.ros.clock import ClockPublisher
+from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
@@ -93,7 +93,9 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         manager = SimulationManager(world, timekeeper, config.update_rate)
         _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
-    if not transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+    if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
+        warn_of_other_times()  # of two nodes that start together, the second one sees the first
+    else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
     rospy.loginfo(
         "%s: %s, %s; running",
@@ -114,6 +116,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     clock = ClockPublisher(manager.timekeeper, transport.rospy_calls)
     manager.after_step.append(clock.tick)
     manager.on_tick.append(clock.flush)
+    manager.on_tick.append(lambda: manager.is_stepping or clock.repeat_for_new_subscribers())
     manager.after_jump += [clock.tick, clock.flush]
     transport.before_sending = clock.flush
     if config.show_viz:

@@ -38,7 +38,10 @@ class ServerConfig(NamedTuple):
         """
         world_path = rospy.get_param("~world_path", "")
         if not world_path:
-            raise FlatlandError("the parameter ~world_path must be the path of a world file")
+            raise FlatlandError(
+                "the parameter ~world_path must be the path of a world file: "
+                "world_path:=PATH for roslaunch, _world_path:=PATH for rosrun"
+            )
         seed = rospy.get_param("~seed", 0)
         if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
             raise FlatlandError(f"~seed: expected a whole number of 0 or more, found {seed}")
@@ -47,7 +50,7 @@ class ServerConfig(NamedTuple):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
         launch_file = rospy.get_param("~launch_file", "")
         return cls(
-            world_path=to_path(str(world_path)).absolute(),
+            world_path=_world_file(str(world_path)),
             update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
             step_size=positive_param("~step_size", 0.005),
             show_viz=_flag("~show_viz", True),
@@ -60,6 +63,17 @@ class ServerConfig(NamedTuple):
             models=_folders("~models"),
             launch_file=Path(launch_file) if launch_file else None,
         )
+
+
+def _world_file(name: str) -> Path:
+    """The absolute path of the world's file; a relative one has to be there."""
+    path = to_path(name)
+    if not path.is_absolute() and not path.exists():
+        raise FlatlandError(
+            f"~world_path: there is no file {path.absolute()}; a relative path begins in the "
+            f"node's working directory, which is not that of roslaunch: write $PWD/{path} for it"
+        )
+    return path.absolute()
 
 
 def _folders(name: str) -> Tuple[Path, ...]:
@@ -80,9 +94,9 @@ def _folders(name: str) -> Tuple[Path, ...]:
 
 def _flag(name: str, default: bool) -> bool:
     value = rospy.get_param(name, default)
-    if not isinstance(value, bool):
+    if not isinstance(value, int) or value not in (0, 1):  # roslaunch's `if` takes 0 and 1, too
         raise FlatlandError(f"{name}: expected true or false, found {value}")
-    return value
+    return bool(value)
 
 
 def positive_param(name: str, default: float, *, allow_infinity: bool = False) -> float:

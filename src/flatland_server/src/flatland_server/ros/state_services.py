@@ -1,7 +1,7 @@
 """The services that control time and state: steps, resets, and saved states."""
 
 from pathlib import Path
-from typing import Any, Callable, Type, Union
+from typing import Any, Callable, Type
 
 import rosgraph
 import rospy
@@ -86,7 +86,7 @@ class StateServices:
         return TriggerResponse(success=True, message=f"{config.path} is loaded")
 
     def _open_world(self, request: OpenWorldRequest) -> OpenWorldResponse:
-        config: WorldConfig = self._manager.world.read_config(_absolute(to_path(request.path)))
+        config: WorldConfig = self._manager.world.read_config(_absolute(request.path))
         self._change(lambda: self._manager.reload(config, keep_time=False))
         _set_param("~world_path", str(config.path))  # viewers show it
         return OpenWorldResponse(success=True, message=f"{config.path} is open")
@@ -127,8 +127,9 @@ def _set_param(name: str, value: str) -> None:
         rospy.logwarn("the ROS master does not answer: %s is not set to %s", name, value)
 
 
-def _absolute(path: Union[str, Path]) -> Path:
-    """A path of a request; the server's working directory says nothing to a client."""
-    if not Path(path).is_absolute():
-        raise ValueError(f'expected an absolute path, found "{path}"')
-    return Path(path)
+def _absolute(name: str) -> Path:
+    """The path of a request; the server's working directory says nothing to a client."""
+    path = to_path(name)
+    if not path.is_absolute():
+        raise ValueError(f'expected an absolute path, found "{name}"')
+    return path

@@ -119,13 +119,15 @@ class Spawning:
         if not isinstance(path, (str, Path)):
             with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
                 return ModelConfig.from_content(path, self.registry, preprocessor)
+        if not str(path):
+            raise ModelError("expected the path of a model file, found an empty string")
         folders = self._model_folders if is_bare(path) else ()
         try:
             found = find_file(path, [Path(), *folders])
         except FlatlandError as error:
             raise ModelError(str(error)) from None
         if not is_file(found):
-            raise ModelError(f"there is no file {found}{nor_in(folders)}")
+            raise ModelError(f"there is no file {found.absolute()}{nor_in(folders)}")
         with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
             return ModelConfig.from_file(found, self.registry, preprocessor)
 

@@ -18,9 +18,8 @@ WRONG_SYNTAX: Dict[str, Case] = {
     "a string for a world": (WORLD, None, "world\n", 'world.yaml:1: expected a map, found "world"'),
     "two documents": (WORLD, None, "properties: {}\n---\nlayers: []\n",
      "world.yaml:3: expected one document, found another one"),
-    "a tab for indentation": (WORLD, None, "properties: {}\nlayers:\n\t- name: map\n",
-     "world.yaml:3: is not valid YAML: while scanning for the next token found "
-     "character that cannot start any token"),
+    "a tab for indentation": (WORLD, None, "# Büro\nproperties: {}\nlayers:\n\t- name: map\n",
+     "world.yaml:4: is not valid YAML: lines are indented by spaces, found a tab"),
     "a bracket that is not closed": (WORLD, "[1, 2, 0.5]", "[1, 2, 0.5",
      "world.yaml:13: is not valid YAML: while parsing a flow sequence did not find "
      "expected ',' or ']'"),
