@@ -56,6 +56,7 @@ class TwistDrive(ModelPlugin, ABC):
         self._topic = self.node.resolve(twist_sub)
         self._odometry = OdometryPublisher(self, body, frames, odometry)
         self.update_timer = UpdateTimer(pub_rate)
+        self._is_ignoring = False
         self.node.subscribe(twist_sub, "geometry_msgs/Twist", self._receive)
 
     @abstractmethod
@@ -75,10 +76,15 @@ class TwistDrive(ModelPlugin, ABC):
         return f"linear.x={twist.linear.x} angular.z={twist.angular.z}"
 
     def _receive(self, twist: Any) -> None:
+        """Obeys a command; of a series that cannot be obeyed, the first one is warned of."""
         try:
             self.on_twist(twist)
         except ValueError as error:
-            logger.warning("%s: %s; ignored %s", self._topic, error, self.describe(twist))
+            if not self._is_ignoring:
+                logger.warning("%s: %s; ignored %s", self._topic, error, self.describe(twist))
+            self._is_ignoring = True
+        else:
+            self._is_ignoring = False
 
     def has_work(self) -> bool:
         """Whether the odometry has a subscriber, or drifts."""

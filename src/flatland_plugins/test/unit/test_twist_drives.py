@@ -38,6 +38,15 @@ def test_a_command_that_cannot_be_obeyed_is_ignored_with_a_warning(make, caplog,
     assert robot.model().pose == pytest.approx((1.0, 0.0, 0.0), abs=1e-3)
 
 
+def test_of_a_series_of_wrong_commands_the_first_one_is_warned_of(make, caplog):
+    robot = make()
+
+    for speed in (math.nan, math.nan, 0.5, math.nan, math.inf):
+        robot.drive(speed).run(0.1)
+
+    assert len(warnings(caplog)) == 2
+
+
 @pytest.mark.parametrize("make", ["DiffDrive", "TricycleDrive"], indirect=True)
 def test_what_a_drive_cannot_do_is_not_looked_at(make, caplog):
     robot = make()
