@@ -280,3 +280,17 @@ def test_the_view_follows(window):
     window.screen.key("f")
     window.show_all()
     put_back(window)
+
+
+def test_home_shows_a_model_outside_the_walls(window):
+    window.ros.call("/move_model", name="crate", pose={"x": 9.0, "y": 0.0, "theta": 0.0})
+    window.waiting(lambda: window.place_of_crate("gone") is None, "the crate to leave the view", 20)
+
+    def is_seen():
+        window.screen.key("Home")
+        return window.place_of_crate("outside")
+
+    window.waiting(is_seen, "the crate", 20)
+    put_back(window)
+    window.waiting(lambda: is_at(window, "crate", *CRATE), "the crate within the walls")
+    window.show_all()

@@ -13,7 +13,6 @@ from python_qt_binding.QtWidgets import (
     QMessageBox,
 )
 
-from flatland_viz.bounds import Bounds, around
 from flatland_viz.displays import wanted
 from flatland_viz.drive_panel import DrivePanel
 from flatland_viz.file_dialog import ask_for_file
@@ -99,7 +98,6 @@ class Window(QMainWindow):
         server.done.connect(self._line.show_message)
         server.refused.connect(self._show_error)
         scene.hints.connect(self._line.show_hint)
-        scene.walls_changed.connect(self._on_walls)
         scene.walls_progress.connect(lambda percent: self._line.show_progress("walls", percent))
         server.loading_changed.connect(lambda percent: self._line.show_progress("world", percent))
         menus.world_chosen.connect(server.open)
@@ -141,9 +139,6 @@ class Window(QMainWindow):
 
     def _on_scans(self, scans: List[str]) -> None:
         self._scene.show_displays(wanted(self._server.debug, scans))
-
-    def _on_walls(self, bounds: Optional[Bounds]) -> None:
-        self._scene.set_bounds(around([bounds]))
 
     def _on_world(self, path: str) -> None:
         is_other = bool(self._world)
