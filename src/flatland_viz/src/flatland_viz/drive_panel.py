@@ -9,7 +9,6 @@ from python_qt_binding.QtWidgets import (
     QApplication,
     QComboBox,
     QDockWidget,
-    QDoubleSpinBox,
     QFormLayout,
     QLabel,
     QLineEdit,
@@ -24,6 +23,7 @@ from flatland_viz.drive_pad import DrivePad
 from flatland_viz.drive_publisher import DrivePublisher
 from flatland_viz.drive_robots import PublisherWatch, Robot, robots_of
 from flatland_viz.model_list import Model
+from flatland_viz.number_field import NumberField
 from flatland_viz.selection import Selection
 from flatland_viz.settings import Settings
 
@@ -104,8 +104,8 @@ class DrivePanel(QDockWidget):
 
     def _spin_box(
         self, key: str, default: float, step: float, limit: float, unit: str
-    ) -> QDoubleSpinBox:
-        box = QDoubleSpinBox(objectName=key.replace("/", "_"))
+    ) -> NumberField:
+        box = NumberField(key.replace("/", "_"))
         box.setRange(step, limit)
         box.setSingleStep(step)
         box.setSuffix(unit)
