@@ -143,6 +143,8 @@ class DrivePanel(QDockWidget):
         before = self._choice.currentText()
         self._robots = robots = robots_of(models.values())
         names = [robot.name for robot in robots]
+        if before not in names:
+            self.stop()  # what is held is not for another robot
         self._choice.blockSignals(True)
         self._choice.clear()
         self._choice.addItems(names)
