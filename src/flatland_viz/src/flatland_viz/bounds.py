@@ -61,8 +61,8 @@ def extent(walls: Optional[Bounds], models: Optional[Bounds]) -> Bounds:
     """The box around a world.
 
     Args:
-        walls: the box around all walls; None if there are none. Then the world is at least 10 x 10 m
-            large: a single robot does not fill the view.
+        walls: the box around all walls; None if there are none. Then the world is at least
+            10 x 10 m large: a single robot does not fill the view.
         models: the box around all models; None if there are none.
     """
     if walls is not None or models is None:

@@ -42,9 +42,7 @@ class MoveDialog(QDialog):
         self._x.setFocus()
         self._x.selectAll()
 
-    def _field(
-        self, name: str, value: float, unit: str, limit: float, step: float
-    ) -> NumberField:
+    def _field(self, name: str, value: float, unit: str, limit: float, step: float) -> NumberField:
         field = NumberField(name)
         field.setRange(-limit, limit)
         field.setDecimals(1 if unit == "\u00b0" else 3)
