@@ -269,6 +269,7 @@ void InteractTool::EndDrag() {
   drag_.End();
   models_->SetDragged("");
   press_.reset();
+  if (!models_->Find(drag_.model())) return;  // it was deleted meanwhile
   QJsonObject moved = NamedPose(drag_.model(), drag_.start());
   moved["number"] = ++drags_;  // two drags may begin at the same pose
   moved_->setString(ToJson(moved));
