@@ -23,6 +23,7 @@ from flatland_viz.model_workbench import ModelWorkbench
 from flatland_viz.problem_badge import ProblemBadge
 from flatland_viz.problem_sources import ProblemSources
 from flatland_viz.scene import Scene
+from flatland_viz.screenshot import picture_of, write_picture
 from flatland_viz.selection import Selection
 from flatland_viz.server import Server
 from flatland_viz.settings import Settings
@@ -196,10 +197,18 @@ class Window(QMainWindow):
             self._server.step(count)
 
     def _show_keys(self) -> None:
+        dialog = self.findChild(KeysDialog)
+        if dialog is None:
+            dialog = self._keys_dialog()
+        dialog.show()
+        dialog.raise_()
+        dialog.activateWindow()
+
+    def _keys_dialog(self) -> KeysDialog:
         menus = [(title, rows_of(menu)) for title, menu in self._menus.titled]
         tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
         others = [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]
-        KeysDialog(self, [menus, others]).show()
+        return KeysDialog(self, [menus, others])
 
     def _spawn_other(self) -> None:
         folder = str(Path(self._world).parent) if self._world else ""
@@ -211,16 +220,13 @@ class Window(QMainWindow):
         QTimer.singleShot(_MENU_CLOSING_TIME, self._save_screenshot)  # without the menu in it
 
     def _save_screenshot(self) -> None:
-        panel = self._scene.panel
-        picture = panel.screen().grabWindow(panel.winId())
+        picture = picture_of(self._scene.panel)
         name = time.strftime("flatland_%Y-%m-%d_%H-%M-%S.png")
         start = str(Path.home() / name)
         file = ask_for_file(self, "Save a screenshot", start, "PNG (*.png)", is_new=True)
         if not file:
             return
-        if not Path(file).suffix:
-            file += ".png"
-        if picture.save(file):
+        if write_picture(picture, file):
             self._line.show_message(f"Saved {file}")
         else:
             QMessageBox.warning(self, "Save a screenshot", f"{file} cannot be written.")
