@@ -4,8 +4,8 @@ import math
 from pathlib import Path
 from typing import Any, Dict, List, Optional
 
-from python_qt_binding.QtCore import QSize, Qt, QTimer
-from python_qt_binding.QtGui import QColor, QIcon, QPainter, QPalette, QPixmap
+from python_qt_binding.QtCore import QEvent, QSize, Qt, QTimer
+from python_qt_binding.QtGui import QColor, QIcon, QKeySequence, QPainter, QPalette, QPixmap
 from python_qt_binding.QtWidgets import (
     QDockWidget,
     QFormLayout,
@@ -186,8 +186,7 @@ class _Details(QWidget):
         self.show_model(None)
 
     def _row(self, text: str, name: str) -> QLabel:
-        field = QLabel(objectName=name)
-        field.setTextInteractionFlags(Qt.TextSelectableByMouse)
+        field = SelectableLabel(objectName=name)
         field.setWordWrap(True)
         field.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)  # never widens the panel
         caption = QLabel(text)
@@ -247,6 +246,22 @@ class _Details(QWidget):
             line.setFirstColumnSpanned(True)
         item.child(0).setText(0, value)
         item.child(0).setToolTip(0, value)
+
+
+class SelectableLabel(QLabel):
+    """A label with text to select and copy, also where Ctrl+C is the key of an action."""
+
+    def __init__(self, **properties: Any) -> None:
+        super().__init__(**properties)
+        self.setTextInteractionFlags(Qt.TextSelectableByMouse)
+
+    def event(self, event: QEvent) -> bool:
+        """Takes the key for itself while text is selected."""
+        is_key = event.type() == QEvent.ShortcutOverride and event.matches(QKeySequence.Copy)
+        if is_key and self.hasSelectedText():
+            event.accept()
+            return True
+        return bool(super().event(event))
 
 
 def _make_quiet(text: QLabel) -> None:
