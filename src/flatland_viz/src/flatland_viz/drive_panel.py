@@ -172,7 +172,7 @@ class DrivePanel(QDockWidget):
             self.stop()
         self._publisher.open(topic)
         self._watch.watch(topic)
-        self._choice.setToolTip(topic)
+        self._choice.setToolTip(f"{robot.name}\n{topic}" if robot else "")
         steers = robot is not None and robot.steers
         self._turn_label.setText("Steer" if steers else "Turn")
         self._turn.setSuffix(" rad" if steers else " rad/s")

@@ -4,13 +4,13 @@ import pytest
 from python_qt_binding.QtCore import QEvent, QLocale, QObject, Qt, QTimer, Signal
 from python_qt_binding.QtGui import QColor, QKeyEvent, QPalette, QPixmap
 from python_qt_binding.QtTest import QTest
-from python_qt_binding.QtWidgets import QApplication, QFileDialog, QLabel, QMainWindow
+from python_qt_binding.QtWidgets import QApplication, QFileDialog, QLabel, QMainWindow, QToolButton
 
-from flatland_viz import drive_panel
+from flatland_viz import drive_panel, model_panel
 from flatland_viz.file_dialog import ask_for_file
+from flatland_viz.labels import SelectableLabel
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic
-from flatland_viz.model_panel import SelectableLabel
 from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.screenshot import write_picture
 from flatland_viz.selection import Selection
@@ -103,6 +103,7 @@ class Interaction(QObject):
 
     moved = Signal(str, object)
     menu_asked = Signal(str)
+    state_changed = Signal(object)
 
     def __init__(self):
         super().__init__()
@@ -139,6 +140,33 @@ def test_selected_text_is_copied_instead_of_the_pose(actions):
     label.setSelection(0, 10)
     QTest.keyClick(label, Qt.Key_C, Qt.ControlModifier)
     assert QApplication.clipboard().text() == "diff_drive"
+
+
+class Monitor:
+    """Of topics without messages."""
+
+    def watch(self, topics):
+        pass
+
+    def readings(self, time):
+        return {}
+
+
+def test_a_long_name_does_not_push_buttons_out_of_the_panel(actions, application, monkeypatch):
+    monkeypatch.setattr(model_panel, "TopicMonitor", Monitor)
+    selection, window = Selection(), actions.parent()
+    panel = model_panel.ModelPanel(selection, Interaction(), actions)
+    window.addDockWidget(Qt.RightDockWidgetArea, panel)
+    names = [f"delivery_robot_of_the_second_floor_in_the_east_wing_{i}" for i in range(2)]
+    panel.set_models({name: robot(name) for name in names})
+    selection.select(names[1])
+    application.processEvents()
+    title = panel.findChild(QLabel, "model_name")
+    assert title.text() == title.toolTip() == names[1]
+    assert title.shown_text.startswith("delivery")
+    assert title.shown_text.endswith("_1")
+    for button in panel.findChildren(QToolButton):
+        assert button.mapTo(panel, button.rect().bottomRight()).x() < panel.width()
 
 
 def test_what_is_done_to_a_model_is_done_once_while_a_key_is_held(actions):
