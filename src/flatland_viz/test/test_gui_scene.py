@@ -276,7 +276,7 @@ def test_the_view_follows(window):
     # Under the mouse the view rests: otherwise the crate would be carried on and on.
     by = np.multiply(window.map.scale, (1.5, -1.0))
     window.drag(middle, np.add(middle, by))
-    window.waiting(lambda: is_at(window, "crate", -0.5, -1.0), "the crate where it was dragged")
+    window.waiting(lambda: is_at(window, "crate", -0.5, -1.0), "the crate where it was dragged", 20)
     window.screen.key("f")
     window.show_all()
     put_back(window)
