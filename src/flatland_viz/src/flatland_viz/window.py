@@ -36,6 +36,7 @@ from flatland_viz.world_files import title
 _STEPS = "steps"
 _REFRESH_PERIOD = 200  # ms: of the status line
 _MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
+_OTHER_KEYS = Qt.ControlModifier | Qt.AltModifier | Qt.MetaModifier
 _RESET_DELAYS = (200, 3000)
 """Milliseconds after the restart of a server until the displays subscribe anew. rviz discards all
 messages, latched ones too, when it notices that time went back, at an unknown time within these."""
@@ -156,10 +157,13 @@ class Window(QMainWindow):
         self._drive.start()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Keeps the world framed while the view is resized."""
+        """Keeps the world framed while the view is resized; keeps keys from rviz that it has not.
+
+        rviz looks at a key without its modifiers: Ctrl+A would spawn a model, as A does.
+        """
         if event.type() == QEvent.Resize:
             self._scene.follow_size()
-        return False
+        return event.type() == QEvent.KeyPress and bool(event.modifiers() & _OTHER_KEYS)
 
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Ends the program, whatever dialogs are open."""
