@@ -41,6 +41,10 @@ def window(screen, ros, waiting, office, tmp_path_factory):
     return SceneWindow(screen, ros, waiting, screen.wait_for_window("Flatland - .*"))
 
 
+def put_back(window):
+    window.ros.call("/move_model", name="crate", pose={"x": CRATE[0], "y": CRATE[1], "theta": 0.0})
+
+
 def is_colored(pixels):
     return pixels.max(axis=-1) - pixels.min(axis=-1) > 60
 
@@ -200,6 +204,10 @@ def test_what_is_under_the_mouse_has_a_ring_and_tells_its_state(window):
     window.screen.move(window.map.pixel(*CRATE))
     window.waiting(lambda: ring("hover") > before + 60, "the ring", 20)
     window.waiting(lambda: tip("hover") > 500, "pose and speed", 20)
+    window.ros.call("/move_model", name="crate", pose={"x": 3.0, "y": -1.0, "theta": 0.0})
+    window.waiting(lambda: tip("left") == 0, "the crate to leave the mouse", 20)
+    put_back(window)
+    window.waiting(lambda: tip("back") > 500, "the crate to be under it again", 20)
     window.screen.move(window.map.pixel(4.0, -2.5))
     window.waiting(lambda: ring("away") < before + 20, "its end", 20)
 
@@ -265,6 +273,24 @@ def test_the_view_follows(window):
     window.ros.call("/move_model", name="crate", pose={"x": -2.0, "y": -2.0, "theta": 0.0})
     window.waiting(lambda: is_at(window, "crate", -2.0, -2.0), "the move")
     window.waiting(follows, "the view to follow", 20)
+    # Under the mouse the view rests: otherwise the crate would be carried on and on.
+    by = np.multiply(window.map.scale, (1.5, -1.0))
+    window.drag(middle, np.add(middle, by))
+    window.waiting(lambda: is_at(window, "crate", -0.5, -1.0), "the crate where it was dragged", 20)
     window.screen.key("f")
     window.show_all()
-    window.ros.call("/move_model", name="crate", pose={"x": CRATE[0], "y": CRATE[1], "theta": 0.0})
+    put_back(window)
+
+
+def test_home_shows_a_model_outside_the_walls(window):
+    window.ros.call("/move_model", name="crate", pose={"x": 9.0, "y": 0.0, "theta": 0.0})
+    window.waiting(lambda: window.place_of_crate("gone") is None, "the crate to leave the view", 20)
+
+    def is_seen():
+        window.screen.key("Home")
+        return window.place_of_crate("outside")
+
+    window.waiting(is_seen, "the crate", 20)
+    put_back(window)
+    window.waiting(lambda: is_at(window, "crate", *CRATE), "the crate within the walls")
+    window.show_all()

@@ -281,6 +281,18 @@ def test_hints_go_when_they_no_longer_apply(window):
     window.waiting(lambda: not window.has_hint(), "the message to go", 20)
 
 
+def test_a_held_space_bar_pauses_once_and_other_keys_do_nothing(window):
+    window.press("ctrl+a")  # it is no key of Spawn Model's, and opens no dialog
+    with window.held("space"):
+        window.wait_for_state(paused=True)
+        topic = ("/flatland_server/state", "flatland_msgs/SimulationState")
+        states = [state["paused"] for state in window.ros.messages(*topic, seconds=1.5)]
+    assert len(states) > 4
+    assert all(states)
+    window.press("space")
+    window.wait_for_state(paused=False)
+
+
 def test_the_keys_are_shown(window):
     window.key("F1")
     dialog = window.wait_for_dialog("Keys and Mouse")

@@ -45,7 +45,11 @@ def unpatched_rospy(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
         listening.bind(("127.0.0.1", 0))
         listening.listen(5)
         server = SimpleNamespace(server_sock=listening, inbound_handler=lambda *_: None)
-        rospys = SimpleNamespace(start_server=lambda: None, tcp_ros_server=server)
+        rospys = SimpleNamespace(
+            start_server=lambda: None,
+            tcp_ros_server=server,
+            topic_connection_handler=lambda *_: None,
+        )
         monkeypatch.setattr(tcpros_base, "_tcpros_server", rospys)
         manager = SimpleNamespace(
             master_uri="http://127.0.0.1:9", uri="http://here:2", publisher_update=lambda *_: None

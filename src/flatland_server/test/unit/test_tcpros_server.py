@@ -9,7 +9,7 @@ import threading
 from types import SimpleNamespace
 
 import pytest
-from rospy.impl import tcpros_base
+from rospy.impl import registration, tcpros_base
 
 from flatland_server.ros.rospy_patches import install, tcpros_server
 from flatland_server.ros.rospy_patches.tcpros_server import Handshakes
@@ -157,3 +157,28 @@ def test_accepting_goes_on_after_a_lack_of_file_descriptors(caplog, monkeypatch)
 
     assert tcpros_server._PatientSocket(Listening()).accept() == ("connection", "address")
     assert caplog.text.count("Too many open files") == 1
+
+
+@pytest.mark.parametrize("is_published", [False, True])
+def test_a_subscriber_of_a_removed_topic_is_refused_without_a_warning(
+    is_published, unpatched_rospy, monkeypatch, caplog
+):
+    publisher = SimpleNamespace(closed=False) if is_published else None
+    manager = SimpleNamespace(get_publisher_impl=lambda topic: publisher)
+    monkeypatch.setattr(registration, "get_topic_manager", lambda: manager)
+    rospys = tcpros_base._tcpros_server
+    passed_on = []
+    rospys.topic_connection_handler = lambda *arguments: passed_on.append(arguments)
+    install()
+    ours, theirs = connection_pair()
+    request = (theirs, "address", {"topic": "/r1/scan", "callerid": "/rviz"})
+
+    assert rospys.topic_connection_handler(*request) is None
+    if is_published:
+        assert passed_on == [request]
+    else:
+        assert b"error=/r1/scan is not published" in ours.recv(4096)
+        assert is_closed(ours)
+    assert not [record for record in caplog.records if record.levelname != "DEBUG"]
+    for connection in (ours, theirs):
+        connection.close()

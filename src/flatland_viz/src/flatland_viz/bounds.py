@@ -43,6 +43,7 @@ class Grid(NamedTuple):
 
 
 EMPTY_WORLD = Bounds(-5.0, -5.0, 5.0, 5.0)
+_OPEN_SIDE = 10.0  # m: the least side of a world without walls
 _MARGIN = 0.08  # of the view, altogether
 _MIN_SIDE = 0.5  # m: a single short wall is not magnified further
 
@@ -54,6 +55,21 @@ def around(boxes: Iterable[Optional[Bounds]]) -> Bounds:
         return EMPTY_WORLD
     lows, highs = np.array(known)[:, :2].min(axis=0), np.array(known)[:, 2:].max(axis=0)
     return Bounds(*map(float, (*lows, *highs)))
+
+
+def extent(walls: Optional[Bounds], models: Optional[Bounds]) -> Bounds:
+    """The box around a world.
+
+    Args:
+        walls: the box around all walls; None if there are none. Then the world is at least
+            10 x 10 m large: a single robot does not fill the view.
+        models: the box around all models; None if there are none.
+    """
+    if walls is not None or models is None:
+        return around([walls, models])
+    x, y = (models.min_x + models.max_x) / 2, (models.min_y + models.max_y) / 2
+    half = _OPEN_SIDE / 2
+    return around([models, Bounds(x - half, y - half, x + half, y + half)])
 
 
 def framed(bounds: Bounds, width: int, height: int) -> View:
@@ -79,5 +95,5 @@ def grid_around(bounds: Bounds) -> Grid:
 
 
 def bounds_in(text: str) -> Optional[Bounds]:
-    """The box in the property "Bounds" of the walls' display; None if it is empty."""
+    """The box in the property "Bounds" of the displays of walls and models; None if it is empty."""
     return Bounds(*map(float, text.split())) if text else None

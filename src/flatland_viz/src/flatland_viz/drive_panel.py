@@ -9,7 +9,6 @@ from python_qt_binding.QtWidgets import (
     QApplication,
     QComboBox,
     QDockWidget,
-    QDoubleSpinBox,
     QFormLayout,
     QLabel,
     QLineEdit,
@@ -24,6 +23,7 @@ from flatland_viz.drive_pad import DrivePad
 from flatland_viz.drive_publisher import DrivePublisher
 from flatland_viz.drive_robots import PublisherWatch, Robot, robots_of
 from flatland_viz.model_list import Model
+from flatland_viz.number_field import NumberField
 from flatland_viz.selection import Selection
 from flatland_viz.settings import Settings
 
@@ -104,8 +104,8 @@ class DrivePanel(QDockWidget):
 
     def _spin_box(
         self, key: str, default: float, step: float, limit: float, unit: str
-    ) -> QDoubleSpinBox:
-        box = QDoubleSpinBox(objectName=key.replace("/", "_"))
+    ) -> NumberField:
+        box = NumberField(key.replace("/", "_"))
         box.setRange(step, limit)
         box.setSingleStep(step)
         box.setSuffix(unit)
@@ -143,6 +143,8 @@ class DrivePanel(QDockWidget):
         before = self._choice.currentText()
         self._robots = robots = robots_of(models.values())
         names = [robot.name for robot in robots]
+        if before not in names:
+            self.stop()  # what is held is not for another robot
         self._choice.blockSignals(True)
         self._choice.clear()
         self._choice.addItems(names)
@@ -170,7 +172,7 @@ class DrivePanel(QDockWidget):
             self.stop()
         self._publisher.open(topic)
         self._watch.watch(topic)
-        self._choice.setToolTip(topic)
+        self._choice.setToolTip(f"{robot.name}\n{topic}" if robot else "")
         steers = robot is not None and robot.steers
         self._turn_label.setText("Steer" if steers else "Turn")
         self._turn.setSuffix(" rad" if steers else " rad/s")

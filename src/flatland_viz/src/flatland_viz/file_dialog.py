@@ -15,7 +15,8 @@ def ask_for_file(parent: QWidget, title: str, start: str, kinds: str, is_new: bo
         title: of the dialog.
         start: the folder, or the file, that it shows first; empty for the working directory.
         kinds: the files' kinds, such as "Worlds (*.yaml *.yml);;All files (*)".
-        is_new: whether the file is to be written; otherwise there must be one.
+        is_new: whether the file is to be written; otherwise there must be one. A name without a
+            suffix gets that of `start`.
     """
     path = Path(start) if start else Path.cwd()
     folder = path.parent if is_new else path
@@ -23,6 +24,7 @@ def ask_for_file(parent: QWidget, title: str, start: str, kinds: str, is_new: bo
     if is_new:
         dialog.setAcceptMode(QFileDialog.AcceptSave)
         dialog.setFileMode(QFileDialog.AnyFile)
+        dialog.setDefaultSuffix(path.suffix)  # then the dialog knows whether there is such a file
         dialog.selectFile(str(path))
     else:
         dialog.setFileMode(QFileDialog.ExistingFile)

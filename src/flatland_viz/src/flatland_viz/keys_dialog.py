@@ -90,5 +90,6 @@ class KeysDialog(QDialog):
         available = first_size(QApplication.primaryScreen().availableSize())
         if label.sizeHint().width() + 2 * bar > available.width():
             label.setText(page([[table for column in columns for table in column]]))
+            label.adjustSize()
         wanted = label.sizeHint() + QSize(2 * bar, buttons.sizeHint().height() + 3 * bar)
         self.resize(available.boundedTo(wanted))

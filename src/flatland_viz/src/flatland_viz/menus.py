@@ -68,6 +68,7 @@ class Menus(QObject):
     ) -> QAction:
         action = QAction(text, menu, objectName=name)
         action.triggered.connect(lambda checked: do())
+        action.setAutoRepeat(False)
         if key:
             action.setShortcut(QKeySequence(key))
         menu.addAction(action)
@@ -138,6 +139,7 @@ class Menus(QObject):
         self.step = self._action(
             self._simulation, "&Step", "action_step", self.step_asked.emit, "F10"
         )
+        self.step.setAutoRepeat(True)
         self.step.setToolTip("Make one step (F10), while paused")
         self._steps = self._action(
             self._simulation, "S&teps...", "action_steps", self.steps_asked.emit, "Shift+F10"

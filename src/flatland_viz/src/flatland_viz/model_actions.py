@@ -13,6 +13,7 @@ from flatland_viz.model_list import Model, free_name
 from flatland_viz.move_dialog import MoveDialog
 from flatland_viz.selection import Selection
 from flatland_viz.server import Pose, Server
+from flatland_viz.topic_values import number
 from flatland_viz.undo import Undoable, UndoStack
 
 _GAP = 0.3  # m between a model and its duplicate
@@ -67,6 +68,7 @@ class ModelActions(QObject):
     def _action(self, text: str, name: str, do: Callable[[], None], key: str = "") -> QAction:
         action = QAction(text, self._window, objectName=f"action_{name}")
         action.triggered.connect(lambda checked: do())
+        action.setAutoRepeat(False)
         if key:
             action.setShortcut(QKeySequence(key))
             action.setToolTip(f"{text.replace('&', '').rstrip('.')} ({key})")
@@ -142,7 +144,7 @@ class ModelActions(QObject):
     def _copy_pose(self) -> None:
         pose = self._pose
         if pose is not None:
-            text = "[{:.3f}, {:.3f}, {:.4f}]".format(*pose)
+            text = f"[{number(pose[0], 3)}, {number(pose[1], 3)}, {number(pose[2], 4)}]"
             QApplication.clipboard().setText(text)
             self.hint.emit(f"Copied {text}, as in a world file")
 

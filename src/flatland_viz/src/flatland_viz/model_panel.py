@@ -25,6 +25,7 @@ from python_qt_binding.QtWidgets import (
 )
 
 from flatland_viz.interaction import Interaction
+from flatland_viz.labels import ElidedLabel, SelectableLabel
 from flatland_viz.model_actions import ModelActions
 from flatland_viz.model_list import Model, Topic, sorted_topics
 from flatland_viz.selection import Selection
@@ -62,6 +63,7 @@ class ModelPanel(QDockWidget):
         self._monitor = TopicMonitor()
         self._list = QListWidget(objectName="model_list")
         self._list.setUniformItemSizes(True)
+        self._list.setTextElideMode(Qt.ElideMiddle)  # names of a fleet differ at their ends
         self._list.setIconSize(QSize(_DOT, _DOT))
         colors = self._list.palette()
         colors.setColor(QPalette.Highlight, _SELECTED)
@@ -78,7 +80,9 @@ class ModelPanel(QDockWidget):
         column.setContentsMargins(6, 4, 6, 6)
         column.addWidget(self._list, 2)
         column.addWidget(area, 5)
-        content.setMinimumWidth(_WIDTH)
+        left, _, right, _ = column.getContentsMargins()
+        bar = area.verticalScrollBar().sizeHint().width()
+        content.setMinimumWidth(max(_WIDTH, self._details.least_width + left + right + bar))
         self.setWidget(content)
         self._list.currentItemChanged.connect(self._on_chosen)
         selection.changed.connect(self._show_selected)
@@ -109,6 +113,7 @@ class ModelPanel(QDockWidget):
         self._list.clear()
         for name in sorted(self._models, key=lambda name: name not in self._colors):
             item = QListWidgetItem(_dot(self._colors.get(name), self.devicePixelRatioF()), name)
+            item.setToolTip(name)
             self._list.addItem(item)
             if name == self._selection.name:
                 self._list.setCurrentItem(item)
@@ -153,13 +158,14 @@ class _Details(QWidget):
         column.addWidget(self._content, 1)
         rows = QVBoxLayout(self._content)
         rows.setContentsMargins(0, 0, 0, 0)
-        self._name = QLabel(objectName="model_name")
+        self._name = ElidedLabel(objectName="model_name")
         font = self._name.font()
         font.setBold(True)
         font.setPointSizeF(1.15 * font.pointSizeF())
         self._name.setFont(font)
         rows.addWidget(self._name)
-        rows.addLayout(_buttons(actions))
+        self._buttons = _buttons(actions)
+        rows.addLayout(self._buttons)
         self._form = QFormLayout()
         self._form.setLabelAlignment(Qt.AlignLeft | Qt.AlignTop)
         self._form.setHorizontalSpacing(10)
@@ -186,14 +192,18 @@ class _Details(QWidget):
         self.show_model(None)
 
     def _row(self, text: str, name: str) -> QLabel:
-        field = QLabel(objectName=name)
-        field.setTextInteractionFlags(Qt.TextSelectableByMouse)
+        field = SelectableLabel(objectName=name)
         field.setWordWrap(True)
         field.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)  # never widens the panel
         caption = QLabel(text)
         _make_quiet(caption)
         self._form.addRow(caption, field)
         return field
+
+    @property
+    def least_width(self) -> int:
+        """The width of the buttons: more than the panel's usual one in a large font."""
+        return int(self._buttons.minimumSize().width())
 
     def show_model(self, model: Optional[Model]) -> None:
         self._empty.setVisible(model is None)

@@ -6,10 +6,11 @@ from typing import Tuple
 from python_qt_binding.QtWidgets import (
     QDialog,
     QDialogButtonBox,
-    QDoubleSpinBox,
     QFormLayout,
     QWidget,
 )
+
+from flatland_viz.number_field import NumberField
 
 _FARTHEST = 1e5  # m
 
@@ -41,10 +42,8 @@ class MoveDialog(QDialog):
         self._x.setFocus()
         self._x.selectAll()
 
-    def _field(
-        self, name: str, value: float, unit: str, limit: float, step: float
-    ) -> QDoubleSpinBox:
-        field = QDoubleSpinBox(objectName=name)
+    def _field(self, name: str, value: float, unit: str, limit: float, step: float) -> NumberField:
+        field = NumberField(name)
         field.setRange(-limit, limit)
         field.setDecimals(1 if unit == "\u00b0" else 3)
         field.setSingleStep(step)

@@ -9,7 +9,7 @@ from python_qt_binding.QtGui import QColor, QKeySequence
 from python_qt_binding.QtWidgets import QDockWidget, QMenu, QToolBar, QWidget, QWidgetAction
 from rviz import bindings as rviz
 
-from flatland_viz.bounds import EMPTY_WORLD, Bounds, bounds_in, framed, grid_around
+from flatland_viz.bounds import EMPTY_WORLD, Bounds, bounds_in, extent, framed, grid_around
 from flatland_viz.displays import SCAN, WALLS, Shown, changes
 from flatland_viz.drawing import limit_anti_aliasing, render_on_change
 from flatland_viz.navigation_tools import NavigationTool, show_tools
@@ -30,8 +30,6 @@ class Scene(QObject):
         frame_rate: how often the view is drawn [Hz].
     """
 
-    walls_changed = Signal(object)
-    """The Bounds of all walls; None if there are none."""
     walls_progress = Signal(int)
     """Percent of the walls that are shown."""
 
@@ -41,6 +39,8 @@ class Scene(QObject):
         self._displays: Dict[Shown, Any] = {}
         self._scan_colors: Dict[str, str] = {}
         self._hidden_kinds: Set[str] = set()
+        self._walls: Optional[Bounds] = None
+        self._are_models_new = True
         self._bounds = EMPTY_WORLD
         self._framed: Optional[List[float]] = None
         self.frame = rviz.VisualizationFrame()
@@ -53,6 +53,8 @@ class Scene(QObject):
                 self.frame.initialize(file.name)
         self._manager = self.frame.getManager()
         render_on_change(self._manager)
+        self._model_bounds = self.models.subProp("Bounds")
+        self._model_bounds.changed.connect(self._on_model_bounds)
         self._tools = self._manager.getToolManager()
         self.panel = next(
             widget
@@ -127,8 +129,8 @@ class Scene(QObject):
         Python, which would clear those slots while they are connected.
         """
         bounds, progress = display.subProp("Bounds"), display.subProp("Progress")
-        self._walls = (bounds, progress)
-        bounds.changed.connect(lambda: self.walls_changed.emit(bounds_in(bounds.getValue())))
+        self._walls_properties = (bounds, progress)
+        bounds.changed.connect(lambda: self._on_walls(bounds_in(bounds.getValue())))
         progress.changed.connect(lambda: self.walls_progress.emit(progress.getValue()))
 
     def show_kind(self, kind: str, on: bool) -> None:
@@ -164,13 +166,27 @@ class Scene(QObject):
                 display.setEnabled(False)
                 display.setEnabled(True)
 
-    def set_bounds(self, bounds: Bounds) -> None:
-        """Sets the extent of the world. The view follows, unless the user has moved it."""
-        if bounds == self._bounds:
-            return
-        self._bounds = bounds
-        self._place_grid()
+    def _on_walls(self, walls: Optional[Bounds]) -> None:
+        self._walls = walls
+        self._measure()
         self.follow_size()
+
+    def _on_model_bounds(self) -> None:
+        """The view shows models that are new; it does not follow those that move."""
+        models = bounds_in(self._model_bounds.getValue())
+        if models is None:
+            self._are_models_new = True
+        elif self._are_models_new:
+            self._are_models_new = False
+            self._measure()
+            self.follow_size()
+
+    def _measure(self) -> None:
+        """Determines the extent of the world as it is now."""
+        bounds = extent(self._walls, bounds_in(self._model_bounds.getValue()))
+        if bounds != self._bounds:
+            self._bounds = bounds
+            self._place_grid()
 
     def follow_size(self) -> None:
         """Frames the world after the panel was resized, unless the user has moved the view."""
@@ -178,7 +194,8 @@ class Scene(QObject):
             self.reset_view()
 
     def reset_view(self) -> None:
-        """Frames the world."""
+        """Frames all walls and models."""
+        self._measure()
         ratio = self.panel.devicePixelRatioF()
         view = framed(self._bounds, ratio * self.panel.width(), ratio * self.panel.height())
         controller = self._manager.getViewManager().getCurrent()

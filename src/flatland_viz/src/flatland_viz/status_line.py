@@ -3,12 +3,14 @@
 from typing import Any
 
 from python_qt_binding.QtCore import QEvent, QSize, Qt, QTimer
+from python_qt_binding.QtGui import QPalette
 from python_qt_binding.QtWidgets import QLabel, QProgressBar, QSizePolicy, QStatusBar
 
 from flatland_viz.status import Status
 
+_RUNNING = {"light": "color: #1a7f37", "dark": "color: #57c878"}
+"""By the desktop's colours."""
 _STYLE = {
-    "running": "color: #1a7f37",
     "paused": "background: #f0c419; color: black",
     "no server": "background: #c62828; color: white",
 }
@@ -104,7 +106,13 @@ class StatusLine(QStatusBar):
         self._speed.show_speed(status.speed)
         if status.state != self._state.text():
             self._state.setText(status.state)
-            self._state.setStyleSheet(_STYLE.get(status.state, ""))
+            self._state.setStyleSheet(self._style(status.state))
+
+    def _style(self, state: str) -> str:
+        if state == "running":
+            is_dark = self.palette().color(QPalette.Window).lightness() < 128
+            return _RUNNING["dark" if is_dark else "light"]
+        return _STYLE.get(state, "")
 
     def show_progress(self, what: str, percent: int) -> None:
         """Shows how much of something is loaded or drawn, until that is all."""

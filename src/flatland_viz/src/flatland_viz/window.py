@@ -13,7 +13,6 @@ from python_qt_binding.QtWidgets import (
     QMessageBox,
 )
 
-from flatland_viz.bounds import Bounds, around
 from flatland_viz.displays import wanted
 from flatland_viz.drive_panel import DrivePanel
 from flatland_viz.file_dialog import ask_for_file
@@ -24,6 +23,7 @@ from flatland_viz.model_workbench import ModelWorkbench
 from flatland_viz.problem_badge import ProblemBadge
 from flatland_viz.problem_sources import ProblemSources
 from flatland_viz.scene import Scene
+from flatland_viz.screenshot import picture_of, write_picture
 from flatland_viz.selection import Selection
 from flatland_viz.server import Server
 from flatland_viz.settings import Settings
@@ -36,6 +36,7 @@ from flatland_viz.world_files import title
 _STEPS = "steps"
 _REFRESH_PERIOD = 200  # ms: of the status line
 _MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
+_OTHER_KEYS = Qt.ControlModifier | Qt.AltModifier | Qt.MetaModifier
 _RESET_DELAYS = (200, 3000)
 """Milliseconds after the restart of a server until the displays subscribe again. rviz discards all
 messages, latched ones too, when it notices that time went back, at an unknown time within these."""
@@ -99,7 +100,6 @@ class Window(QMainWindow):
         server.done.connect(self._line.show_message)
         server.refused.connect(self._show_error)
         scene.hints.connect(self._line.show_hint)
-        scene.walls_changed.connect(self._on_walls)
         scene.walls_progress.connect(lambda percent: self._line.show_progress("walls", percent))
         server.loading_changed.connect(lambda percent: self._line.show_progress("world", percent))
         menus.world_chosen.connect(server.open)
@@ -142,9 +142,6 @@ class Window(QMainWindow):
     def _on_scans(self, scans: List[str]) -> None:
         self._scene.show_displays(wanted(self._server.debug, scans))
 
-    def _on_walls(self, bounds: Optional[Bounds]) -> None:
-        self._scene.set_bounds(around([bounds]))
-
     def _on_world(self, path: str) -> None:
         is_other = bool(self._world)
         self._world = path
@@ -160,10 +157,13 @@ class Window(QMainWindow):
         self._drive.start()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Keeps the world framed while the view is resized."""
+        """Keeps the world framed while the view is resized; keeps keys from rviz that it has not.
+
+        rviz looks at a key without its modifiers: Ctrl+A would spawn a model, as A does.
+        """
         if event.type() == QEvent.Resize:
             self._scene.follow_size()
-        return False
+        return event.type() == QEvent.KeyPress and bool(event.modifiers() & _OTHER_KEYS)
 
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Ends the program, whatever dialogs are open."""
@@ -201,10 +201,18 @@ class Window(QMainWindow):
             self._server.step(count)
 
     def _show_keys(self) -> None:
+        dialog = self.findChild(KeysDialog)
+        if dialog is None:
+            dialog = self._keys_dialog()
+        dialog.show()
+        dialog.raise_()
+        dialog.activateWindow()
+
+    def _keys_dialog(self) -> KeysDialog:
         menus = [(title, rows_of(menu)) for title, menu in self._menus.titled]
         tools = [(key_of(tool), tool.getName()) for tool in self._scene.tools if key_of(tool)]
         others = [("Tools", tools), ("Driving", DRIVING), ("Mouse", MOUSE)]
-        KeysDialog(self, [menus, others]).show()
+        return KeysDialog(self, [menus, others])
 
     def _spawn_other(self) -> None:
         folder = str(Path(self._world).parent) if self._world else ""
@@ -216,16 +224,13 @@ class Window(QMainWindow):
         QTimer.singleShot(_MENU_CLOSING_TIME, self._save_screenshot)  # without the menu in it
 
     def _save_screenshot(self) -> None:
-        panel = self._scene.panel
-        picture = panel.screen().grabWindow(panel.winId())
+        picture = picture_of(self._scene.panel)
         name = time.strftime("flatland_%Y-%m-%d_%H-%M-%S.png")
         start = str(Path.home() / name)
         file = ask_for_file(self, "Save a screenshot", start, "PNG (*.png)", is_new=True)
         if not file:
             return
-        if not Path(file).suffix:
-            file += ".png"
-        if picture.save(file):
+        if write_picture(picture, file):
             self._line.show_message(f"Saved {file}")
         else:
             QMessageBox.warning(self, "Save a screenshot", f"{file} cannot be written.")

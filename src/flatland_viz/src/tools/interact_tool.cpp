@@ -29,15 +29,8 @@ namespace {
 constexpr double kClickReach = 4;  // pixels that the mouse may move in a click
 constexpr double kMinTarget = 10;  // pixels around a small model's middle that belong to it
 constexpr double kRingReach = 6;   // pixels on either side of a ring
-const ros::WallDuration kTooltipDelay(0.4), kTooltipPeriod(0.2), kStatePeriod(0.2);
-
-QPointF MiddleOf(const WorldModel& model) {
-  geometry_msgs::Pose2D middle;
-  middle.x = model.middle().x();
-  middle.y = model.middle().y();
-  middle = Compose(model.state.pose, middle);
-  return {middle.x, middle.y};
-}
+const ros::WallDuration kTooltipDelay(0.4), kTooltipPeriod(0.2), kStatePeriod(0.2),
+    kLookPeriod(0.2);
 
 double Distance(const QPointF& a, const QPointF& b) {
   return std::hypot(a.x() - b.x(), a.y() - b.y());
@@ -114,6 +107,7 @@ void InteractTool::activate() { is_active_ = true; }
 void InteractTool::deactivate() {
   is_active_ = false;
   drag_.Cancel();
+  models_->SetDragged("");
   press_.reset();
   is_panning_ = false;
   models_->Hover("");
@@ -198,7 +192,7 @@ InteractTool::Hit InteractTool::FindHit(const QPointF& at, double pixels_per_met
   for (const auto& [name, model] : models_->models()) {
     if (!model.is_placed()) continue;
     const double target = kMinTarget * pixel_ratio / pixels_per_metre;
-    if (!model.Contains(at.x(), at.y()) && Distance(at, MiddleOf(model)) > target) continue;
+    if (!model.Contains(at.x(), at.y()) && Distance(at, model.middle_in_world()) > target) continue;
     const double radius = model.radius();
     if (hit.part == Part::kNone || radius < smallest) {
       hit = {Part::kBody, name};
@@ -210,7 +204,7 @@ InteractTool::Hit InteractTool::FindHit(const QPointF& at, double pixels_per_met
     const WorldModel* model = models_->Find(name);
     if (!model || !model->is_placed()) continue;
     const double ring = ModelHandle::Radius(*model, pixels_per_metre, pixel_ratio);
-    const double distance = Distance(at, MiddleOf(*model));
+    const double distance = Distance(at, model->middle_in_world());
     const double reach = kRingReach * pixel_ratio / pixels_per_metre;
     if (std::abs(distance - ring) <= reach) return {Part::kRing, name};
   }
@@ -225,7 +219,7 @@ void InteractTool::FollowHover(const Hit& hit, const QPointF& at, double pixels_
     if (before && before->is_placed()) {
       const double ring = ModelHandle::Radius(*before, pixels_per_metre, pixel_ratio);
       const double reach = kRingReach * pixel_ratio / pixels_per_metre;
-      if (Distance(at, MiddleOf(*before)) < ring + reach) name = before->info.name;
+      if (Distance(at, before->middle_in_world()) < ring + reach) name = before->info.name;
     }
   }
   if (name == models_->hovered()) return;
@@ -235,15 +229,37 @@ void InteractTool::FollowHover(const Hit& hit, const QPointF& at, double pixels_
   tooltip_model_.clear();
 }
 
+void InteractTool::LookUnderMouse() {
+  const ros::WallTime now = ros::WallTime::now();
+  if (!panel_ || !is_active_ || press_ || models_->revision() == looked_revision_ ||
+      now - looked_at_ < kLookPeriod) {
+    return;
+  }
+  looked_at_ = now;
+  looked_revision_ = models_->revision();
+  const QPoint mouse = panel_->mapFromGlobal(QCursor::pos());
+  const double ratio = panel_->devicePixelRatioF();
+  const auto world = WorldPlane::Find(*context_);
+  if (!world || !panel_->rect().contains(mouse)) return;
+  Ogre::Viewport* viewport = panel_->getViewport();
+  const auto point = world->PointAt(viewport, static_cast<int>(mouse.x() * ratio),
+                                    static_cast<int>(mouse.y() * ratio));
+  if (!point) return;
+  const QPointF at(point->x, point->y);
+  const double scale = ScreenScale::At(world->PositionInScene({}, 0), *viewport).pixels_per_metre;
+  FollowHover(FindHit(at, scale, ratio), at, scale, ratio);
+}
+
 void InteractTool::BeginDrag(const QPointF& at) {
   const WorldModel* model = models_->Find(press_->hit.model);
   if (!model) return;
   dragged_part_ = press_->hit.part;
-  turn_middle_ = MiddleOf(*model);
+  turn_middle_ = model->middle_in_world();
   models_->Select(model->info.name);
   QToolTip::hideText();
   tooltip_model_.clear();
   drag_.Begin(model->info.name, model->state.pose, press_->at);
+  models_->SetDragged(model->info.name);
   dragged_part_ == Part::kBody ? drag_.MoveTo(at) : drag_.TurnTo(at, turn_middle_);
   setCursor(Qt::ClosedHandCursor);
   setStatus("<b>Esc:</b> Put it back. The simulation waits.");
@@ -251,7 +267,9 @@ void InteractTool::BeginDrag(const QPointF& at) {
 
 void InteractTool::EndDrag() {
   drag_.End();
+  models_->SetDragged("");
   press_.reset();
+  if (!models_->Find(drag_.model())) return;  // it was deleted meanwhile
   QJsonObject moved = NamedPose(drag_.model(), drag_.start());
   moved["number"] = ++drags_;  // two drags may begin at the same pose
   moved_->setString(ToJson(moved));
@@ -273,6 +291,7 @@ void InteractTool::ShowHint(const Hit& hit) {
 
 void InteractTool::update(float /*wall_dt*/, float /*ros_dt*/) {
   drag_.KeepAlive();
+  LookUnderMouse();
   ShowTooltip();
   TellState();
 }

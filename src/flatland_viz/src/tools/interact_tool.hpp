@@ -67,6 +67,8 @@ class InteractTool : public rviz::Tool {
   Hit FindHit(const QPointF& at, double pixels_per_metre, double pixel_ratio) const;
   /// The model that the mouse has reached or not left yet, with its ring.
   void FollowHover(const Hit& hit, const QPointF& at, double pixels_per_metre, double pixel_ratio);
+  /// Looks again at what is under the mouse, which rests while models move.
+  void LookUnderMouse();
   int Release(rviz::ViewportMouseEvent& event);
   void BeginDrag(const QPointF& at);
   void EndDrag();
@@ -94,7 +96,8 @@ class InteractTool : public rviz::Tool {
   bool is_active_ = false;
   rviz::RenderPanel* panel_ = nullptr;  // with the mouse; known after the first event
   std::string tooltip_model_;
-  ros::WallTime hovered_since_, tooltip_at_, told_at_;
+  ros::WallTime hovered_since_, tooltip_at_, told_at_, looked_at_;
+  unsigned looked_revision_ = 0;  // of the models
 };
 
 }  // namespace flatland_viz

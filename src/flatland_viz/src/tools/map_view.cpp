@@ -19,6 +19,7 @@ namespace {
 constexpr double kZoomPerWheelUnit = 0.001;  // as rviz's views: 12 % for each click of the wheel
 constexpr double kZoomPerPixel = 0.01;
 constexpr double kMinScale = 0.01, kMaxScale = 1e5;  // pixels per metre
+const ros::WallDuration kSettling(0.3);              // until the last state of a drag has come
 constexpr double kStillMiddle = 20;                  // pixels: nearer, a rotation is not defined
 
 }  // namespace
@@ -104,6 +105,13 @@ void MapView::Follow() {
       reference_orientation_.Inverse() *
       (world->PositionInScene(model->state.pose, 0) - reference_position_);
   const QPointF at(position.x, position.y);
+  // A view that moved along would carry the point under the mouse on, and the model with it.
+  const ros::WallTime time = ros::WallTime::now();
+  if (models_->dragged() == name) rests_until_ = time + kSettling;
+  if (time < rests_until_ && followed_ == name) {
+    followed_from_ = at;
+    return;
+  }
   if (!followed_from_ || followed_ != name) {  // to the middle; later the user may move the map
     x_property_->setFloat(position.x);
     y_property_->setFloat(position.y);

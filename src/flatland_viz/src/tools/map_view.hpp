@@ -2,6 +2,7 @@
 
 /// rviz's view from above, with the mouse of maps.
 
+#include <ros/time.h>
 #include <rviz/default_plugin/view_controllers/fixed_orientation_ortho_view_controller.h>
 
 #include <QPointF>
@@ -19,7 +20,7 @@ class WorldModels;
 
 /// A drag with the left or middle button pans, the wheel zooms at the cursor, and a drag with Ctrl
 /// rotates about the middle. It has the properties of rviz's TopDownOrtho, and "Follow", the name
-/// of a model that the view moves along with.
+/// of a model that the view moves along with, except while the mouse drags it.
 class MapView : public rviz::FixedOrientationOrthoViewController {
   Q_OBJECT
 
@@ -42,6 +43,7 @@ class MapView : public rviz::FixedOrientationOrthoViewController {
   std::shared_ptr<WorldModels> models_;
   std::string followed_;                  // since the last update
   std::optional<QPointF> followed_from_;  // where it was then, in the target frame [m]
+  ros::WallTime rests_until_;             // while the followed model is dragged, and a little after
 };
 
 }  // namespace flatland_viz

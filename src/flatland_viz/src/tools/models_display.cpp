@@ -11,6 +11,7 @@
 
 #include <QJsonDocument>
 #include <QJsonObject>
+#include <QRectF>
 #include <QStringList>
 
 #include "before_render.hpp"
@@ -20,6 +21,11 @@
 #include "world_plane.hpp"
 
 namespace flatland_viz {
+namespace {
+
+const ros::WallDuration kBoundsPeriod(0.2);
+
+}  // namespace
 
 ModelsDisplay::ModelsDisplay()
     : labels_(new rviz::BoolProperty("Labels", true, "The names of the models.", this,
@@ -27,6 +33,11 @@ ModelsDisplay::ModelsDisplay()
       headings_(new rviz::BoolProperty("Headings", true, "Where robots look.", this,
                                        SLOT(queueRender()))),
       colors_(new rviz::StringProperty("Colors", "", "Of the robots.", this)),
+      bounds_(new rviz::StringProperty(
+          "Bounds", "",
+          "The box around all models, \"min_x min_y max_x max_y\" in metres. Empty "
+          "without models, and from a change of their list until all of their poses are known.",
+          this)),
       places_frames_(new rviz::BoolProperty(
           "Ground Truth", true,
           "While nothing publishes a transform from the map to a robot's odometry frame, place the "
@@ -42,6 +53,9 @@ ModelsDisplay::ModelsDisplay()
   colors_->setReadOnly(true);
   colors_->setShouldBeSaved(false);
   colors_->setHidden(true);
+  bounds_->setReadOnly(true);
+  bounds_->setShouldBeSaved(false);
+  bounds_->setHidden(true);
 }
 
 ModelsDisplay::~ModelsDisplay() = default;
@@ -58,6 +72,7 @@ void ModelsDisplay::onInitialize() {
         PlaceMarks(viewport, pixel_ratio);
       });
   connect(models_.get(), &WorldModels::Listed, this, &ModelsDisplay::ListColors);
+  connect(models_.get(), &WorldModels::Listed, this, [this] { bounds_->setString(""); });
   ListColors();
 }
 
@@ -72,6 +87,7 @@ void ModelsDisplay::onDisable() { scene_node_->setVisible(false); }
 
 void ModelsDisplay::update(float /*wall_dt*/, float /*ros_dt*/) {
   PlaceFrames();
+  FollowBounds();
   if (models_->revision() != drawn_revision_) queueRender();
   drawn_revision_ = models_->revision();
 }
@@ -100,6 +116,27 @@ void ModelsDisplay::ListColors() {
     if (model.is_robot()) colors[QString::fromStdString(name)] = model.color().name();
   }
   colors_->setString(QJsonDocument(colors).toJson(QJsonDocument::Compact));
+}
+
+void ModelsDisplay::FollowBounds() {
+  const ros::WallTime now = ros::WallTime::now();
+  const bool is_due = bounds_->getStdString().empty() || now - bounds_at_ >= kBoundsPeriod;
+  if (!is_due || models_->revision() == bounds_revision_) return;
+  bounds_at_ = now;
+  bounds_revision_ = models_->revision();
+  QRectF bounds;
+  for (const auto& [name, model] : models_->models()) {
+    if (!model.is_placed()) return;
+    const double radius = model.radius();
+    const QPointF middle = model.middle_in_world();
+    bounds |= QRectF(middle.x() - radius, middle.y() - radius, 2 * radius, 2 * radius);
+  }
+  if (bounds.isNull()) return;
+  bounds_->setString(QString("%1 %2 %3 %4")
+                         .arg(bounds.left())
+                         .arg(bounds.top())
+                         .arg(bounds.right())
+                         .arg(bounds.bottom()));
 }
 
 void ModelsDisplay::PlaceFrames() {

@@ -2,6 +2,7 @@
 
 /// rviz's display of what the models' markers do not show.
 
+#include <ros/time.h>
 #include <rviz/display.h>
 
 #include <QColor>
@@ -44,11 +45,13 @@ class ModelsDisplay : public rviz::Display {
   void PlaceFrames();
   void PlaceMarks(const Ogre::Viewport& viewport, double pixel_ratio);
   void ListColors();
+  void FollowBounds();
   QColor Background() const;
 
   rviz::BoolProperty* labels_;
   rviz::BoolProperty* headings_;
   rviz::StringProperty* colors_;
+  rviz::StringProperty* bounds_;
 
   rviz::BoolProperty* places_frames_;
   rviz::BoolProperty* publishes_frames_;
@@ -58,6 +61,8 @@ class ModelsDisplay : public rviz::Display {
   std::unique_ptr<ModelMarks> marks_;
   std::unique_ptr<BeforeRender> before_render_;
   unsigned drawn_revision_ = 0;  // of the models
+  unsigned bounds_revision_ = 0;
+  ros::WallTime bounds_at_;
 };
 
 }  // namespace flatland_viz

@@ -1,8 +1,11 @@
 #include "one_shot_tool.hpp"
 
 #include <rviz/display_context.h>
+#include <rviz/render_panel.h>
 #include <rviz/tool_manager.h>
+#include <rviz/view_manager.h>
 
+#include <QKeyEvent>
 #include <QScopedValueRollback>
 
 namespace flatland_viz {
@@ -17,6 +20,15 @@ void OneShotTool::onInitialize() {
   connect(manager, &rviz::ToolManager::toolChanged, this, [this](rviz::Tool* current) {
     if (current != this) previous_ = current;
   });
+  context_->getViewManager()->getRenderPanel()->installEventFilter(this);
+}
+
+bool OneShotTool::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::KeyPress) {
+    const auto* key = static_cast<QKeyEvent*>(event);
+    if (key->isAutoRepeat() && key->key() == QChar(shortcut_key_).toUpper().unicode()) return true;
+  }
+  return rviz::Tool::eventFilter(watched, event);
 }
 
 void OneShotTool::activate() {

@@ -8,7 +8,7 @@
 
 namespace flatland_viz {
 
-/// Hands back to the previous tool at once.
+/// Hands back to the previous tool at once. Its key acts once, however long it is held.
 class OneShotTool : public rviz::Tool {
  public:
   void activate() final;
@@ -19,6 +19,7 @@ class OneShotTool : public rviz::Tool {
 
  protected:
   void onInitialize() override;
+  bool eventFilter(QObject* watched, QEvent* event) override;
 
  private:
   virtual void Run() = 0;

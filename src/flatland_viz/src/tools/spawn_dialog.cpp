@@ -179,7 +179,8 @@ void SpawnDialog::Open(const QString& error, bool is_placed) {
   open();
   raise();
   activateWindow();  // gives it the keyboard where there is no window manager
-  QLineEdit* first = file_->text().isEmpty() ? file_ : name_;
+  const bool is_wrong_file = !error.isEmpty() && !is_placed;
+  QLineEdit* first = file_->text().isEmpty() || is_wrong_file ? file_ : name_;
   first->setFocus();
   first->selectAll();
   ok->setDefault(true);  // while it was disabled, Enter has become Cancel's

@@ -53,6 +53,15 @@ QPointF WorldModel::middle() const {
   return {(box.min_x + box.max_x) / 2, (box.min_y + box.max_y) / 2};
 }
 
+QPointF WorldModel::middle_in_world() const {
+  const QPointF in_model = middle();
+  geometry_msgs::Pose2D inner;
+  inner.x = in_model.x();
+  inner.y = in_model.y();
+  const geometry_msgs::Pose2D in_world = Compose(state.pose, inner);
+  return {in_world.x, in_world.y};
+}
+
 double WorldModel::radius() const {
   const Box box = Extent();
   return std::hypot(box.max_x - box.min_x, box.max_y - box.min_y) / 2;

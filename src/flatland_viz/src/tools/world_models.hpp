@@ -35,6 +35,8 @@ struct WorldModel {
   /// of their boxes [m].
   QPointF middle() const;
   double radius() const;
+  /// The same middle in the world [m].
+  QPointF middle_in_world() const;
   /// Whether a point of the world [m] is within one of its bodies.
   bool Contains(double x, double y) const;
 
@@ -65,6 +67,9 @@ class WorldModels : public QObject {
   const std::string& hovered() const { return hovered_; }
   void Select(const std::string& name);  ///< also one that is yet to come
   void Hover(const std::string& name);
+  /// The model that the mouse moves or turns; empty if there is none.
+  const std::string& dragged() const { return dragged_; }
+  void SetDragged(const std::string& name) { dragged_ = name; }
 
  Q_SIGNALS:
   void Selected();
@@ -79,6 +84,7 @@ class WorldModels : public QObject {
   std::map<std::string, WorldModel> models_;
   std::string selected_;
   std::string hovered_;
+  std::string dragged_;
   unsigned revision_ = 0;
   ros::Subscriber list_;
   ros::Subscriber states_;

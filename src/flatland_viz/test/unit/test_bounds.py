@@ -2,7 +2,7 @@
 
 import pytest
 
-from flatland_viz.bounds import Bounds, around, bounds_in, framed, grid_around
+from flatland_viz.bounds import Bounds, around, bounds_in, extent, framed, grid_around
 
 
 def test_the_bounding_box_of_walls():
@@ -19,6 +19,23 @@ def test_the_bounding_box_of_boxes():
 
 def test_a_world_without_walls_is_ten_metres_wide():
     assert around([]) == around([None]) == Bounds(-5, -5, 5, 5)
+
+
+@pytest.mark.parametrize(
+    ("walls", "models", "expected"),
+    [
+        pytest.param(Bounds(0, 0, 4, 3), None, Bounds(0, 0, 4, 3), id="no models"),
+        pytest.param(
+            Bounds(0, 0, 4, 3), Bounds(1, 2, 6, 2.5), Bounds(0, 0, 6, 3), id="a model outside"
+        ),
+        pytest.param(
+            None, Bounds(29.8, 19.8, 60.2, 21.2), Bounds(29.8, 15.5, 60.2, 25.5), id="no walls"
+        ),
+        pytest.param(None, None, Bounds(-5, -5, 5, 5), id="empty"),
+    ],
+)
+def test_a_world_is_its_walls_and_its_models(walls, models, expected):
+    assert extent(walls, models) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

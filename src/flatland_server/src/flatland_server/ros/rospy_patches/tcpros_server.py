@@ -8,6 +8,9 @@ header (the handshake of TCPROS) before it accepts the next. Three things stop i
 - Too many open files: the thread ends with an exception. Here it waits until one is closed.
 - Many connections at once: only five may wait to be accepted; the system retries the others after
   one second, two seconds, four seconds etc. Here a thousand may wait.
+
+A subscriber that connects to a topic that has just been removed, with its model or its world, is
+refused. rospy warns of each, and lists all topics; here the subscriber alone is told.
 """
 
 import errno
@@ -19,7 +22,7 @@ import threading
 import time
 from typing import Any, Callable, Dict, List, Tuple
 
-from rospy.impl import tcpros_base
+from rospy.impl import registration, tcpros_base
 
 from flatland_server.ros.rospy_patches.rospy_checks import Requirement, check_all
 
@@ -36,8 +39,10 @@ REQUIREMENTS = (
     Requirement(
         "rospy.impl.tcpros_base:TCPROSServer._tcp_server_callback",
         ("self", "sock", "client_addr"),
-        uses=("read_ros_handshake_header",),
+        uses=("read_ros_handshake_header", "topic_connection_handler"),
     ),
+    Requirement("rospy.impl.tcpros_base:write_ros_handshake_header", ("sock", "header")),
+    Requirement("rospy.topics:_TopicManager.get_publisher_impl", ("self", "resolved_name")),
 )
 
 BACKLOG = 1024
@@ -53,13 +58,16 @@ _NO_FILES = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 logger = logging.getLogger(__name__)
 
 Handler = Callable[[socket.socket, Any], None]
+TopicHandler = Callable[[socket.socket, Any, Dict[str, str]], Any]
 
 
 def install() -> Dict[str, Any]:
     """Changes rospy's server, which it starts if need be. Replaces no call."""
     check_all(REQUIREMENTS)
     tcpros_base.start_tcpros_server()  # as the first subscriber would
-    server = tcpros_base._tcpros_server.tcp_ros_server
+    rospys = tcpros_base._tcpros_server
+    rospys.topic_connection_handler = refusing_removed_topics(rospys.topic_connection_handler)
+    server = rospys.tcp_ros_server
     listening = server.server_sock
     listening.listen(BACKLOG)
     server.inbound_handler = Handshakes(server.inbound_handler).add
@@ -67,6 +75,23 @@ def install() -> Dict[str, Any]:
     # The thread waits in `accept` of the former socket: this connection takes it out.
     socket.create_connection(listening.getsockname()[:2], 1.0).close()
     return {}
+
+
+def refusing_removed_topics(handle: TopicHandler) -> TopicHandler:
+    """Refuses subscribers of topics that are not published; leaves all others to rospy."""
+
+    def handle_topic(connection: socket.socket, address: Any, header: Dict[str, str]) -> Any:
+        topic = header["topic"]
+        publisher = registration.get_topic_manager().get_publisher_impl(topic)
+        if publisher is not None and not publisher.closed:
+            return handle(connection, address, header)
+        logger.debug("%s asked for %s, which is not published", header.get("callerid"), topic)
+        error = {"error": f"{topic} is not published"}
+        tcpros_base.write_ros_handshake_header(connection, error)
+        connection.close()
+        return None
+
+    return handle_topic
 
 
 class _PatientSocket:

@@ -1,0 +1,213 @@
+"""Fields and panels of the window, without a screen."""
+
+import pytest
+from python_qt_binding.QtCore import QEvent, QLocale, QObject, Qt, QTimer, Signal
+from python_qt_binding.QtGui import QColor, QKeyEvent, QPalette, QPixmap
+from python_qt_binding.QtTest import QTest
+from python_qt_binding.QtWidgets import QApplication, QFileDialog, QLabel, QMainWindow, QToolButton
+
+from flatland_viz import drive_panel, model_panel
+from flatland_viz.file_dialog import ask_for_file
+from flatland_viz.labels import SelectableLabel
+from flatland_viz.model_actions import ModelActions
+from flatland_viz.model_list import Model, Topic
+from flatland_viz.move_dialog import MoveDialog
+from flatland_viz.screenshot import write_picture
+from flatland_viz.selection import Selection
+from flatland_viz.status import Status
+from flatland_viz.status_line import StatusLine
+
+
+@pytest.fixture(scope="module")
+def application():
+    return QApplication.instance() or QApplication(["test", "-platform", "offscreen"])
+
+
+@pytest.fixture(params=["en_US", "de_DE"])
+def locale(request):
+    before = QLocale()
+    QLocale.setDefault(QLocale(request.param))
+    yield
+    QLocale.setDefault(before)
+
+
+def send_key(receiver, kind, key, text=""):
+    QApplication.sendEvent(receiver, QKeyEvent(kind, key, Qt.NoModifier, text))
+
+
+@pytest.mark.parametrize("text", ["-1.5", "-1,5"])
+def test_a_decimal_point_and_a_comma_mean_the_same_in_every_locale(application, locale, text):
+    dialog = MoveDialog(None, "crate", (1234.5, 0.0, 0.0))
+    field = dialog.findChild(QObject, "x")
+    assert field.text() == "1234.500 m"
+    field.selectAll()
+    for character in text:
+        send_key(field, QEvent.KeyPress, 0, character)
+    assert dialog.pose == (-1.5, 0.0, 0.0)
+
+
+class Publisher:
+    """Records commands by topic."""
+
+    def __init__(self):
+        self.topic, self.velocity = "", (0.0, 0.0, 0.0)
+        self.commands = {}
+
+    def open(self, topic):
+        self.topic = topic
+
+    def command(self, velocity):
+        self.velocity = self.commands[self.topic] = velocity
+
+
+class Watch(QObject):
+    changed = Signal(str, object)
+
+    def watch(self, topic):
+        pass
+
+
+class Settings:
+    """Without values."""
+
+    def number(self, key, default):
+        return default
+
+
+def robot(name):
+    topic = Topic(f"/{name}/cmd_vel", "geometry_msgs/Twist", False, "drive")
+    return Model(name, name, "", ("drive (DiffDrive)",), (), (topic,), 0.4)
+
+
+def test_a_held_key_does_not_drive_the_next_robot_when_its_own_is_deleted(application, monkeypatch):
+    monkeypatch.setattr(drive_panel, "DrivePublisher", Publisher)
+    monkeypatch.setattr(drive_panel, "PublisherWatch", Watch)
+    window = QMainWindow()
+    panel = drive_panel.DrivePanel(Selection(), Settings())
+    window.addDockWidget(Qt.RightDockWidgetArea, panel)
+    window.show()
+    panel.start()
+    panel.set_models({"r1": robot("r1"), "r2": robot("r2")})
+    send_key(window.windowHandle(), QEvent.KeyPress, Qt.Key_Up)
+    commands = panel._publisher.commands
+    assert commands["/r1/cmd_vel"] == (0.5, 0.0, 0.0)
+
+    panel.set_models({"r2": robot("r2")})
+    assert commands["/r1/cmd_vel"] == (0.0, 0.0, 0.0)
+    assert commands["/r2/cmd_vel"] == (0.0, 0.0, 0.0)
+    window.close()
+
+
+class Interaction(QObject):
+    """The selected model is at rest, with a negative zero in its pose."""
+
+    moved = Signal(str, object)
+    menu_asked = Signal(str)
+    state_changed = Signal(object)
+
+    def __init__(self):
+        super().__init__()
+        self.state = {"x": 1.5, "y": -0.0, "theta": -0.00001}
+
+
+@pytest.fixture
+def actions(application):
+    """Those of a selected model, in a window that has the keyboard."""
+    window = QMainWindow()
+    selection = Selection()
+    actions = ModelActions(window, None, selection, Interaction(), None)
+    actions.set_models({"r1": robot("r1")})
+    selection.select("r1")
+    window.show()
+    window.activateWindow()
+    QTest.qWaitForWindowActive(window)
+    yield actions
+    window.close()
+
+
+def test_a_copied_pose_has_no_negative_zeros(actions):
+    actions.copy_pose.trigger()
+    assert QApplication.clipboard().text() == "[1.500, 0.000, 0.0000]"
+
+
+def test_selected_text_is_copied_instead_of_the_pose(actions):
+    window = actions.parent()
+    label = SelectableLabel(text="diff_drive (DiffDrive)")
+    window.setCentralWidget(label)
+    label.setFocus()
+    QTest.keyClick(label, Qt.Key_C, Qt.ControlModifier)
+    assert QApplication.clipboard().text().startswith("[")
+    label.setSelection(0, 10)
+    QTest.keyClick(label, Qt.Key_C, Qt.ControlModifier)
+    assert QApplication.clipboard().text() == "diff_drive"
+
+
+class Monitor:
+    """Of topics without messages."""
+
+    def watch(self, topics):
+        pass
+
+    def readings(self, time):
+        return {}
+
+
+def test_a_long_name_does_not_push_buttons_out_of_the_panel(actions, application, monkeypatch):
+    monkeypatch.setattr(model_panel, "TopicMonitor", Monitor)
+    selection, window = Selection(), actions.parent()
+    panel = model_panel.ModelPanel(selection, Interaction(), actions)
+    window.addDockWidget(Qt.RightDockWidgetArea, panel)
+    names = [f"delivery_robot_of_the_second_floor_in_the_east_wing_{i}" for i in range(2)]
+    panel.set_models({name: robot(name) for name in names})
+    selection.select(names[1])
+    application.processEvents()
+    title = panel.findChild(QLabel, "model_name")
+    assert title.text() == title.toolTip() == names[1]
+    assert title.shown_text.startswith("delivery")
+    assert title.shown_text.endswith("_1")
+    for button in panel.findChildren(QToolButton):
+        assert button.mapTo(panel, button.rect().bottomRight()).x() < panel.width()
+
+
+def test_what_is_done_to_a_model_is_done_once_while_a_key_is_held(actions):
+    assert not any(action.autoRepeat() for action in (*actions.all, actions.undo))
+
+
+def test_a_screenshot_without_a_known_suffix_is_a_png(application, tmp_path):
+    picture = QPixmap(4, 3)
+    picture.fill(Qt.red)
+    names = {"a.png": b"\x89PNG", "b.jpg": b"\xff\xd8", "floor.v2": b"\x89PNG"}
+    for name, begin in names.items():
+        assert write_picture(picture, str(tmp_path / name))
+        assert (tmp_path / name).read_bytes().startswith(begin)
+    assert not write_picture(picture, str(tmp_path / "nowhere" / "a.png"))
+
+
+def test_the_dialog_for_a_new_file_adds_the_suffix(application, tmp_path):
+    def choose():
+        [dialog] = [w for w in QApplication.topLevelWidgets() if isinstance(w, QFileDialog)]
+        dialog.selectFile(str(tmp_path / "floor"))
+        dialog.accept()
+
+    QTimer.singleShot(0, choose)
+    file = ask_for_file(None, "Save", str(tmp_path / "a.png"), "PNG (*.png)", is_new=True)
+    assert file == str(tmp_path / "floor.png")
+
+
+def luminance(color):
+    """Relative luminance, as in WCAG 2."""
+    parts = (color.redF(), color.greenF(), color.blueF())
+    linear = [p / 12.92 if p <= 0.03928 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("background", ["#efefef", "#2d2d30"])
+def test_the_state_is_readable_on_a_light_desktop_and_on_a_dark_one(application, background):
+    line = StatusLine()
+    palette = line.palette()
+    palette.setColor(QPalette.Window, QColor(background))
+    line.setPalette(palette)
+    line.show_status(Status("1.0 s", "", "running"))
+    text = QColor(line.findChild(QLabel, "status_state").styleSheet().split()[-1])
+    low, high = sorted((luminance(text), luminance(QColor(background))))
+    assert (high + 0.05) / (low + 0.05) >= 4.0
