@@ -106,6 +106,11 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
     """Runs the rest of a sweep, and writes what it has given."""
     rest = sweep.rest(options.retry_failed)
     done = len(sweep.scenarios) - len(rest)
+    for name in sweep.unused:
+        where = (
+            "no file of the worlds reads it" if name.startswith("/") else "there is no controller"
+        )
+        print(f'the parameter "{name}" changes nothing: {where}', file=sys.stderr)
     if sweep.other_count:
         print(
             f"{options.file} or a file that it names has changed: {sweep.other_count} results in "

@@ -3,6 +3,7 @@
 import json
 import traceback
 from collections import OrderedDict
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Container, Dict, Mapping, Optional, Tuple
@@ -11,15 +12,14 @@ from flatland_server.exceptions import FlatlandError, UsageError, shortened
 from flatland_server.library.free_space import FreeSpace
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.simulation import Simulation
-from flatland_server.library.world_content import world_content
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.sweep.controllers import arguments_of, find_controller
-from flatland_server.sweep.parameters import set_value, world_changes, world_params
+from flatland_server.sweep.parameters import world_changes, world_params
 from flatland_server.sweep.places import draw_places
 from flatland_server.sweep.run import RunObserver, RunOver, SweepRun
 from flatland_server.sweep.scenario import Scenario
-from flatland_server.sweep.scenario_file import world_source
 from flatland_server.sweep.settings import RANDOM, SweepSettings, SweepWorld
+from flatland_server.sweep.sweep_worlds import SweepWorlds
 
 _KEPT_WORLDS = 4
 """Worlds that stay loaded: scenarios come world by world."""
@@ -166,10 +166,8 @@ class ScenarioRunner:
         if key in self._worlds:
             self._worlds.move_to_end(key)
             return self._worlds[key]
-        source = world_source(scenario.world.source, self._settings.folder)
-        content = world_content(source, params=params)
-        for place, value in changes.items():
-            set_value(content, place, value)
+        with closing(SweepWorlds(self._settings.folder)) as worlds:
+            content = worlds.content(scenario.world.source, scenario.parameters)
         loaded = _Loaded(WorldConfig.from_content(content), params, {})
         self._worlds[key] = loaded
         while len(self._worlds) > _KEPT_WORLDS:

@@ -11,7 +11,7 @@ from flatland_server.exceptions import FlatlandError, UsageError, YamlError, sho
 from flatland_server.geometry import Point, Pose
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.sweep.controllers import POLICY_DRIVER, python_file
-from flatland_server.sweep.parameters import combinations
+from flatland_server.sweep.parameters import combinations, count_combinations
 from flatland_server.sweep.settings import (
     RANDOM,
     Controller,
@@ -235,6 +235,13 @@ def _parameters(reader: YamlReader) -> Tuple[Dict[str, Any], ...]:
     else:
         section: Optional[YamlReader] = reader.get_section("parameters")
         grids = [_grid(section)] if section is not None else []
+    if count_combinations(grids) > MAX_SCENARIOS:
+        reader.problem(
+            f"expected at most {MAX_SCENARIOS} combinations of values, found "
+            f"{count_combinations(grids)}",
+            "parameters",
+        )
+        return ({},)
     found = combinations(grids)
     texts = [repr(sorted(each.items())) for each in found]
     if len(set(texts)) < len(texts):

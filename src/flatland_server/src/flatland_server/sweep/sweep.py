@@ -49,6 +49,7 @@ class Sweep:
 
     Attributes:
         scenarios: all of them.
+        unused: the parameters that change nothing, by name.
 
     Raises:
         FlatlandError: a world or a controller cannot be used, or the folder not be written.
@@ -59,6 +60,7 @@ class Sweep:
         self.folder = folder
         self.scenarios = scenarios_of(settings)
         fingerprints = Fingerprints(settings)
+        self.unused = fingerprints.unused
         self._fingerprints = {each.number: fingerprints.of(each) for each in self.scenarios}
         try:
             folder.mkdir(parents=True, exist_ok=True)
