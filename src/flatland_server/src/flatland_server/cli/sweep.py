@@ -131,8 +131,9 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
         print(f"no results.parquet: {written.problem}", file=sys.stderr)
     if written.failed:
         print(
-            f"{written.failed} of {len(sweep.scenarios)} scenarios failed to run to the end: "
-            "column error of results.csv",
+            f"{written.failed} of {len(sweep.scenarios)} scenarios failed to run to the end, most "
+            f"often by: {written.example['error']}\n"
+            f"--replay {written.example['scenario']} shows it; results.csv has all reasons (error)",
             file=sys.stderr,
         )
     return 1 if written.failed else 0

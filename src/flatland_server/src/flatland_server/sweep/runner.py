@@ -3,7 +3,7 @@
 import json
 import traceback
 from collections import OrderedDict
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Container, Dict, Mapping, Optional, Tuple
@@ -78,16 +78,23 @@ class ScenarioRunner:
 
         Returns:
             The result; also if the controller raises an exception.
+
+        Raises:
+            FlatlandError: the observer cannot begin.
         """
-        try:
-            with self.open(scenario) as simulation:
+        with ExitStack() as stack:
+            try:
+                simulation = stack.enter_context(self.open(scenario))
                 run = self.prepare(scenario, simulation, observer)
-                observer.on_begin(run)
+            except FlatlandError as error:
+                return _without_row(error)
+            observer.on_begin(run)
+            try:
                 result = self._drive(scenario, run)
-                observer.on_end(run)
-                return result
-        except FlatlandError as error:
-            return Result({}, {}, shortened(str(error), _LONGEST_ERROR))
+            except FlatlandError as error:
+                return _without_row(error)
+            observer.on_end(run)
+            return result
 
     def open(self, scenario: Scenario) -> Simulation:
         """A simulation of the scenario's world.
@@ -194,6 +201,10 @@ def _robot_of(simulation: Simulation, world: SweepWorld) -> Optional[ModelHandle
             f"name one of several; found {found}"
         )
     return None
+
+
+def _without_row(error: FlatlandError) -> Result:
+    return Result({}, {}, shortened(str(error), _LONGEST_ERROR))
 
 
 def _failed(run: SweepRun, reason: str, error: BaseException) -> Result:

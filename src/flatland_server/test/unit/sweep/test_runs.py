@@ -123,6 +123,8 @@ def test_parameters_change_the_world_and_the_controller(folder, settings_of):
         ("return {'time': 5}", 'returns "time", which is a column already'),
         ("run.robot.command(1)", "UsageError: the drive"),
         ("run.step(0.003)", "to be a multiple of the step_size"),
+        ("run.step(float('inf'))", "UsageError: expected the duration as a number of seconds"),
+        ("yield run.step()", "expected drive to be a function that steps the run until it is over"),
     ],
 )
 def test_a_controller_that_fails_is_a_result_with_the_reason(folder, settings_of, source, message):
