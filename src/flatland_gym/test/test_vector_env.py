@@ -7,7 +7,7 @@ import gc
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import assert_same, make, make_vector
+from environments import ID, assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from flatland_gym import SCENARIOS, NavigationSettings
@@ -107,6 +107,19 @@ def test_people_and_walls_that_differ_make_no_difference(mode):
         vector = make_vector(3, threads=threads, autoreset_mode=mode, **arguments)
         assert type(vector.unwrapped.navigation.fleet) is BatchFleet
         assert_same(expected, drive(vector.unwrapped, mode, 60)[0])
+
+
+@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
+def test_a_number_of_steps_truncates_as_in_single_environments(mode):
+    arguments = {"world": "empty_room", **CROWDED, "max_episode_steps": 25}
+    spec = gym.make(ID, **arguments).spec  # it has the number, and gives it to make_vec
+    single = SyncVectorEnv([lambda: gym.make(spec)] * 3, autoreset_mode=mode)
+    expected, ends = drive(single, mode, 60)
+
+    found, _ = drive(gym.make_vec(spec, num_envs=3, autoreset_mode=mode), mode, 60)
+
+    assert_same(expected, found)
+    assert ends[2] > 0
 
 
 def test_a_plugin_that_acts_at_steps_has_simulations():
@@ -328,6 +341,10 @@ def test_a_step_after_an_end_is_refused_without_autoreset():
     [
         ({"num_envs": 0}, "expected num_envs to be a whole number above 0, found 0"),
         ({"num_envs": 2, "threads": 1.5}, "expected threads to be a whole number"),
+        (
+            {"num_envs": 2, "max_episode_steps": 0},
+            "expected max_episode_steps to be",
+        ),
         ({"num_envs": 2, "autoreset_mode": "Never"}, "expected autoreset_mode to be one of"),
         ({"num_envs": 2, "render_mode": "human"}, "for a single environment"),
         ({"num_envs": 2, "render_envs": 0}, "expected render_envs to be a whole number above 0"),
