@@ -8,6 +8,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from environments import ID, assert_same, make
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 
 import flatland_gym
@@ -124,6 +125,15 @@ def test_reward_and_termination_can_be_replaced():
     env.close()
 
 
+def test_arguments_may_be_plain_data_as_in_a_specification_in_json():
+    spec = gym.make(ID, world="empty_room", rewards={"time": -7.0}, time_limit=math.inf).spec
+    env = gym.make(EnvSpec.from_json(spec.to_json())).unwrapped
+    observation, _ = env.reset(seed=np.int64(3))
+    assert_same(observation, env.reset(seed=3)[0])
+    assert env.step(np.zeros(2))[1] == pytest.approx(-0.35)
+    env.close()
+
+
 def test_frames_are_skipped():
     slow, quick = (
         make(world="empty_room", step_size=0.01),
@@ -222,7 +232,19 @@ def test_a_world_that_cannot_be_used_is_named(change, message):
         ({"frame_skip": 0.5}, "expected frame_skip to be a whole number above 0"),
         ({"goal_distance": 3}, r"expected goal_distance as a pair"),
         ({"goal_distance": (5, 1)}, "expected goal_distance to be two increasing lengths"),
+        ({"goal_distance": ("a", 2)}, "expected goal_distance to be two increasing lengths"),
         ({"obstacles": -1}, "expected obstacles to be"),
+        ({"world": ()}, "expected world to be a world, or one at least"),
+        ({"robot_scales": 1.2}, "expected robot_scales to be a sequence of numbers"),
+        ({"scatter": "box_*"}, "expected scatter to be a sequence of patterns"),
+        ({"flatten": "no"}, "expected flatten to be true or false"),
+        ({"reward": "x"}, "expected reward to be a function of a Transition"),
+        (
+            {"rewards": {"sucess": 1}},
+            "expected rewards to be RewardWeights, or a dict of",
+        ),
+        ({"rewards": {"success": "1"}}, "expected rewards.success to be a number, found '1'"),
+        ({"params": [1]}, "expected params to be a dict by name"),
         ({"render_mode": "rgb"}, "expected render_mode"),
         ({"colour": "red"}, 'unknown argument "colour"'),
     ],
