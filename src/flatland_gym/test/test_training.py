@@ -238,6 +238,50 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     assert 'error: no world is named "ofice"' in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["no/policy.npz"], "no/policy.npz cannot be written: there is no folder no"),
+        (["."], ". cannot be written: it is a folder"),
+        (["a.npz", "--curve", "no/curve.png"], "no/curve.png cannot be written"),
+        (["a.npz", "--seed", "-1"], 'expected a whole number of 0 or more, found "-1"'),
+        (["a.npz", "--episodes", "0"], 'expected a whole number of 1 or more, found "0"'),
+        (["a.npz", "--minutes", "nan"], 'expected a number above 0, found "nan"'),
+    ],
+)
+def test_what_is_wrong_is_told_before_the_training(
+    tmp_path, monkeypatch, capsys, arguments, message
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(train, "_learn", None)
+    try:
+        code = main(arguments)
+    except SystemExit as error:
+        code = error.code
+
+    assert code in (1, 2)
+    assert message in capsys.readouterr().err
+
+
+def test_ctrl_c_keeps_the_policy(tmp_path, capsys, monkeypatch):
+    steps = []
+
+    def step(env, *arguments):
+        steps.append(arguments)
+        if len(steps) == 100:
+            raise KeyboardInterrupt
+        return original(env, *arguments)
+
+    original = NavigationVectorEnv.step
+    monkeypatch.setattr(NavigationVectorEnv, "step", step)
+    path = tmp_path / "policy.npz"
+
+    assert main([str(path), "--world", "empty_room", "--envs", "2", "--threads", "1"]) == 130
+
+    assert Policy.load(path).beams == 64
+    assert "policy.npz: interrupted after 128 steps" in capsys.readouterr().err
+
+
 _WITHOUT_GYMNASIUM = """
 import runpy, sys
 sys.modules["gymnasium"] = None
