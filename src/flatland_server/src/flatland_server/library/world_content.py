@@ -9,7 +9,7 @@ from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import UsageError, shortened
-from flatland_server.library.arguments import folders_of
+from flatland_server.library.arguments import folders_of, params_of
 from flatland_server.models.layer import LayerConfig
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -41,7 +41,7 @@ def world_content(
     Raises:
         FlatlandError: there is no such world, or a file is missing or no YAML.
     """
-    transport = LocalTransport(dict(params), ())
+    transport = LocalTransport(params_of(params), ())
     folders = [folder.absolute() for folder in folders_of(model_folders)]
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
         return read_world_content(world, preprocessor, folders)

@@ -50,7 +50,7 @@ class LocalTransport(Transport):
         super().__init__()
         self.transforms: Dict[str, Transform] = {}
         self.params_read: Set[str] = set()
-        self._params = dict(params)
+        self._params = {_absolute(name): value for name, value in params.items()}
         self._subscribed_topics = subscribed_topics
         self.activity = 0
         self._subscriber_revision = 0

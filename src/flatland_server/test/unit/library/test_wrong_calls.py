@@ -86,6 +86,10 @@ def test_a_wrong_call_is_refused_and_changes_nothing(sim, call, error, message):
         ({"step_size": math.nan}, "found nan"),
         ({"step_size": "fast"}, "found 'fast'"),
         ({"step_size": None}, "found None"),
+        ({"simplify_map": 0.05}, "expected simplify_map to be 0, 1 or 2, found 0.05"),
+        ({"simplify_map": -1}, "found -1"),
+        ({"params": 3}, "expected params as a dict by name, found 3"),
+        ({"params": {3: 4}}, "expected params as a dict by name"),
     ],
 )
 def test_wrong_options_are_refused(options, message):
