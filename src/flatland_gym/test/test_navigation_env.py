@@ -178,6 +178,21 @@ def test_scattered_models_and_obstacles_are_elsewhere_each_time():
     env.close()
 
 
+def test_models_that_are_named_like_obstacles_stay():
+    content = world_content(flatland_gym.SCENARIOS["empty_room"].world)
+    column = {"name": "c", "type": "static", "footprints": [{"type": "circle", "radius": 0.3}]}
+    column["footprints"][0]["density"] = 1
+    model = {"name": "obstacle_2", "pose": [3, 3, 0], "model": {"bodies": [column]}}
+    content["models"].append(model)
+    env = make(world=content, obstacles=2)
+    for _ in range(3):
+        env.reset()
+        models = env.navigation.fleet.simulation(0).models
+        assert list(models) == ["robot", "obstacle_2", "obstacle_1", "obstacle_3"]
+        assert models["obstacle_2"].pose == (3, 3, 0)
+    env.close()
+
+
 def test_an_option_chooses_the_world():
     env = make(world=("empty_room", "doors"))
     for name, models in (("doors", 2), ("empty_room", 1), ("doors", 2)):
@@ -321,6 +336,16 @@ def test_a_line_of_text():
     assert env.render() == (
         "   0.00 s  robot (0.00, 0.00) m, +0.00 rad  goal (2.00, 1.00) m, 2.24 m away"
     )
+    env.close()
+
+
+def test_a_window_needs_a_screen(monkeypatch):
+    pytest.importorskip("pygame")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
+        monkeypatch.delenv(name, raising=False)
+    env = make(world="empty_room", render_mode="human")
+    with pytest.raises(FlatlandError, match="the window cannot be opened"):
+        env.reset(seed=1)
     env.close()
 
 
