@@ -227,6 +227,25 @@ def test_other_files_are_named(tmp_path):
     with pytest.raises(FlatlandError, match="cannot be read: No such file"):
         Policy.load(tmp_path / "none.npz")
 
+    untrained().save(tmp_path / "whole.npz")
+    content = (tmp_path / "whole.npz").read_bytes()
+    arrays = dict(np.load(tmp_path / "whole.npz"))
+    (tmp_path / "part.npz").write_bytes(content[: len(content) // 2])
+    np.savez(tmp_path / "shape.npz", **{**arrays, "beams": 5})
+    np.savez(tmp_path / "nan.npz", **{**arrays, "bias_0": np.array([np.nan, 0.0])})
+    for name, message in (("part", "not a zip file"), ("shape", "10 inputs"), ("nan", "finite")):
+        with pytest.raises(FlatlandError, match=rf"file of a policy, but .*{name}\.npz.*{message}"):
+            Policy.load(tmp_path / f"{name}.npz")
+
+
+def test_a_policy_takes_what_robots_measure():
+    policy = untrained()
+    place = {"pose": [0, 0, 0], "velocity": [0, 0, 0], "goal": [1, 1]}
+    nothing, invalid = (policy.drive([1, 2, 3, value], **place) for value in (np.inf, np.nan))
+    assert nothing == invalid  # a beam without a return, by REP 117 and by others
+    with pytest.raises(UsageError, match="expected the goal as 2 finite numbers, found None"):
+        policy.drive([1, 2, 3, 4], **{**place, "goal": None})
+
 
 def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     path = tmp_path / "policy.npz"
