@@ -123,6 +123,11 @@ def test_reward_and_termination_can_be_replaced():
     with pytest.raises(UsageError, match=r"expected reward to return shape \(1,\), found \(\)"):
         env.step(FORWARDS)
     env.close()
+    env = make(world="empty_room", reward=lambda step: np.nan * step.distance)
+    env.reset(seed=1)
+    with pytest.raises(UsageError, match=r"expected reward to return finite numbers, found .*nan"):
+        env.step(FORWARDS)
+    env.close()
 
 
 def test_arguments_may_be_plain_data_as_in_a_specification_in_json():
