@@ -36,6 +36,7 @@ WRONG = [
     (lambda sim: sim.move("box", [1e9, 0, 0]), ModelError, "cannot be there"),
     (lambda sim: sim.spawn(ROBOT, "c", [0, math.inf, 0]), UsageError, "a pose of finite numbers"),
     (lambda sim: sim.spawn(ROBOT, "a b"), ModelError, "a b"),
+    (lambda sim: sim.spawn(ROBOT, 3), UsageError, "the model's name as a string, found 3"),
     (lambda sim: sim.spawn("no.yaml", "c"), ModelError, "there is no file no.yaml"),
     (lambda sim: sim.models["robot"].command(math.nan), UsageError, r"finite numbers, found \(nan"),
     (lambda sim: sim.models["robot"].command(np.float32("inf")), UsageError, "finite numbers"),
