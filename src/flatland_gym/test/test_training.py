@@ -253,6 +253,11 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     assert main([str(path), "--world", "empty_room", *arguments]) == 0
     assert Policy.load(path).beams == 64
     assert "of 3 episodes with new seeds" in capsys.readouterr().out
+    settings = ["--set", "beams=8", "--set", "rewards={time: -1}"]
+    assert main([str(path), "--world", "empty_room", *arguments, *settings]) == 0
+    assert Policy.load(path).beams == 8
+    assert main([str(path), "--world", "empty_room", *arguments, "--set", "lidr=front"]) == 1
+    assert 'error: unknown argument "lidr"' in capsys.readouterr().err
     assert main([str(path), "--world", "ofice", *arguments]) == 1
     assert 'error: no world is named "ofice"' in capsys.readouterr().err
 
@@ -265,6 +270,7 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
         (["a.npz", "--curve", "no/curve.png"], "no/curve.png cannot be written"),
         (["a.npz", "--seed", "-1"], 'expected a whole number of 0 or more, found "-1"'),
         (["a.npz", "--episodes", "0"], 'expected a whole number of 1 or more, found "0"'),
+        (["a.npz", "--set", "beams"], 'expected NAME=VALUE with a value in YAML, found "beams"'),
         (["a.npz", "--minutes", "nan"], 'expected a number above 0, found "nan"'),
     ],
 )

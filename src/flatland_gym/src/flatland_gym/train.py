@@ -6,9 +6,10 @@ import math
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
+import yaml
 
 from flatland_gym.policy import Policy
 from flatland_server import FlatlandError, MissingPackageError
@@ -51,6 +52,7 @@ def _train(options: argparse.Namespace) -> int:
         "frame_skip": 2,
         "obstacles": options.obstacles,
         "time_limit": 30.0,
+        **dict(options.set),
     }
     progress: List[Progress] = []
 
@@ -195,6 +197,20 @@ def _minutes(text: str) -> float:
     return value
 
 
+def _setting(text: str) -> Tuple[str, Any]:
+    """The name and the value of an argument of the environment."""
+    name, separator, value = text.partition("=")
+    try:
+        found = yaml.safe_load(value)
+    except yaml.YAMLError:
+        separator = ""
+    if not (name and separator):
+        raise argparse.ArgumentTypeError(
+            f'expected NAME=VALUE with a value in YAML, found "{text}"'
+        )
+    return name, found
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python3 -m flatland_gym.train", description="Trains a policy by PPO."
@@ -214,6 +230,14 @@ def _parser() -> argparse.ArgumentParser:
     add("--envs", type=_whole(1), default=128, help="environments at a time (default: 128)")
     add("--threads", type=_whole(1), default=2, help="that step them (default: 2)")
     add("--episodes", type=_whole(1), default=200, help="of the evaluation (default: 200)")
+    add(
+        "--set",
+        type=_setting,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="another argument of the environment, in YAML: --set lidar=front --set beams=32",
+    )
     add("--library", choices=("numpy", "sb3"), default="numpy", help="what learns (default: numpy)")
     add("--curve", type=Path, help="draw the success over the steps into this file")
     return parser
