@@ -3,7 +3,7 @@
 import json
 import traceback
 from collections import OrderedDict
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Container, Dict, Mapping, Optional, Tuple
@@ -67,6 +67,7 @@ class ScenarioRunner:
 
     def __init__(self, settings: SweepSettings) -> None:
         self._settings = settings
+        self._reader = SweepWorlds(settings.folder)
         self._worlds: OrderedDict[str, _Loaded] = OrderedDict()
 
     def run(self, scenario: Scenario, observer: RunObserver = _NO_OBSERVER) -> Result:
@@ -95,6 +96,10 @@ class ScenarioRunner:
                 return _without_row(error)
             observer.on_end(run)
             return result
+
+    def close(self) -> None:
+        """Ends the process that evaluates expressions in the worlds' files."""
+        self._reader.close()
 
     def open(self, scenario: Scenario) -> Simulation:
         """A simulation of the scenario's world.
@@ -173,8 +178,7 @@ class ScenarioRunner:
         if key in self._worlds:
             self._worlds.move_to_end(key)
             return self._worlds[key]
-        with closing(SweepWorlds(self._settings.folder)) as worlds:
-            content = worlds.content(scenario.world.source, scenario.parameters)
+        content = self._reader.content(scenario.world.source, scenario.parameters)
         loaded = _Loaded(WorldConfig.from_content(content), params, {})
         self._worlds[key] = loaded
         while len(self._worlds) > _KEPT_WORLDS:

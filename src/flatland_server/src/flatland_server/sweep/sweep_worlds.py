@@ -1,8 +1,11 @@
-"""The worlds of a sweep, with what the parameters of a scenario change in them."""
+"""The worlds of a sweep, with what the parameters of a scenario change in them.
+
+A process for expressions takes longer to start than most worlds to read: it is kept.
+"""
 
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional, Set, Tuple
+from typing import Any, Dict, Mapping, Optional, Set, Tuple, Union
 
 from flatland_server.config.file_names import to_path
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -51,7 +54,7 @@ class SweepWorlds:
                 value = str(self._folder / to_path(value))
             set_value(content, place, value)
         if any(map(names_a_file, changes)):
-            content = read_world_content(content, self.preprocessor)  # reads these files
+            content = self._read(content)  # with these files
         return content
 
     def close(self) -> None:
@@ -65,9 +68,14 @@ class SweepWorlds:
             if all(self._params.get(name) == value for name, value in read.items()):
                 return deepcopy(content)
         self._reading = {}
-        content = read_world_content(world_source(source, self._folder), self.preprocessor)
+        content = self._read(world_source(source, self._folder))
         self._last = source, self._reading, content
         return deepcopy(content)
+
+    def _read(self, world: Union[str, Path, Mapping[str, Any]]) -> Dict[str, Any]:
+        """A world, whatever was read before."""
+        self.preprocessor.restart_random()
+        return read_world_content(world, self.preprocessor)
 
     def _get_param(self, name: str, default: Any) -> Any:
         name = f"/{name.lstrip('/')}"

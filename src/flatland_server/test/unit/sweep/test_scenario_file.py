@@ -1,5 +1,7 @@
 """Scenario files: what they say, their scenarios, and what is wrong in them."""
 
+from contextlib import closing
+
 import pytest
 
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError
@@ -198,8 +200,8 @@ def test_a_fingerprint_covers_the_files_that_its_parameters_choose(
         now = fingerprints()
         assert [a != b for a, b in zip(former, now)] == [n == number for n in range(4)], file
         former = now
-    runner = ScenarioRunner(settings)
-    assert [runner.run(each).error for each in scenarios_of(settings)] == [""] * 4
+    with closing(ScenarioRunner(settings)) as runner:
+        assert [runner.run(each).error for each in scenarios_of(settings)] == [""] * 4
 
 
 @pytest.mark.parametrize(
