@@ -109,19 +109,6 @@ def test_people_and_walls_that_differ_make_no_difference(mode):
         assert_same(expected, drive(vector.unwrapped, mode, 60)[0])
 
 
-@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
-def test_a_number_of_steps_truncates_as_in_single_environments(mode):
-    arguments = {"world": "empty_room", **CROWDED, "max_episode_steps": 25}
-    spec = gym.make(ID, **arguments).spec  # it has the number, and gives it to make_vec
-    single = SyncVectorEnv([lambda: gym.make(spec)] * 3, autoreset_mode=mode)
-    expected, ends = drive(single, mode, 60)
-
-    found, _ = drive(gym.make_vec(spec, num_envs=3, autoreset_mode=mode), mode, 60)
-
-    assert_same(expected, found)
-    assert ends[2] > 0
-
-
 def test_a_plugin_that_acts_at_steps_has_simulations():
     room = world_content(SCENARIOS["empty_room"].world)
     disc = {"type": "circle", "radius": 0.2, "density": 1}
@@ -324,6 +311,19 @@ def test_wrong_options_change_nothing(options, message):
 
     assert_same(a.step(right), b.step(right))
     assert a.unwrapped.np_random_seed == b.unwrapped.np_random_seed
+
+
+@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
+def test_a_number_of_steps_truncates_as_in_single_environments(mode):
+    arguments = {"world": "empty_room", **CROWDED, "max_episode_steps": 25}
+    spec = gym.make(ID, **arguments).spec  # it has the number, and gives it to make_vec
+    single = SyncVectorEnv([lambda: gym.make(spec)] * 3, autoreset_mode=mode)
+    expected, ends = drive(single, mode, 60)
+
+    found, _ = drive(gym.make_vec(spec, num_envs=3, autoreset_mode=mode), mode, 60)
+
+    assert_same(expected, found)
+    assert ends[2] > 0
 
 
 def test_a_step_after_an_end_is_refused_without_autoreset():

@@ -13,7 +13,7 @@ from flatland_gym.observations import as_dict, goal_distances, observe
 from flatland_gym.pictures import check_render_mode, picture
 from flatland_gym.rewards import Transition
 from flatland_gym.robot_rows import RobotRows
-from flatland_gym.settings import NavigationSettings, checked_seed, is_whole
+from flatland_gym.settings import NavigationSettings, is_whole, require_seed
 from flatland_server import FloatArray, MissingPackageError, UsageError
 
 try:
@@ -92,7 +92,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         Raises:
             UsageError: the seed is wrong, or there is no room for all robots.
         """
-        number = checked_seed(seed)
+        number = require_seed(seed)
         if number is not None or self._rng is None:
             self._rng, _ = seeding.np_random(number)
         episode = self._sampler.draw(self._rng)

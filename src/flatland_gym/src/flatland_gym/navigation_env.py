@@ -7,7 +7,7 @@ import numpy as np
 
 from flatland_gym.navigation import Navigation
 from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode, picture, status_line
-from flatland_gym.settings import NavigationSettings, checked_seed
+from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_server import UsageError
 
 _ONE = np.array([0])
@@ -55,7 +55,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
             UsageError: an option is wrong, such as a goal in a wall. The environment is as before.
         """
         former = self._np_random, self._np_random_seed
-        super().reset(seed=checked_seed(seed))
+        super().reset(seed=require_seed(seed))
         try:
             self.navigation.reset(_ONE, [self.np_random], options)
         except BaseException:

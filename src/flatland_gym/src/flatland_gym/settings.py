@@ -159,7 +159,7 @@ def is_whole(value: Any) -> bool:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
-def checked_seed(seed: Any) -> Optional[int]:
+def require_seed(seed: Any) -> Optional[int]:
     """None, or a seed as Python's number, which Gymnasium expects.
 
     Raises:
