@@ -64,6 +64,8 @@ def test_a_map_becomes_lines(folder, capsys):
     colors = {color for _, color in Image.open("both.png").getcolors(1 << 20)}
     assert {(204, 38, 26), (26, 51, 153)} <= colors  # lines and their ends
 
+    assert main(["map_to_lines", "map_lines.yaml"]) == 1
+    assert 'type: expected image, found "line_segments"' in capsys.readouterr().err
     assert main(["map_to_lines", "map.yaml", "-o", "lines.dat"]) == 1
     assert "lines.dat: expected the name of a YAML file" in capsys.readouterr().err
     assert main(["map_to_lines", "map.yaml", "-o", "map.yaml"]) == 1
