@@ -8,6 +8,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from environments import ID, assert_same, make
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 
 import flatland_gym
@@ -122,6 +123,20 @@ def test_reward_and_termination_can_be_replaced():
     with pytest.raises(UsageError, match=r"expected reward to return shape \(1,\), found \(\)"):
         env.step(FORWARDS)
     env.close()
+    env = make(world="empty_room", reward=lambda step: np.nan * step.distance)
+    env.reset(seed=1)
+    with pytest.raises(UsageError, match=r"expected reward to return finite numbers, found .*nan"):
+        env.step(FORWARDS)
+    env.close()
+
+
+def test_arguments_may_be_plain_data_as_in_a_specification_in_json():
+    spec = gym.make(ID, world="empty_room", rewards={"time": -7.0}, time_limit=math.inf).spec
+    env = gym.make(EnvSpec.from_json(spec.to_json())).unwrapped
+    observation, _ = env.reset(seed=np.int64(3))
+    assert_same(observation, env.reset(seed=3)[0])
+    assert env.step(np.zeros(2))[1] == pytest.approx(-0.35)
+    env.close()
 
 
 def test_frames_are_skipped():
@@ -165,6 +180,21 @@ def test_scattered_models_and_obstacles_are_elsewhere_each_time():
     inside = places[0][(places[0] < 100).all(axis=1)]
     gaps = np.linalg.norm(inside[:, None] - inside[None], axis=2)[np.triu_indices(len(inside), 1)]
     assert gaps.min() > 0.3 + 2 * 0.2  # there is a way through
+    env.close()
+
+
+def test_models_that_are_named_like_obstacles_stay():
+    content = world_content(flatland_gym.SCENARIOS["empty_room"].world)
+    column = {"name": "c", "type": "static", "footprints": [{"type": "circle", "radius": 0.3}]}
+    column["footprints"][0]["density"] = 1
+    model = {"name": "obstacle_2", "pose": [3, 3, 0], "model": {"bodies": [column]}}
+    content["models"].append(model)
+    env = make(world=content, obstacles=2)
+    for _ in range(3):
+        env.reset()
+        models = env.navigation.fleet.simulation(0).models
+        assert list(models) == ["robot", "obstacle_2", "obstacle_1", "obstacle_3"]
+        assert models["obstacle_2"].pose == (3, 3, 0)
     env.close()
 
 
@@ -222,7 +252,19 @@ def test_a_world_that_cannot_be_used_is_named(change, message):
         ({"frame_skip": 0.5}, "expected frame_skip to be a whole number above 0"),
         ({"goal_distance": 3}, r"expected goal_distance as a pair"),
         ({"goal_distance": (5, 1)}, "expected goal_distance to be two increasing lengths"),
+        ({"goal_distance": ("a", 2)}, "expected goal_distance to be two increasing lengths"),
         ({"obstacles": -1}, "expected obstacles to be"),
+        ({"world": ()}, "expected world to be a world, or one at least"),
+        ({"robot_scales": 1.2}, "expected robot_scales to be a sequence of numbers"),
+        ({"scatter": "box_*"}, "expected scatter to be a sequence of patterns"),
+        ({"flatten": "no"}, "expected flatten to be true or false"),
+        ({"reward": "x"}, "expected reward to be a function of a Transition"),
+        (
+            {"rewards": {"sucess": 1}},
+            "expected rewards to be RewardWeights, or a dict of",
+        ),
+        ({"rewards": {"success": "1"}}, "expected rewards.success to be a number, found '1'"),
+        ({"params": [1]}, "expected params to be a dict by name"),
         ({"render_mode": "rgb"}, "expected render_mode"),
         ({"colour": "red"}, 'unknown argument "colour"'),
     ],
@@ -299,6 +341,16 @@ def test_a_line_of_text():
     assert env.render() == (
         "   0.00 s  robot (0.00, 0.00) m, +0.00 rad  goal (2.00, 1.00) m, 2.24 m away"
     )
+    env.close()
+
+
+def test_a_window_needs_a_screen(monkeypatch):
+    pytest.importorskip("pygame")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
+        monkeypatch.delenv(name, raising=False)
+    env = make(world="empty_room", render_mode="human")
+    with pytest.raises(FlatlandError, match="the window cannot be opened"):
+        env.reset(seed=1)
     env.close()
 
 

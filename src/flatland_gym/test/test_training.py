@@ -227,6 +227,25 @@ def test_other_files_are_named(tmp_path):
     with pytest.raises(FlatlandError, match="cannot be read: No such file"):
         Policy.load(tmp_path / "none.npz")
 
+    untrained().save(tmp_path / "whole.npz")
+    content = (tmp_path / "whole.npz").read_bytes()
+    arrays = dict(np.load(tmp_path / "whole.npz"))
+    (tmp_path / "part.npz").write_bytes(content[: len(content) // 2])
+    np.savez(tmp_path / "shape.npz", **{**arrays, "beams": 5})
+    np.savez(tmp_path / "nan.npz", **{**arrays, "bias_0": np.array([np.nan, 0.0])})
+    for name, message in (("part", "not a zip file"), ("shape", "10 inputs"), ("nan", "finite")):
+        with pytest.raises(FlatlandError, match=rf"file of a policy, but .*{name}\.npz.*{message}"):
+            Policy.load(tmp_path / f"{name}.npz")
+
+
+def test_a_policy_takes_what_robots_measure():
+    policy = untrained()
+    place = {"pose": [0, 0, 0], "velocity": [0, 0, 0], "goal": [1, 1]}
+    nothing, invalid = (policy.drive([1, 2, 3, value], **place) for value in (np.inf, np.nan))
+    assert nothing == invalid  # a beam without a return, by REP 117 and by others
+    with pytest.raises(UsageError, match="expected the goal as 2 finite numbers, found None"):
+        policy.drive([1, 2, 3, 4], **{**place, "goal": None})
+
 
 def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     path = tmp_path / "policy.npz"
@@ -234,8 +253,58 @@ def test_the_command_trains_and_says_what_is_wrong(tmp_path, capsys):
     assert main([str(path), "--world", "empty_room", *arguments]) == 0
     assert Policy.load(path).beams == 64
     assert "of 3 episodes with new seeds" in capsys.readouterr().out
+    settings = ["--set", "beams=8", "--set", "rewards={time: -1}"]
+    assert main([str(path), "--world", "empty_room", *arguments, *settings]) == 0
+    assert Policy.load(path).beams == 8
+    assert main([str(path), "--world", "empty_room", *arguments, "--set", "lidr=front"]) == 1
+    assert 'error: unknown argument "lidr"' in capsys.readouterr().err
     assert main([str(path), "--world", "ofice", *arguments]) == 1
     assert 'error: no world is named "ofice"' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["no/policy.npz"], "no/policy.npz cannot be written: there is no folder no"),
+        (["."], ". cannot be written: it is a folder"),
+        (["a.npz", "--curve", "no/curve.png"], "no/curve.png cannot be written"),
+        (["a.npz", "--seed", "-1"], 'expected a whole number of 0 or more, found "-1"'),
+        (["a.npz", "--episodes", "0"], 'expected a whole number of 1 or more, found "0"'),
+        (["a.npz", "--set", "beams"], 'expected NAME=VALUE with a value in YAML, found "beams"'),
+        (["a.npz", "--minutes", "nan"], 'expected a number above 0, found "nan"'),
+    ],
+)
+def test_what_is_wrong_is_told_before_the_training(
+    tmp_path, monkeypatch, capsys, arguments, message
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(train, "_learn", None)
+    try:
+        code = main(arguments)
+    except SystemExit as error:
+        code = error.code
+
+    assert code in (1, 2)
+    assert message in capsys.readouterr().err
+
+
+def test_ctrl_c_keeps_the_policy(tmp_path, capsys, monkeypatch):
+    steps = []
+
+    def step(env, *arguments):
+        steps.append(arguments)
+        if len(steps) == 100:
+            raise KeyboardInterrupt
+        return original(env, *arguments)
+
+    original = NavigationVectorEnv.step
+    monkeypatch.setattr(NavigationVectorEnv, "step", step)
+    path = tmp_path / "policy.npz"
+
+    assert main([str(path), "--world", "empty_room", "--envs", "2", "--threads", "1"]) == 130
+
+    assert Policy.load(path).beams == 64
+    assert "policy.npz: interrupted after 128 steps" in capsys.readouterr().err
 
 
 _WITHOUT_GYMNASIUM = """

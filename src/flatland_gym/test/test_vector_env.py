@@ -7,7 +7,7 @@ import gc
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import assert_same, make, make_vector
+from environments import ID, assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from flatland_gym import SCENARIOS, NavigationSettings, multi_world_fleet
@@ -346,6 +346,19 @@ def test_wrong_options_change_nothing(options, message):
     assert a.unwrapped.np_random_seed == b.unwrapped.np_random_seed
 
 
+@pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
+def test_a_number_of_steps_truncates_as_in_single_environments(mode):
+    arguments = {"world": "empty_room", **CROWDED, "max_episode_steps": 25}
+    spec = gym.make(ID, **arguments).spec  # it has the number, and gives it to make_vec
+    single = SyncVectorEnv([lambda: gym.make(spec)] * 3, autoreset_mode=mode)
+    expected, ends = drive(single, mode, 60)
+
+    found, _ = drive(gym.make_vec(spec, num_envs=3, autoreset_mode=mode), mode, 60)
+
+    assert_same(expected, found)
+    assert ends[2] > 0
+
+
 def test_a_step_after_an_end_is_refused_without_autoreset():
     env = make_vector(2, world="empty_room", autoreset_mode="Disabled", time_limit=0.1)
     env.reset(seed=1)
@@ -361,6 +374,10 @@ def test_a_step_after_an_end_is_refused_without_autoreset():
     [
         ({"num_envs": 0}, "expected num_envs to be a whole number above 0, found 0"),
         ({"num_envs": 2, "threads": 1.5}, "expected threads to be a whole number"),
+        (
+            {"num_envs": 2, "max_episode_steps": 0},
+            "expected max_episode_steps to be",
+        ),
         ({"num_envs": 2, "autoreset_mode": "Never"}, "expected autoreset_mode to be one of"),
         ({"num_envs": 2, "render_mode": "human"}, "for a single environment"),
         ({"num_envs": 2, "render_envs": 0}, "expected render_envs to be a whole number above 0"),

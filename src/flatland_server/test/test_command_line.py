@@ -64,6 +64,10 @@ def test_a_map_becomes_lines(folder, capsys):
     colors = {color for _, color in Image.open("both.png").getcolors(1 << 20)}
     assert {(204, 38, 26), (26, 51, 153)} <= colors  # lines and their ends
 
+    assert main(["map_to_lines", "map_lines.yaml"]) == 1
+    assert 'type: expected image, found "line_segments"' in capsys.readouterr().err
+    assert main(["map_to_lines", "map.yaml", "-o", "lines.dat"]) == 1
+    assert "lines.dat: expected the name of a YAML file" in capsys.readouterr().err
     assert main(["map_to_lines", "map.yaml", "-o", "map.yaml"]) == 1
     assert "map.yaml: is the map itself" in capsys.readouterr().err
 
@@ -160,6 +164,11 @@ def test_a_run_ends_with_a_summary(folder, capsys):
     assert output.err == ""
 
 
+def test_a_large_seed_keeps_its_digits(folder, capsys):
+    assert main(["run", "world.yaml", "--seconds", "0.1", "--seed", "9007199254740993"]) == 0
+    assert "seed 9007199254740993)" in capsys.readouterr().out
+
+
 def test_a_run_keeps_to_a_rate(folder, capsys):
     assert main(["run", "world.yaml", "--seconds", "0.5", "--rate", "2"]) == 0
 
@@ -216,9 +225,11 @@ def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):
 def test_a_run_is_recorded(folder, capsys, name):
     pytest.importorskip("rosbags" if name.endswith(".bag") else "mcap")
     arguments = ["run", "world.yaml", "--seconds", "1", "--record", name, "--topics", "/scan"]
-    assert main(arguments) == 0
+    assert main([*arguments, "/tf", "scna"]) == 0
 
-    assert capsys.readouterr().out.splitlines()[1] == f"recorded in {name}"
+    out, error = capsys.readouterr()
+    assert out.splitlines()[1] == f"recorded in {name}"
+    assert error == 'no plugin has a topic "/scna" to record (did you mean "/scan"?)\n'
     assert Path(name).stat().st_size > 1000
     assert [path.name for path in folder.glob(f"{name}*")] == [name]
 

@@ -92,9 +92,9 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         Raises:
             UsageError: the seed is wrong, or there is no room for all robots.
         """
-        require_seed(seed)
-        if seed is not None or self._rng is None:
-            self._rng, _ = seeding.np_random(seed)
+        number = require_seed(seed)
+        if number is not None or self._rng is None:
+            self._rng, _ = seeding.np_random(number)
         episode = self._sampler.draw(self._rng)
         self.agents = list(self.possible_agents)
         self._berth.begin(episode)

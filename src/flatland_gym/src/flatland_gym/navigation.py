@@ -202,7 +202,7 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     """Rewards and terminations of n environments, by the settings' functions if there are any.
 
     Raises:
-        UsageError: such a function has returned another shape.
+        UsageError: such a function has returned another shape, or no finite numbers.
     """
     count = len(transition.distance)
     arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-1]}
@@ -268,4 +268,6 @@ def _result(name: str, value: Any, kind: Any, count: int) -> Any:
     result = np.asarray(value)
     if result.shape != (count,):
         raise UsageError(f"expected {name} to return shape ({count},), found {result.shape}")
+    if result.dtype.kind not in "biuf" or not np.isfinite(result).all():
+        raise UsageError(f"expected {name} to return finite numbers, found {result!r:.80}")
     return result.astype(kind)

@@ -54,9 +54,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         Raises:
             UsageError: an option is wrong, such as a goal in a wall. The environment is as before.
         """
-        require_seed(seed)
         former = self._np_random, self._np_random_seed
-        super().reset(seed=seed)
+        super().reset(seed=require_seed(seed))
         try:
             self.navigation.reset(_ONE, [self.np_random], options)
         except BaseException:

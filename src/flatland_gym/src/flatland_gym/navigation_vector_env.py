@@ -4,6 +4,7 @@ It gives, bit for bit, what `gymnasium.vector.SyncVectorEnv` gives for so many s
 observations, rewards, ends and infos, in each autoreset mode.
 """
 
+import sys
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -32,6 +33,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         autoreset_mode: what follows the end of an episode: "NextStep", "SameStep" or "Disabled".
         render_mode: None, "rgb_array" or "ansi".
         render_envs: how many environments `render` shows, from the first one on; None: all.
+        max_episode_steps: after which an episode is truncated, as by Gymnasium's TimeLimit; None:
+            only `time_limit` counts.
         arguments: the attributes of `NavigationSettings`.
 
     Raises:
@@ -45,10 +48,13 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
         render_mode: Optional[str] = None,
         render_envs: Optional[int] = None,
+        max_episode_steps: Optional[int] = None,
         **arguments: Any,
     ) -> None:
         shown = num_envs if render_envs is None else render_envs
         counts = {"num_envs": num_envs, "threads": threads, "render_envs": shown}
+        if max_episode_steps is not None:
+            counts["max_episode_steps"] = max_episode_steps
         for name, value in counts.items():
             if not (is_whole(value) and value >= 1):
                 raise UsageError(f"expected {name} to be a whole number above 0, found {value!r}")
@@ -60,6 +66,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.autoreset_mode = _mode(autoreset_mode)
         self.metadata = {**metadata(settings), "autoreset_mode": self.autoreset_mode}
         self.render_mode = render_mode
+        self._most_steps = sys.maxsize if max_episode_steps is None else int(max_episode_steps)
         self._shown = min(int(shown), self.num_envs)
         self.navigation = Navigation(settings, self.num_envs, int(threads))
         self.single_action_space = self.navigation.action_space
@@ -124,10 +131,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
                 f"episodes have ended: {ended[:10]}"
             )
         restarted = self._ended if mode == AutoresetMode.NEXT_STEP else np.zeros_like(self._ended)
-        results = self.navigation.step(checked, np.flatnonzero(~restarted))
+        rewards, terminated, truncated = self.navigation.step(checked, np.flatnonzero(~restarted))
+        truncated |= ~restarted & (self.navigation.steps >= self._most_steps)
         if restarted.any():
             self._begin(np.flatnonzero(restarted), {})
-        rewards, terminated, truncated = results
         self._ended = terminated | truncated
         final: Dict[str, Any] = {}
         if mode == AutoresetMode.SAME_STEP and self._ended.any():

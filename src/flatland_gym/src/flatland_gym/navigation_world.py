@@ -1,9 +1,10 @@
 """A world of an environment: loaded once, with what episodes in it need to know."""
 
+import itertools
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import lru_cache
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Any, Dict, List, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -98,6 +99,7 @@ class NavigationWorld:
         scenario = SCENARIOS.get(world) if isinstance(world, str) else None
         content = world_content(scenario.world if scenario else world, params=settings.params)
         robot = _prepared(content, settings, scale)
+        added = _add_obstacles(content, settings)
         inside = next(entry for entry in content["models"] if entry["name"] == robot.name)
         names = _multiplied(content, inside, robots)
         config = WorldConfig.from_content(content)
@@ -115,9 +117,6 @@ class NavigationWorld:
                 tuple(inside.get("pose") or (0.0, 0.0))[:2],
                 largest + 2 * (driven.radius + settings.margin),
             )
-        added = {name for name in discs if name.startswith(_OBSTACLE)}
-        if not settings.obstacle_counts[1]:
-            added = set()
         moved = {n for n in discs if any(fnmatchcase(n, pattern) for pattern in patterns)} - added
         return cls(
             world if isinstance(world, str) else getattr(world, "name", "world"),
@@ -154,18 +153,24 @@ def _prepared(content: Content, settings: NavigationSettings, scale: float) -> R
         lidar["noise_std_dev"] = settings.lidar_noise
     if scale != 1.0:
         scale_footprints(entry, scale)
+    return describe_robot(entry, drive, lidar, settings)
+
+
+def _add_obstacles(content: Content, settings: NavigationSettings) -> Set[str]:
+    """Adds columns to a world, which wait at the parking; returns their names."""
+    taken = {entry["name"] for entry in content["models"]}
+    names = (f"{_OBSTACLE}{number}" for number in itertools.count(1))
+    free = (name for name in names if name not in taken)
+    added = set()
     count = settings.obstacle_counts[1]
     for index, radius in enumerate(np.linspace(*settings.obstacle_radius, count)):
         footprint = {"type": "circle", "radius": float(radius), "density": 1.0}
         body = {"name": "column", "type": "static", "footprints": [footprint]}
-        content["models"].append(
-            {
-                "name": f"{_OBSTACLE}{index + 1}",
-                "pose": list(parking_place(index)),
-                "model": {"bodies": [body]},
-            }
-        )
-    return describe_robot(entry, drive, lidar, settings)
+        name = next(free)
+        added.add(name)
+        pose = list(parking_place(index))
+        content["models"].append({"name": name, "pose": pose, "model": {"bodies": [body]}})
+    return added
 
 
 def _multiplied(content: Content, robot: Content, count: int) -> Tuple[str, ...]:

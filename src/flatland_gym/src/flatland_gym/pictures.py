@@ -1,5 +1,6 @@
 """What a person sees of an environment: pictures, a window, and a line of text."""
 
+import os
 from typing import Any, Optional, Sequence
 
 import numpy as np
@@ -8,6 +9,9 @@ from PIL import Image, ImageDraw
 from flatland_server import FlatlandError, MissingPackageError, Point, Pose, Simulation, UsageError
 
 RENDER_MODES = ("human", "rgb_array", "ansi")
+
+_WITHOUT_SCREEN = ("dummy", "evdev", "offscreen")
+"""SDL's drivers that show nothing, which it may choose where there is no screen."""
 
 _SIZE = (480, 480)  # px
 _WIDTH = 10.0  # m
@@ -78,6 +82,12 @@ class Window:
         self._pygame = pygame
         try:
             pygame.display.init()
+            driver = pygame.display.get_driver()
+            if driver in _WITHOUT_SCREEN and "SDL_VIDEODRIVER" not in os.environ:
+                raise FlatlandError(
+                    'the window cannot be opened: there is no screen; render_mode="rgb_array" '
+                    "needs none"
+                )
             self._screen = pygame.display.set_mode(_SIZE)
         except pygame.error as error:
             raise FlatlandError(f"the window cannot be opened: {error}") from None

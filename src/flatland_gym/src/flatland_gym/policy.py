@@ -1,6 +1,8 @@
 """A trained policy: what a robot does with what it sees. Needs NumPy alone."""
 
 import os
+import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Tuple, Union
@@ -62,13 +64,21 @@ class Policy:
         """The action for what a robot measures; for one that runs outside of an environment.
 
         Args:
-            ranges: of the lidar [m], shape (beams,); +inf for no return.
+            ranges: of the lidar [m], shape (beams,); +inf, or NaN as of some lidars, for no return.
             pose: x, y [m] and yaw [rad].
             velocity: in the robot's frame: forwards, to the left, turning [m/s, m/s, rad/s].
             goal: x, y [m], in the frame of the pose.
+
+        Raises:
+            UsageError: a shape is another one, or a number is not finite.
         """
-        rows: List[FloatArray] = [np.array([each], dtype=float) for each in (pose, velocity, goal)]
+        rows: List[FloatArray] = [
+            _row("pose", pose, 3),
+            _row("velocity", velocity, 3),
+            _row("goal", goal, 2),
+        ]
         scan = np.array([ranges], np.float32)
+        scan[np.isnan(scan)] = np.inf
         limits = np.array(self.velocity_limits)
         observation = observe(scan, rows[0], rows[1], rows[2], self.max_range, limits)
         action: List[float] = self.act(observation)[0].tolist()
@@ -105,12 +115,14 @@ class Policy:
         if str(path) in _SHIPPED:
             path = _POLICIES / f"{path}.npz"
         try:
+            with zipfile.ZipFile(path):  # a file of another kind, or a part of one
+                pass
             with np.load(path, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}
             if str(content["format"]) != _FORMAT:
                 raise ValueError(f'the format is "{content["format"]}"')
             numbers = range(int(content["layers"]))
-            return cls(
+            policy = cls(
                 tuple(content[f"weight_{number}"] for number in numbers),
                 tuple(content[f"bias_{number}"] for number in numbers),
                 int(content["beams"]),
@@ -119,7 +131,39 @@ class Policy:
                 tuple(content["action_limits"].tolist()),
                 float(content["period"]),
             )
+            policy._require_layers()
+            return policy
         except OSError as error:
             raise FlatlandError(f"{path} cannot be read: {error.strerror or error}") from None
-        except (KeyError, ValueError, EOFError) as error:
+        except KeyError as error:
+            raise FlatlandError(f"expected a file of a policy, but {path} lacks {error}") from None
+        except (EOFError, TypeError, ValueError, zipfile.BadZipFile, zlib.error) as error:
             raise FlatlandError(f"expected a file of a policy, but {path}: {error}") from None
+
+    def _require_layers(self) -> None:
+        """Raises a ValueError unless the layers fit to each other and to the robot."""
+        parts = sum(limit > 0.0 for limit in self.velocity_limits)
+        size = self.beams + 3 + parts
+        for weight, bias in zip(self.weights, self.biases):
+            if weight.ndim != 2 or weight.shape[0] != size or bias.shape != weight.shape[1:]:
+                raise ValueError(f"a layer of {size} inputs has shape {weight.shape}, {bias.shape}")
+            if not (np.isfinite(weight).all() and np.isfinite(bias).all()):
+                raise ValueError("its weights are not finite")
+            size = bias.size
+        if size != len(self.action_limits):
+            raise ValueError(f"{size} outputs for {len(self.action_limits)} parts of an action")
+
+
+def _row(name: str, value: Any, size: int) -> FloatArray:
+    """Some finite numbers as an array of one row.
+
+    Raises:
+        UsageError: they are something else.
+    """
+    try:
+        row: FloatArray = np.array([value], dtype=float)
+    except (TypeError, ValueError):
+        row = np.empty(0)
+    if row.shape != (1, size) or not np.isfinite(row).all():
+        raise UsageError(f"expected the {name} as {size} finite numbers, found {value!r:.80}")
+    return row

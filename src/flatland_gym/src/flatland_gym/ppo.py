@@ -63,6 +63,18 @@ class Progress(NamedTuple):
     """The mean sum of the rewards in them; NaN without any."""
 
 
+class TrainingInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a training.
+
+    Args:
+        policy: as it was then.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        super().__init__()
+        self.policy = policy
+
+
 class _Rollout(NamedTuple):
     """What the environments have done: arrays of shape (steps, environments, ...)."""
 
@@ -117,7 +129,18 @@ class Ppo:
 
         Returns:
             The policy, without exploration.
+
+        Raises:
+            TrainingInterrupted: Ctrl-C.
         """
+        try:
+            self._train(steps, seconds, report)
+        except KeyboardInterrupt:
+            raise TrainingInterrupted(self.policy()) from None
+        return self.policy()
+
+    def _train(self, steps: int, seconds: float, report: Callable[[Progress], None]) -> None:
+        """Trains for a number of steps or for a time."""
         started, done = time.monotonic(), 0
         while done < steps and time.monotonic() - started < seconds:
             spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
@@ -130,7 +153,6 @@ class Ppo:
             elapsed = time.monotonic() - started
             means = float(np.mean(successes)), float(np.mean(sums))
             report(Progress(done, elapsed, len(self._ended), *means))
-        return self.policy()
 
     def policy(self) -> Policy:
         """The policy as it is now."""

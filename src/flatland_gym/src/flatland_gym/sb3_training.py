@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland_gym.policy import Policy
-from flatland_gym.ppo import Progress
+from flatland_gym.ppo import Progress, TrainingInterrupted
 from flatland_gym.sb3 import NavigationVecEnv
 from flatland_server import Float32Array, UsageError
 
@@ -90,11 +90,16 @@ def train(
         steps: to train at most, of all environments together.
         seconds: to train at most.
         report: called after each rollout.
+
+    Raises:
+        TrainingInterrupted: Ctrl-C.
     """
     torch.set_num_threads(1)  # quicker than two for networks of 64 x 64
     model = PPO("MlpPolicy", VecMonitor(ScaledActions(env)), seed=seed, **PPO_ARGUMENTS)
     try:
         model.learn(steps, callback=_Report(seconds, report))
+    except KeyboardInterrupt:
+        raise TrainingInterrupted(policy_of(model)) from None
     finally:
         env.close()
     return policy_of(model)

@@ -1,6 +1,7 @@
 """What a navigation environment is made of: all arguments of `gym.make`, checked in one place."""
 
 import math
+import sys
 from dataclasses import dataclass, field, fields
 from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union
 
@@ -29,9 +30,9 @@ class NavigationSettings:
         goal_radius: how near to the goal is a success [m].
         goal_distance: the least and the largest distance between start and goal [m].
         margin: between the robot and walls or other models, at the start and at the goal [m].
-        time_limit: of an episode [s]; reaching it truncates.
+        time_limit: of an episode [s]; reaching it truncates. Infinite: there is none.
         collision_ends: whether a collision terminates the episode.
-        rewards: weights of the parts of the reward.
+        rewards: weights of the parts of the reward; given as such, or as a dict of some of them.
         reward: replaces the reward; gets a `Transition`, returns an array of shape (n,).
         terminated: replaces the condition of termination; gets a `Transition`, returns booleans.
         speed_limit: of the actions, where the drive has no velocity limit of its own [m/s].
@@ -79,21 +80,41 @@ class NavigationSettings:
             value = getattr(self, name)
             if not (value is None and name == "beams"):
                 _require(name, value, is_whole(value) and value >= 1, "a whole number above 0")
-        for name in ("step_size", "goal_radius", "time_limit", "speed_limit", "yaw_rate_limit"):
+        _require("world", self.world, self.worlds, "a world, or one at least in a sequence")
+        for name in ("step_size", "goal_radius", "speed_limit", "yaw_rate_limit", "steer_limit"):
             _require_number(name, getattr(self, name), above=0.0)
-        _require_number("steer_limit", self.steer_limit, above=0.0)
+        if self.time_limit != math.inf:
+            _require_number("time_limit", self.time_limit, above=0.0)
         _require_number("margin", self.margin, minimum=0.0)
         if self.lidar_noise is not None:
             _require_number("lidar_noise", self.lidar_noise, minimum=0.0)
         for name in ("goal_distance", "obstacle_radius"):
             low, high = _pair(name, getattr(self, name))
-            _require(name, (low, high), 0.0 < low <= high, "two increasing lengths above 0 m")
+            is_right = _is_number(low) and _is_number(high) and 0.0 < low <= high
+            _require(name, (low, high), is_right, "two increasing lengths above 0 m")
         low, high = self.obstacle_counts
         is_count = is_whole(low) and is_whole(high) and 0 <= low <= high
         _require("obstacles", self.obstacles, is_count, "a number of 0 or more, or two of them")
+        _require_sequence("robot_scales", self.robot_scales, "numbers, one at least")
         _require("robot_scales", self.robot_scales, len(self.robot_scales) > 0, "one at least")
         for scale in self.robot_scales:
             _require_number("robot_scales", scale, above=0.0)
+        self._check_kinds()
+
+    def _check_kinds(self) -> None:
+        """Raises a UsageError for a value that is of no kind that is known."""
+        if self.scatter is not None:
+            _require_sequence("scatter", self.scatter, "patterns")
+            are_strings = all(isinstance(each, str) for each in self.scatter)
+            _require("scatter", self.scatter, are_strings, "a sequence of patterns")
+        for name in ("flatten", "collision_ends"):
+            value = getattr(self, name)
+            _require(name, value, isinstance(value, (bool, np.bool_)), "true or false")
+        for name in ("reward", "terminated"):
+            value = getattr(self, name)
+            _require(name, value, value is None or callable(value), "a function of a Transition")
+        _require("params", self.params, isinstance(self.params, Mapping), "a dict by name")
+        object.__setattr__(self, "rewards", _weights(self.rewards))
 
     @property
     def obstacle_counts(self) -> Tuple[int, int]:
@@ -115,6 +136,8 @@ class NavigationSettings:
     @property
     def longest_episode(self) -> int:
         """The number of steps after which an episode is truncated."""
+        if self.time_limit == math.inf:
+            return sys.maxsize
         return max(1, math.ceil(self.time_limit / self.period - 1e-9))
 
     @classmethod
@@ -136,10 +159,15 @@ def is_whole(value: Any) -> bool:
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
-def require_seed(seed: Any) -> None:
-    """Raises a UsageError unless a seed is None or a number of 0 or more."""
+def require_seed(seed: Any) -> Optional[int]:
+    """None, or a seed as Python's number, which Gymnasium expects.
+
+    Raises:
+        UsageError: it is neither None nor a number of 0 or more.
+    """
     if not (seed is None or (is_whole(seed) and seed >= 0)):
         raise UsageError(f"expected seed to be None or a number of 0 or more, found {seed!r}")
+    return None if seed is None else int(seed)
 
 
 def _pair(name: str, value: Any) -> Tuple[Any, Any]:
@@ -150,13 +178,36 @@ def _pair(name: str, value: Any) -> Tuple[Any, Any]:
     return low, high
 
 
+def _weights(value: Any) -> RewardWeights:
+    """The weights of rewards, from themselves or from a dict of some of them."""
+    known = [each.name for each in fields(RewardWeights)]
+    if isinstance(value, Mapping) and set(value) <= set(known):
+        value = RewardWeights(**value)
+    is_right = isinstance(value, RewardWeights)
+    _require("rewards", value, is_right, f"RewardWeights, or a dict of: {', '.join(known)}")
+    for name in known:
+        _require_number(f"rewards.{name}", getattr(value, name))
+    weights: RewardWeights = value
+    return weights
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+
+
+def _require_sequence(name: str, value: Any, content: str) -> None:
+    is_right = isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, (str, bytes))
+    _require(name, value, is_right, f"a sequence of {content}")
+
+
 def _require_number(
     name: str, value: Any, above: Optional[float] = None, minimum: float = -math.inf
 ) -> None:
-    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    limit = f"above {above:g}" if above is not None else f"of {minimum:g} or more"
-    is_right = is_number and math.isfinite(value) and value >= minimum
-    _require(name, value, is_right and (above is None or value > above), f"a number {limit}")
+    limit = f" above {above:g}" if above is not None else f" of {minimum:g} or more"
+    if above is None and minimum == -math.inf:
+        limit = ""
+    is_right = _is_number(value) and math.isfinite(value) and value >= minimum
+    _require(name, value, is_right and (above is None or value > above), f"a number{limit}")
 
 
 def _require(name: str, value: Any, is_right: Any, expected: str) -> None:

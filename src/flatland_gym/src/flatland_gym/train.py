@@ -2,12 +2,14 @@
 
 import argparse
 import importlib.util
+import math
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
+import yaml
 
 from flatland_gym.policy import Policy
 from flatland_server import FlatlandError, MissingPackageError
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 # What needs Gymnasium is imported where it is used: without, `main` says so.
 
 _BLAS_THREADS = "OPENBLAS_NUM_THREADS"
+_INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
 _FIRST_UNSEEN = 1_000_000
 """Seeds of evaluations begin here; those of training are below."""
 
@@ -37,14 +41,18 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
 def _train(options: argparse.Namespace) -> int:
     from flatland_gym.evaluation import evaluate
+    from flatland_gym.ppo import TrainingInterrupted
 
+    _require_place(options.policy)  # before the training, not after it
     if options.curve is not None:
-        _figure()  # before the training, if it cannot be drawn
+        _require_place(options.curve)
+        _require_format(options.curve)
     settings: Dict[str, Any] = {
         "world": options.world,
         "frame_skip": 2,
         "obstacles": options.obstacles,
         "time_limit": 30.0,
+        **dict(options.set),
     }
     progress: List[Progress] = []
 
@@ -52,7 +60,7 @@ def _train(options: argparse.Namespace) -> int:
         progress.append(now)
         if len(progress) % 20 == 0:
             recent = progress[-20:]
-            success = np.nanmean([each.success for each in recent])
+            success = _mean_success(recent)
             rate = now.steps / now.seconds
             print(
                 f"{now.steps:>9} steps  {now.seconds:6.0f} s  {rate:6.0f} steps/s  "
@@ -61,10 +69,18 @@ def _train(options: argparse.Namespace) -> int:
             )
 
     learn = _learn_by_sb3 if options.library == "sb3" else _learn
-    policy = learn(options, settings, report)
+    is_interrupted = False
+    try:
+        policy = learn(options, settings, report)
+    except TrainingInterrupted as interruption:
+        policy, is_interrupted = interruption.policy, True
     policy.save(options.policy)
     if options.curve is not None:
         save_curve(progress, options.curve)
+    if is_interrupted:
+        done = progress[-1].steps if progress else 0
+        print(f"{options.policy}: interrupted after {done} steps", file=sys.stderr)
+        return _INTERRUPTED
     seeds = range(_FIRST_UNSEEN, _FIRST_UNSEEN + options.episodes)
     result = evaluate(policy, seeds, options.threads, **settings)
     print(
@@ -110,12 +126,37 @@ def save_curve(progress: List["Progress"], path: Path) -> None:
     axes = figure.add_subplot(xlabel="steps", ylabel="success [%]", ylim=(0, 100))
     window = 10
     success = [
-        100 * float(np.nanmean([each.success for each in progress[max(0, end - window) : end]]))
+        100 * _mean_success(progress[max(0, end - window) : end])
         for end in range(1, len(progress) + 1)
     ]
     axes.plot([each.steps for each in progress], success)
     axes.grid(alpha=0.3)
     figure.savefig(path, dpi=120)
+
+
+def _mean_success(progress: List["Progress"]) -> float:
+    """The mean of the rates of success; NaN if no episode has ended."""
+    found = [each.success for each in progress if each.episodes]
+    return float(np.mean(found)) if found else math.nan
+
+
+def _require_place(path: Path) -> None:
+    """Raises a FlatlandError if a file cannot be written there."""
+    folder = path.parent
+    if path.is_dir():
+        raise FlatlandError(f"{path} cannot be written: it is a folder")
+    if not folder.is_dir():
+        raise FlatlandError(f"{path} cannot be written: there is no folder {folder}")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise FlatlandError(f"{path} cannot be written: permission denied")
+
+
+def _require_format(path: Path) -> None:
+    """Raises a FlatlandError if Matplotlib is not installed, or has no format of this name."""
+    known = _figure().canvas.get_supported_filetypes()
+    if path.suffix and path.suffix[1:].lower() not in known:
+        names = ", ".join(f".{name}" for name in sorted(known))
+        raise FlatlandError(f"{path}: expected a name that ends with one of {names}")
 
 
 def _figure() -> Any:
@@ -132,6 +173,44 @@ def _figure() -> Any:
     return figure
 
 
+def _whole(minimum: int) -> Callable[[str], int]:
+    """The type of an argument that is a whole number of a minimum or more."""
+
+    def read(text: str) -> int:
+        if not text.isdecimal() or int(text) < minimum:
+            raise argparse.ArgumentTypeError(
+                f'expected a whole number of {minimum} or more, found "{text}"'
+            )
+        return int(text)
+
+    return read
+
+
+def _minutes(text: str) -> float:
+    """A number above 0, which may be infinite."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f'expected a number above 0, found "{text}"')
+    return value
+
+
+def _setting(text: str) -> Tuple[str, Any]:
+    """The name and the value of an argument of the environment."""
+    name, separator, value = text.partition("=")
+    try:
+        found = yaml.safe_load(value)
+    except yaml.YAMLError:
+        separator = ""
+    if not (name and separator):
+        raise argparse.ArgumentTypeError(
+            f'expected NAME=VALUE with a value in YAML, found "{text}"'
+        )
+    return name, found
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python3 -m flatland_gym.train", description="Trains a policy by PPO."
@@ -139,13 +218,26 @@ def _parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("policy", type=Path, help="the file to write: .npz")
     add("--world", default="discs", help="a scenario, a shipped world or a file (default: discs)")
-    add("--obstacles", type=int, default=0, help="columns to add to it (default: 0)")
-    add("--minutes", type=float, default=4.0, help="to train at most (default: 4)")
-    add("--steps", type=int, default=10**9, help="to train at most, of all environments together")
-    add("--seed", type=int, default=1, help="of all random numbers (default: 1)")
-    add("--envs", type=int, default=128, help="environments at a time (default: 128)")
-    add("--threads", type=int, default=2, help="that step them (default: 2)")
-    add("--episodes", type=int, default=200, help="of the evaluation (default: 200)")
+    add("--obstacles", type=_whole(0), default=0, help="columns to add to it (default: 0)")
+    add("--minutes", type=_minutes, default=4.0, help="to train at most (default: 4)")
+    add(
+        "--steps",
+        type=_whole(1),
+        default=10**9,
+        help="to train at most, of all environments together",
+    )
+    add("--seed", type=_whole(0), default=1, help="of all random numbers (default: 1)")
+    add("--envs", type=_whole(1), default=128, help="environments at a time (default: 128)")
+    add("--threads", type=_whole(1), default=2, help="that step them (default: 2)")
+    add("--episodes", type=_whole(1), default=200, help="of the evaluation (default: 200)")
+    add(
+        "--set",
+        type=_setting,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="another argument of the environment, in YAML: --set lidar=front --set beams=32",
+    )
     add("--library", choices=("numpy", "sb3"), default="numpy", help="what learns (default: numpy)")
     add("--curve", type=Path, help="draw the success over the steps into this file")
     return parser

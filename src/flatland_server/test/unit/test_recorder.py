@@ -1,5 +1,6 @@
 """Recordings of a world in this process, read by ROS's rosbag, by rosbags and by mcap."""
 
+import gc
 import subprocess
 import sys
 from pathlib import Path
@@ -290,6 +291,18 @@ def test_a_file_is_whole_once_the_recorder_is_closed(tmp_path):
         recorder.write_step()
 
 
+def test_a_file_is_recorded_once_at_a_time(tmp_path):
+    path = tmp_path / "run.mcap"
+    recorder = Recorder(LocalTransport(), Timekeeper(0.005), path)
+
+    with pytest.raises(RecordingError, match=r"run\.mcap: is being recorded already"):
+        Recorder(LocalTransport(), Timekeeper(0.005), path)
+    del recorder
+    gc.collect()
+    assert [each.topic for each in read_by_mcap(path)] == ["/clock"]
+    Recorder(LocalTransport(), Timekeeper(0.005), path).close()
+
+
 @pytest.mark.parametrize(
     ("name", "topics", "message"),
     [
@@ -343,6 +356,9 @@ from flatland_server.testing import WorldFiles
 folder = Path(sys.argv[1])
 for name in ("run.bag", "run.mcap"):
     test_recorder.record(folder / name, WorldFiles(folder))
+left_open = test_recorder.Recorder(
+    test_recorder.LocalTransport(), test_recorder.Timekeeper(0.005), folder / "open.bag"
+)
 """
 
 
@@ -361,6 +377,8 @@ def test_without_ros_the_same_is_recorded(tmp_path):
         )
         assert without == with_ros
         assert len(without) > 50
+    # The end of the program has finished what was not closed.
+    assert [each.topic for each in read_by_ros(tmp_path / "without" / "open.bag")] == ["/clock"]
 
 
 def test_a_reset_while_recording_begins_at_the_start_again(tmp_path, files):

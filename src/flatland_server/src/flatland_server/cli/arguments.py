@@ -20,7 +20,7 @@ def add_world(parser: argparse.ArgumentParser) -> None:
         help="a world file, or the name of a world that `flatland worlds` lists",
     )
     parser.add_argument(
-        "--seed", type=_whole, default=0, help="of all random numbers (default: %(default)s)"
+        "--seed", type=whole_from(0), default=0, help="of all random numbers (default: %(default)s)"
     )
     parser.add_argument(
         "--step-size",
@@ -68,6 +68,8 @@ def whole_from(minimum: int) -> Callable[[str], int]:
     """A whole number of at least `minimum`."""
 
     def whole(text: str) -> int:
+        if text.isdecimal() and int(text) >= minimum:
+            return int(text)  # all digits, also of those that no float has
         expected = f"a whole number of {minimum} or more"
         return int(_number(text, lambda value: value >= minimum and value == int(value), expected))
 
@@ -80,10 +82,6 @@ def size(text: str) -> Tuple[int, int]:
     if not found:
         raise argparse.ArgumentTypeError(f'expected a size such as 640x480, found "{text}"')
     return int(found[1]), int(found[2])
-
-
-def _whole(text: str) -> int:
-    return int(_number(text, lambda value: value >= 0 and value == int(value), "a whole number"))
 
 
 def _number(text: str, holds: Callable[[float], bool], expected: str) -> float:

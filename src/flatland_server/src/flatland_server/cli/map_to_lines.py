@@ -43,6 +43,8 @@ def _execute(options: argparse.Namespace) -> int:
     output: Path = options.output or source.with_name(f"{source.stem}_lines.yaml")
     if output.exists() and output.samefile(source):
         raise FlatlandError(f"{output}: is the map itself; choose another file for the lines")
+    if output.suffix == ".dat":
+        raise FlatlandError(f"{output}: expected the name of a YAML file; its lines are in a .dat")
     line_map = LineMap.from_file(source, options.tolerance)
     line_map.write(output)
     if options.picture:

@@ -10,7 +10,7 @@ from types import FrameType
 from typing import Callable, Iterator, Optional
 
 from flatland_server.cli.arguments import Subparsers, add_world, open_simulation, positive
-from flatland_server.exceptions import MissingPackageError
+from flatland_server.exceptions import MissingPackageError, suggestion
 from flatland_server.library.simulation import Simulation
 
 _CHUNK = 0.05
@@ -60,12 +60,16 @@ def add_parser(commands: Subparsers) -> None:
 
 
 def _execute(options: argparse.Namespace) -> int:
-    if options.topics and not options.record:
+    if options.topics and options.record is None:
         options.parser.error("--topics says what to --record")
     with contextlib.ExitStack() as stack:
         simulation = stack.enter_context(open_simulation(options, raise_failures=False))
-        if options.record:
-            stack.enter_context(simulation.record(options.record, topics=options.topics))
+        if options.record is not None:
+            recorder = simulation.record(options.record, topics=options.topics)
+            stack.enter_context(recorder)
+            for topic in recorder.unmatched(simulation.topics):
+                hint = suggestion(topic, simulation.topics)
+                print(f'no plugin has a topic "{topic}" to record{hint}', file=sys.stderr)
         is_interrupted = stack.enter_context(_interrupts())
         report = stack.enter_context(_progress_bar(options.progress, options.seconds))
         start = time.monotonic()

@@ -106,6 +106,11 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
     """Runs the rest of a sweep, and writes what it has given."""
     rest = sweep.rest(options.retry_failed)
     done = len(sweep.scenarios) - len(rest)
+    for name in sweep.unused:
+        where = (
+            "no file of the worlds reads it" if name.startswith("/") else "there is no controller"
+        )
+        print(f'the parameter "{name}" changes nothing: {where}', file=sys.stderr)
     if sweep.other_count:
         print(
             f"{options.file} or a file that it names has changed: {sweep.other_count} results in "
@@ -126,8 +131,9 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
         print(f"no results.parquet: {written.problem}", file=sys.stderr)
     if written.failed:
         print(
-            f"{written.failed} of {len(sweep.scenarios)} scenarios failed to run to the end: "
-            "column error of results.csv",
+            f"{written.failed} of {len(sweep.scenarios)} scenarios failed to run to the end, most "
+            f"often by: {written.example['error']}\n"
+            f"--replay {written.example['scenario']} shows it; results.csv has all reasons (error)",
             file=sys.stderr,
         )
     return 1 if written.failed else 0

@@ -17,6 +17,9 @@ from typing import Any, Callable, Dict, List, Optional
 TIME_LIMIT = 1.0  # s of processor time for all expressions of a file together
 _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machine
 
+_SEED = "math.randomseed(1)"
+"""Has math.random begin as in a new process: in Lua 5.1 it is the seed that there is by itself."""
+
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
 
@@ -41,6 +44,11 @@ class LuaEvaluator:
     def restart_time(self) -> None:
         """Begins another file, the expressions of which have a time limit of their own."""
         self._time_left = TIME_LIMIT
+
+    def restart_random(self) -> None:
+        """Has math.random begin again, so that what follows does not depend on what was before."""
+        if self._worker is not None:
+            self.evaluate(_SEED)
 
     def evaluate(self, code: str) -> Any:
         """Evaluates an expression, or a chunk of code that returns a value.
@@ -107,7 +115,7 @@ class LuaEvaluator:
             start_new_session=True,  # Ctrl-C in a terminal does not reach it; `close` ends it
         )
         # Waits for a first answer, so that starting does not count towards the expression's time.
-        self._send({"code": "true"})
+        self._send({"code": _SEED})
         try:
             self._receive()
         except LuaError:

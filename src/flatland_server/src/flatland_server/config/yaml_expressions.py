@@ -50,6 +50,10 @@ class Expressions:
         """Begins another file, the expressions of which have a time limit of their own."""
         self._lua.restart_time()
 
+    def restart_random(self) -> None:
+        """Has math.random begin again."""
+        self._lua.restart_random()
+
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
         self._lua.close()

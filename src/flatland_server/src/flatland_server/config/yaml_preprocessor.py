@@ -72,6 +72,10 @@ class YamlPreprocessor:
         self._expressions.restart_time()
         return self._resolve(node, (Path(node.start_mark.name),), {})
 
+    def restart_random(self) -> None:
+        """Has math.random of expressions begin again, as in a new preprocessor."""
+        self._expressions.restart_random()
+
     def close(self) -> None:
         """Ends the process that evaluates expressions."""
         self._expressions.close()

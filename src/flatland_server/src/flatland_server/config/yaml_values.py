@@ -107,7 +107,7 @@ def one_of(choices: Sequence[str]) -> Callable[[yaml.Node], str]:
     def convert(node: yaml.Node) -> str:
         text = to_string(node)
         if text not in choices:
-            words = ", ".join(choices[:-1]) + " or " + choices[-1]
+            words = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
             raise ConversionError(f"{words}{suggestion(text, choices)}")
         return text
 

@@ -4,7 +4,7 @@ import math
 import operator
 import os
 from pathlib import Path
-from typing import Any, Iterable, List, Sequence, TypeVar, Union
+from typing import Any, Dict, Iterable, List, Mapping, Sequence, TypeVar, Union
 
 from flatland_server.exceptions import UsageError, shortened
 from flatland_server.geometry import Pose
@@ -45,6 +45,17 @@ def pose_of(value: Any) -> Pose:
     if not pose.is_finite():
         raise UsageError(f"expected a pose of finite numbers, found {shown(value)}")
     return pose
+
+
+def params_of(params: Any) -> Dict[str, Any]:
+    """Parameters by name.
+
+    Raises:
+        UsageError: they are no mapping of names.
+    """
+    if not isinstance(params, Mapping) or not all(isinstance(name, str) for name in params):
+        raise UsageError(f"expected params as a dict by name, found {shown(params)}")
+    return dict(params)
 
 
 def several(values: Iterable[T], what: str) -> List[T]:

@@ -8,7 +8,7 @@ import numpy as np
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
-from flatland_server.library.arguments import whole_number
+from flatland_server.library.arguments import shown, whole_number
 
 _MAX_SQUARES = 4_000_000
 _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in sides
@@ -82,8 +82,18 @@ class FreeSpace:
 
         Returns:
             Shape (count, 3): x, y [m] and yaw in [-pi, pi) [rad].
+
+        Raises:
+            UsageError: an argument is wrong, or there is no reachable square.
         """
         whole_number(count, "a number of poses", 0)
+        if not isinstance(rng, np.random.Generator):
+            raise UsageError(
+                f"expected rng as a numpy.random.Generator (numpy.random.default_rng(seed)), found "
+                f"{shown(rng)}"
+            )
+        if count and not len(self._rows):
+            raise UsageError("no place is free and can be reached")
         chosen = rng.integers(len(self._rows), size=count)
         squares = np.column_stack([self._columns[chosen], self._rows[chosen]])
         points = self._origin + (squares + rng.random((count, 2))) * self.resolution

@@ -112,6 +112,15 @@ class Recorder(Tap):
             )
         return wanted
 
+    def unmatched(self, names: Collection[str]) -> List[str]:
+        """Those of the topics to record that match none of these names."""
+        known = {*names, *_ALWAYS}
+        return [
+            pattern.pattern
+            for pattern in self._patterns or ()
+            if not any(map(pattern.fullmatch, known))
+        ]
+
     def receive(self, topic: str, message: Any, is_latched: bool) -> None:
         now = self._timekeeper.nanoseconds
         self._waiting.append(_Message(now, topic, message, is_latched))

@@ -4,34 +4,45 @@ Both contain the definitions of the message types, so that a reader needs nothin
 """
 
 import os
+import weakref
 from abc import ABC, abstractmethod
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Dict, Iterator, Tuple, Type, Union
+from typing import Any, Callable, Dict, Iterator, Set, Tuple, Type, Union
 
 from flatland_server.exceptions import RecordingError, listed
 
 _INSTALL = 'pip install "flatland2d[record]"'
 
 
+_in_use: Set[Path] = set()
+"""The files that this process is writing."""
+
+
 class RecordingFile(ABC):
     """A file that is being written, under its name with ".active" until it is closed.
+
+    It is closed at the latest when it is garbage or the program ends.
 
     Args:
         path: of the file; one of this name is replaced when this one is closed.
 
     Raises:
-        RecordingError: the file cannot be written, or a package is missing.
+        RecordingError: the file cannot be written or is being recorded already, or a package is
+            missing.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._active = path.with_name(f"{path.name}.active")
-        self._is_open = True
         with _errors_of(path):
-            self._active.unlink(missing_ok=True)  # what a run that was ended has left
-            self._open(self._active)
+            active = path.absolute().with_name(f"{path.name}.active")
+            if active in _in_use:
+                raise RecordingError(f"{path}: is being recorded already")
+            active.unlink(missing_ok=True)  # what a run that was ended has left
+            finish = self._open(active)
+        _in_use.add(active)
+        self._end = weakref.finalize(self, _end, finish, active, path, os.getpid())
 
     def write(
         self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool = False
@@ -53,15 +64,11 @@ class RecordingFile(ABC):
 
     def close(self) -> None:
         """Finishes the file."""
-        if self._is_open:
-            self._is_open = False
-            with _errors_of(self.path):
-                self._finish()
-                os.replace(self._active, self.path)
+        self._end()
 
     @abstractmethod
-    def _open(self, path: Path) -> None:
-        """Begins the file."""
+    def _open(self, path: Path) -> Callable[[], None]:
+        """Begins the file; returns what writes its end."""
 
     @abstractmethod
     def _write(
@@ -69,19 +76,16 @@ class RecordingFile(ABC):
     ) -> None:
         """Appends a message."""
 
-    @abstractmethod
-    def _finish(self) -> None:
-        """Writes the file's end."""
-
 
 class BagFile(RecordingFile):
     """A .bag of ROS 1, version 2.0."""
 
-    def _open(self, path: Path) -> None:
+    def _open(self, path: Path) -> Callable[[], None]:
         writer = _package("rosbags.rosbag1", ".bag").Writer
         self._writer = writer(path)
         self._writer.open()
         self._connections: Dict[Tuple[str, str], Any] = {}
+        return self._writer.close  # type: ignore[no-any-return]
 
     def _write(
         self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
@@ -99,19 +103,17 @@ class BagFile(RecordingFile):
         # To rosbag, the time 0 means none: such a message would not be played.
         self._writer.write(self._connections[key], max(nanoseconds, 1), data)
 
-    def _finish(self) -> None:
-        self._writer.close()
-
 
 class McapFile(RecordingFile):
     """An .mcap with the profile of ROS 1."""
 
-    def _open(self, path: Path) -> None:
+    def _open(self, path: Path) -> Callable[[], None]:
         writer = _package("mcap.writer", ".mcap").Writer
         self._writer = writer(str(path))
         self._writer.start(profile="ros1", library="flatland")
         self._schemas: Dict[str, int] = {}
         self._channels: Dict[Tuple[str, str], int] = {}
+        return self._writer.finish  # type: ignore[no-any-return]
 
     def _write(
         self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
@@ -131,9 +133,6 @@ class McapFile(RecordingFile):
             )
         self._writer.add_message(self._channels[topic, name], nanoseconds, data, nanoseconds)
 
-    def _finish(self) -> None:
-        self._writer.finish()
-
 
 _KINDS: Dict[str, Type[RecordingFile]] = {".bag": BagFile, ".mcap": McapFile}
 
@@ -149,6 +148,16 @@ def open_recording(path: Union[str, "os.PathLike[str]"]) -> RecordingFile:
     if kind is None:
         raise RecordingError(f"{file}: expected a name that ends with {listed(_KINDS)}")
     return kind(file)
+
+
+def _end(finish: Callable[[], None], active: Path, path: Path, process: int) -> None:
+    """Finishes a file, and gives it its name; nothing in a fork of the process that writes it."""
+    if os.getpid() != process:
+        return
+    _in_use.discard(active)
+    with _errors_of(path):
+        finish()
+        os.replace(active, path)
 
 
 def _package(module: str, suffix: str) -> Any:

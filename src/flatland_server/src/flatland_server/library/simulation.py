@@ -6,9 +6,9 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from flatland_server import _core
 from flatland_server.arrays import FloatArray, UInt8Array
-from flatland_server.exceptions import ModelError, listed, shortened, suggestion
+from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
 from flatland_server.geometry import Pose
-from flatland_server.library.arguments import folders_of, pose_of, whole_number
+from flatland_server.library.arguments import folders_of, params_of, pose_of, shown, whole_number
 from flatland_server.library.catalog import Catalog
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.recorder import Recorder
@@ -72,7 +72,7 @@ class Simulation(SimulatedTopics):
     ) -> None:
         self._seed = whole_number(seed, "a seed", 0)
         new_timekeeper(step_size)  # refuses a wrong one before the files are read
-        transport = LocalTransport(dict(params), ())
+        transport = LocalTransport(params_of(params), ())
         opened = open_world(
             world,
             transport,
@@ -240,6 +240,8 @@ class Simulation(SimulatedTopics):
         """
         self.require_open()
         source = model if isinstance(model, (str, Mapping)) else Path(model)
+        if not isinstance(name, str):
+            raise UsageError(f"expected the model's name as a string, found {shown(name)}")
         self.world.spawn_model(source, name, namespace, pose_of(pose))
         return self.models[name]
 

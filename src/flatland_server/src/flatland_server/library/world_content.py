@@ -9,7 +9,7 @@ from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import UsageError, shortened
-from flatland_server.library.arguments import folders_of
+from flatland_server.library.arguments import folders_of, params_of
 from flatland_server.models.layer import LayerConfig
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -41,27 +41,45 @@ def world_content(
     Raises:
         FlatlandError: there is no such world, or a file is missing or no YAML.
     """
-    transport = LocalTransport(dict(params), ())
+    transport = LocalTransport(params_of(params), ())
     folders = [folder.absolute() for folder in folders_of(model_folders)]
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
-        if isinstance(world, Mapping):
-            reader = YamlReader.from_content(world, "world", preprocessor)
-        elif not isinstance(world, (str, os.PathLike)):
-            raise UsageError(
-                "expected the name of a world, the path of a world file or a dict, "
-                f"found {shortened(repr(world))}"
-            )
-        else:
-            name = world if isinstance(world, str) else Path(world)
-            reader = YamlReader.from_file(find_world(name), preprocessor)
+        return read_world_content(world, preprocessor, folders)
 
-        def model(section: YamlReader) -> Optional[Dict[str, Any]]:
-            return _model_entry(section, preprocessor, folders)
 
-        content = reader.content()
-        maps = reader.get_sections("layers", LayerConfig.read_map_path)
-        models = reader.get_sections("models", model)
-        reader.raise_problems()
+def read_world_content(
+    world: Union[str, "os.PathLike[str]", Mapping[str, Any]],
+    preprocessor: YamlPreprocessor,
+    folders: Sequence[Path] = (),
+) -> Dict[str, Any]:
+    """The same, with parameters and expressions of a preprocessor.
+
+    Args:
+        world: as for `world_content`.
+        preprocessor: has the parameters.
+        folders: where model files are looked up that are not beside the world file.
+
+    Raises:
+        FlatlandError: as `world_content`.
+    """
+    if isinstance(world, Mapping):
+        reader = YamlReader.from_content(world, "world", preprocessor)
+    elif not isinstance(world, (str, os.PathLike)):
+        raise UsageError(
+            "expected the name of a world, the path of a world file or a dict, "
+            f"found {shortened(repr(world))}"
+        )
+    else:
+        name = world if isinstance(world, str) else Path(world)
+        reader = YamlReader.from_file(find_world(name), preprocessor)
+
+    def model(section: YamlReader) -> Optional[Dict[str, Any]]:
+        return _model_entry(section, preprocessor, folders)
+
+    content = reader.content()
+    maps = reader.get_sections("layers", LayerConfig.read_map_path)
+    models = reader.get_sections("models", model)
+    reader.raise_problems()
     for layer, path in zip(content.get("layers") or (), maps):
         if path is not None:
             layer["map"] = os.path.abspath(path)

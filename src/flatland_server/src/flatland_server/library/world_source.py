@@ -8,7 +8,9 @@ from typing import Any, Mapping, Optional, Sequence, Union
 
 from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.exceptions import UsageError, shortened
+from flatland_server.exceptions import UsageError
+from flatland_server.library.arguments import shown
+from flatland_server.maps.simplify_outlines import TOLERANCES
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
@@ -42,6 +44,8 @@ def open_world(
     Raises:
         FlatlandError: there is no such world, or something in it is wrong.
     """
+    if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
+        raise UsageError(f"expected simplify_map to be 0, 1 or 2, found {shown(simplify_map)}")
     if isinstance(source, WorldConfig):
         return World(source, transport, seed=seed, loader=loader or exported_plugins())
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
@@ -54,7 +58,7 @@ def open_world(
         else:
             raise UsageError(
                 "expected the name of a world, the path of a world file or a dict, "
-                f"found {shortened(repr(source))}"
+                f"found {shown(source)}"
             )
         config = read(content, preprocessor, simplify_map=simplify_map, model_folders=model_folders)
     return World(config, transport, seed=seed, loader=loader or exported_plugins())

@@ -26,6 +26,13 @@ POLICY_DRIVER = "flatland_gym.sweep_policy:drive"
 
 ControllerFunction = Callable[..., Any]
 
+_NOT_CALLED = (
+    inspect.isgeneratorfunction,
+    inspect.iscoroutinefunction,
+    inspect.isasyncgenfunction,
+)
+"""Kinds of functions of which a call does nothing yet."""
+
 
 def python_file(target: str, folder: Path) -> Optional[Path]:
     """The file of a function that is named as "file.py:function"; None for one of a module.
@@ -78,6 +85,11 @@ def find_controller(controller: Controller, folder: Path) -> ControllerFunction:
         known = [each for each, value in vars(module).items() if inspect.isfunction(value)]
         hint = suggestion(name, known)
         raise FlatlandError(f'{what}: {module_name} has no function "{name}"{hint}')
+    if any(test(function) for test in _NOT_CALLED):
+        raise FlatlandError(
+            f"{what}: expected {name} to be a function that steps the run until it is over, found "
+            "a generator or a coroutine"
+        )
     found: ControllerFunction = function
     return found
 

@@ -9,13 +9,13 @@ import hashlib
 import importlib.util
 import json
 from contextlib import closing
+from itertools import product
 from pathlib import Path
-from typing import Any, Dict, Mapping
+from typing import Any, Dict, List, Mapping, Set
 
 from flatland_server.config.input_files import MAX_IMAGE, read_input
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.library.simulation import Simulation
-from flatland_server.library.world_content import world_content
 from flatland_server.maps.map_reader import MapConfig
 from flatland_server.sweep.controllers import (
     arguments_of,
@@ -23,10 +23,11 @@ from flatland_server.sweep.controllers import (
     policy_file,
     python_file,
 )
-from flatland_server.sweep.parameters import set_value, world_changes, world_params
+from flatland_server.sweep.parameters import is_for_controller, world_changes, world_params
 from flatland_server.sweep.scenario import Scenario
 from flatland_server.sweep.scenario_file import world_source
 from flatland_server.sweep.settings import Controller, SweepSettings, SweepWorld
+from flatland_server.sweep.sweep_worlds import SweepWorlds
 
 _LENGTH = 16
 
@@ -36,6 +37,10 @@ class Fingerprints:
 
     Args:
         settings: of the sweep.
+
+    Attributes:
+        unused: the parameters that change nothing: no file reads them, and no controller takes
+            them.
 
     Raises:
         FlatlandError: a world or a controller cannot be used.
@@ -47,45 +52,72 @@ class Fingerprints:
             for name in ("step_size", "control_period", "time_limit", "collision_ends")
         }
         self._general = _digest(general)
+        self._settings = settings
+        self._files: Dict[Path, str] = {}
+        self._params_read: Set[str] = set()
         first = settings.parameters[0]
-        self._worlds = {world.name: _world(settings, world) for world in settings.worlds}
+        for world in settings.worlds:
+            source = world_source(world.source, settings.folder)
+            with Simulation(source, params=world_params(first)) as simulation:
+                # It names what is wrong by its place in the files.
+                self._params_read |= simulation.transport.params_read
+        self._worlds = self._fingerprints_of_worlds()
         self._controllers = {
             each.name: _controller(each, settings.folder, first) for each in settings.controllers
         }
+        self.unused = self._unused()
 
     def of(self, scenario: Scenario) -> str:
         """The fingerprint of a scenario: 16 hexadecimal digits."""
         parts = [
             self._general,
-            self._worlds[scenario.world.name],
+            self._worlds[_key(scenario.world, scenario.parameters)],
             self._controllers[scenario.controller.name],
             dict(scenario.parameters),
             scenario.seed,
         ]
         return _digest(parts)
 
+    def _fingerprints_of_worlds(self) -> Dict[str, str]:
+        """Of each world with its models and maps, as each combination of parameters has it."""
+        found: Dict[str, str] = {}
+        with closing(SweepWorlds(self._settings.folder)) as worlds:
+            for world, parameters in product(self._settings.worlds, self._settings.parameters):
+                key = _key(world, parameters)
+                if key not in found:
+                    content = worlds.content(world.source, parameters)
+                    maps = self._maps(content, worlds.preprocessor)
+                    found[key] = _digest([content, maps, dict(vars(world.task))])
+            self._params_read |= worlds.params_read
+        return found
 
-def _world(settings: SweepSettings, world: SweepWorld) -> str:
-    """Of a world with its models and maps, as the first combination of parameters has it."""
-    params = world_params(settings.parameters[0])
-    source = world_source(world.source, settings.folder)
-    with Simulation(source, params=params):
-        pass  # names what is wrong by its place in the files
-    content = world_content(source, params=params)
-    maps: Dict[str, str] = {}
-    with closing(YamlPreprocessor()) as preprocessor:
+    def _unused(self) -> List[str]:
+        """The parameters that change nothing."""
+        is_driven = any(each.target for each in self._settings.controllers)
+        combined: Dict[str, Any] = {}
+        for parameters in self._settings.parameters:
+            combined.update(parameters)
+        arguments = [] if is_driven else [n for n in combined if is_for_controller(n)]
+        return [n for n in world_params(combined) if n not in self._params_read] + arguments
+
+    def _maps(self, content: Dict[str, Any], preprocessor: YamlPreprocessor) -> Dict[str, str]:
+        """The files of a world's maps; leaves their names in the world, the same in any folder."""
+        maps: Dict[str, str] = {}
         for layer in content.get("layers") or ():
             if layer.get("map"):
                 path = Path(layer["map"])
                 config = MapConfig.from_file(path, preprocessor)
                 for file in (path, config.source):
-                    maps[file.name] = _file(file)
-                layer["map"] = path.name  # the same in another folder
-    fingerprint = _digest([content, maps, dict(vars(world.task))])
-    for parameters in settings.parameters:
-        for place, value in world_changes(parameters).items():
-            set_value(content, place, value)  # raises if there is no such place
-    return fingerprint
+                    if file not in self._files:
+                        self._files[file] = _file(file)
+                    maps[file.name] = self._files[file]
+                layer["map"] = path.name
+        return maps
+
+
+def _key(world: SweepWorld, parameters: Mapping[str, Any]) -> str:
+    """The key of a world's fingerprint: the world, and the parameters that it may depend on."""
+    return json.dumps([world.name, world_params(parameters), world_changes(parameters)])
 
 
 def _controller(controller: Controller, folder: Path, parameters: Mapping[str, Any]) -> str:

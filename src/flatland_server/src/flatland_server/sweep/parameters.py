@@ -8,11 +8,20 @@ A name says what a parameter is:
 """
 
 from itertools import product
+from math import prod
 from typing import Any, Dict, List, Mapping, Sequence
 
 from flatland_server.exceptions import UsageError, listed, shortened, suggestion
 
 _CONTROLLER = "controller."
+
+
+def count_combinations(grids: Sequence[Mapping[str, Any]]) -> int:
+    """How many `combinations` there are."""
+    return sum(
+        prod(len(value) if isinstance(value, list) else 1 for value in grid.values())
+        for grid in grids
+    )
 
 
 def combinations(grids: Sequence[Mapping[str, Any]]) -> List[Dict[str, Any]]:
@@ -33,15 +42,26 @@ def world_params(parameters: Mapping[str, Any]) -> Dict[str, Any]:
     return {name: value for name, value in parameters.items() if name.startswith("/")}
 
 
+def is_for_controller(name: str) -> bool:
+    """Whether a parameter is an argument of the controller."""
+    return name.startswith(_CONTROLLER)
+
+
 def controller_arguments(parameters: Mapping[str, Any]) -> Dict[str, Any]:
     """Those for the controller, by the names of its arguments."""
     start = len(_CONTROLLER)
-    return {n[start:]: value for n, value in parameters.items() if n.startswith(_CONTROLLER)}
+    return {n[start:]: value for n, value in parameters.items() if is_for_controller(n)}
 
 
 def world_changes(parameters: Mapping[str, Any]) -> Dict[str, Any]:
     """Those that change values in the world, by their places."""
     return {n: value for n, value in parameters.items() if not n.startswith(("/", _CONTROLLER))}
+
+
+def names_a_file(place: str) -> bool:
+    """Whether the value at a place in a world may be a file: a layer's map, a model."""
+    words = place.split(".")
+    return len(words) == 3 and (words[0], words[2]) in (("layers", "map"), ("models", "model"))
 
 
 def set_value(content: Dict[str, Any], place: str, value: Any) -> None:

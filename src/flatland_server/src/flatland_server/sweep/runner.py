@@ -3,6 +3,7 @@
 import json
 import traceback
 from collections import OrderedDict
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Container, Dict, Mapping, Optional, Tuple
@@ -11,15 +12,14 @@ from flatland_server.exceptions import FlatlandError, UsageError, shortened
 from flatland_server.library.free_space import FreeSpace
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.simulation import Simulation
-from flatland_server.library.world_content import world_content
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.sweep.controllers import arguments_of, find_controller
-from flatland_server.sweep.parameters import set_value, world_changes, world_params
+from flatland_server.sweep.parameters import world_changes, world_params
 from flatland_server.sweep.places import draw_places
 from flatland_server.sweep.run import RunObserver, RunOver, SweepRun
 from flatland_server.sweep.scenario import Scenario
-from flatland_server.sweep.scenario_file import world_source
 from flatland_server.sweep.settings import RANDOM, SweepSettings, SweepWorld
+from flatland_server.sweep.sweep_worlds import SweepWorlds
 
 _KEPT_WORLDS = 4
 """Worlds that stay loaded: scenarios come world by world."""
@@ -67,6 +67,7 @@ class ScenarioRunner:
 
     def __init__(self, settings: SweepSettings) -> None:
         self._settings = settings
+        self._reader = SweepWorlds(settings.folder)
         self._worlds: OrderedDict[str, _Loaded] = OrderedDict()
 
     def run(self, scenario: Scenario, observer: RunObserver = _NO_OBSERVER) -> Result:
@@ -78,16 +79,27 @@ class ScenarioRunner:
 
         Returns:
             The result; also if the controller raises an exception.
+
+        Raises:
+            FlatlandError: the observer cannot begin.
         """
-        try:
-            with self.open(scenario) as simulation:
+        with ExitStack() as stack:
+            try:
+                simulation = stack.enter_context(self.open(scenario))
                 run = self.prepare(scenario, simulation, observer)
-                observer.on_begin(run)
+            except FlatlandError as error:
+                return _without_row(error)
+            observer.on_begin(run)
+            try:
                 result = self._drive(scenario, run)
-                observer.on_end(run)
-                return result
-        except FlatlandError as error:
-            return Result({}, {}, shortened(str(error), _LONGEST_ERROR))
+            except FlatlandError as error:
+                return _without_row(error)
+            observer.on_end(run)
+            return result
+
+    def close(self) -> None:
+        """Ends the process that evaluates expressions in the worlds' files."""
+        self._reader.close()
 
     def open(self, scenario: Scenario) -> Simulation:
         """A simulation of the scenario's world.
@@ -166,10 +178,7 @@ class ScenarioRunner:
         if key in self._worlds:
             self._worlds.move_to_end(key)
             return self._worlds[key]
-        source = world_source(scenario.world.source, self._settings.folder)
-        content = world_content(source, params=params)
-        for place, value in changes.items():
-            set_value(content, place, value)
+        content = self._reader.content(scenario.world.source, scenario.parameters)
         loaded = _Loaded(WorldConfig.from_content(content), params, {})
         self._worlds[key] = loaded
         while len(self._worlds) > _KEPT_WORLDS:
@@ -196,6 +205,10 @@ def _robot_of(simulation: Simulation, world: SweepWorld) -> Optional[ModelHandle
             f"name one of several; found {found}"
         )
     return None
+
+
+def _without_row(error: FlatlandError) -> Result:
+    return Result({}, {}, shortened(str(error), _LONGEST_ERROR))
 
 
 def _failed(run: SweepRun, reason: str, error: BaseException) -> Result:

@@ -11,7 +11,7 @@ from flatland_server.exceptions import FlatlandError, UsageError, YamlError, sho
 from flatland_server.geometry import Point, Pose
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.sweep.controllers import POLICY_DRIVER, python_file
-from flatland_server.sweep.parameters import combinations
+from flatland_server.sweep.parameters import combinations, count_combinations
 from flatland_server.sweep.settings import (
     RANDOM,
     Controller,
@@ -50,17 +50,27 @@ def read_scenario_file(path: Path) -> SweepSettings:
         collision_ends=reader.get_bool("collision_ends", True),
         retries=reader.get_int("retries", 2, minimum=0, maximum=100),
     )
-    try:
-        new_timekeeper(settings.step_size)
-        steps_in(settings.control_period, settings.step_size, "control_period")
-        steps_in(settings.time_limit, settings.step_size, "time_limit")
-    except UsageError as error:
-        reader.problem(str(error))
+    if reader.is_sound:
+        _check_durations(reader, settings)
     count = len(settings.worlds) * len(settings.controllers) * len(settings.parameters)
     if count * len(settings.seeds) > MAX_SCENARIOS:
         reader.problem(f"expected at most {MAX_SCENARIOS} scenarios, found more")
     reader.finish()
     return settings
+
+
+def _check_durations(reader: YamlReader, settings: SweepSettings) -> None:
+    """Notes a step that there cannot be, and durations that are no multiples of it."""
+    try:
+        new_timekeeper(settings.step_size)
+    except UsageError as error:
+        reader.problem(str(error), "step_size")
+        return
+    for name in ("control_period", "time_limit"):
+        try:
+            steps_in(getattr(settings, name), settings.step_size, name)
+        except UsageError as error:
+            reader.problem(str(error), name)
 
 
 def world_source(source: str, folder: Path) -> Union[str, Path]:
@@ -235,6 +245,13 @@ def _parameters(reader: YamlReader) -> Tuple[Dict[str, Any], ...]:
     else:
         section: Optional[YamlReader] = reader.get_section("parameters")
         grids = [_grid(section)] if section is not None else []
+    if count_combinations(grids) > MAX_SCENARIOS:
+        reader.problem(
+            f"expected at most {MAX_SCENARIOS} combinations of values, found "
+            f"{count_combinations(grids)}",
+            "parameters",
+        )
+        return ({},)
     found = combinations(grids)
     texts = [repr(sorted(each.items())) for each in found]
     if len(set(texts)) < len(texts):

@@ -1,10 +1,12 @@
 """What a scenario file says, as checked values."""
 
+import math
 from dataclasses import dataclass, field
+from numbers import Real
 from pathlib import Path
 from typing import Any, Mapping, Optional, Tuple, Union
 
-from flatland_server.exceptions import UsageError
+from flatland_server.exceptions import UsageError, shortened
 from flatland_server.geometry import Point, Pose
 
 RANDOM = "random"
@@ -109,6 +111,9 @@ def steps_in(duration: float, step_size: float, name: str) -> int:
     Raises:
         UsageError: it is not a multiple of the steps, or shorter than one.
     """
+    if not isinstance(duration, Real) or not math.isfinite(duration):
+        found = shortened(repr(duration))
+        raise UsageError(f"expected {name} as a number of seconds, found {found}")
     count = round(duration / step_size)
     if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:
         raise UsageError(

@@ -1,6 +1,7 @@
 """A sweep: does what is not done yet, and writes tables, a summary and a report."""
 
 import shlex
+from collections import Counter
 from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Protocol
 
@@ -36,6 +37,8 @@ class Written(NamedTuple):
     """See `summary_rows`."""
     failed: int
     """How many scenarios could not be run to the end."""
+    example: Dict[str, Any]
+    """The row of the first one with the most frequent reason; empty if there is none."""
     problem: str
     """Why there is no Parquet file; empty if there is one."""
 
@@ -49,6 +52,7 @@ class Sweep:
 
     Attributes:
         scenarios: all of them.
+        unused: the parameters that change nothing, by name.
 
     Raises:
         FlatlandError: a world or a controller cannot be used, or the folder not be written.
@@ -59,6 +63,7 @@ class Sweep:
         self.folder = folder
         self.scenarios = scenarios_of(settings)
         fingerprints = Fingerprints(settings)
+        self.unused = fingerprints.unused
         self._fingerprints = {each.number: fingerprints.of(each) for each in self.scenarios}
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -141,8 +146,10 @@ class Sweep:
             [(rows[number - 1], drawn[number]) for number in chosen if drawn[number]],
         )
         write_file(self.folder / "report.html", document.encode())
-        failed = sum(row["status"] == "failed" for row in rows)
-        return Written(summary, failed, problem)
+        failed = [row for row in rows if row["status"] == "failed"]
+        reasons = Counter(row["error"] for row in failed)
+        example = max(failed, key=lambda row: reasons[row["error"]], default={})
+        return Written(summary, len(failed), example, problem)
 
     def _draw(self, numbers: List[int], pool: Pool) -> Dict[int, bytes]:
         """Pictures of scenarios, by number."""

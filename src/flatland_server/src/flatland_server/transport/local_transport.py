@@ -31,6 +31,7 @@ class LocalTransport(Transport):
 
     Attributes:
         transforms: by the name of the child frame.
+        params_read: the parameters that were asked for, by absolute name.
         activity: counts messages to be delivered, and changes of subscribers. While it stays the
             same, `process` and `flush` have nothing to do.
     """
@@ -48,7 +49,8 @@ class LocalTransport(Transport):
             raise TypeError(f"LocalTransport has no argument {', '.join(deprecated)}")
         super().__init__()
         self.transforms: Dict[str, Transform] = {}
-        self._params = dict(params)
+        self.params_read: Set[str] = set()
+        self._params = {_absolute(name): value for name, value in params.items()}
         self._subscribed_topics = subscribed_topics
         self.activity = 0
         self._subscriber_revision = 0
@@ -147,7 +149,9 @@ class LocalTransport(Transport):
                 tap.receive_transform(transform)
 
     def get_param(self, name: str, default: Any = None) -> Any:
-        return self._params.get(_absolute(name), default)
+        name = _absolute(name)
+        self.params_read.add(name)
+        return self._params.get(name, default)
 
     def process(self, timeout: float = 0.0) -> None:
         while self._inbox:

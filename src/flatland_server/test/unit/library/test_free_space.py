@@ -19,6 +19,14 @@ def room(low, high):
     return np.array([[*a, *b] for a, b in zip(corners, corners[1:] + corners[:1])], float)
 
 
+def test_poses_need_a_generator_and_a_free_place():
+    grid = DistanceGrid(room(-5, 5), (0.0, 0.0), 9.0)
+    with pytest.raises(UsageError, match=r"rng as a numpy\.random\.Generator .*, found 5"):
+        grid.free_space(0.3).poses(3, 5)
+    with pytest.raises(UsageError, match="no place is free and can be reached"):
+        grid.free_space(8.0).poses(3, np.random.default_rng(1))
+
+
 def test_points_are_as_far_from_walls_as_they_should_be():
     rng = np.random.default_rng(1)
     walls = np.concatenate([room(-5, 5), rng.uniform(-5, 5, (6, 4))])

@@ -77,8 +77,9 @@ def test_expressions_and_parameters_in_a_dict(world):
     world["models"][0]["pose"] = ["$eval param('/start', 3) / 2", np.float32(0.25), 0]
 
     assert Simulation(world, loader=LOADER).models["robot"].pose == (1.5, 0.25, 0.0)
-    sim = Simulation(world, loader=LOADER, params={"/start": 1})
-    assert sim.models["robot"].pose == (0.5, 0.25, 0.0)
+    for name in ("/start", "start"):  # as a topic's name
+        sim = Simulation(world, loader=LOADER, params={name: 1})
+        assert sim.models["robot"].pose == (0.5, 0.25, 0.0)
 
 
 def test_what_happens_to_a_dict_later_does_not_matter(world):

@@ -33,6 +33,7 @@ WRONG = [
     (lambda sim: sim.move("box", "here"), UsageError, "found 'here'"),
     (lambda sim: sim.move("box", None), UsageError, "found None"),
     (lambda sim: sim.move("box", [0, math.nan, 0]), UsageError, "a pose of finite numbers, found"),
+    (lambda sim: sim.spawn(ROBOT, 3), UsageError, "the model's name as a string, found 3"),
     (lambda sim: sim.move("box", [1e9, 0, 0]), ModelError, "cannot be there"),
     (lambda sim: sim.spawn(ROBOT, "c", [0, math.inf, 0]), UsageError, "a pose of finite numbers"),
     (lambda sim: sim.spawn(ROBOT, "a b"), ModelError, "a b"),
@@ -86,6 +87,10 @@ def test_a_wrong_call_is_refused_and_changes_nothing(sim, call, error, message):
         ({"step_size": math.nan}, "found nan"),
         ({"step_size": "fast"}, "found 'fast'"),
         ({"step_size": None}, "found None"),
+        ({"simplify_map": 0.05}, "expected simplify_map to be 0, 1 or 2, found 0.05"),
+        ({"simplify_map": -1}, "found -1"),
+        ({"params": 3}, "expected params as a dict by name, found 3"),
+        ({"params": {3: 4}}, "expected params as a dict by name"),
     ],
 )
 def test_wrong_options_are_refused(options, message):

@@ -1,6 +1,7 @@
 """Runs of scenarios in this process: metrics against geometry, controllers, errors."""
 
 import math
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -13,8 +14,8 @@ from flatland_server.sweep.scenario import scenarios_of
 
 
 def results_of(settings):
-    runner = ScenarioRunner(settings)
-    return [runner.run(each) for each in scenarios_of(settings)]
+    with closing(ScenarioRunner(settings)) as runner:
+        return [runner.run(each) for each in scenarios_of(settings)]
 
 
 def controllers(name, **arguments):
@@ -123,6 +124,8 @@ def test_parameters_change_the_world_and_the_controller(folder, settings_of):
         ("return {'time': 5}", 'returns "time", which is a column already'),
         ("run.robot.command(1)", "UsageError: the drive"),
         ("run.step(0.003)", "to be a multiple of the step_size"),
+        ("run.step(float('inf'))", "UsageError: expected the duration as a number of seconds"),
+        ("yield run.step()", "expected drive to be a function that steps the run until it is over"),
     ],
 )
 def test_a_controller_that_fails_is_a_result_with_the_reason(folder, settings_of, source, message):
@@ -173,6 +176,20 @@ def test_an_observer_changes_nothing(settings_of):
 
     assert watched == plain
     assert len(steps) == round(plain.row["time"] / settings.step_size)
+
+
+def test_expressions_do_not_depend_on_scenarios_before(folder, settings_of):
+    world = (folder / "world.yaml").read_text()
+    pose = """["$eval param('/x', 0) + math.random()", 2, 0.3]"""
+    (folder / "world.yaml").write_text(world.replace("[0, 2, 0.3]", pose))
+    settings = settings_of(parameters="{/x: [0, 1]}", controllers=None, start=None, seeds=1)
+    second = scenarios_of(settings)[1]
+
+    results = results_of(settings)
+
+    assert results[1].error == ""
+    with closing(ScenarioRunner(settings)) as runner:
+        assert runner.run(second) == results[1]
 
 
 def test_a_world_with_several_robots_needs_the_name_of_one(folder, settings_of):

@@ -1,12 +1,21 @@
 """Scenario files: what they say, their scenarios, and what is wrong in them."""
 
+from contextlib import closing
+
 import pytest
 
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.sweep.fingerprints import Fingerprints
 from flatland_server.sweep.parameters import combinations, set_value
+from flatland_server.sweep.runner import ScenarioRunner
 from flatland_server.sweep.scenario import scenario_of, scenarios_of
+
+BOX_CHOSEN_BY_PARAMETER = (
+    "{name: box, model: box.model.yaml, pose: [0, 2, 0.3]}",
+    'name: box\n    pose: [0, 2, 0.3]\n    model: $eval param("/box", "box") .. ".model.yaml"',
+)
+"""What is replaced in the world file, and by what."""
 
 
 def test_scenarios_are_in_the_order_of_worlds_controllers_parameters_and_seeds(settings_of):
@@ -77,6 +86,10 @@ def test_expressions_and_includes_are_resolved(folder, settings_of):
         ({"seeds": "0"}, "a whole number of 1 or more"),
         ({"parameters": "{speed: [1, 2]}"}, '"models.name.pose", found "speed"'),
         ({"parameters": "{/a: []}"}, "expected a value or a list of values"),
+        (
+            {"parameters": str({f"/{name}": list(range(100)) for name in "abcdefgh"})},
+            "expected at most 10000000 combinations of values, found 10000000000000000",
+        ),
         ({"parameters": "{/a: [1, 1]}"}, "a combination of values is given twice"),
         ({"control_period": "0.007"}, "control_period to be a multiple of the step_size"),
         ({"step_size": "0"}, "a number above 0"),
@@ -87,7 +100,7 @@ def test_what_is_wrong_is_told_with_its_place(settings_of, keys, message):
         settings_of(**keys)
 
     assert message in str(error.value)
-    assert "scenarios.yaml:" in str(error.value)
+    assert str(error.value).count("scenarios.yaml:") == 1  # nothing that only follows from it
 
 
 @pytest.mark.parametrize(
@@ -158,3 +171,48 @@ def test_a_fingerprint_covers_all_that_a_result_depends_on(folder, settings_of):
         assert not set(fingerprints(seeds=4)) & set(first), name
         (folder / name).write_text(before)
     assert fingerprints(seeds=4) == first
+
+
+def test_a_fingerprint_covers_the_files_that_its_parameters_choose(
+    folder, settings_of, monkeypatch
+):
+    for name in ("crate.model.yaml", "case.model.yaml"):
+        (folder / name).write_text((folder / "box.model.yaml").read_text())
+    (folder / "hall.yaml").write_text((folder / "walls.yaml").read_text().replace("walls", "hall"))
+    (folder / "hall.dat").write_text((folder / "walls.dat").read_text())
+    world = (folder / "world.yaml").read_text()
+    (folder / "world.yaml").write_text(world.replace(*BOX_CHOSEN_BY_PARAMETER))
+    settings = settings_of(
+        parameters="[{/box: [box, crate]}, {models.box.model: case.model.yaml}, "
+        "{layers.walls.map: hall.yaml}]",
+        seeds=1,
+    )
+    monkeypatch.chdir("/")  # the files are found beside the scenario file
+
+    def fingerprints():
+        found = Fingerprints(settings)
+        return [found.of(each) for each in scenarios_of(settings)]
+
+    former = fingerprints()
+    for number, file in ((1, "crate.model.yaml"), (2, "case.model.yaml"), (3, "hall.dat")):
+        content = (folder / file).read_text()
+        (folder / file).write_text(content.replace("0.5", "0.6").replace("-4 -4 4", "-4 -4.5 4"))
+        now = fingerprints()
+        assert [a != b for a, b in zip(former, now)] == [n == number for n in range(4)], file
+        former = now
+    with closing(ScenarioRunner(settings)) as runner:
+        assert [runner.run(each).error for each in scenarios_of(settings)] == [""] * 4
+
+
+@pytest.mark.parametrize(
+    ("keys", "unused"),
+    [
+        ({"parameters": "{/box: box, /bxo: [0, 1], models.box.pose.1: 3}"}, ["/bxo"]),
+        ({"parameters": "{controller.speed: 1}", "controllers": None}, ["controller.speed"]),
+    ],
+)
+def test_a_parameter_that_changes_nothing_is_named(folder, settings_of, keys, unused):
+    world = (folder / "world.yaml").read_text()
+    (folder / "world.yaml").write_text(world.replace(*BOX_CHOSEN_BY_PARAMETER))
+
+    assert Fingerprints(settings_of(**keys)).unused == unused

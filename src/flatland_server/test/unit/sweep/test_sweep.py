@@ -147,7 +147,10 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
         "once": "",
     }
     assert "controller once, seed 2): its worker was killed by SIGKILL; it is run again" in error
-    assert "3 of 5 scenarios failed to run to the end" in error
+    assert (
+        "3 of 5 scenarios failed to run to the end, most often by: its worker was killed by SIGSEGV"
+    ) in error
+    assert "--replay 1 shows it" in error
     with Path("out/timing.csv").open(newline="") as file:
         attempts = {row["scenario"]: row["attempts"] for row in csv.DictReader(file)}
     assert attempts == {"1": "2", "2": "1", "3": "1", "4": "1", "5": "2"}
@@ -274,6 +277,11 @@ def test_a_replay_is_recorded(settings_of, capsys):
     with rosbag.Bag("run.bag") as bag:
         assert bag.get_message_count("/scan") > 10
     assert not Path("scenarios_results").exists()
+
+    assert main(["sweep", "scenarios.yaml", "--replay", "2", "--record", "no/run.bag"]) == 1
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.startswith("flatland: no/run.bag: cannot be written")
 
 
 @pytest.mark.parametrize(
