@@ -1,5 +1,6 @@
 """The learner: its gradients against differences, a short training, policies and their files."""
 
+import math
 import os
 import subprocess
 import sys
@@ -133,7 +134,7 @@ def test_a_node_stops_at_the_goal_and_acts_at_its_rate():
     assert (sent[3].linear.x, sent[3].angular.z) == (0, 0)
 
 
-def test_a_node_goes_on_when_time_begins_again_and_stops_at_scans_of_another_lidar():
+def test_a_node_goes_on_when_time_begins_again_and_stops_at_what_it_cannot_use():
     sink, reports = Sink(), []
     node = PolicyNode(untrained(), sink, goal_radius=0.3, report=reports.append)
     goal = messages.get("geometry_msgs/PoseStamped")()
@@ -150,6 +151,14 @@ def test_a_node_goes_on_when_time_begins_again_and_stops_at_scans_of_another_lid
     assert reports == ["expected scans of 4 ranges, for which the policy was trained, found 5"]
     node.on_scan(scan_at(2.0))
     assert len(sink.sent) == 3
+
+    odometry = at_the_origin()
+    odometry.twist.twist.angular.z = math.nan
+    node.on_odometry(odometry)
+    node.on_goal(goal)
+    node.on_scan(scan_at(3.0))
+    assert (sink.sent[-1].linear.x, sink.sent[-1].angular.z) == (0, 0)
+    assert reports[1:] == ["expected finite odometry, found (0.0, 0.0, 0.0) and (0.0, 0.0, nan)"]
 
 
 def test_equal_seeds_train_equal_policies():

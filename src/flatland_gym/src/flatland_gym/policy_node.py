@@ -89,7 +89,9 @@ class PolicyNode:
     ) -> Tuple[float, float]:
         """The speed and the yaw rate. At the end of a goal both are zero, and it is forgotten."""
         beams = self._policy.beams
-        if len(ranges) != beams:
+        if not all(map(math.isfinite, (*pose, *velocity))):
+            self._report(f"expected finite odometry, found {tuple(pose)} and {velocity}")
+        elif len(ranges) != beams:
             self._report(
                 f"expected scans of {beams} ranges, for which the policy was trained, found "
                 f"{len(ranges)}"

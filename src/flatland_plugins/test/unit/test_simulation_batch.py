@@ -491,7 +491,9 @@ def test_plugins_that_act_by_themselves_are_refused_by_name(world_of):
         SimulationBatch(world_of(others="\n  - {type: Actor, name: hand}"), 1, loader=Loader())
 
 
-@pytest.mark.parametrize("arguments", [{"num_envs": 0}, {"threads": 0}, {"step_size": -1.0}])
+@pytest.mark.parametrize(
+    "arguments", [{"num_envs": 0}, {"threads": 0}, {"step_size": -1.0}, {"params": 3}]
+)
 def test_wrong_numbers_are_refused(world_of, arguments):
     with pytest.raises(UsageError):
         SimulationBatch(world_of(), **{"num_envs": 2, **arguments})

@@ -10,7 +10,13 @@ import numpy as np
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import folders_of, several, shown, whole_number
+from flatland_server.library.arguments import (
+    folders_of,
+    params_of,
+    several,
+    shown,
+    whole_number,
+)
 from flatland_server.library.batch_arguments import (
     actions_of,
     index_of,
@@ -101,9 +107,10 @@ class SimulationBatch:
         self._threads = whole_number(threads, "a number of threads", 1)
         self._step_nanoseconds = new_timekeeper(step_size).step_nanoseconds
         self._seeds = seeds_of(seed, self._num_envs)
+        self._params, self._loader = params_of(params), loader
         self._world = open_world(
             world,
-            LocalTransport(dict(params), ()),
+            LocalTransport(self._params, ()),
             seed=int(self._seeds[0]),
             simplify_map=simplify_map,
             model_folders=folders_of(model_folders),
@@ -111,7 +118,6 @@ class SimulationBatch:
         )
         require_passive(self._world)
         self._robot = find_robot(self._world, robot, lidar)
-        self._params, self._loader = dict(params), loader
         self._view = BatchView(self._world, self.step_size, self._params, loader)
         self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
         if self._robot.model in self._moved:
