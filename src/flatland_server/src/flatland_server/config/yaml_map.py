@@ -1,5 +1,6 @@
 """One map of a YAML document: which keys it has, and the problems that are found in it."""
 
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Optional, Set
 
@@ -192,7 +193,13 @@ class YamlMap:
 
 def file_of(node: yaml.Node) -> Path:
     """The file that a node is written in."""
-    return Path(node.start_mark.name)
+    return _path(node.start_mark.name)
+
+
+@lru_cache(maxsize=64)
+def _path(name: str) -> Path:
+    """Each map of a file asks for it: to make paths would be a twentieth of a spawn."""
+    return Path(name)
 
 
 def error_at(node: yaml.Node, message: str, path: str = "") -> YamlError:
