@@ -1,7 +1,6 @@
 """The office in the window or in plain rviz, zoomed in on, with mouse and keyboard."""
 
 import math
-import time
 
 import numpy as np
 import yaml
@@ -189,9 +188,9 @@ class Viewer:
     def _look_closer(self):
         """Zoom in around the middle, by the wheel."""
         self.waiting(self.shows_office, "walls, robot, boxes and scan")
-        time.sleep(1)  # the window gets its final size
+        # The window gets its final size.
+        rows, columns = self.screen.settled(lambda: self.screen.view(self.picture("office")), 1.0)
         pixels = self.picture("office")
-        rows, columns = self.screen.view(pixels)
         center, scale = (2.5, 0.0), 17.0  # of flatland.rviz
         if self.kind == "window":  # frames the office, 65 m x 25 m
             width, height = columns.stop - columns.start, rows.stop - rows.start

@@ -38,10 +38,7 @@ double ModelHandle::Radius(const WorldModel& model, double pixels_per_metre, dou
 void ModelHandle::Show(const WorldModel& model, const geometry_msgs::Pose2D& pose,
                        const WorldPlane& world, const Ogre::Viewport& viewport, double pixel_ratio,
                        bool is_strong) {
-  geometry_msgs::Pose2D middle;
-  middle.x = model.middle().x();
-  middle.y = model.middle().y();
-  middle = Compose(pose, middle);
+  const geometry_msgs::Pose2D middle = model.MiddleAt(pose);
   const Ogre::Vector3 at = world.PositionInScene(middle, kHeight);
   const ScreenScale scale = ScreenScale::At(at, viewport);
   const double radius = Radius(model, scale.pixels_per_metre, pixel_ratio) * scale.pixels_per_metre;

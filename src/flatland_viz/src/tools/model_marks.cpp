@@ -106,10 +106,7 @@ void ModelMarks::Update(const WorldModels& models, const WorldPlane& world,
       if (is_selected && !model->is_robot()) style.plate = QColor(70, 76, 84);
       mark->label.Set(QString::fromStdString(model->info.name), style);
 
-      geometry_msgs::Pose2D middle;
-      middle.x = model->middle().x();
-      middle.y = model->middle().y();
-      const Ogre::Vector3 at = world.PositionInScene(Compose(model->state.pose, middle), kMarkZ);
+      const Ogre::Vector3 at = world.PositionInScene(model->MiddleAt(model->state.pose), kMarkZ);
       const ScreenScale scale = ScreenScale::At(at, viewport);
       const double handle =
           ModelHandle::Radius(*model, scale.pixels_per_metre, options.pixel_ratio) *

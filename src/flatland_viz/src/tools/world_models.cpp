@@ -53,13 +53,17 @@ QPointF WorldModel::middle() const {
   return {(box.min_x + box.max_x) / 2, (box.min_y + box.max_y) / 2};
 }
 
-QPointF WorldModel::middle_in_world() const {
+geometry_msgs::Pose2D WorldModel::MiddleAt(const geometry_msgs::Pose2D& pose) const {
   const QPointF in_model = middle();
   geometry_msgs::Pose2D inner;
   inner.x = in_model.x();
   inner.y = in_model.y();
-  const geometry_msgs::Pose2D in_world = Compose(state.pose, inner);
-  return {in_world.x, in_world.y};
+  return Compose(pose, inner);
+}
+
+QPointF WorldModel::middle_in_world() const {
+  const geometry_msgs::Pose2D middle = MiddleAt(state.pose);
+  return {middle.x, middle.y};
 }
 
 double WorldModel::radius() const {

@@ -35,7 +35,9 @@ struct WorldModel {
   /// of their boxes [m].
   QPointF middle() const;
   double radius() const;
-  /// The same middle in the world [m].
+  /// The same middle in the world while the model's origin is at a pose, with its heading.
+  geometry_msgs::Pose2D MiddleAt(const geometry_msgs::Pose2D& pose) const;
+  /// The same, with the origin where it was last [m].
   QPointF middle_in_world() const;
   /// Whether a point of the world [m] is within one of its bodies.
   bool Contains(double x, double y) const;

@@ -23,10 +23,10 @@ from flatland_server.sweep.controllers import (
     policy_file,
     python_file,
 )
-from flatland_server.sweep.parameters import is_for_controller, world_changes, world_params
+from flatland_server.sweep.parameters import is_for_controller, world_key, world_params
 from flatland_server.sweep.scenario import Scenario
 from flatland_server.sweep.scenario_file import world_source
-from flatland_server.sweep.settings import Controller, SweepSettings, SweepWorld
+from flatland_server.sweep.settings import Controller, SweepSettings
 from flatland_server.sweep.sweep_worlds import SweepWorlds
 
 _LENGTH = 16
@@ -71,7 +71,7 @@ class Fingerprints:
         """The fingerprint of a scenario: 16 hexadecimal digits."""
         parts = [
             self._general,
-            self._worlds[_key(scenario.world, scenario.parameters)],
+            self._worlds[world_key(scenario.world.name, scenario.parameters)],
             self._controllers[scenario.controller.name],
             dict(scenario.parameters),
             scenario.seed,
@@ -83,7 +83,7 @@ class Fingerprints:
         found: Dict[str, str] = {}
         with closing(SweepWorlds(self._settings.folder)) as worlds:
             for world, parameters in product(self._settings.worlds, self._settings.parameters):
-                key = _key(world, parameters)
+                key = world_key(world.name, parameters)
                 if key not in found:
                     content = worlds.content(world.source, parameters)
                     maps = self._maps(content, worlds.preprocessor)
@@ -113,11 +113,6 @@ class Fingerprints:
                     maps[file.name] = self._files[file]
                 layer["map"] = path.name
         return maps
-
-
-def _key(world: SweepWorld, parameters: Mapping[str, Any]) -> str:
-    """The key of a world's fingerprint: the world, and the parameters that it may depend on."""
-    return json.dumps([world.name, world_params(parameters), world_changes(parameters)])
 
 
 def _controller(controller: Controller, folder: Path, parameters: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ A name says what a parameter is:
     models.robot.plugins.laser.range       a value in the world; entries of lists go by their names
 """
 
+import json
 from itertools import product
 from math import prod
 from typing import Any, Dict, List, Mapping, Sequence
@@ -40,6 +41,12 @@ def combinations(grids: Sequence[Mapping[str, Any]]) -> List[Dict[str, Any]]:
 def world_params(parameters: Mapping[str, Any]) -> Dict[str, Any]:
     """Those for expressions in the world's files, by absolute name."""
     return {name: value for name, value in parameters.items() if name.startswith("/")}
+
+
+def world_key(world: str, parameters: Mapping[str, Any]) -> str:
+    """Tells apart the worlds that parameters make of one, which is named."""
+    parts = [world, world_params(parameters), world_changes(parameters)]
+    return json.dumps(parts, sort_keys=True)
 
 
 def is_for_controller(name: str) -> bool:

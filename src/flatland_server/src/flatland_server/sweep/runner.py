@@ -1,6 +1,5 @@
 """Runs scenarios in this process, one after the other."""
 
-import json
 import traceback
 from collections import OrderedDict
 from contextlib import ExitStack
@@ -14,7 +13,7 @@ from flatland_server.library.handles import ModelHandle
 from flatland_server.library.simulation import Simulation
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.sweep.controllers import arguments_of, find_controller
-from flatland_server.sweep.parameters import world_changes, world_params
+from flatland_server.sweep.parameters import world_key, world_params
 from flatland_server.sweep.places import draw_places
 from flatland_server.sweep.run import RunObserver, RunOver, SweepRun
 from flatland_server.sweep.scenario import Scenario
@@ -172,13 +171,12 @@ class ScenarioRunner:
 
     def _load(self, scenario: Scenario) -> _Loaded:
         """The scenario's world, read when it is needed first."""
-        params = world_params(scenario.parameters)
-        changes = world_changes(scenario.parameters)
-        key = json.dumps([scenario.world.source, params, changes], sort_keys=True)
+        key = world_key(scenario.world.source, scenario.parameters)
         if key in self._worlds:
             self._worlds.move_to_end(key)
             return self._worlds[key]
         content = self._reader.content(scenario.world.source, scenario.parameters)
+        params = world_params(scenario.parameters)
         loaded = _Loaded(WorldConfig.from_content(content), params, {})
         self._worlds[key] = loaded
         while len(self._worlds) > _KEPT_WORLDS:

@@ -6,8 +6,9 @@ from numbers import Real
 from pathlib import Path
 from typing import Any, Mapping, Optional, Tuple, Union
 
-from flatland_server.exceptions import UsageError, shortened
+from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
+from flatland_server.library.arguments import shown
 
 RANDOM = "random"
 """As a start or a goal: drawn from the scenario's seed, in free space."""
@@ -112,8 +113,7 @@ def steps_in(duration: float, step_size: float, name: str) -> int:
         UsageError: it is not a multiple of the steps, or shorter than one.
     """
     if not isinstance(duration, Real) or not math.isfinite(duration):
-        found = shortened(repr(duration))
-        raise UsageError(f"expected {name} as a number of seconds, found {found}")
+        raise UsageError(f"expected {name} as a number of seconds, found {shown(duration)}")
     count = round(duration / step_size)
     if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:
         raise UsageError(

@@ -12,6 +12,7 @@ from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.library.world_content import read_world_content
 from flatland_server.sweep.parameters import names_a_file, set_value, world_changes, world_params
 from flatland_server.sweep.scenario_file import world_source
+from flatland_server.transport.local_transport import absolute_name
 
 _Read = Tuple[str, Dict[str, Any], Dict[str, Any]]
 """A world's name in the scenario file, the parameters that its files have read, its content."""
@@ -78,7 +79,7 @@ class SweepWorlds:
         return read_world_content(world, self.preprocessor)
 
     def _get_param(self, name: str, default: Any) -> Any:
-        name = f"/{name.lstrip('/')}"
+        name = absolute_name(name)
         self.params_read.add(name)
         self._reading[name] = self._params.get(name)
         return self._params.get(name, default)

@@ -50,7 +50,7 @@ class LocalTransport(Transport):
         super().__init__()
         self.transforms: Dict[str, Transform] = {}
         self.params_read: Set[str] = set()
-        self._params = {_absolute(name): value for name, value in params.items()}
+        self._params = {absolute_name(name): value for name, value in params.items()}
         self._subscribed_topics = subscribed_topics
         self.activity = 0
         self._subscriber_revision = 0
@@ -64,7 +64,7 @@ class LocalTransport(Transport):
 
     def send(self, topic: str, message: Any) -> None:
         """Sends a message to the subscribers of a topic; `process` runs their callbacks."""
-        name = _absolute(topic)
+        name = absolute_name(topic)
         self._inbox.append((name, message))
         self.activity += 1
         if self._taps:
@@ -72,7 +72,7 @@ class LocalTransport(Transport):
 
     def last(self, topic: str) -> Any:
         """The last message published to a topic, or None."""
-        return self._last.get(_absolute(topic), (None, None))[1]
+        return self._last.get(absolute_name(topic), (None, None))[1]
 
     @property
     def topics(self) -> Set[str]:
@@ -87,12 +87,12 @@ class LocalTransport(Transport):
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        return _LocalPublisher(self, _absolute(topic), latch)
+        return _LocalPublisher(self, absolute_name(topic), latch)
 
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        topic = _absolute(topic)
+        topic = absolute_name(topic)
         callbacks = self._callbacks.setdefault(topic, [])
         self._subscribers_change()
         publisher, message = self._last.get(topic, (None, None))
@@ -112,7 +112,7 @@ class LocalTransport(Transport):
 
     def has_subscribers(self, topic: str) -> bool:
         """Whether a topic counts as having a subscriber."""
-        topics, name = self._subscribed_topics, _absolute(topic)
+        topics, name = self._subscribed_topics, absolute_name(topic)
         if topics is None or name in topics or self._callbacks.get(name):
             return True
         return bool(self._taps) and any(tap.wants(name) for tap in self._taps)
@@ -149,7 +149,7 @@ class LocalTransport(Transport):
                 tap.receive_transform(transform)
 
     def get_param(self, name: str, default: Any = None) -> Any:
-        name = _absolute(name)
+        name = absolute_name(name)
         self.params_read.add(name)
         return self._params.get(name, default)
 
@@ -257,5 +257,6 @@ class _LocalSubscription(Subscription):
             self._transport._subscribers_change()
 
 
-def _absolute(name: str) -> str:
+def absolute_name(name: str) -> str:
+    """A name of a topic or parameter from the root on, as without a namespace."""
     return name if name.startswith("/") else f"/{name}"
