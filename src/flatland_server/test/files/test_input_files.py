@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from flatland_server.config import input_files, yaml_preprocessor
+from flatland_server.config import composed_files, input_files
 from flatland_server.exceptions import YamlError
 from flatland_server.maps import map_reader
 
@@ -79,7 +79,7 @@ def test_a_file_without_a_size_is_read_up_to_the_limit():
 
 
 def test_a_file_of_too_many_values_is_refused_before_it_fills_the_memory(files, monkeypatch):
-    monkeypatch.setattr(yaml_preprocessor, "_MAX_VALUES", 1000)
+    monkeypatch.setattr(composed_files, "MAX_VALUES", 1000)
     files.write("world.yaml", f"x: [{'1, ' * 600}]\ny:\n- $include other.yaml\n")
     files.write("other.yaml", f"[{'1, ' * 300}\n{'1, ' * 300}]\n")
 

@@ -1,11 +1,14 @@
 """The preprocessor: includes, and expressions with the documented results."""
 
 import logging
+import os
+from collections import OrderedDict
 from typing import Any
 
 import pytest
 import yaml
 
+from flatland_server.config import composed_files
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import YamlError
 
@@ -33,6 +36,40 @@ def plain(node: yaml.Node) -> Any:
 
 def evaluate(read, expression: str, params: Any = None) -> Any:
     return read(f"foo: $eval {expression}\n", params)["foo"]
+
+
+# Files that are read again
+
+
+def test_a_file_is_parsed_again_only_if_it_has_changed(files, read, monkeypatch):
+    child = files.write("child.yaml", "a: 1\n")
+    text = "foo: $include child.yaml\nbar: $eval param('/x')\n"
+    assert read(text, {"/x": 2}) == {"foo": {"a": 1}, "bar": 2}
+
+    with monkeypatch.context() as patch:
+        patch.setattr(yaml, "parse", None)
+        patch.setattr(yaml, "compose_all", None)
+        assert read(text, {"/x": 3}) == {"foo": {"a": 1}, "bar": 3}
+    status = child.stat()
+    files.write("child.yaml", "a: 9\n")
+    os.utime(child, ns=(status.st_atime_ns, status.st_mtime_ns))
+
+    assert read(text) == {"foo": {"a": 9}, "bar": ""}
+
+
+def test_few_files_are_kept(files, read, monkeypatch):
+    monkeypatch.setattr(composed_files, "_kept", OrderedDict())
+    monkeypatch.setattr(composed_files, "_MAX_KEPT", 20)
+    for name in ("one", "two", "three"):
+        files.write(f"{name}.yaml", "[1, 2, 3, 4, 5]\n")
+        read(f"foo: $include {name}.yaml\n")
+
+    assert [path.name for path in composed_files._kept] == ["two.yaml", "parent.yaml", "three.yaml"]
+
+    files.write("three.yaml", f"[{'1, ' * 30}]\n")
+    read("foo: $include three.yaml\n")
+
+    assert [path.name for path in composed_files._kept] == ["two.yaml", "parent.yaml"]
 
 
 # Includes

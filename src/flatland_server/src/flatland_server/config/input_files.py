@@ -33,12 +33,14 @@ def read_input(path: Path, limit: int) -> bytes:
     try:
         descriptor = os.open(path, flags)
         with open(descriptor, "rb") as file:
-            _require_regular(path, os.fstat(descriptor), limit)
-            content = file.read(limit + 1)
+            size = _regular_size(path, os.fstat(descriptor), limit)
+            content = file.read(size + 1)  # not `limit`: that much memory would be set aside
+            if len(content) > size:  # it has grown, or has no size, like those in /proc
+                content += file.read(limit + 1 - len(content))
     except (OSError, ValueError) as error:  # ValueError: the name contains a zero byte
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise YamlError(path, f"cannot be read: {reason}") from None
-    if len(content) > limit:  # it has grown, or has no size, like those in /proc
+    if len(content) > limit:
         raise _too_large(path, limit)
     return content
 
@@ -58,13 +60,15 @@ def why_not_a_file(path: Path) -> str:
     return "is not a regular file" if os.path.exists(path) else "is not there"
 
 
-def _require_regular(path: Path, status: os.stat_result, limit: int) -> None:
+def _regular_size(path: Path, status: os.stat_result, limit: int) -> int:
+    """The size of a regular file, not beyond the limit [bytes]."""
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if not stat.S_ISREG(status.st_mode):
         raise YamlError(path, "expected a regular file, found a pipe, a socket or a device")
     if status.st_size > limit:
         raise _too_large(path, limit)
+    return status.st_size
 
 
 def _too_large(path: Path, limit: int) -> YamlError:

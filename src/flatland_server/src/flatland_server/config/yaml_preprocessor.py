@@ -4,28 +4,22 @@ A node keeps the file and line that it is written in (its `start_mark`), so that
 place, also in a file that is included.
 """
 
-import io
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import yaml
 
+from flatland_server.config.composed_files import MAX_ITEMS, ComposedFile, compose_file
 from flatland_server.config.file_names import to_path
-from flatland_server.config.input_files import MAX_YAML, is_file, read_input
+from flatland_server.config.input_files import is_file
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
-from flatland_server.config.yaml_values import is_null
-from flatland_server.exceptions import FlatlandError, YamlError, shortened
+from flatland_server.exceptions import FlatlandError, YamlError
 
 _INCLUDE = "$include"
 _INCLUDE_ALL = "$[include]"
 _EVAL = "$eval"
 
-_MAX_DEPTH = 100  # of nested maps and lists
-_MAX_ITEMS = 100_000  # of a list
-_MAX_VALUES = 1_000_000  # keys and values of a file with all that it includes: half a gigabyte
-
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MERGE_TAG = "tag:yaml.org,2002:merge"
 
 
@@ -53,11 +47,11 @@ class YamlPreprocessor:
         self._included.clear()
         self._value_count = 0
         self._expressions.restart_time()
-        documents = self._compose(path)
-        if len(documents) > 1:
-            raise error_at(documents[1], "expected one document, found another one")
+        composed = self._compose(path)
+        if len(composed.documents) > 1:
+            raise error_at(composed.documents[1], "expected one document, found another one")
         try:
-            return self._resolve(documents[0], (path,), {})
+            return self._resolve_file(composed, (path,))[0]
         except RecursionError:
             raise YamlError(path, "is nested too deeply") from None
 
@@ -80,49 +74,17 @@ class YamlPreprocessor:
         """Ends the process that evaluates expressions."""
         self._expressions.close()
 
-    def _compose(self, path: Path) -> List[yaml.Node]:
-        """The documents of a file, without anything resolved."""
-        content = read_input(path, MAX_YAML)
-        try:
-            text = content.decode("utf-8-sig")
-            self._check_structure(path, text)
-            documents = list(yaml.compose_all(_named(text, path), Loader=_LOADER))
-        except UnicodeDecodeError as error:
-            raise YamlError(path, f"is not UTF-8 text: byte {error.start} is wrong") from None
-        except yaml.MarkedYAMLError as error:
-            mark = error.problem_mark
-            line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
-            problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
-            if mark and text[mark.index : mark.index + 1] == "\t":  # the parser does not name it
-                problem = "lines are indented by spaces, found a tab"
-            raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
-        except (yaml.YAMLError, RecursionError, ValueError) as error:
-            reason = shortened(str(error).splitlines()[0])
-            raise YamlError(path, f"is not valid YAML: {reason}") from None
-        if not documents or documents[0] is None:
-            raise YamlError(path, "expected a map, found an empty file")
-        if len(documents) > 1 and _is_empty(documents[-1]):
-            documents.pop()  # nothing follows the last `---`
-        return documents
+    def _compose(self, path: Path) -> ComposedFile:
+        """A file as it is written; its values count for the limit of the current `read`."""
+        composed = compose_file(path, self._value_count)
+        self._value_count += composed.value_count
+        return composed
 
-    def _check_structure(self, path: Path, text: str) -> None:
-        """Refuses text that is nested too deeply for the stack, or has too many values."""
-        depth = 0
-        for event in yaml.parse(_named(text, path), Loader=_LOADER):
-            if isinstance(event, yaml.NodeEvent):
-                self._value_count += 1
-            if isinstance(event, yaml.CollectionStartEvent):
-                depth += 1
-            elif isinstance(event, yaml.CollectionEndEvent):
-                depth -= 1
-            problem = ""
-            if depth > _MAX_DEPTH:
-                problem = f"expected at most {_MAX_DEPTH} levels, found more"
-            elif self._value_count > _MAX_VALUES:
-                problem = f"expected at most {_MAX_VALUES} keys and values, found more"
-            if problem:
-                mark = event.start_mark
-                raise YamlError(path, problem, mark.line + 1, mark.column + 1)
+    def _resolve_file(self, composed: ComposedFile, files: Tuple[Path, ...]) -> List[yaml.Node]:
+        """The documents of a file with everything resolved."""
+        if composed.is_plain:
+            return list(composed.documents)
+        return [self._resolve(document, files, {}) for document in composed.documents]
 
     def _resolve(
         self, node: yaml.Node, files: Tuple[Path, ...], done: Dict[int, Optional[yaml.Node]]
@@ -163,8 +125,8 @@ class YamlPreprocessor:
                 items.append(self._resolve(item, files, done))
             else:
                 items.extend(self._include(item, path, files))
-            if len(items) > _MAX_ITEMS:
-                raise error_at(item, f"expected a list of at most {_MAX_ITEMS}, found more")
+            if len(items) > MAX_ITEMS:
+                raise error_at(item, f"expected a list of at most {MAX_ITEMS}, found more")
         return items
 
     def _resolve_pairs(
@@ -215,22 +177,8 @@ class YamlPreprocessor:
             raise error_at(node, f"{path} includes itself")
         real = path.resolve()
         if real not in self._included:
-            self._included[real] = [
-                self._resolve(document, (*files, path), {}) for document in self._compose(path)
-            ]
+            self._included[real] = self._resolve_file(self._compose(path), (*files, path))
         return self._included[real]
-
-
-def _named(text: str, path: Path) -> io.StringIO:
-    """A stream with a name, which PyYAML puts into the marks of nodes."""
-    stream = io.StringIO(text)
-    stream.name = str(path)
-    return stream
-
-
-def _is_empty(document: yaml.Node) -> bool:
-    """Whether nothing is written in a document, not even `null`."""
-    return isinstance(document, yaml.ScalarNode) and is_null(document) and not document.value
 
 
 def _directive(node: yaml.Node, keyword: str) -> Any:

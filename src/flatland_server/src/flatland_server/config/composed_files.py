@@ -1,0 +1,145 @@
+"""Composes YAML files to trees of nodes, as they are written.
+
+The trees of small files are kept: a file that has not changed, such as that of a model that is
+spawned again, is not parsed again.
+"""
+
+import io
+import threading
+from collections import OrderedDict
+from pathlib import Path
+from typing import Any, NamedTuple, Tuple
+
+import yaml
+
+from flatland_server.config.input_files import MAX_YAML, read_input
+from flatland_server.config.yaml_values import is_null
+from flatland_server.exceptions import YamlError, shortened
+
+MAX_ITEMS = 100_000  # of a list
+MAX_VALUES = 1_000_000  # keys and values of a file with all that it includes: half a gigabyte
+
+_MAX_DEPTH = 100  # of nested maps and lists
+_MAX_KEPT = 20_000  # of `ComposedFile.size` in all files that are kept: ten megabytes
+
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class ComposedFile(NamedTuple):
+    """The documents of a file. All that read it share their nodes, which must not be changed."""
+
+    documents: Tuple[yaml.Node, ...]
+    value_count: int
+    """The number of its keys and values, maps and lists."""
+    is_plain: bool
+    """Whether it has no directives (`$include`, `$eval`), no aliases, no tags and no `<<`."""
+    content: bytes
+    """What they were composed from."""
+
+    @property
+    def size(self) -> int:
+        """About how much memory it takes [500 bytes]."""
+        return self.value_count + len(self.content) // 500
+
+
+_kept: "OrderedDict[Path, ComposedFile]" = OrderedDict()
+"""The files that were read last, the latest at the end."""
+_lock = threading.Lock()
+"""Of `_kept`: models are read in several threads."""
+
+
+def compose_file(path: Path, count_before: int = 0) -> ComposedFile:
+    """Composes a file.
+
+    Args:
+        path: of the file.
+        count_before: the number of values in other files that count for its limit, too.
+
+    Raises:
+        YamlError: it is missing, unreadable, empty, not YAML, nested too deeply or too large.
+    """
+    content = read_input(path, MAX_YAML)
+    with _lock:
+        kept = _kept.get(path)
+        if kept and kept.content == content and count_before + kept.value_count <= MAX_VALUES:
+            _kept.move_to_end(path)
+            return kept
+    composed = _compose(path, content, count_before)
+    with _lock:
+        _kept.pop(path, None)
+        if composed.size <= _MAX_KEPT:
+            _kept[path] = composed
+            while sum(each.size for each in _kept.values()) > _MAX_KEPT:
+                _kept.popitem(last=False)
+    return composed
+
+
+def _compose(path: Path, content: bytes, count_before: int) -> ComposedFile:
+    try:
+        text = content.decode("utf-8-sig")
+        value_count, is_plain = _checked_structure(path, text, count_before)
+        documents = list(yaml.compose_all(_named(text, path), Loader=_LOADER))
+    except UnicodeDecodeError as error:
+        raise YamlError(path, f"is not UTF-8 text: byte {error.start} is wrong") from None
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
+        problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
+        if mark and text[mark.index : mark.index + 1] == "\t":  # the parser does not name it
+            problem = "lines are indented by spaces, found a tab"
+        raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        reason = shortened(str(error).splitlines()[0])
+        raise YamlError(path, f"is not valid YAML: {reason}") from None
+    if not documents or documents[0] is None:
+        raise YamlError(path, "expected a map, found an empty file")
+    if len(documents) > 1 and _is_empty(documents[-1]):
+        documents.pop()  # nothing follows the last `---`
+    return ComposedFile(tuple(documents), value_count, is_plain, content)
+
+
+def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, bool]:
+    """The number of values in a text, and whether it is plain; see `ComposedFile`.
+
+    Raises:
+        YamlError: it is nested too deeply for the stack, or has too many values.
+    """
+    depth, count, is_plain = 0, 0, True
+    for event in yaml.parse(_named(text, path), Loader=_LOADER):
+        if isinstance(event, yaml.ScalarEvent):
+            if event.tag or event.anchor or "$" in event.value or event.value == "<<":
+                is_plain = False
+        elif isinstance(event, yaml.CollectionStartEvent):
+            if event.tag or event.anchor:
+                is_plain = False
+            depth += 1
+            if depth > _MAX_DEPTH:
+                raise _error_at(path, event, f"expected at most {_MAX_DEPTH} levels, found more")
+        elif isinstance(event, yaml.AliasEvent):
+            is_plain = False
+        else:
+            if isinstance(event, yaml.CollectionEndEvent):
+                depth -= 1
+            continue
+        count += 1
+        if count_before + count > MAX_VALUES:
+            problem = f"expected at most {MAX_VALUES} keys and values, found more"
+            raise _error_at(path, event, problem)
+    return count, is_plain and count <= MAX_ITEMS
+
+
+def _error_at(path: Path, event: yaml.Event, problem: str) -> YamlError:
+    mark = event.start_mark
+    return YamlError(path, problem, mark.line + 1, mark.column + 1)
+
+
+def _named(text: str, path: Path) -> io.StringIO:
+    """A stream with a name, which PyYAML puts into the marks of nodes."""
+    stream = io.StringIO(text)
+    stream.name = str(path)
+    return stream
+
+
+def _is_empty(document: yaml.Node) -> bool:
+    """Whether nothing is written in a document, not even `null`."""
+    return isinstance(document, yaml.ScalarNode) and is_null(document) and not document.value
