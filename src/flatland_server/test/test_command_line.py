@@ -72,6 +72,27 @@ def test_a_map_becomes_lines(folder, capsys):
     assert "map.yaml: is the map itself" in capsys.readouterr().err
 
 
+def test_a_parameter_reaches_expressions_and_plugins(folder, capsys):
+    robot = (folder / "robot.model.yaml").read_text()
+    (folder / "robot.model.yaml").write_text(
+        robot.replace("range: 5", "range: $eval param('/lidar/range')")
+    )
+    for command in (
+        "check world.yaml",
+        "run world.yaml --seconds 0.1",
+        "render world.yaml -o w.png",
+    ):
+        assert main([*command.split(), "--param", "lidar/range=5.5"]) == 0, command
+        assert main([*command.split(), "--param", "lidar/range:=far"]) == 1
+        assert 'range: expected a number, found "far"' in capsys.readouterr().err
+
+    with pytest.raises(SystemExit):
+        main(["run", "world.yaml", "--param", "lidar/range"])
+    assert 'expected NAME=VALUE with a value in YAML, found "lidar/range"' in (
+        capsys.readouterr().err
+    )
+
+
 def test_files_are_checked(folder, capsys):
     assert main(["check", "test_room", "world.yaml", "robot.model.yaml"]) == 0
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Callable, Tuple
 
 from flatland_server.library.simulation import Simulation
+from flatland_server.tools.params_argument import add_params
 
 Subparsers = Any
 """argparse's class of them has no public name."""
@@ -37,6 +38,7 @@ def add_world(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="where models are looked up that are not beside the world file",
     )
+    add_params(parser)
 
 
 def open_simulation(options: argparse.Namespace, **more: Any) -> Simulation:
@@ -50,6 +52,7 @@ def open_simulation(options: argparse.Namespace, **more: Any) -> Simulation:
         seed=options.seed,
         step_size=options.step_size,
         model_folders=options.models,
+        params=dict(options.params),
         **more,
     )
 

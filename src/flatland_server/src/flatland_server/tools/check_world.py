@@ -7,7 +7,7 @@ import argparse
 import logging
 import sys
 from pathlib import Path
-from typing import List, NamedTuple, Optional, Sequence
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -23,7 +23,10 @@ from flatland_server.models.model import ModelConfig
 from flatland_server.rendering.renderer import Renderer, save
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.tools.params_argument import add_params
 from flatland_server.tools.plugin_problems import plugin_problems
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.transport import Transport
 
 _MAP_NAME = "map"
 """The name of the layer in which a map alone is shown."""
@@ -42,22 +45,29 @@ class Loaded(NamedTuple):
     summary: str
 
 
-def load(path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Path] = ()) -> Loaded:
+def load(
+    path: Path,
+    preprocessor: YamlPreprocessor,
+    model_folders: Sequence[Path] = (),
+    transport: Optional[Transport] = None,
+) -> Loaded:
     """Loads a world file; or a model or map file, into an otherwise empty world.
 
     Args:
         path: of the file.
         preprocessor: for its expressions.
         model_folders: where models are looked up that are not beside the world file.
+        transport: for the plugins; by default one without parameters.
 
     Raises:
         FlatlandError: something in the files is wrong, or the file is none of these.
     """
     reader = YamlReader.from_file(path, preprocessor)
     if any(map(reader.has, _MODEL_KEYS)):
-        return _load_model(path, reader)
+        return _load_model(path, reader, transport)
     if any(map(reader.has, _WORLD_KEYS)):
-        world = World(WorldConfig.read(reader, preprocessor, model_folders=model_folders))
+        config = WorldConfig.read(reader, preprocessor, model_folders=model_folders)
+        world = World(config, transport)
         return Loaded(world, _contents(world))
     if any(map(reader.has, _MAP_KEYS)):
         return _load_map(path, preprocessor)
@@ -67,11 +77,11 @@ def load(path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Pat
     )
 
 
-def _load_model(path: Path, reader: YamlReader) -> Loaded:
+def _load_model(path: Path, reader: YamlReader, transport: Optional[Transport]) -> Loaded:
     registry = AnyLayer()
     model = ModelConfig.read(reader, registry)
     entry = ModelEntry(path.name.split(".")[0], "", Pose(), model)
-    world = World(WorldConfig(10, 10, registry, (), (entry,), ()))
+    world = World(WorldConfig(10, 10, registry, (), (entry,), ()), transport)
     return Loaded(world, _contents(world))
 
 
@@ -103,24 +113,31 @@ def _count(number: int, noun: str, plural: str = "") -> str:
     return f"{number} {noun if number == 1 else plural or noun + 's'}"
 
 
-def check(name: str, picture: Optional[Path], model_folders: Sequence[Path] = ()) -> List[str]:
+def check(
+    name: str,
+    picture: Optional[Path],
+    model_folders: Sequence[Path] = (),
+    params: Dict[str, Any] = {},  # noqa: B006 (only read)
+) -> List[str]:
     """Checks a file, and prints a summary if it is valid.
 
     Args:
         name: of a world, model or map file: its path, or a `package://` URI.
         picture: the image file to draw the world into, if any.
         model_folders: where models are looked up that are not beside the world file.
+        params: parameters by name, for expressions and plugins.
 
     Returns:
         The problems, a line for each; empty if there are none.
     """
-    preprocessor = YamlPreprocessor()
+    transport = LocalTransport(params)
+    preprocessor = YamlPreprocessor(transport.get_param)
     path = Path(name)
     try:
         path = to_path(name)
-        world, summary = load(path, preprocessor, model_folders)
+        world, summary = load(path, preprocessor, model_folders, transport)
     except YamlError as error:
-        others = plugin_problems(path, preprocessor, model_folders)
+        others = plugin_problems(path, preprocessor, model_folders, transport)
         every = YamlError.of([*error.problems, *others])
         return every.lines(lambda problem: problem.with_column)
     except FlatlandError as error:
@@ -173,6 +190,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="as the server's ~models: look up models there that are not beside the world file",
     )
+    add_params(parser)
 
 
 def execute(options: argparse.Namespace, parser: argparse.ArgumentParser) -> int:
@@ -181,7 +199,7 @@ def execute(options: argparse.Namespace, parser: argparse.ArgumentParser) -> int
         parser.error("--render takes a single FILE")
     problems: List[str] = []
     for name in options.files:
-        problems += check(name, options.render, options.models)
+        problems += check(name, options.render, options.models, dict(options.params))
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0

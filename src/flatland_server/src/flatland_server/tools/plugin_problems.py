@@ -18,10 +18,14 @@ from flatland_server.models.model_body import BodyConfig
 from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.transport.transport import Transport
 
 
 def plugin_problems(
-    path: Path, preprocessor: YamlPreprocessor, model_folders: Sequence[Path] = ()
+    path: Path,
+    preprocessor: YamlPreprocessor,
+    model_folders: Sequence[Path],
+    transport: Transport,
 ) -> List[Problem]:
     """The problems of the plugins of a model, or of all models of a world.
 
@@ -29,28 +33,29 @@ def plugin_problems(
         path: of the world or model file.
         preprocessor: for its expressions.
         model_folders: where models are looked up that are not beside the world file.
+        transport: has the parameters of the plugins.
     """
     problems: List[Problem] = []
     with suppress(FlatlandError):
         reader = YamlReader.from_file(path, preprocessor)
         if reader.has("bodies"):
-            return _problems_of_model(reader)
+            return _problems_of_model(reader, transport)
         files: Dict[Path, None] = {}
 
         def read_entry(entry: YamlReader) -> None:
             if entry.is_map("model"):
-                problems.extend(_problems_of_model(entry.get_section("model")))
+                problems.extend(_problems_of_model(entry.get_section("model"), transport))
             else:
                 files[entry.get_path("model", model_folders)] = None
 
         reader.get_sections("models", read_entry)
         for file in files:
             with suppress(FlatlandError):
-                problems += _problems_of_model(YamlReader.from_file(file, preprocessor))
+                problems += _problems_of_model(YamlReader.from_file(file, preprocessor), transport)
     return problems
 
 
-def _problems_of_model(reader: YamlReader) -> List[Problem]:
+def _problems_of_model(reader: YamlReader, transport: Transport) -> List[Problem]:
     registry = AnyLayer()
 
     def read_body(section: YamlReader) -> BodyConfig:
@@ -65,7 +70,7 @@ def _problems_of_model(reader: YamlReader) -> List[Problem]:
     model = ModelConfig(reader.file, tuple(bodies), (), tuple(plugins), is_read=True)
     entry = ModelEntry(reader.file.name.split(".")[0], "", Pose(), model)
     try:
-        World(WorldConfig(10, 10, registry, (), (entry,), ())).close()
+        World(WorldConfig(10, 10, registry, (), (entry,), ()), transport).close()
     except YamlError as error:
         return list(error.problems)
     except FlatlandError:  # the bodies do not make a model
