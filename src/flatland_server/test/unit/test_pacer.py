@@ -36,8 +36,7 @@ class Loop:
                 self.steps.append(self.now - 1000.0)
                 self.now += self.step_duration
                 self.simulated_time += PERIOD
-            self.pacer.end_step(period, self.is_paused)
-            if self.pacer.is_tick_due:
+            if self.pacer.end_step(period, self.is_paused):
                 self.ticks.append(self.now - 1000.0)
                 self.now += self.tick_duration
                 self.pacer.end_tick(self.simulated_time)

@@ -34,8 +34,7 @@ class Pacer:
             wait(pacer.wait_time)
             if pacer.begin_step(is_paused):
                 ...
-            pacer.end_step(period, is_paused)
-            if pacer.is_tick_due:
+            if pacer.end_step(period, is_paused):  # a tick is due
                 ...
                 pacer.end_tick(simulated_time)
 
@@ -72,7 +71,10 @@ class Pacer:
     @property
     def wait_time(self) -> float:
         """How long to wait before the next step or tick [s]; 0 if a step is due already."""
-        return min(max(0.0, self._due - self._now), _MAX_TICK_PERIOD)
+        wait = self._due - self._now
+        if wait <= 0.0:
+            return 0.0
+        return wait if wait < _MAX_TICK_PERIOD else _MAX_TICK_PERIOD
 
     def begin_step(self, is_paused: bool) -> bool:
         """Whether to make a step now. During a pause this is never so."""
@@ -80,27 +82,24 @@ class Pacer:
             self._now = self._clock()
             if self._now < self._due:
                 return False
-        self._last_due = max(self._due, self._now - _MAX_BACKLOG)
+        oldest = self._now - _MAX_BACKLOG
+        self._last_due = self._due if self._due > oldest else oldest
         if is_paused:
             self._step_starts.clear()
             return False
         self._step_starts.append(self._now)
         return True
 
-    def end_step(self, period: float, is_paused: bool) -> None:
-        """Schedules the next step, also if none was due.
+    def end_step(self, period: float, is_paused: bool) -> bool:
+        """Schedules the next step, also if none was due. Returns whether it is time for a tick.
 
         Args:
             period: of the steps [s]; may change at any time.
             is_paused: whether steps are due no more often than ticks, however short the period is.
         """
         self._due = self._last_due + (max(period, _MAX_TICK_PERIOD) if is_paused else period)
-        self._now = self._clock()
-
-    @property
-    def is_tick_due(self) -> bool:
-        """Whether it is time for a tick."""
-        return self._now < self._due or self._now >= self._tick_due
+        now = self._now = self._clock()
+        return now < self._due or now >= self._tick_due
 
     def end_tick(self, simulated_time: float) -> None:
         """Schedules the next tick, and measures the real-time factor from time to time.

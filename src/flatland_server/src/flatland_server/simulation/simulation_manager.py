@@ -206,25 +206,30 @@ class SimulationManager:
         """Runs in real time until `goes_on()`, which is called before each step, is false."""
         pacer, transport = self._pacer, self.world.transport
         pacer.start(self.timekeeper.seconds)
-        is_hurrying = False  # makes the steps of a request
+        is_hurrying = ends_request = False  # makes the steps of a request; has made its last one
         try:
             while goes_on():
                 transport.process(0.0 if is_hurrying else pacer.wait_time)
                 if not goes_on():
                     return
-                is_due = pacer.begin_step(not self.is_stepping)
-                is_hurrying = self._request is not None and self._serve(self._request)
+                is_due = pacer.begin_step(self.is_paused or self.is_held)
+                if self._request is not None:
+                    is_hurrying = self._serve(self._request)
+                    ends_request = self._request.is_complete
                 if is_due and not is_hurrying:
                     self._step()
-                period = 0.0 if is_hurrying else 1.0 / self.update_rate
-                pacer.end_step(period, not (self.is_stepping or is_hurrying))
-                ends_request = self._request is not None and self._request.is_complete
-                if pacer.is_tick_due or ends_request:
+                if is_hurrying:
+                    is_tick_due = pacer.end_step(0.0, is_paused=False)
+                else:
+                    is_paused = self.is_paused or self.is_held
+                    is_tick_due = pacer.end_step(1.0 / self.update_rate, is_paused)
+                if is_tick_due or ends_request:
                     for callback in self.on_tick:
                         callback()
                     pacer.end_tick(self.timekeeper.seconds)
                 if ends_request:
                     self._end_request()
+                    ends_request = False
         finally:
             if self._request is not None:
                 self._request.fail("the simulation has ended")
