@@ -19,7 +19,6 @@ RateDialog::RateDialog(QWidget* parent)
       message_(new DialogMessage) {
   setObjectName("change_rate_dialog");
   setWindowTitle("Change Rate");
-  setMinimumWidth(360);
   rate_->setObjectName("rate");
   rate_->setEditable(true);
   rate_->setCompleter(nullptr);  // it would complete "0" to "0.1"
@@ -28,6 +27,7 @@ RateDialog::RateDialog(QWidget* parent)
   rate_->lineEdit()->selectAll();
   rate_->setToolTip("Simulated seconds per second of real time.");
   state_->setObjectName("state");
+  state_->setMinimumWidth(40 * fontMetrics().averageCharWidth());
 
   auto* buttons = new QDialogButtonBox(QDialogButtonBox::Ok | QDialogButtonBox::Cancel);
   connect(buttons, &QDialogButtonBox::accepted, this, &RateDialog::accept);

@@ -32,7 +32,7 @@ SpawnDialog::SpawnDialog(QWidget* parent, const ModelChoice& choice)
       buttons_(new QDialogButtonBox(QDialogButtonBox::Ok | QDialogButtonBox::Cancel)) {
   setObjectName("spawn_model_dialog");
   setWindowTitle("Spawn Model");
-  setMinimumWidth(450);
+  file_->setMinimumWidth(40 * fontMetrics().averageCharWidth());
   name_->setObjectName("name");
   namespace_->setObjectName("namespace");
   namespace_->setPlaceholderText("none");
