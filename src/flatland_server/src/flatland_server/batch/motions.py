@@ -6,7 +6,7 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
-from flatland_server.library.batch_robot import has_batch_motion
+from flatland_server.batch.robot import has_batch_motion
 from flatland_server.plugins.batch_motion import BatchMotion
 from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.simulation.world import World
