@@ -10,6 +10,7 @@ class RobotRows:
         arrays: that these are.
 
     Attributes:
+        arrays: all of these arrays.
         ranges: [m], +inf for no return; float32, shape (n, beams).
         poses: x, y [m] and yaw [rad] in the world, shape (n, 3).
         velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.
@@ -17,6 +18,7 @@ class RobotRows:
     """
 
     def __init__(self, arrays: BatchObservation) -> None:
+        self.arrays = arrays
         self.ranges: Float32Array = arrays.ranges
         self.poses: FloatArray = arrays.poses
         self.velocities: FloatArray = arrays.local_velocities
