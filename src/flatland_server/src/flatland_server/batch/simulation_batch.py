@@ -58,9 +58,8 @@ class SimulationBatch:
 
     Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars and tweens
     work, and plugins that only observe are left out. Those that set velocities of bodies at their
-    updates, such as Crowd, do so in all environments at once (`BatchMotion`). Noise of the lidar is
-    added in Python, 20 us for each scan; poses and velocities are the true ones, whatever the noise
-    of odometry.
+    updates, such as Crowd, do so in all environments at once (`BatchMotion`). The lidar has its
+    noise; poses and velocities are the true ones, whatever the noise of odometry.
 
     The arrays of an observation are new ones in each call, unless the caller passes some as `out`.
     The batch keeps no reference to them and never writes to them later. A batch is used by one
@@ -302,7 +301,7 @@ class SimulationBatch:
         return observation
 
     def view(self, index: int) -> Simulation:
-        """A simulation in which everything is where it is in an environment: for pictures.
+        """A simulation with everything where it is in an environment, for pictures.
 
             batch.view(3).save_picture("robot.png", follow=batch.robot, sensors=True)
 
