@@ -116,7 +116,7 @@ class EpisodeSampler:
         goals: Circles,
         rng: np.random.Generator,
     ) -> Tuple[Pose, Point]:
-        """A start and a goal, which overlap none of the other ones."""
+        """A start and a goal that overlap none of those of the other robots."""
         world, settings = self._worlds[index], self._settings
         space = self._room(index, world.radius + settings.margin)
         given_start, given_goal = chosen.get("start"), chosen.get("goal")

@@ -34,7 +34,7 @@ class Fleet(RobotRows, ABC):
         """Begins an episode at each of these places."""
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
-        """Whether the place's episode cannot begin so, because plugins have added walls there."""
+        """Whether plugins have added walls at the start or the goal of a place's episode."""
         return False
 
     @abstractmethod
@@ -48,7 +48,7 @@ class Fleet(RobotRows, ABC):
 
     @abstractmethod
     def simulation(self, index: int) -> Simulation:
-        """The simulation at a place, to be looked at: for pictures."""
+        """The simulation at a place, for pictures."""
 
     @abstractmethod
     def close(self) -> None:

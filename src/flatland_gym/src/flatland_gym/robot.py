@@ -1,4 +1,4 @@
-"""Which model of a world is driven, and what of it the environment has to know."""
+"""The robot of a world: which model is driven, and the facts of it that environments need."""
 
 import math
 from dataclasses import dataclass

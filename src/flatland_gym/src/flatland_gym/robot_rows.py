@@ -7,7 +7,7 @@ class RobotRows:
     """The state of n robots, as arrays that are overwritten in each step.
 
     Args:
-        arrays: that these are.
+        arrays: what is written to.
 
     Attributes:
         arrays: all of these arrays.

@@ -27,7 +27,7 @@ class BatchNoise:
         self._new: Set[int] = set(range(count))
 
     def restart(self, environments: Sequence[int]) -> None:
-        """To be called after environments have got other seeds."""
+        """To be called after the seeds of environments have changed."""
         self._new.update(environments)
 
     def add(
@@ -51,7 +51,7 @@ class BatchNoise:
             ranges[k] = noise(ranges[k], int(nanoseconds[k]))
 
     def _make(self, seeds: IntArray) -> None:
-        """Makes the noise of environments that have got other seeds."""
+        """Makes the noise of environments with new seeds."""
         assert self._make_noise is not None
         for k in self._new:
             rng = plugin_rng(int(seeds[k]), self._robot.model.name, self._robot.lidar.name)

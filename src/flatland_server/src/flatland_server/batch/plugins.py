@@ -38,7 +38,7 @@ class BatchPlugins:
         seeds: IntArray,
         steps: IntArray,
     ) -> None:
-        """Makes sure that environments are in the worlds of their seeds.
+        """Loads the worlds of environments with new seeds, if worlds depend on the seed.
 
         Args:
             core: the batch.

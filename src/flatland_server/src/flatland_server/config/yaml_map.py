@@ -198,7 +198,7 @@ def file_of(node: yaml.Node) -> Path:
 
 @lru_cache(maxsize=64)
 def _path(name: str) -> Path:
-    """Each map of a file asks for it: to make paths would be a twentieth of a spawn."""
+    """Cached, since each map of a file asks for it: making paths took a twentieth of a spawn."""
     return Path(name)
 
 

@@ -33,7 +33,7 @@ Row = Dict[str, Any]
 
 @dataclass(frozen=True)
 class Result:
-    """What a scenario has given. Equal scenarios give equal results.
+    """The result of a scenario. Equal scenarios have equal results.
 
     Attributes:
         row: what was measured; empty if it was not run to the end.
@@ -149,7 +149,7 @@ class ScenarioRunner:
         )
 
     def _drive(self, scenario: Scenario, run: SweepRun) -> Result:
-        """Runs the controller, and collects what it gives."""
+        """Runs the controller, and collects the result."""
         folder = self._settings.folder
         function = find_controller(scenario.controller, folder)
         arguments = arguments_of(scenario.controller, function, scenario.parameters, folder)
