@@ -112,7 +112,7 @@ class Stepping:
             timekeeper.step(physics.completed_steps - counted)
             counted = physics.completed_steps
 
-        self._plugins.before_contact_hooks = count_steps  # they are told the time of their step
+        self._plugins.before_contact_hooks = count_steps  # so that they get the time of their step
         try:
             with self._deferred.lock:
                 physics.step_until_contact(timekeeper.step_size, limit)
