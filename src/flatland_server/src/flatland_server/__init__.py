@@ -37,7 +37,7 @@ from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.simulation_batch import SimulationBatch
 from flatland_server.canvas import Canvas
-from flatland_server.config.ros_names import check_topic_name
+from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
     FlatlandError,

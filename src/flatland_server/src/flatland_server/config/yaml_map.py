@@ -8,6 +8,7 @@ import yaml
 
 from flatland_server.config.plain_nodes import NO_LINE, to_content
 from flatland_server.config.problem_collector import ProblemCollector
+from flatland_server.config.ros_names import topic_name_problem
 from flatland_server.config.yaml_values import ConversionError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
 
@@ -189,6 +190,19 @@ class YamlMap:
         if self.path.endswith("]") and isinstance(name, yaml.ScalarNode):
             return f'{self.path} "{shortened(name.value)}"'
         return self.path
+
+
+def check_topic_name(reader: YamlMap, key: str, name: str) -> None:
+    """Notes a problem if the name given at a key cannot be part of a topic.
+
+    Args:
+        reader: of the map that has the key.
+        key: at which the name is given.
+        name: the name.
+    """
+    problem = topic_name_problem(name)
+    if problem and reader.has(key):
+        reader.problem(problem, key)
 
 
 def file_of(node: yaml.Node) -> Path:
