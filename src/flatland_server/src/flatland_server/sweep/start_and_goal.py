@@ -17,12 +17,12 @@ _TRIES = 200
 _DRAWN = 256
 """Places that are drawn in each try."""
 
-FreeSpaces = Callable[[Callable[[], FreeSpace]], FreeSpace]
+FreeSpaceCache = Callable[[Callable[[], FreeSpace]], FreeSpace]
 """Returns the free space of the world, kept; the argument computes it the first time."""
 
 
-def draw_places(
-    simulation: Simulation, robot: ModelHandle, task: Task, seed: int, free_spaces: FreeSpaces
+def draw_start_and_goal(
+    simulation: Simulation, robot: ModelHandle, task: Task, seed: int, free_spaces: FreeSpaceCache
 ) -> Tuple[Pose, Optional[Point]]:
     """The start of a robot's origin and its goal: drawn where the task says random.
 
