@@ -225,7 +225,7 @@ def row_of(name: str, workers: int, found: Figures, first: Figures) -> str:
 def main() -> None:
     """Measures, and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2], help="numbers of them")
     parser.add_argument("--ray", action="store_true", help="measure Ray, too")
     parser.add_argument("--scenarios", type=int, default=200, help="of the sweep")
     parser.add_argument("--steps", type=int, default=200_000, help="of environments")

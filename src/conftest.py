@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 from ros_processes import free_port
-from running_server import Master
+from running_server import Master, Server
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -185,6 +185,20 @@ def master():
     master = Master()
     yield master
     master.kill()
+
+
+@pytest.fixture
+def start_server(master, tmp_path):
+    """Starts servers under the master, by options of `Server`; they are ended after the test."""
+    servers = []
+
+    def start(**options):
+        servers.append(Server(master, tmp_path / f"server{len(servers)}.log", **options))
+        return servers[-1]
+
+    yield start
+    for server in servers:
+        server.kill()
 
 
 @pytest.fixture(scope="session")

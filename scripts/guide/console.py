@@ -163,5 +163,5 @@ class Shell:
 
 
 def without_colors(text: str) -> str:
-    """A text without the escape sequences of terminals."""
+    """A string without the escape sequences of terminals."""
     return re.sub(r"\x1b(?:\[[0-9;?]*[A-Za-z]|\][^\x07]*\x07)", "", text)

@@ -218,7 +218,7 @@ def _run(words: List[str], path: List[str], ending: "_Ending") -> None:
     Args:
         words: see `python_words`.
         path: the folders of modules, without those of PYTHONPATH.
-        ending: is told the exit code.
+        ending: called with the exit code.
     """
     is_module = words[0] == "-m"
     first = os.getcwd() if is_module else os.path.dirname(os.path.realpath(words[0]))

@@ -14,7 +14,7 @@ from flatland_server import UsageError
 def place(env, *poses):
     """Puts the robots somewhere, and lets them look."""
     for name, pose in zip(env.possible_agents, poses):
-        env._berth.simulation.move(name, pose)
+        env._simulation.simulation.move(name, pose)
 
 
 @pytest.mark.parametrize("world", ["discs", "corridor"])

@@ -8,7 +8,6 @@ import sys
 
 import pytest
 from flatland_msgs.srv import ChangeRate
-from running_server import Server
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
@@ -50,20 +49,6 @@ for line in sys.stdin:
 def master(master):
     master.ask("setParam", "/use_sim_time", True)
     return master
-
-
-@pytest.fixture
-def start_server(master, tmp_path):
-    servers = []
-
-    def start():
-        server = Server(master, tmp_path / f"server{len(servers)}.log")
-        servers.append(server)
-        return server
-
-    yield start
-    for server in servers:
-        server.kill()
 
 
 @pytest.fixture

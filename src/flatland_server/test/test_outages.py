@@ -10,23 +10,10 @@ import pytest
 import tcpros_client
 from flatland_msgs.srv import OpenWorld
 from rosgraph_msgs.msg import Clock
-from running_server import NODE, USUAL_FILES, WORLDS, Server, simulated_time
+from running_server import NODE, USUAL_FILES, WORLDS, simulated_time
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def start_server(master, tmp_path):
-    servers = []
-
-    def start(**options):
-        servers.append(Server(master, tmp_path / f"server{len(servers)}.log", **options))
-        return servers[-1]
-
-    yield start
-    for server in servers:
-        server.kill()
 
 
 def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_server):

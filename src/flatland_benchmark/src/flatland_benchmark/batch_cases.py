@@ -10,15 +10,15 @@ import numpy as np
 
 from flatland_benchmark.case import Case, Figures
 from flatland_server.arrays import BoolArray
-from flatland_server.library.simulation_batch import SimulationBatch
+from flatland_server.batch.simulation_batch import SimulationBatch
 
 _CLEARANCE = 0.3
 """Of the places where robots begin [m]."""
 _REACHED = 0.19
 """Distance from walls at which robots, of a radius of 0.18 m, are stopped [m]."""
 _WARM_UP = 3000
-"""Scans for each square metre before the measurement, so that all that is done once is done: also
-in those half metres of which a robot reaches a quarter."""
+"""Scans per square metre before the measurement, so that the core has found all visible walls: also
+from cells of half a metre of which robots reach only a quarter."""
 _SCANS_FROM_A_POSE = 10
 _MEASURED = 2.0
 """Least duration of a measurement [s of real time]."""
@@ -97,7 +97,7 @@ def spread(batch: SimulationBatch, rng: np.random.Generator) -> None:
 
 
 def warm_up(batch: SimulationBatch, rng: np.random.Generator) -> None:
-    """Scans wherever robots get to until the core has found out which walls are seen from there."""
+    """Scans wherever robots can be, until the core knows which walls are visible from there."""
     scans = int(_WARM_UP * batch.free_space(_REACHED).area)
     out = batch.observe()
     for _ in range(0, scans, _SCANS_FROM_A_POSE * batch.num_envs):

@@ -15,7 +15,7 @@ from flatland_server import Simulation
 
 _BEAMS = (64, 360, 1081)
 _SELDOM = 20
-"""Steps from one reading to the next where not each step is followed by one."""
+"""Steps between two readings, in cases that do not read after each step."""
 _STEPS = 400
 """Steps per block; a figure is the median of the blocks."""
 _BLOCKS = 25

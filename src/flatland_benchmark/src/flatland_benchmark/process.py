@@ -70,7 +70,7 @@ class Process:
 
     @property
     def peak_memory(self) -> float:
-        """The most resident memory that it has had [MB]."""
+        """Its peak resident memory [MB]."""
         return self._status("VmHWM:")
 
     def _status(self, name: str) -> float:

@@ -4,7 +4,6 @@ from typing import Optional, Sequence
 
 import numpy as np
 
-from flatland_gym.berth import are_near
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet
 from flatland_gym.navigation_world import NavigationWorld
@@ -27,7 +26,7 @@ class BatchFleet(Fleet):
         settings: of the environment.
         count: of places.
         threads: of the batch.
-        arrays: see `Fleet`; None: new ones.
+        arrays: see `Fleet`.
 
     Raises:
         PluginError: a plugin of the world runs in Python at each step.
@@ -41,8 +40,7 @@ class BatchFleet(Fleet):
         threads: int = 1,
         arrays: Optional[BatchObservation] = None,
     ) -> None:
-        self._rows = arrays or BatchObservation.empty(count, world.robot.beams)
-        super().__init__(self._rows)
+        super().__init__(count, world.robot.beams, arrays)
         self._settings = settings
         self._room = world.radius + settings.margin
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
@@ -66,14 +64,14 @@ class BatchFleet(Fleet):
         places = self._places
         for index, episode in zip(indices.tolist(), episodes):
             places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
-        self._batch.reset(self._mask(indices), seeds, poses, out=self._rows, model_poses=places)
+        self._batch.reset(self._mask(indices), seeds, poses, out=self.arrays, model_poses=places)
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
-        return are_near(episode, self._batch.added_walls(index), self._room)
+        return episode.is_near(self._batch.added_walls(index), self._room)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         mask = None if len(indices) == len(self.poses) else self._mask(indices)
-        self._batch.step(actions, self._settings.frame_skip, out=self._rows, mask=mask)
+        self._batch.step(actions, self._settings.frame_skip, out=self.arrays, mask=mask)
 
     def simulation(self, index: int) -> Simulation:
         """A simulation that shows the place: the same one for all places."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FreeSpace, Point, Pose, UsageError
+from flatland_server import FloatArray, FreeSpace, Point, Pose, Segments, UsageError
 
 _TRIES = 500
 _TRIES_OF_MODELS = 60
@@ -42,6 +42,13 @@ class Episode:
     starts: Tuple[Pose, ...]
     goals: Tuple[Point, ...]
     places: Mapping[str, Pose]
+
+    def is_near(self, walls: Segments, distance: float) -> bool:
+        """Whether a start or a goal is nearer than this [m] to one of some walls."""
+        if not len(walls):
+            return False
+        places = [*(start[:2] for start in self.starts), *self.goals]
+        return bool(_distances(np.array(places), walls).min() < distance)
 
 
 class EpisodeSampler:
@@ -109,7 +116,7 @@ class EpisodeSampler:
         goals: Circles,
         rng: np.random.Generator,
     ) -> Tuple[Pose, Point]:
-        """A start and a goal, which overlap none of the other ones."""
+        """A start and a goal that overlap none of those of the other robots."""
         world, settings = self._worlds[index], self._settings
         space = self._room(index, world.radius + settings.margin)
         given_start, given_goal = chosen.get("start"), chosen.get("goal")
@@ -250,3 +257,12 @@ def _checked(options: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
             raise UsageError(f"expected the option {name} as {form}, found {value!r}")
         chosen[name] = numbers
     return chosen
+
+
+def _distances(places: FloatArray, walls: Segments) -> FloatArray:
+    """The distances of places (n, 2) from walls (m, 4): shape (n, m)."""
+    way = walls[:, 2:] - walls[:, :2]
+    offset = places[:, None] - walls[:, :2]
+    part = ((offset * way).sum(axis=2) / (way**2).sum(axis=1)).clip(0.0, 1.0)
+    distances: FloatArray = np.linalg.norm(offset - part[..., None] * way, axis=2)
+    return distances

@@ -23,7 +23,7 @@ class Evaluation(NamedTuple):
 def evaluate(
     policy: Policy, seeds: Sequence[int], threads: int = 1, **arguments: Any
 ) -> Evaluation:
-    """Runs an episode of each seed; what it gives does not depend on the others.
+    """Runs an episode of each seed; its result does not depend on the other seeds.
 
     Args:
         policy: drives the robot.

@@ -8,10 +8,10 @@ from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Dict, List, Optional, Sequence
 
-from flatland_gym.berth import Berth
 from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
+from flatland_gym.robot_simulation import RobotSimulation
 from flatland_gym.settings import NavigationSettings
 from flatland_server import BatchObservation, FloatArray, IntArray, Simulation
 
@@ -20,16 +20,21 @@ class Fleet(RobotRows, ABC):
     """The state of n robots, one in each of n simulations.
 
     Args:
-        arrays: that the state is written to. Fleets may share them, if each place is used in one of
-            the fleets at a time.
+        count: of places, n.
+        beams: of the lidar.
+        arrays: that the state is written to; None: new ones. Fleets may share them, if each place
+            is used in one of the fleets at a time.
     """
+
+    def __init__(self, count: int, beams: int, arrays: Optional[BatchObservation] = None) -> None:
+        super().__init__(arrays or BatchObservation.empty(count, beams))
 
     @abstractmethod
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         """Begins an episode at each of these places."""
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
-        """Whether the place's episode cannot begin so, because plugins have added walls there."""
+        """Whether plugins have added walls at the start or the goal of a place's episode."""
         return False
 
     @abstractmethod
@@ -43,7 +48,7 @@ class Fleet(RobotRows, ABC):
 
     @abstractmethod
     def simulation(self, index: int) -> Simulation:
-        """The simulation at a place, to be looked at: for pictures."""
+        """The simulation at a place, for pictures."""
 
     @abstractmethod
     def close(self) -> None:
@@ -60,7 +65,7 @@ class SimulationFleet(Fleet):
         settings: of the environment.
         count: of places.
         threads: how many of them are stepped at a time.
-        arrays: see `Fleet`; None: new ones.
+        arrays: see `Fleet`.
     """
 
     def __init__(
@@ -71,11 +76,11 @@ class SimulationFleet(Fleet):
         threads: int = 1,
         arrays: Optional[BatchObservation] = None,
     ) -> None:
-        super().__init__(arrays or BatchObservation.empty(count, worlds[0].robot.beams))
+        super().__init__(count, worlds[0].robot.beams, arrays)
         self._worlds = worlds
         self._settings = settings
-        self._berths: List[Dict[int, Berth]] = [{} for _ in range(count)]
-        self._current: Dict[int, Berth] = {}
+        self._simulations: List[Dict[int, RobotSimulation]] = [{} for _ in range(count)]
+        self._current: Dict[int, RobotSimulation] = {}
         self._pool: Optional[ThreadPoolExecutor] = None
         self._threads = min(threads, count)
         if self._threads > 1:
@@ -85,9 +90,9 @@ class SimulationFleet(Fleet):
         chosen = dict(zip(indices.tolist(), episodes))
 
         def begin(index: int) -> None:
-            berth = self._current[index] = self._berth(index, chosen[index].world)
-            berth.begin(chosen[index])
-            berth.look(self, index)
+            simulation = self._current[index] = self._at(index, chosen[index].world)
+            simulation.begin(chosen[index])
+            simulation.look(self, index)
 
         self._each(begin, list(chosen))
         self.collided[indices] = False
@@ -99,10 +104,10 @@ class SimulationFleet(Fleet):
         commands = actions.tolist()
 
         def advance(index: int) -> None:
-            berth = self._current[index]
-            berth.command(0, commands[index])
-            self.collided[index] = berth.step(self._settings.frame_skip)[0]
-            berth.look(self, index)
+            simulation = self._current[index]
+            simulation.command(0, commands[index])
+            self.collided[index] = simulation.step(self._settings.frame_skip)[0]
+            simulation.look(self, index)
 
         self._each(advance, indices.tolist())
 
@@ -110,18 +115,18 @@ class SimulationFleet(Fleet):
         return self._current[index].simulation
 
     def close(self) -> None:
-        for berths in self._berths:
-            for berth in berths.values():
-                berth.close()
+        for simulations in self._simulations:
+            for simulation in simulations.values():
+                simulation.close()
         if self._pool is not None:
             self._pool.shutdown()
 
-    def _berth(self, index: int, world: int) -> Berth:
+    def _at(self, index: int, world: int) -> RobotSimulation:
         """The simulation of a world at a place; made when it is first needed."""
-        berths = self._berths[index]
-        if world not in berths:
-            berths[world] = Berth(self._worlds[world], self._settings)
-        return berths[world]
+        simulations = self._simulations[index]
+        if world not in simulations:
+            simulations[world] = RobotSimulation(self._worlds[world], self._settings)
+        return simulations[world]
 
     def _each(self, do: Callable[[int], None], indices: List[int]) -> None:
         """Calls a function with each index, on all threads."""

@@ -5,7 +5,6 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 from gymnasium.utils import seeding
 
-from flatland_gym.berth import Berth
 from flatland_gym.episodes import EpisodeSampler
 from flatland_gym.navigation import checked_actions, judge, observation_space, require_tries
 from flatland_gym.navigation_world import NavigationWorld, parking_place
@@ -13,6 +12,7 @@ from flatland_gym.observations import as_dict, goal_distances, observe
 from flatland_gym.pictures import check_render_mode, picture
 from flatland_gym.rewards import Transition
 from flatland_gym.robot_rows import RobotRows
+from flatland_gym.robot_simulation import RobotSimulation
 from flatland_gym.settings import NavigationSettings, is_whole, require_seed
 from flatland_server import BatchObservation, FloatArray, MissingPackageError, UsageError
 
@@ -63,7 +63,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         self.agents: List[str] = []
         self._sampler = EpisodeSampler([self._world], settings)
         self._rng: Optional[np.random.Generator] = None
-        self._berth = Berth(self._world, settings)
+        self._simulation = RobotSimulation(self._world, settings)
         self._rows = RobotRows(BatchObservation.empty(len(self.possible_agents), self._robot.beams))
         self._goals = np.zeros((len(self.possible_agents), 2))
         self._distances = np.zeros(len(self.possible_agents))
@@ -97,13 +97,13 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
             self._rng, _ = seeding.np_random(number)
         episode = self._sampler.draw(self._rng)
         self.agents = list(self.possible_agents)
-        self._berth.begin(episode)
+        self._simulation.begin(episode)
         tries = 1
-        while self._berth.is_blocked(episode):
+        while self._simulation.is_blocked(episode):
             require_tries(tries)
             tries += 1
             episode = self._sampler.draw(self._rng)
-            self._berth.begin(episode)
+            self._simulation.begin(episode)
         self._goals[:] = episode.goals
         self._rows.collided[:] = False
         self._steps = 0
@@ -126,8 +126,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         agents = list(self.agents)
         commands = self._commands(actions, agents)
         for number in self._numbers(agents):
-            self._berth.command(number, commands[number].tolist())
-        self._rows.collided[:] = self._berth.step(self._settings.frame_skip)
+            self._simulation.command(number, commands[number].tolist())
+        self._rows.collided[:] = self._simulation.step(self._settings.frame_skip)
         self._look()
         self._steps += 1
         distances = goal_distances(self._rows.poses, self._goals)
@@ -148,7 +148,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         for agent, number in zip(agents, self._numbers(agents)):
             if terminated[number] or truncated[number]:
                 self.agents.remove(agent)
-                self._berth.remove(number, parking_place(-1 - number))
+                self._simulation.remove(number, parking_place(-1 - number))
         return results
 
     def render(self) -> Any:
@@ -157,12 +157,12 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
             return None
         first = self.agents[0]
         x, y = self._goals[self.possible_agents.index(first)].tolist()
-        return picture(self._berth.simulation, first, (x, y), self._settings.goal_radius)
+        return picture(self._simulation.simulation, first, (x, y), self._settings.goal_radius)
 
     def close(self) -> None:
         """Ends the simulation."""
         self.agents = []
-        self._berth.close()
+        self._simulation.close()
 
     def _numbers(self, agents: List[str]) -> List[int]:
         return [self.possible_agents.index(agent) for agent in agents]
@@ -199,7 +199,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
 
     def _look(self) -> None:
         for number in self._numbers(self.agents):
-            self._berth.look(self._rows, number, number)
+            self._simulation.look(self._rows, number, number)
 
     def _observations(self, agents: List[str]) -> Dict[str, Any]:
         rows, robot = self._rows, self._robot

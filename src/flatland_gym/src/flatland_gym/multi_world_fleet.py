@@ -9,7 +9,7 @@ from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.settings import NavigationSettings
-from flatland_server import BatchObservation, FloatArray, IntArray, PluginError, Simulation
+from flatland_server import FloatArray, IntArray, PluginError, Simulation
 
 
 class MultiWorldFleet(Fleet):
@@ -33,8 +33,7 @@ class MultiWorldFleet(Fleet):
         count: int,
         threads: int = 1,
     ) -> None:
-        self._rows = BatchObservation.empty(count, worlds[0].robot.beams)
-        super().__init__(self._rows)
+        super().__init__(count, worlds[0].robot.beams)
         self._worlds = worlds
         self._settings = settings
         self._threads = threads
@@ -74,14 +73,12 @@ class MultiWorldFleet(Fleet):
         return self._fleets[world]
 
     def _new_fleet(self, world: int) -> Fleet:
-        count = len(self.poses)
+        shared = len(self.poses), self._threads, self.arrays
         try:
-            return BatchFleet(self._worlds[world], self._settings, count, self._threads, self._rows)
+            return BatchFleet(self._worlds[world], self._settings, *shared)
         except PluginError:
             if self._in_python is None:
-                self._in_python = SimulationFleet(
-                    self._worlds, self._settings, count, self._threads, self._rows
-                )
+                self._in_python = SimulationFleet(self._worlds, self._settings, *shared)
             return self._in_python
 
 

@@ -167,7 +167,7 @@ class Navigation:
         return observations if self.settings.flatten else as_dict(observations, self.robot.beams)
 
     def info(self) -> Dict[str, Any]:
-        """What an info says, for all environments: new arrays."""
+        """The entries of infos, for all environments: new arrays."""
         return {
             "success": self.successes.copy(),
             "collision": self.fleet.collided.copy(),

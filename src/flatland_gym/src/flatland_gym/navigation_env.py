@@ -14,7 +14,7 @@ _ONE = np.array([0])
 
 
 class NavigationEnv(gymnasium.Env[Any, Any]):
-    """A robot drives to a goal that it knows the direction of, past what its lidar sees.
+    """A robot drives to a goal at a known distance and bearing, around what its lidar sees.
 
     docs/learning.md describes observations, actions and rewards.
 

@@ -163,7 +163,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
 
     @property
     def np_random_seed(self) -> Any:
-        """The seeds of these."""
+        """The seeds of these random numbers."""
         for index in range(self.num_envs):
             self._generator(index)
         return tuple(self._seeds)

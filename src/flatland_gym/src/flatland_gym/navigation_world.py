@@ -157,7 +157,7 @@ def _prepared(content: Content, settings: NavigationSettings, scale: float) -> R
 
 
 def _add_obstacles(content: Content, settings: NavigationSettings) -> Set[str]:
-    """Adds columns to a world, which wait at the parking; returns their names."""
+    """Adds columns to a world, parked outside of it; returns their names."""
     taken = {entry["name"] for entry in content["models"]}
     names = (f"{_OBSTACLE}{number}" for number in itertools.count(1))
     free = (name for name in names if name not in taken)
@@ -174,7 +174,7 @@ def _add_obstacles(content: Content, settings: NavigationSettings) -> Set[str]:
 
 
 def _multiplied(content: Content, robot: Content, count: int) -> Tuple[str, ...]:
-    """Replaces a robot by several ones, which wait at the parking; returns the names."""
+    """Replaces a robot by several ones, parked outside of the world; returns their names."""
     name = robot["name"]
     if count == 1:
         return (name,)

@@ -15,7 +15,7 @@ class Network:
     Args:
         sizes: of the input, of each hidden layer, and of the output.
         gain: of the last layer's initial weights.
-        rng: draws the initial weights: orthogonal, as PPO is known to like them.
+        rng: draws the initial weights: orthogonal, which is known to help PPO.
     """
 
     def __init__(self, sizes: Sequence[int], gain: float, rng: np.random.Generator) -> None:
@@ -73,7 +73,7 @@ class Adam:
         self._count = 0
 
     def step(self, gradients: Arrays, rate: float) -> None:
-        """Makes a step downhill."""
+        """Makes a step of gradient descent."""
         self._count += 1
         norm = float(np.sqrt(sum(float((each**2).sum()) for each in gradients)))
         factor = np.float32(min(1.0, self._max_norm / (norm + 1e-8)))

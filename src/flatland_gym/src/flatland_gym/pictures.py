@@ -55,7 +55,7 @@ def status_line(time: float, pose: Any, goal: Any, distance: float) -> str:
 
 
 def check_render_mode(mode: Optional[str], modes: Sequence[str] = RENDER_MODES) -> None:
-    """Raises a UsageError for a mode that there is not."""
+    """Raises a UsageError for an unknown mode."""
     if mode is not None and mode not in modes:
         known = ", ".join(map(repr, modes))
         raise UsageError(f"expected render_mode None or one of {known}, found {mode!r}")

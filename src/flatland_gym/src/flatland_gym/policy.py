@@ -61,7 +61,7 @@ class Policy:
         return actions
 
     def drive(self, ranges: Any, pose: Any, velocity: Any, goal: Any) -> List[float]:
-        """The action for what a robot measures; for one that runs outside of an environment.
+        """The action for the measurements of a robot that runs outside of an environment.
 
         Args:
             ranges: of the lidar [m], shape (beams,); +inf, or NaN as of some lidars, for no return.

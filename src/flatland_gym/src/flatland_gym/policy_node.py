@@ -10,7 +10,7 @@ from flatland_gym.policy import Policy
 from flatland_server import Pose, UsageError, messages, yaw_of
 
 _EARLY = 0.2
-"""A scan that comes so much of a period earlier than an action is due is used for it."""
+"""A scan is used for an action that is due at most this fraction of a period later."""
 
 
 class PolicyNode:
@@ -87,7 +87,7 @@ class PolicyNode:
         pose: Pose,
         velocity: Tuple[float, float, float],
     ) -> Tuple[float, float]:
-        """The speed and the yaw rate. At the end of a goal both are zero, and it is forgotten."""
+        """The speed and the yaw rate. At the goal both are zero, and the goal is dropped."""
         beams = self._policy.beams
         if not all(map(math.isfinite, (*pose, *velocity))):
             self._report(f"expected finite odometry, found {tuple(pose)} and {velocity}")

@@ -76,7 +76,7 @@ class TrainingInterrupted(KeyboardInterrupt):
 
 
 class _Rollout(NamedTuple):
-    """What the environments have done: arrays of shape (steps, environments, ...)."""
+    """A rollout of all environments: arrays of shape (steps, environments, ...)."""
 
     observations: Float32Array
     actions: Float32Array
@@ -168,7 +168,7 @@ class Ppo:
         )
 
     def _roll_out(self) -> _Rollout:
-        """Lets all environments make some steps."""
+        """Collects a rollout of all environments."""
         settings, count = self._settings, self._env.num_envs
         shape = (settings.rollout, count)
         observations = np.empty((*shape, self._observations.shape[1]), np.float32)
@@ -216,7 +216,7 @@ class Ppo:
             self._rewards[index] = 0.0
 
     def _update(self, rollout: _Rollout, rate: float) -> None:
-        """Improves the policy by what was done."""
+        """Updates the policy by a rollout."""
         flat = _Rollout(*(each.reshape(-1, *each.shape[2:]) for each in rollout))
         size, minibatch = len(flat.actions), self._settings.minibatch
         for _ in range(self._settings.epochs):

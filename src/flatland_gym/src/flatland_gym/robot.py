@@ -1,6 +1,5 @@
-"""Which model of a world is driven, and what of it the environment has to know."""
+"""The robot of a world: which model is driven, and the facts of it that environments need."""
 
-import copy
 import math
 from dataclasses import dataclass
 from typing import Any, Dict, List, Tuple
@@ -138,11 +137,6 @@ def scale_footprints(robot: Content, scale: float) -> None:
             for key in ("center", "points"):
                 if key in footprint:
                     footprint[key] = (scale * np.array(footprint[key], dtype=float)).tolist()
-
-
-def copy_of(content: Content) -> Content:
-    """A copy that may be changed."""
-    return copy.deepcopy(content)
 
 
 def _beams(lidar: Content) -> int:

@@ -7,9 +7,10 @@ class RobotRows:
     """The state of n robots, as arrays that are overwritten in each step.
 
     Args:
-        arrays: that these are.
+        arrays: what is written to.
 
     Attributes:
+        arrays: all of these arrays.
         ranges: [m], +inf for no return; float32, shape (n, beams).
         poses: x, y [m] and yaw [rad] in the world, shape (n, 3).
         velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.
@@ -17,6 +18,7 @@ class RobotRows:
     """
 
     def __init__(self, arrays: BatchObservation) -> None:
+        self.arrays = arrays
         self.ranges: Float32Array = arrays.ranges
         self.poses: FloatArray = arrays.poses
         self.velocities: FloatArray = arrays.local_velocities

@@ -75,7 +75,7 @@ class NavigationSettings:
     params: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Raises a UsageError for a value that cannot be."""
+        """Raises a UsageError for a value that is not usable."""
         for name in ("frame_skip", "beams"):
             value = getattr(self, name)
             if not (value is None and name == "beams"):
@@ -102,7 +102,7 @@ class NavigationSettings:
         self._check_kinds()
 
     def _check_kinds(self) -> None:
-        """Raises a UsageError for a value that is of no kind that is known."""
+        """Raises a UsageError for a value of a wrong type."""
         if self.scatter is not None:
             _require_sequence("scatter", self.scatter, "patterns")
             are_strings = all(isinstance(each, str) for each in self.scatter)

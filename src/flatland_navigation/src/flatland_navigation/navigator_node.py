@@ -103,7 +103,7 @@ class NavigatorNode:
             self._control(pose, time)
 
     def _note_readiness(self) -> None:
-        """Says once that a goal would be received: an earlier one is lost without a word."""
+        """Logs once that goals are received now; earlier ones are lost silently."""
         if not self._is_ready and self._goals.get_num_connections():
             self._is_ready = True
             rospy.loginfo("ready for goals")

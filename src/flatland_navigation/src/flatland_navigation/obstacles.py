@@ -54,7 +54,7 @@ def free_distance(points: FloatArray, curvature: float, radius: float, limit: fl
         points: in the robot's frame [m]: shape (n, 2).
         curvature: of the arc [1/m].
         radius: of the robot, with a margin [m].
-        limit: length of the arc that is looked at [m].
+        limit: length of the arc that is checked [m].
 
     Returns:
         Between 0 and `limit` [m]; exact to 2 cm, and never too much.

@@ -117,11 +117,6 @@ def shortcut(grid: Grid, path: FloatArray) -> FloatArray:
     return np.asarray(path[[*corners, len(path) - 1]])
 
 
-def path_length(path: FloatArray) -> float:
-    """The length of a path [m], shape (n, 2)."""
-    return float(np.hypot(*np.diff(path, axis=0).T).sum())
-
-
 def _goal_cell(grid: Grid, goal: Point) -> Cell:
     cell = grid.cell_of(goal)
     if cell is None:

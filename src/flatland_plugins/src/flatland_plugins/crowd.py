@@ -108,7 +108,7 @@ class Crowd(WorldPlugin):
         return CrowdMotion(self._config, self._walls, self._see_walls, self._people, others, count)
 
     def _see_walls(self, walls: Sequence[Segments]) -> Walls:
-        """Those that people keep away from, of the walls of each layer."""
+        """The walls that people keep away from, out of the walls of each layer."""
         layers = zip(walls, self.world.layers)
         seen = [each for each, layer in layers if layer.config.bits & self._config.layer_bits]
         return Walls(lambda: seen, self._reach)
@@ -121,7 +121,7 @@ class Crowd(WorldPlugin):
         return self.world.models.get(person.config.name) is person.model
 
     def _keep(self, indices: List[int]) -> None:
-        """Drops all people but some."""
+        """Drops all people but these."""
         if len(indices) < len(self._people):
             self._people = [self._people[index] for index in indices]
             self._motion.keep(indices)

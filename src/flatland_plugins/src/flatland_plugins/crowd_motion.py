@@ -56,7 +56,7 @@ class CrowdMotion(BatchMotion):
         self.bodies = [*self.moved, *(each.body for each in outlines)]
 
     def keep(self, indices: List[int]) -> None:
-        """Drops all people but some."""
+        """Drops all people but these."""
         self._set_people([self.people[index] for index in indices])
         goals, strides = self.progress
         self.progress = Progress(goals[:, indices], strides[:, indices])
@@ -75,7 +75,7 @@ class CrowdMotion(BatchMotion):
         rng: np.random.Generator,
         walls: Optional[Sequence[Segments]],
     ) -> None:
-        """Puts the people of a world to their beginning."""
+        """Resets the people of a world."""
         self._rngs[environment] = rng
         self._walls[environment] = self._shared if walls is None else self._see_walls(walls)
         for values, initial in zip(self.progress, Progress.of(1, len(self.people))):

@@ -9,6 +9,7 @@ import numpy as np
 from flatland_plugins.laser_config import LaserConfig
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_plugins.sensor_frame import SensorFrame
+from flatland_plugins.timed_noise import draw_key
 from flatland_server import (
     BeamFan,
     Canvas,
@@ -73,7 +74,7 @@ class Laser(ModelPlugin):
         )
 
     def _make_noise(self, rng: np.random.Generator) -> RangeNoise:
-        return RangeNoise(int(rng.integers(2**63)), self._config.noise_std_dev, self._config.range)
+        return RangeNoise(draw_key(rng), self._config.noise_std_dev, self._config.range)
 
     def has_work(self) -> bool:
         """Whether to scan, or to publish the lidar's frame."""

@@ -8,7 +8,7 @@ import numpy as np
 from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
-from flatland_plugins.timed_noise import TimedNoise
+from flatland_plugins.timed_noise import TimedNoise, draw_key
 from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, Velocity, wrap_angle
 
 
@@ -45,7 +45,7 @@ class OdometryPublisher:
         self._drift: Optional[OdometryDrift] = None
         self._move_revision = self._model.move_revision
         if config.drift:
-            self._drift = OdometryDrift(config.drift, int(plugin.rng.integers(2**63)))
+            self._drift = OdometryDrift(config.drift, draw_key(plugin.rng))
         self._base_frame = plugin.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())

@@ -30,7 +30,7 @@ _FEET_ABREAST = 0.25
 
 
 class Progress(NamedTuple):
-    """How far people have got.
+    """The progress of people on their ways.
 
     Attributes:
         goals: which goal each walks to, (n, p).
@@ -48,7 +48,7 @@ class Progress(NamedTuple):
 
 
 class People:
-    """What does not change of p people.
+    """The constant properties of p people.
 
     Args:
         configs: of the people.

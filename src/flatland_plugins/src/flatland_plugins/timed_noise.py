@@ -11,8 +11,13 @@ class TimedNoise:
     """
 
     def __init__(self, rng: np.random.Generator) -> None:
-        self._key = int(rng.integers(2**63))
+        self._key = draw_key(rng)
 
     def at(self, nanoseconds: int) -> np.random.Generator:
         """The generator for a time [ns]: equal times give equal numbers."""
         return np.random.default_rng([self._key, nanoseconds])
+
+
+def draw_key(rng: np.random.Generator) -> int:
+    """The key of a noise: one number from a plugin's generator."""
+    return int(rng.integers(2**63))

@@ -7,12 +7,12 @@ of its own, from the beginning or from a saved state.
 import hashlib
 import math
 import sys
-from io import BytesIO
 from pathlib import Path
 from typing import Any, Container, Dict, List, Optional, Tuple
 
 from flatland_server import LocalTransport, Pose, World, messages
 from flatland_server.testing import Simulation, WorldFiles
+from flatland_server.testing.observation import serialized
 
 Bool = messages.get("std_msgs/Bool")
 
@@ -84,13 +84,6 @@ plugins:
       - {name: dora, pose: [2, -1, 0], goals: [[-2, 0], [2, 0]]}
       - {name: emil, pose: [2.5, 2.5, 0], goals: [[-2, -2], [2.5, 2.5]]}
 """
-
-
-def serialized(message: Any) -> bytes:
-    """A message as ROS would send it."""
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
 
 
 class Recorder(LocalTransport):

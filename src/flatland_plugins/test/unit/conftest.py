@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, Tuple, Type
 
 import hypothesis
 import pytest
+from batch_world import write_world
 
 from flatland_server import LocalTransport, PluginLoader, World
 from flatland_server.testing import Simulation, WorldFiles
@@ -79,3 +80,11 @@ def empty_room(loader: PluginLoader) -> Simulation:
 def office(loader: PluginLoader) -> Simulation:
     """The default world."""
     return Simulation(World.from_file(WORLDS / "office" / "world.yaml", loader=loader))
+
+
+@pytest.fixture(scope="module")
+def world_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Writes a world for batches; see `batch_world.write_world`."""
+    return lambda *arguments, **more: write_world(
+        tmp_path_factory.mktemp("world"), *arguments, **more
+    )

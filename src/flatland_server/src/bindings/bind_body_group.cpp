@@ -1,4 +1,4 @@
-/// BodyGroup: the poses and velocities of many bodies as arrays.
+/// BodyGroup and RelativePoses: the poses of many bodies in one call.
 
 #include <cmath>
 
@@ -39,6 +39,29 @@ py::array_t<double> Rows(const BodyGroup& group, Read read) {
   return rows;
 }
 
+/// Bodies of one world, and the body in the frame of which their poses are read.
+struct RelativePoses {
+  RelativePoses(const PyBody& reference, const std::vector<PyBody>& bodies)
+      : world(reference.world), reference(reference.handle) {
+    for (const PyBody& body : bodies) {
+      if (body.world != world) throw std::invalid_argument("the bodies must be of the same world");
+      this->bodies.push_back(body.handle);
+    }
+  }
+
+  std::vector<Triple> Read() const {
+    std::vector<Triple> poses;
+    for (const World::Body& body : bodies) {
+      poses.push_back(ToTuple(world->GetPoseIn(reference, body)));
+    }
+    return poses;
+  }
+
+  std::shared_ptr<World> world;
+  World::Body reference;
+  std::vector<World::Body> bodies;
+};
+
 }  // namespace
 
 void BindBodyGroup(py::module_& m) {
@@ -57,6 +80,10 @@ void BindBodyGroup(py::module_& m) {
           return ToTuple(world.GetVelocity(body));
         });
       });
+  py::class_<RelativePoses>(m, "RelativePoses")
+      .def(py::init<const PyBody&, const std::vector<PyBody>&>(), py::arg("reference"),
+           py::arg("bodies"))
+      .def("read", &RelativePoses::Read);
 }
 
 }  // namespace flatland

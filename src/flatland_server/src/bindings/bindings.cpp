@@ -6,8 +6,6 @@
 
 #include "bindings.hpp"
 
-#include <algorithm>
-
 #include "fast_method.hpp"
 #include "flatland_server/box2d_timer.hpp"
 
@@ -26,45 +24,6 @@ std::vector<Segment> ToSegments(const Doubles& rows) {
     segments[i] = {{values(i, 0), values(i, 1)}, {values(i, 2), values(i, 3)}};
   }
   return segments;
-}
-
-py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, double range,
-               LayerBits layers, LayerBits reflectance_layers) {
-  py::array_t<float> ranges(fan.size());
-  py::array_t<float> intensities(fan.size());
-  float* ranges_out = ranges.mutable_data();
-  float* intensities_out = intensities.mutable_data();
-  {
-    const World::AccessGuard guard(*self.world);
-    const py::gil_scoped_release release;
-    self.world->Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
-                     intensities_out, guard);
-  }
-  return py::make_tuple(ranges, intensities);
-}
-
-const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
-  const py::gil_scoped_release release;
-  return self.world->Scan(self.handle, guard);
-}
-
-py::array_t<float> CopyOf(const std::vector<float>& values) {
-  py::array_t<float> array(static_cast<py::ssize_t>(values.size()));
-  std::copy(values.begin(), values.end(), array.mutable_data());
-  return array;
-}
-
-// The guards are held until the arrays are copied: another thread may change the world after them.
-
-py::tuple ScanLidar(PyLidar& self) {
-  const World::AccessGuard guard(*self.world);
-  const Lidar& lidar = ScanReleased(self, guard);
-  return py::make_tuple(CopyOf(lidar.ranges), CopyOf(lidar.intensities));
-}
-
-py::array_t<float> RangesOf(PyLidar& self) {
-  const World::AccessGuard guard(*self.world);
-  return CopyOf(ScanReleased(self, guard).ranges);
 }
 
 void Step(PyWorld& self, double dt) {
@@ -134,18 +93,6 @@ void BindWorld(py::module_& m) {
           py::arg("angular_damping") = 0.0)
       .def_property_readonly("completed_steps",
                              [](const PyWorld& self) { return self.world->completed_steps(); })
-      .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
-           py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0)
-      .def(
-          "scan",
-          [](PyWorld&, PyLidar& lidar) {
-            if (PyErr_WarnEx(PyExc_DeprecationWarning,
-                             "World.scan(lidar) is deprecated; use lidar.scan()", 1) != 0) {
-              throw py::error_already_set();
-            }
-            return ScanLidar(lidar);
-          },
-          py::arg("lidar"))
       .def("save_state", [](PyWorld& self) { return py::bytes(self.world->SaveState()); })
       .def(
           "restore_state",
@@ -159,6 +106,7 @@ void BindWorld(py::module_& m) {
                              [](const PyWorld& self) { return self.world->body_count(); })
       .def_property_readonly("joint_count",
                              [](const PyWorld& self) { return self.world->joint_count(); });
+  BindScansOf(world);
 }
 
 }  // namespace
@@ -184,22 +132,15 @@ PYBIND11_MODULE(_core, m) {
   m.attr("supports_numpy_2") = kSupportsNumPy2;
   py::register_exception<GoneError>(m, "GoneError", PyExc_ReferenceError);
 
-  py::class_<BeamFan, std::shared_ptr<BeamFan>>(m, "BeamFan")
-      .def(py::init<double, double, int>(), py::arg("angle_min"), py::arg("increment"),
-           py::arg("count"))
-      .def("__len__", &BeamFan::size);
-  py::class_<PyLidar> lidar(m, "Lidar");
-  lidar.def("expect_scan", [](PyLidar& self) { self.world->ExpectScan(self.handle); })
-      .def("scan", &ScanLidar);
-  DefineFast<&RangesOf>(lidar, "ranges");
+  BindLidar(m);
   // Both are declared before any function that has them in its signature.
   py::class_<PyBody> body(m, "Body");
   py::class_<PyFixture> fixture(m, "Fixture");
-  BindMechanisms(m);
+  BindJoint(m);
+  BindDrive(m);
   BindBody(body);
   BindFixture(fixture);
   BindFixtureChecker(m);
-  BindRelativePoses(m);
   BindBodyGroup(m);
   BindContacts(m);
   BindWorld(m);

@@ -23,7 +23,6 @@ using Pair = std::pair<double, double>;
 using Triple = std::tuple<double, double, double>;
 
 b2BodyType ToBodyType(const std::string& name);
-std::vector<Vec2> ToVertices(const std::vector<Pair>& vertices);
 inline Vec2 ToVec2(const Pair& pair) { return {pair.first, pair.second}; }
 inline Pose ToPose(const Triple& t) { return {std::get<0>(t), std::get<1>(t), std::get<2>(t)}; }
 inline Twist ToTwist(const Triple& t) { return {std::get<0>(t), std::get<1>(t), std::get<2>(t)}; }
@@ -89,22 +88,20 @@ inline uint64_t IdOf(World::Body body) {
   return static_cast<uint64_t>(body.generation) << 32 | body.index;
 }
 
-/// Bodies of one world, and the body in the frame of which their poses are read.
-struct RelativePoses {
-  RelativePoses(const PyBody& reference, const std::vector<PyBody>& bodies);
-  std::vector<Triple> Read() const;
-
-  std::shared_ptr<World> world;
-  World::Body reference;
-  std::vector<World::Body> bodies;
-};
-
+// Each adds its classes to the module; the functions "Of" add the methods of a class that concern
+// them.
+void BindLidar(py::module_& m);
+void BindLidarsOf(py::class_<PyBody>& body);
+void BindScansOf(py::class_<PyWorld>& world);
+void BindJoint(py::module_& m);
+void BindJointsOf(py::class_<PyBody>& body);
+void BindDrive(py::module_& m);
+void BindDrivesOf(py::class_<PyBody>& body);
 void BindBody(py::class_<PyBody>& body);
-void BindRelativePoses(py::module_& m);
 void BindBodyGroup(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
+void BindFixturesOf(py::class_<PyBody>& body);
 void BindFixtureChecker(py::module_& m);
-void BindMechanisms(py::module_& m);
 void BindContacts(py::module_& m);
 void BindPriorityGuard(py::module_& m);
 void BindRangeNoise(py::module_& m);

@@ -32,6 +32,7 @@
 ///
 /// Wedges: which ranks a wall may cover is looked up by the directions of its two ends, their
 /// wedge. It is a little too wide, to be safe from rounding errors; the signs above decide exactly.
+/// All of this is in draw_walls.hpp.
 ///
 /// Order: the walls of a layer are in a binary tree of bounding boxes (SegmentTree), which is
 /// traversed front to back: of a node's two boxes first the nearer one, while the other waits on a
@@ -39,8 +40,9 @@
 /// (WallList), the nearest first.
 ///
 /// Early out: a box is skipped with all its walls if every beam of its wedge already ends nearer
-/// than the box begins. In an office, 4 of 100 walls are drawn, and each beam is compared with 5 of
-/// them. Bodies come last; those with a bounding circle out of range or hidden are skipped.
+/// than the box begins (box_extents.hpp). In an office, 4 of 100 walls are drawn, and each beam is
+/// compared with 5 of them. Bodies come last; those with a bounding circle out of range or hidden
+/// are skipped.
 ///
 /// Accuracy: all numbers are in double precision, and the results are the same on every processor.
 /// With AVX2 four numbers are computed at a time, without it one or two.
@@ -48,21 +50,16 @@
 #include "flatland_server/depth_buffer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
+#include "box_extents.hpp"
 #include "doubles.hpp"
+#include "draw_walls.hpp"
 
 namespace flatland {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// How far past its ends a wall is extended, as a fraction of its length: so two walls that share a
-/// corner leave no gap.
-constexpr double kEndTolerance = 1e-9;
-/// A wall is seen edge-on if the directions of its ends differ by less than this, or by less than
-/// this from 180 degrees [rad]: its distance would be a quotient of two rounding errors.
-constexpr double kEdgeOn = 1e-14;
 /// Relative tolerance of the range: a wall at exactly the range is seen.
 constexpr double kRangeTolerance = 1e-12;
 /// What reflects may be farther than what does not by this fraction, and is still seen.
@@ -70,216 +67,6 @@ constexpr double kTieTolerance = 1e-9;
 
 /// The nearest blocks of a list are drawn at once: it takes longer to find out that one is hidden.
 constexpr size_t kNearBlocks = 16;
-
-constexpr int kLeafSize = SegmentTree::kLeafSize;
-
-/// The buffer, and the pose from which it is drawn.
-struct View {
-  const BeamFan& fan;
-  double* inverse;
-  Vec2 origin;
-  Rotation rotation;
-};
-
-/// What a box or circle covers.
-struct Extent {
-  std::array<BeamFan::Run, 2> runs;  // of the beams that may meet it
-  double square_distance;            // of its nearest point [m^2]; 0 if it contains the lidar
-};
-
-/// Whether all beams of a run end nearer than the distance.
-FLATLAND_INLINE bool EndNearer(const double* inverse, BeamFan::Run run, double square_distance) {
-  for (int group = run.begin & -kGroup; group < run.end; group += kGroup) {
-    const Doubles nearest = Load(inverse + group);
-    const Mask reaches = nearest * nearest * square_distance < 1.0;
-    if (!Any(reaches)) continue;
-    for (int k = 0; k < kGroup; ++k) {
-      if (reaches[k] != 0 && group + k >= run.begin && group + k < run.end) return false;
-    }
-  }
-  return true;
-}
-
-FLATLAND_INLINE bool IsHidden(const double* inverse, const Extent& extent) {
-  if (!(extent.square_distance > 0.0)) return false;
-  return EndNearer(inverse, extent.runs[0], extent.square_distance) &&
-         EndNearer(inverse, extent.runs[1], extent.square_distance);
-}
-
-/// Diamond angles moved clockwise, and counter-clockwise, by the margin of BeamFan, within [-2, 2].
-FLATLAND_INLINE Doubles WidenRight(const Doubles& diamond_angles) {
-  const Doubles widened = diamond_angles - BeamFan::kMargin;
-  return widened < -2.0 ? widened + 4.0 : widened;
-}
-FLATLAND_INLINE Doubles WidenLeft(const Doubles& diamond_angles) {
-  const Doubles widened = diamond_angles + BeamFan::kMargin;
-  return widened > 2.0 ? widened - 4.0 : widened;
-}
-
-/// Draws the wall from a to b, where b is counter-clockwise of a, onto a run of beams.
-FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run run, Vec2 a, Vec2 b,
-                            double inverse_cross) {
-  const Doubles ax = Fill(a.x), ay = Fill(a.y), bx = Fill(b.x), by = Fill(b.y);
-  const Doubles scale = Fill(inverse_cross);
-  const double *const xs = fan.xs(), *const ys = fan.ys();
-  for (int group = run.begin & -kGroup; group < run.end; group += kGroup) {
-    const Doubles x = Load(xs + group);
-    const Doubles y = Load(ys + group);
-    const Doubles nearest = Load(inverse + group);
-    const Doubles past_a = ax * y - ay * x;
-    const Doubles before_b = x * by - y * bx;
-    const Doubles across = past_a + before_b;  // cross(u, b - a)
-    const Mask meets = Min(past_a, before_b) >= -kEndTolerance * across;
-    Store(Max(meets ? across * scale : Fill(0.0), nearest), inverse + group);
-  }
-}
-
-/// Draws a wall on which the lidar stands: all beams end at once, except those along the wall.
-void DrawWallAtLidar(const BeamFan& fan, double* inverse, Vec2 along) {
-  for (int rank = 0; rank < fan.size(); ++rank) {
-    const double across = Cross({fan.xs()[rank], fan.ys()[rank]}, along);
-    if (std::abs(across) > kEdgeOn * ManhattanNorm(along)) inverse[rank] = kInfinity;
-  }
-}
-
-/// The ends of four walls [m].
-struct FourWalls {
-  Doubles ax, ay, bx, by;
-};
-
-/// The walls of a leaf or block as seen by the lidar.
-struct WallsView {
-  // Ends in the lidar's frame [m], b counter-clockwise of a.
-  double ax[kLeafSize], ay[kLeafSize], bx[kLeafSize], by[kLeafSize];
-  // cross(a, b) [m^2], or 0 if edge-on, or NaN where there is no wall; and its inverse.
-  double cross[kLeafSize], inverse_cross[kLeafSize];
-  // The wedge: the buckets of the widened diamond angles of a and b (BeamFan), and whether it
-  // contains the backward direction.
-  int from[kLeafSize], to[kLeafSize];
-  long long wraps[kLeafSize];
-};
-
-/// Computes four walls, for the places from `lane` on.
-FLATLAND_INLINE void ViewWalls(const FourWalls& four, int lane, const View& view,
-                               WallsView* walls) {
-  const Doubles cos = Fill(view.rotation.cos), sin = Fill(view.rotation.sin);
-  const Doubles world_ax = four.ax - view.origin.x;
-  const Doubles world_ay = four.ay - view.origin.y;
-  const Doubles world_bx = four.bx - view.origin.x;
-  const Doubles world_by = four.by - view.origin.y;
-  const Doubles first_x = cos * world_ax + sin * world_ay;
-  const Doubles first_y = cos * world_ay - sin * world_ax;
-  const Doubles second_x = cos * world_bx + sin * world_by;
-  const Doubles second_y = cos * world_by - sin * world_bx;
-  const Doubles cross = first_x * second_y - first_y * second_x;
-  const Mask swap = cross < 0.0;
-  const Doubles right_x = swap ? second_x : first_x, right_y = swap ? second_y : first_y;
-  const Doubles left_x = swap ? first_x : second_x, left_y = swap ? first_y : second_y;
-  const Doubles size = swap ? -cross : cross;
-  const Mask is_edge_on =
-      size <= kEdgeOn * ManhattanNorms(right_x, right_y) * ManhattanNorms(left_x, left_y);
-  Store(right_x, walls->ax + lane);
-  Store(right_y, walls->ay + lane);
-  Store(left_x, walls->bx + lane);
-  Store(left_y, walls->by + lane);
-  Store(is_edge_on ? Fill(0.0) : size, walls->cross + lane);
-  Store(1.0 / size, walls->inverse_cross + lane);
-  const Doubles from = WidenRight(DiamondAngles(right_x, right_y));
-  const Doubles to = WidenLeft(DiamondAngles(left_x, left_y));
-  Store(ToInts((from + 2.0) * view.fan.buckets_per_unit()), walls->from + lane);
-  Store(ToInts((to + 2.0) * view.fan.buckets_per_unit()), walls->to + lane);
-  Store(from > to, walls->wraps + lane);
-}
-
-FLATLAND_INLINE void DrawWalls(const WallsView& walls, const View& view) {
-  for (int lane = 0; lane < kLeafSize; ++lane) {
-    const Vec2 a{walls.ax[lane], walls.ay[lane]};
-    const Vec2 b{walls.bx[lane], walls.by[lane]};
-    if (walls.cross[lane] > 0.0) {
-      const bool wraps = walls.wraps[lane] != 0;
-      const auto runs = view.fan.BeamsIn(walls.from[lane], walls.to[lane], wraps);
-      DrawOn(view.fan, view.inverse, runs[0], a, b, walls.inverse_cross[lane]);
-      if (wraps) DrawOn(view.fan, view.inverse, runs[1], a, b, walls.inverse_cross[lane]);
-    } else if (walls.cross[lane] == 0.0 && Dot(a, b) <= 0.0) {
-      DrawWallAtLidar(view.fan, view.inverse, b - a);
-    }
-  }
-}
-
-FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const View& view) {
-  WallsView walls;
-  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
-    ViewWalls(
-        {Load(leaf.ax + lane), Load(leaf.ay + lane), Load(leaf.bx + lane), Load(leaf.by + lane)},
-        lane, view, &walls);
-  }
-  DrawWalls(walls, view);
-}
-
-/// Draws the walls with these indices.
-FLATLAND_INLINE void DrawIndexed(const SegmentTree::Indices& indices, const Segment* segments,
-                                 const View& view) {
-  WallsView walls;
-  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
-    const Segment& a = segments[indices[lane]];
-    const Segment& b = segments[indices[lane + 1]];
-    const Segment& c = segments[indices[lane + 2]];
-    const Segment& d = segments[indices[lane + 3]];
-    ViewWalls({Doubles{a.a.x, b.a.x, c.a.x, d.a.x}, Doubles{a.a.y, b.a.y, c.a.y, d.a.y},
-               Doubles{a.b.x, b.b.x, c.b.x, d.b.x}, Doubles{a.b.y, b.b.y, c.b.y, d.b.y}},
-              lane, view, &walls);
-  }
-  DrawWalls(walls, view);
-}
-
-/// The outermost corners of a box as seen from outside, to the right and to the left: indices of
-/// their coordinates in {low x, low y, high x, high y}.
-struct Silhouette {
-  int right_x, right_y, left_x, left_y;
-};
-/// By the lidar's position: row 0 below the box, 1 level with it, 2 above; column 0 left of it, 1
-/// level with it, 2 right.
-constexpr Silhouette kSilhouettes[3][3] = {
-    {{2, 1, 0, 3}, {2, 1, 0, 1}, {2, 3, 0, 1}},
-    {{0, 1, 0, 3}, {0, 1, 0, 1}, {2, 3, 2, 1}},
-    {{0, 1, 2, 3}, {0, 3, 2, 3}, {0, 3, 2, 1}},
-};
-
-FLATLAND_INLINE const Silhouette& SilhouetteOf(const Box& box, Vec2 origin) {
-  const auto side = [](double position, double low, double high) {
-    return (position >= low) + (position > high);
-  };
-  return kSilhouettes[side(origin.y, box.low.y, box.high.y)][side(origin.x, box.low.x, box.high.x)];
-}
-
-/// Computes what two boxes cover. A box that contains the lidar gets no runs.
-FLATLAND_INLINE void ComputeExtents(const Box& first, const Box& second, const View& view,
-                                    Extent* extents) {
-  double xs[kGroup], ys[kGroup];  // right and left corner of the first box, then of the second
-  for (int k = 0; k < 2; ++k) {
-    const Box& box = k == 0 ? first : second;
-    extents[k].square_distance = box.SquareDistance(view.origin);
-    const Silhouette& seen = SilhouetteOf(box, view.origin);
-    const double edges[] = {box.low.x, box.low.y, box.high.x, box.high.y};
-    xs[2 * k] = edges[seen.right_x];
-    ys[2 * k] = edges[seen.right_y];
-    xs[2 * k + 1] = edges[seen.left_x];
-    ys[2 * k + 1] = edges[seen.left_y];
-  }
-  const Doubles world_x = Load(xs) - view.origin.x;
-  const Doubles world_y = Load(ys) - view.origin.y;
-  const Doubles x = view.rotation.cos * world_x + view.rotation.sin * world_y;
-  const Doubles y = view.rotation.cos * world_y - view.rotation.sin * world_x;
-  const Doubles diamond_angles = DiamondAngles(x, y);
-  double rights[kGroup], lefts[kGroup];
-  Store(WidenRight(diamond_angles), rights);
-  Store(WidenLeft(diamond_angles), lefts);
-  for (int k = 0; k < 2; ++k) {
-    extents[k].runs = {};
-    if (!(extents[k].square_distance > 0.0)) continue;
-    extents[k].runs = view.fan.BeamsIn({rights[2 * k], lefts[2 * k + 1]});
-  }
-}
 
 /// Which child of a node is drawn first: the nearer one; if both contain the lidar, the one with
 /// the nearer middle.
@@ -296,7 +83,7 @@ FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const Extent*
 }
 
 /// Draws the walls of a tree, front to back.
-FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
+FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const LidarView& view) {
   struct Waiting {
     const SegmentTree::Child* child;
     Extent extent;
@@ -331,7 +118,7 @@ FLATLAND_CLONES void DrawTree(const SegmentTree& walls, const View& view) {
 }
 
 /// Draws the walls of a list, about front to back.
-FLATLAND_CLONES void DrawList(const WallList& list, const View& view) {
+FLATLAND_CLONES void DrawList(const WallList& list, const LidarView& view) {
   const std::vector<WallList::Block>& blocks = list.blocks();
   const size_t near = std::min(blocks.size(), kNearBlocks);
   for (size_t i = 0; i < near; ++i) DrawIndexed(blocks[i].indices, list.walls(), view);
@@ -347,8 +134,8 @@ FLATLAND_CLONES void DrawList(const WallList& list, const View& view) {
 }
 
 /// Appends the indices of the circles in range that are not hidden.
-FLATLAND_CLONES void FindVisibleIn(const BoundingCircles& circles, const View& view, double range,
-                                   std::vector<int>* visible) {
+FLATLAND_CLONES void FindVisibleIn(const BoundingCircles& circles, const LidarView& view,
+                                   double range, std::vector<int>* visible) {
   const Doubles cos = Fill(view.rotation.cos), sin = Fill(view.rotation.sin);
   for (int group = 0; group < circles.count; group += kGroup) {
     const Doubles world_x = Load(&circles.x[group]) - view.origin.x;

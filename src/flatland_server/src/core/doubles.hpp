@@ -1,6 +1,6 @@
 #pragma once
 
-/// Arithmetic on four numbers at a time (SIMD), for depth_buffer.cpp.
+/// Arithmetic on four numbers at a time (SIMD), for depth_buffer.cpp and its parts.
 
 #include <cmath>
 #include <cstring>

@@ -34,8 +34,10 @@ from flatland_server._core import (
 )
 from flatland_server.array_math import cos_sin, headings
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.batch.observation import BatchObservation
+from flatland_server.batch.simulation_batch import SimulationBatch
 from flatland_server.canvas import Canvas
-from flatland_server.config.ros_names import check_topic_name
+from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
 from flatland_server.exceptions import (
     FlatlandError,
@@ -52,12 +54,10 @@ from flatland_server.exceptions import (
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
-from flatland_server.library.batch_observation import BatchObservation
 from flatland_server.library.free_space import DistanceGrid, FreeSpace
 from flatland_server.library.handles import DriveHandle, ModelHandle, SensorHandle
 from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulation import Simulation
-from flatland_server.library.simulation_batch import SimulationBatch
 from flatland_server.library.touch import Touch
 from flatland_server.library.world_content import world_content
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of

@@ -118,7 +118,7 @@ class YamlError(FlatlandError):
 
 
 class MissingPackageError(FlatlandError, ImportError):
-    """A Python package that this needs is not installed; the text says how to install it."""
+    """A Python package that is needed is not installed; the message says how to install it."""
 
 
 class ModelError(FlatlandError):

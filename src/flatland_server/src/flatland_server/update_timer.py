@@ -3,6 +3,9 @@
 import math
 from typing import Any, Dict
 
+import numpy as np
+
+from flatland_server.arrays import FloatArray, IntArray
 from flatland_server.timekeeper import Timekeeper
 
 
@@ -62,3 +65,20 @@ class UpdateTimer:
     def set_state(self, state: Dict[str, Any]) -> None:
         """Sets what `get_state` has returned."""
         self._period, self._start, self.due = state["period"], state["start"], state["due"]
+
+
+def due_after(times: IntArray, rate: float) -> FloatArray:
+    """When the updates after those at some times are due [ns], in many environments at once.
+
+    The same numbers as those of an `UpdateTimer` that started at time 0. Its own formula is without
+    NumPy, which takes ten times as long for one number.
+
+    Args:
+        times: of updates that were due [ns], shape (n,).
+        rate: of updates [Hz], above zero; with infinity, one is due at every check.
+    """
+    period = 1e9 / rate
+    if period == 0.0:
+        return times.astype(np.float64)
+    due: FloatArray = np.rint((np.floor((times + 0.5) / period) + 1.0) * period)
+    return due

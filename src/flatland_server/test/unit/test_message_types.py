@@ -7,7 +7,6 @@ import pickle
 import random
 import string
 from concurrent.futures import ThreadPoolExecutor
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +17,10 @@ from without_ros import run_without_ros
 
 from flatland_server import LocalTransport, MessageError, Node, messages
 from flatland_server.messages import message, message_types, times
-from flatland_server.messages.definition import NUMBERS, Definition, FieldType
+from flatland_server.messages.definition import NUMBERS, FieldType
 from flatland_server.messages.message_types import MessageTypes
 from flatland_server.messages.standard_definitions import standard_definitions
+from flatland_server.testing.observation import serialized
 
 FLATLAND_MSGS = Path(__file__).resolve().parents[3] / "flatland_msgs" / "msg"
 NAMES = [
@@ -33,12 +33,6 @@ RANGES = {
     **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
     **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
 }
-
-
-def serialized(message) -> bytes:
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
 
 
 class RandomValues:
@@ -235,119 +229,6 @@ def test_data_that_is_too_short_is_refused():
             OURS.get("sensor_msgs/LaserScan")().deserialize(data[:length])
 
 
-DEFINITION = """
-# A robot's load.
-float32 EMPTY = 0.5      # kg
-string UNIT = "kg" # all of it
-bool HEAVY=True
-Header header
-float32[2] limits  # kg
-Part[] parts
-geometry_msgs/Point[] at
-time since
-"""
-
-
-def test_a_type_of_ones_own_is_that_which_ros_would_generate():
-    from genpy.dynamic import generate_dynamic
-
-    types = MessageTypes(use_ros=False)
-    types.add("my_plugins/Part", "string name\nuint8[] code")
-    load = types.add("my_plugins/Load", DEFINITION)
-
-    ros = generate_dynamic("my_plugins/Load", load._full_text)["my_plugins/Load"]
-    assert types.get("my_plugins/Load") is load
-    assert (load._md5sum, load._slot_types) == (ros._md5sum, ros._slot_types)
-    assert (load.EMPTY, load.UNIT, load.HEAVY) == (ros.EMPTY, ros.UNIT, ros.HEAVY)
-    part = types.get("my_plugins/Part")("wheel", b"\1\2")
-    message = load(limits=[1.0, 2.0], parts=[part], since=times.Time(3, 4))
-    assert serialized(ros().deserialize(serialized(message))) == serialized(message)
-
-
-def test_with_ros_an_added_type_is_one_that_rospy_publishes():
-    cls = messages.add("my_plugins/Mass", "std_msgs/Header header\nfloat64 mass")
-    message = cls(mass=3.0)
-
-    assert issubclass(cls, genpy.Message)
-    assert isinstance(message.header, messages.get("std_msgs/Header"))
-    buffer = BytesIO()
-    genpy.message.check_type("header", "std_msgs/Header", message.header)
-    message.serialize(buffer)
-    assert cls().deserialize(buffer.getvalue()) == message
-    assert str(message).endswith("mass: 3.0")  # as ROS's
-
-
-@pytest.mark.parametrize(
-    ("name", "definition", "message"),
-    [
-        (
-            "my_plugins/A",
-            "float64 x\nflaot64 y",
-            'my_plugins/A:2: expected a type, found "flaot64"',
-        ),
-        ("my_plugins/A", "float64", "my_plugins/A:1: expected a type and a name"),
-        (
-            "my_plugins/A",
-            "float64 x\n\nint8 x",
-            'A:3: expected each name once, found "x"',
-        ),
-        ("my_plugins/A", "int8 X=y", "my_plugins/A:1: expected the value of a int8 constant"),
-        ("my_plugins/A", "A[] a", "my_plugins/A contains itself"),
-        ("my_plugins/A", "geometry_msgs/Pont a", '(did you mean "geometry_msgs/Point"?)'),
-        ("my_plugins/A", "int8 from", 'that is no keyword of Python, found "from"'),
-        ("my_plugins/A", 7, "my_plugins/A: expected a definition, found 7"),
-        ("A", "int8 a", "expected the name of a message type"),
-        ("std_msgs/Bool", "int8 data", "a message type std_msgs/Bool already, with other fields"),
-    ],
-)
-def test_a_wrong_definition_changes_nothing(name, definition, message):
-    types = MessageTypes(use_ros=False)
-
-    with pytest.raises(MessageError) as error:
-        types.add(name, definition)
-
-    assert message in str(error.value)
-    if name == "my_plugins/A":
-        with pytest.raises(MessageError, match="no message type"):
-            types.get(name)
-
-
-def test_a_type_of_ones_own_uses_those_of_ros():
-    types = MessageTypes()
-
-    route = types.add("my_plugins/Route", "nav_msgs/Path path")
-
-    for name in ("nav_msgs/Path", "geometry_msgs/PoseStamped", "geometry_msgs/Point"):
-        assert types.get(name) is messages.get(name)
-    assert type(route().path) is messages.get("nav_msgs/Path")
-
-
-def test_adding_the_same_type_again_gives_the_same_class():
-    types = MessageTypes(use_ros=False)
-
-    assert types.add("a/B", "int8 a") is types.add("a/B", "int8 a  # the same")
-    assert messages.add("std_msgs/Bool", "bool data") is messages.get("std_msgs/Bool")
-
-
-def test_types_of_a_python_package_are_in_its_folder_msg(tmp_path, monkeypatch):
-    folder = tmp_path / "pallet_plugins" / "msg"
-    folder.mkdir(parents=True)
-    (tmp_path / "pallet_plugins" / "__init__.py").touch()
-    (folder / "Pallet.msg").write_text("Crate[] crates")
-    (folder / "Crate.msg").write_text("float64 mass")
-    (folder / "Wrong.msg").write_text("float64 mass\nfloat64 mass")
-    monkeypatch.syspath_prepend(tmp_path)
-
-    for types in (MessageTypes(use_ros=False), messages):
-        crate = types.get("pallet_plugins/Crate")(mass=2.0)
-        pallet = types.get("pallet_plugins/Pallet")(crates=[crate])
-        assert len(serialized(pallet)) == 12
-        with pytest.raises(MessageError, match='did you mean "pallet_plugins/Pallet"'):
-            types.get("pallet_plugins/Palet")
-        with pytest.raises(MessageError, match=r"Wrong\.msg:2: expected each name once"):
-            types.get("pallet_plugins/Wrong")
-
-
 def test_threads_get_the_same_class():
     for _ in range(20):
         types = MessageTypes(use_ros=False)
@@ -355,37 +236,6 @@ def test_threads_get_the_same_class():
             classes = set(pool.map(types.get, ["visualization_msgs/MarkerArray"] * 8))
 
         assert len(classes) == 1
-
-
-@pytest.mark.parametrize("kind", ["Time", "Duration"])
-def test_times_are_those_of_ros(kind):
-    ours, ros = getattr(times, kind), getattr(genpy, kind)
-
-    for args in ((), (3,), (3, 4), (2, 3_500_000_000), (1.25,), (0, 999_999_999)):
-        a, b = ours(*args), ros(*args)
-        for method in ("to_sec", "to_nsec", "is_zero", "__str__", "__hash__", "__bool__"):
-            assert getattr(a, method)() == getattr(b, method)()
-        assert (a.secs, a.nsecs) == (b.secs, b.nsecs)
-    assert ours.from_sec(2.75) == ours(2, 750_000_000) != ours(2)
-    assert ours(1) < ours(1, 1) <= ours(1, 1) < ours(2) >= ours(1) > ours(0, 5)
-    with pytest.raises(TypeError):
-        ours(1) < 1.0  # noqa: B015
-    with pytest.raises(ValueError, match="whole seconds"):
-        ours(1.5, 1)
-
-
-def test_times_are_calculated_with_as_in_ros():
-    for kit in (times, genpy):
-        time, duration = kit.Time, kit.Duration
-        assert time(5, 1) - time(3, 2) == duration(1, 999_999_999)
-        assert time(5) - duration(0, 1) == time(4, 999_999_999)
-        assert time(5) + duration(1, 5) == duration(1, 5) + time(5) == time(6, 5)
-        assert duration(1) + duration(2) - duration(0, 1) == duration(2, 999_999_999)
-        assert abs(-duration(2)) == duration(1) * 2 == duration(4) / 2 == duration(8) * 0.25
-        assert duration(6) / duration(4) == 1.5
-        assert duration(7) // duration(4) == 1
-        with pytest.raises(TypeError):
-            time(1) - duration(2)
 
 
 def test_a_node_takes_a_type_by_its_name():
@@ -404,16 +254,6 @@ def test_a_node_takes_a_type_by_its_name():
     with pytest.raises(MessageError):
         node.subscribe("/c", "std_msgs/Boool", received.append)
     assert transport.topics == {"/b"}
-
-
-def test_constants_of_a_definition_are_read_in_their_types():
-    definition = Definition.parse("a/B", DEFINITION)
-
-    assert [constant.value for constant in definition.constants] == [
-        0.5,
-        '"kg" # all of it',
-        True,
-    ]
 
 
 def test_the_definitions_of_flatland_msgs_are_packaged():

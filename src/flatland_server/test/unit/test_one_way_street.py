@@ -22,6 +22,7 @@ LAYERS = (  # each may import those before it
     "rendering",
     "tools",
     "library",
+    "batch",
     "sweep",
     "viewer",
     "cli",

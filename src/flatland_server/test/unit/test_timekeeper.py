@@ -3,10 +3,11 @@
 import math
 from typing import List
 
+import numpy as np
 import pytest
 
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.update_timer import UpdateTimer
+from flatland_server.update_timer import UpdateTimer, due_after
 
 
 def update_times(rate: float, seconds: float, step_size: float = 0.005) -> List[int]:
@@ -18,6 +19,18 @@ def update_times(rate: float, seconds: float, step_size: float = 0.005) -> List[
             times.append(timekeeper.nanoseconds)
         timekeeper.step()
     return times
+
+
+@pytest.mark.parametrize("rate", [1e10, 33.3, 30.0, 7.0, 0.3, 1e-320])
+def test_updates_of_many_environments_are_due_as_those_of_one(rate):
+    times, timer = np.arange(0, 10**9, 5_000_000), UpdateTimer(rate)
+    expected = []
+    for now in times.tolist():
+        timer.due = 0
+        timer.check_update_at(now)
+        expected.append(timer.due)
+
+    assert due_after(times, rate).tolist() == expected
 
 
 def gaps(times: List[int]) -> List[int]:

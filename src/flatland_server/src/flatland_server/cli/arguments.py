@@ -72,7 +72,7 @@ def whole_from(minimum: int) -> Callable[[str], int]:
 
     def whole(text: str) -> int:
         if text.isdecimal() and int(text) >= minimum:
-            return int(text)  # all digits, also of those that no float has
+            return int(text)  # exact, where a float would be rounded
         expected = f"a whole number of {minimum} or more"
         return int(_number(text, lambda value: value >= minimum and value == int(value), expected))
 

@@ -1,4 +1,4 @@
-"""The command line: which subcommand is run, and how its errors are told."""
+"""The command line: which subcommand is run, and how its errors are reported."""
 
 import argparse
 import atexit

@@ -14,7 +14,7 @@ from flatland_server.exceptions import MissingPackageError, suggestion
 from flatland_server.library.simulation import Simulation
 
 _CHUNK = 0.05
-"""Real time between two looks at the clock and at Ctrl-C [s]; steps are made in one call."""
+"""Real time between checks of the clock and of Ctrl-C [s]; one call makes the steps of it."""
 
 _INTERRUPTED = 130
 
@@ -98,7 +98,7 @@ def _simulate(
         seconds: how much simulated time [s]; None is for ever.
         rate: at most so much simulated time per real time.
         is_interrupted: whether to end.
-        report: is told the simulated time from time to time [s].
+        report: called now and then, with the simulated time [s].
     """
     step_size = simulation.step_size
     rest = math.inf if seconds is None else max(1, round(seconds / step_size))
@@ -115,7 +115,7 @@ def _simulate(
         before = time.monotonic()
         simulation.step(count)
         spent = time.monotonic() - before
-        # As many steps as take half to all of the time between two looks.
+        # As many steps as take half to all of the time between two checks.
         chunk = count * 2 if spent < _CHUNK / 2 else max(1, count // 2 if spent > _CHUNK else count)
         made += count
         report(simulation.time)

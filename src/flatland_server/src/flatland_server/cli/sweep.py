@@ -103,7 +103,7 @@ def _execute(options: argparse.Namespace) -> int:
 
 
 def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
-    """Runs the rest of a sweep, and writes what it has given."""
+    """Runs the rest of a sweep, and writes the results."""
     rest = sweep.rest(options.retry_failed)
     done = len(sweep.scenarios) - len(rest)
     for name in sweep.unused:

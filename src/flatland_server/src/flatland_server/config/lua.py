@@ -18,7 +18,7 @@ TIME_LIMIT = 1.0  # s of processor time for all expressions of a file together
 _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machine
 
 _SEED = "math.randomseed(1)"
-"""Has math.random begin as in a new process: in Lua 5.1 it is the seed that there is by itself."""
+"""Makes math.random return the numbers of a new process: 1 is the initial seed of Lua 5.1."""
 
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
@@ -46,7 +46,7 @@ class LuaEvaluator:
         self._time_left = TIME_LIMIT
 
     def restart_random(self) -> None:
-        """Has math.random begin again, so that what follows does not depend on what was before."""
+        """Restarts math.random, so that later results do not depend on earlier expressions."""
         if self._worker is not None:
             self.evaluate(_SEED)
 

@@ -5,12 +5,9 @@ topics, and 255 is the limit of a file's name (NAME_MAX).
 """
 
 import re
-from typing import TYPE_CHECKING, Optional
+from typing import Optional
 
 from flatland_server.exceptions import shortened
-
-if TYPE_CHECKING:
-    from flatland_server.config.yaml_reader import YamlReader
 
 MAX_LENGTH = 255  # characters
 
@@ -65,16 +62,3 @@ def _length_problem(name: str) -> Optional[str]:
     if len(name) <= MAX_LENGTH:
         return None
     return f"expected a name of at most {MAX_LENGTH} characters, found {len(name)}"
-
-
-def check_topic_name(reader: "YamlReader", key: str, name: str) -> None:
-    """Notes a problem if the name given at a key cannot be part of a topic.
-
-    Args:
-        reader: of the map that has the key.
-        key: at which the name is given.
-        name: the name.
-    """
-    problem = topic_name_problem(name)
-    if problem and reader.has(key):
-        reader.problem(problem, key)

@@ -51,7 +51,7 @@ class Expressions:
         self._lua.restart_time()
 
     def restart_random(self) -> None:
-        """Has math.random begin again."""
+        """Restarts math.random."""
         self._lua.restart_random()
 
     def close(self) -> None:

@@ -8,6 +8,7 @@ import yaml
 
 from flatland_server.config.plain_nodes import NO_LINE, to_content
 from flatland_server.config.problem_collector import ProblemCollector
+from flatland_server.config.ros_names import topic_name_problem
 from flatland_server.config.yaml_values import ConversionError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
 
@@ -191,6 +192,19 @@ class YamlMap:
         return self.path
 
 
+def check_topic_name(reader: YamlMap, key: str, name: str) -> None:
+    """Notes a problem if the name given at a key cannot be part of a topic.
+
+    Args:
+        reader: of the map that has the key.
+        key: at which the name is given.
+        name: the name.
+    """
+    problem = topic_name_problem(name)
+    if problem and reader.has(key):
+        reader.problem(problem, key)
+
+
 def file_of(node: yaml.Node) -> Path:
     """The file that a node is written in."""
     return _path(node.start_mark.name)
@@ -198,7 +212,7 @@ def file_of(node: yaml.Node) -> Path:
 
 @lru_cache(maxsize=64)
 def _path(name: str) -> Path:
-    """Each map of a file asks for it: to make paths would be a twentieth of a spawn."""
+    """Cached, since each map of a file asks for it: making paths took a twentieth of a spawn."""
     return Path(name)
 
 

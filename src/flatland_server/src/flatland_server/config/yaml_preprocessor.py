@@ -67,7 +67,7 @@ class YamlPreprocessor:
         return self._resolve(node, (Path(node.start_mark.name),), {})
 
     def restart_random(self) -> None:
-        """Has math.random of expressions begin again, as in a new preprocessor."""
+        """Restarts math.random in expressions, as in a new preprocessor."""
         self._expressions.restart_random()
 
     def close(self) -> None:

@@ -260,7 +260,7 @@ class DriveHandle:
             raise self._wrong_command(values, error) from error
 
     def _wrong_command(self, values: Tuple[Any, ...], error: Exception) -> UsageError:
-        """The error for a command that the plugin has refused, with this error."""
+        """The error for a command that the plugin has refused by raising this error."""
         signature = inspect.signature(self._command)
         reason = ""
         try:

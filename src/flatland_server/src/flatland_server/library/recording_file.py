@@ -39,7 +39,7 @@ class RecordingFile(ABC):
             active = path.absolute().with_name(f"{path.name}.active")
             if active in _in_use:
                 raise RecordingError(f"{path}: is being recorded already")
-            active.unlink(missing_ok=True)  # what a run that was ended has left
+            active.unlink(missing_ok=True)  # left by a process that was killed
             finish = self._open(active)
         _in_use.add(active)
         self._end = weakref.finalize(self, _end, finish, active, path, os.getpid())
@@ -68,7 +68,7 @@ class RecordingFile(ABC):
 
     @abstractmethod
     def _open(self, path: Path) -> Callable[[], None]:
-        """Begins the file; returns what writes its end."""
+        """Begins the file; returns the function that finishes it."""
 
     @abstractmethod
     def _write(

@@ -274,7 +274,7 @@ def _read_string(reader: Reader) -> str:
 
 
 def _expected(message: Any, path: str, kind: str) -> str:
-    """What a field of a message should have and what it has, or the object that it belongs to."""
+    """The problem of a field of a message, or of the object that it belongs to."""
     value, names = message, path.split(".")
     for depth, name in enumerate(names):
         if not hasattr(value, name):

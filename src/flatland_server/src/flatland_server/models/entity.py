@@ -9,7 +9,7 @@ from flatland_server.exceptions import StateError
 
 
 class Entity(ABC):
-    """A model or a layer: what a plugin is told that it is in contact with."""
+    """A model or a layer: what a contact is with, as plugins see it."""
 
     @property
     @abstractmethod

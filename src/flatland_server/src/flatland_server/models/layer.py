@@ -12,7 +12,7 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
-from flatland_server.config.ros_names import check_topic_name
+from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import Color, YamlReader
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity

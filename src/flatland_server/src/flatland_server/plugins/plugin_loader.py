@@ -82,7 +82,7 @@ class PluginLoader:
 
 
 def _question() -> str:
-    """What to ask a user without any plugins, not even the built-in ones."""
+    """A question to users without any plugins, not even the built-in ones."""
     if "ROS_PACKAGE_PATH" in os.environ:
         return "is the workspace's setup.bash sourced?"
     return "is flatland2d installed in this Python (pip install)?"

@@ -47,7 +47,7 @@ class PluginRevision:
         self.value = 0
 
     def change(self) -> None:
-        """A plugin has been started, stopped or switched off, or all are others."""
+        """A plugin has been started, stopped or switched off, or all have been replaced."""
         self.value += 1
 
 

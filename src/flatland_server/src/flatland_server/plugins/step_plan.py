@@ -25,7 +25,7 @@ class StepPlan:
         self.subscriber_revision: object = None
 
     def extend(self, until: float) -> None:
-        """From now on it holds until another time [ns]; infinity if no hook is to be called."""
+        """Extends the plan to another time [ns]; infinity if no hook is to be called."""
         self.until = math.ceil(until) if until < _FOREVER else _FOREVER
 
     def expire(self) -> None:

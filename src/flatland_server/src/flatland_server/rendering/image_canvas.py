@@ -168,7 +168,7 @@ class ImageCanvas(Canvas):
 
 @lru_cache(maxsize=256)
 def _letters(text: str) -> Image.Image:
-    """A text as a mask, in Pillow's own font, the same on all machines.
+    """A string as a mask, in Pillow's own font, the same on all machines.
 
     Before Pillow 10.1 that is one of pixels, which is enlarged.
     """

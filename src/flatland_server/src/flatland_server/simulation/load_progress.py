@@ -38,5 +38,5 @@ class LoadProgress:
         logger.info("walls: %d %%", percent, extra={"percent": percent})
 
     def layer_is_complete(self, walls: int) -> None:
-        """Follows a layer with this number of walls."""
+        """Counts a layer with this number of walls as added."""
         self._former_layers += walls

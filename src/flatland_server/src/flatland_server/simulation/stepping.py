@@ -73,7 +73,7 @@ class Stepping:
         if is_current and not self._deferred.pending and self.step_as_planned(timekeeper, limit):
             self.transport.flush()
             return limit
-        # A plan that is current says already whether a hook is to be called in the next step.
+        # A valid plan already tells whether a hook is to be called in the next step.
         steps = 0 if is_current and limit == 1 else self._steps_without_hooks(timekeeper, limit)
         if steps > 0:
             return self._step_until_contact(timekeeper, steps)
@@ -112,7 +112,7 @@ class Stepping:
             timekeeper.step(physics.completed_steps - counted)
             counted = physics.completed_steps
 
-        self._plugins.before_contact_hooks = count_steps  # they are told the time of their step
+        self._plugins.before_contact_hooks = count_steps  # so that they get the time of their step
         try:
             with self._deferred.lock:
                 physics.step_until_contact(timekeeper.step_size, limit)

@@ -8,7 +8,8 @@ import numpy as np
 
 from flatland_server.arrays import Segments
 from flatland_server.config.input_files import is_file
-from flatland_server.config.ros_names import check_topic_name, namespace_problem
+from flatland_server.config.ros_names import namespace_problem
+from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError

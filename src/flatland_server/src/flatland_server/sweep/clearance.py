@@ -1,8 +1,8 @@
 """The distance between a robot and what it could hit: walls, and the footprints of other models.
 
 Distances are exact for discs and polygons. Most calls compare a few numbers only: a robot that has
-moved by d is nearer to a wall by d at most, so that walls are looked at again only when they could
-be nearer than ever before.
+moved by d is nearer to a wall by d at most, so that walls are compared again only if one could be
+nearer than all before.
 """
 
 import math
@@ -51,7 +51,7 @@ class _Walls:
         self._known: Optional[Tuple[float, Sequence[float]]] = None  # a distance, and at which pose
 
     def distance(self, pose: Sequence[float], shortest: float) -> float:
-        """The distance, if it may be shorter than `shortest`; else something that is not [m]."""
+        """The distance [m] if it is shorter than `shortest`; else a lower bound that is not."""
         if self._known is not None:
             before, where = self._known
             turned = abs(math.remainder(pose[2] - where[2], math.tau))

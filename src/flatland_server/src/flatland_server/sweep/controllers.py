@@ -31,7 +31,7 @@ _NOT_CALLED = (
     inspect.iscoroutinefunction,
     inspect.isasyncgenfunction,
 )
-"""Kinds of functions of which a call does nothing yet."""
+"""Tests for generators and coroutines: functions that do nothing when they are only called."""
 
 
 def python_file(target: str, folder: Path) -> Optional[Path]:

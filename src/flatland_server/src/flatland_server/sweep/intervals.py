@@ -76,7 +76,7 @@ def t_quantile(freedom: int) -> float:
 
 
 def _probability(t: float, freedom: int) -> float:
-    """That |T| < t."""
+    """The probability of |T| < t."""
     angle = math.atan(t / math.sqrt(freedom))
     sine, cosine = math.sin(angle), math.cos(angle)
     if freedom % 2:

@@ -1,4 +1,4 @@
-"""What workers are asked for: the result of a scenario, or a picture of its run."""
+"""The jobs of workers: the result of a scenario, or a picture of its run."""
 
 from dataclasses import dataclass
 from typing import Union

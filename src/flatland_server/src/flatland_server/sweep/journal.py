@@ -22,7 +22,7 @@ class Entry:
     """A scenario that is done.
 
     Attributes:
-        result: what it has given.
+        result: of the scenario.
         seconds: of real time.
         attempts: how often it was begun.
     """
@@ -33,13 +33,13 @@ class Entry:
 
 
 class Journal:
-    """The results that there are, by the fingerprints of their scenarios; open for more.
+    """The results so far, by the fingerprints of their scenarios, and the file that they are in.
 
     Args:
-        path: of the file, which is made if it is not there.
+        path: of the file; created if it does not exist.
 
     Attributes:
-        entries: what it has, by fingerprint.
+        entries: by fingerprint.
 
     Raises:
         FlatlandError: the file cannot be written, is something else, or another sweep writes it.

@@ -1,4 +1,4 @@
-"""Worker processes on this machine: hands out jobs, and survives what jobs do to workers."""
+"""Worker processes on this machine: distributes jobs, and replaces workers that die."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from flatland_server.sweep.worker import READY
 from flatland_server.sweep.worker_process import WorkerProcess
 
 _MAX_FAILED_STARTS = 5
-"""Workers that may die one after the other before they are ready."""
+"""How many workers in a row may die before they are ready."""
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Done:
     """A job that is done.
 
     Attributes:
-        job: what was asked for.
-        answer: what it has given; the same wherever it was done.
+        job: the job.
+        answer: its result; the same wherever it was done.
         seconds: of real time that the last attempt has taken.
         attempts: how often it was begun.
     """
@@ -41,7 +41,7 @@ class LocalPool:
     Args:
         settings: of the sweep.
         size: number of worker processes at most; they are started when they are needed.
-        report: is told what has happened to workers, a sentence each.
+        report: called with a sentence for each worker that has died or was stopped.
     """
 
     def __init__(
@@ -67,13 +67,13 @@ class LocalPool:
         self._hand_out(waiting, attempts)
         while waiting or any(worker.job for worker in self._workers):
             found = [self._look_after(each, attempts, waiting) for each in self._wait()]
-            self._hand_out(waiting, attempts)  # no worker waits for what is done with an answer
+            self._hand_out(waiting, attempts)  # before the caller processes the answer
             for done in found:
                 if done is not None:
                     yield done
 
     def report_to(self, report: Callable[[str], None]) -> None:
-        """Tells another function what happens to workers from now on."""
+        """Reports to another function from now on."""
         self._report = report
 
     def close(self) -> None:
@@ -95,7 +95,7 @@ class LocalPool:
                 worker.begin(job)
 
     def _wait(self) -> List[WorkerProcess]:
-        """Waits for messages, deaths and the end of a job's time; returns those concerned."""
+        """Waits; returns workers that have sent a message, have died, or have taken too long."""
         limit = self._settings.real_time_limit
         rest = [max(0.0, limit - worker.seconds) for worker in self._workers if worker.job]
         ready = wait([worker.connection for worker in self._workers], min(rest, default=None))

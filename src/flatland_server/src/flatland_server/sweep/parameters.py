@@ -44,7 +44,7 @@ def world_params(parameters: Mapping[str, Any]) -> Dict[str, Any]:
 
 
 def world_key(world: str, parameters: Mapping[str, Any]) -> str:
-    """Tells apart the worlds that parameters make of one, which is named."""
+    """A key for a world as parameters change it: equal ones are equal worlds."""
     parts = [world, world_params(parameters), world_changes(parameters)]
     return json.dumps(parts, sort_keys=True)
 
@@ -95,7 +95,7 @@ def set_value(content: Dict[str, Any], place: str, value: Any) -> None:
 
 
 def _inner(outer: Any, word: str, place: str, where: str) -> Any:
-    """The map or list of this name within another one; that of a model also within its entry."""
+    """The map or list of this name within another one; for a model, also within its `model`."""
     if isinstance(outer, list):
         return outer[_index(outer, word, place, where)]
     if isinstance(outer, dict):

@@ -32,7 +32,7 @@ class RayPool:
         settings: of the sweep.
         address: of the cluster, such as "auto" or "ray://head:10001"; "local" starts one.
         size: how many jobs are done at a time; None: as many as the cluster has CPUs.
-        report: is told what has happened to workers, a sentence each.
+        report: called with a sentence for each worker that has died or was stopped.
         excluded: a folder of results that is not sent to the workers.
 
     Raises:

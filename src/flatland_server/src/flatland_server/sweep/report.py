@@ -89,7 +89,7 @@ def text_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def unsuccessful(rows: Sequence[Mapping[str, Any]]) -> List[Mapping[str, Any]]:
     """The rows of runs that ended without success, with a collision or with an exception.
 
-    Those that crashed or hung are not among them: so they would again.
+    Runs that crashed or hung are left out: a picture needs another run, which would do the same.
     """
     ended = [row for row in rows if row["outcome"]]
     return [row for row in ended if row["success"] is False or row["collision"] or row["error"]]

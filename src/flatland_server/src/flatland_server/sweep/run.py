@@ -14,7 +14,7 @@ from flatland_server.sweep.settings import SweepSettings, Task, steps_in
 
 
 class RunObserver:
-    """Looks at a run: its methods do nothing, and are overridden."""
+    """The base of observers of runs; its methods do nothing."""
 
     def on_begin(self, run: "SweepRun") -> None:
         """Is called before the first step."""
@@ -52,7 +52,7 @@ class SweepRun:
         goal: x, y [m]; None if there is none.
         seed: of the scenario.
         parameters: of the scenario, by name.
-        observer: is told of each step.
+        observer: called at each step.
 
     Attributes:
         simulation: the world; see `Simulation`. Its time passes by `step` of the run.
@@ -205,7 +205,7 @@ class SweepRun:
         return found
 
     def _measure(self) -> None:
-        """Looks at the robot after a step."""
+        """Updates the metrics after a step."""
         self._steps += 1
         if self._robot is not None:
             x, y, _ = self._body.pose

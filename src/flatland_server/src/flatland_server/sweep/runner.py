@@ -14,10 +14,10 @@ from flatland_server.library.simulation import Simulation
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.sweep.controllers import arguments_of, find_controller
 from flatland_server.sweep.parameters import world_key, world_params
-from flatland_server.sweep.places import draw_places
 from flatland_server.sweep.run import RunObserver, RunOver, SweepRun
 from flatland_server.sweep.scenario import Scenario
 from flatland_server.sweep.settings import RANDOM, SweepSettings, SweepWorld
+from flatland_server.sweep.start_and_goal import draw_start_and_goal
 from flatland_server.sweep.sweep_worlds import SweepWorlds
 
 _KEPT_WORLDS = 4
@@ -33,7 +33,7 @@ Row = Dict[str, Any]
 
 @dataclass(frozen=True)
 class Result:
-    """What a scenario has given. Equal scenarios give equal results.
+    """The result of a scenario. Equal scenarios have equal results.
 
     Attributes:
         row: what was measured; empty if it was not run to the end.
@@ -134,7 +134,7 @@ class ScenarioRunner:
                     kept[key] = make()
                 return kept[key]
 
-            start, goal = draw_places(simulation, robot, task, scenario.seed, free_space)
+            start, goal = draw_start_and_goal(simulation, robot, task, scenario.seed, free_space)
             if task.start is not None:
                 simulation.move(robot.name, start)
         return SweepRun(
@@ -149,7 +149,7 @@ class ScenarioRunner:
         )
 
     def _drive(self, scenario: Scenario, run: SweepRun) -> Result:
-        """Runs the controller, and collects what it gives."""
+        """Runs the controller, and collects the result."""
         folder = self._settings.folder
         function = find_controller(scenario.controller, folder)
         arguments = arguments_of(scenario.controller, function, scenario.parameters, folder)

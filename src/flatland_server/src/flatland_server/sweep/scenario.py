@@ -28,13 +28,13 @@ class Scenario:
 
     @property
     def group(self) -> Dict[str, Any]:
-        """What it has in common with those that differ in the seed, by the names of columns."""
+        """World, controller and parameters: the columns that do not depend on the seed."""
         names = {"world": self.world.name, "controller": self.controller.name}
         return {**names, **self.parameters}
 
     @property
     def columns(self) -> Dict[str, Any]:
-        """What identifies it, by the names of columns."""
+        """The columns that identify it, by their names."""
         return {"scenario": self.number, **self.group, "seed": self.seed}
 
     def __str__(self) -> str:

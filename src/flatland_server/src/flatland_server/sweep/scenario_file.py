@@ -60,7 +60,7 @@ def read_scenario_file(path: Path) -> SweepSettings:
 
 
 def _check_durations(reader: YamlReader, settings: SweepSettings) -> None:
-    """Notes a step that there cannot be, and durations that are no multiples of it."""
+    """Notes an invalid step size, and durations that are no multiples of it."""
     try:
         new_timekeeper(settings.step_size)
     except UsageError as error:

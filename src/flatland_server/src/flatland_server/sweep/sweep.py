@@ -1,4 +1,4 @@
-"""A sweep: does what is not done yet, and writes tables, a summary and a report."""
+"""A sweep: runs the scenarios without a result, and writes tables, a summary and a report."""
 
 import shlex
 from collections import Counter
@@ -21,13 +21,13 @@ JOURNAL = "journal.jsonl"
 
 
 class Pool(Protocol):
-    """What does jobs: `LocalPool` or `RayPool`."""
+    """The interface of `LocalPool` and `RayPool`."""
 
     def map(self, jobs: Iterable[Job]) -> Iterator[Done]:
         """Does jobs; yields each when it is done, in any order."""
 
     def close(self) -> None:
-        """Ends at once what is being done."""
+        """Stops all jobs at once."""
 
 
 class Written(NamedTuple):
@@ -100,7 +100,7 @@ class Sweep:
         return len(set(self._journal.entries) - set(self._fingerprints.values()))
 
     def run(self, scenarios: Iterable[Scenario], pool: Pool) -> Iterator[Result]:
-        """Runs scenarios; what is done is in the journal before it is yielded."""
+        """Runs scenarios; each result is in the journal before it is yielded."""
         for done in pool.map(Job(scenario) for scenario in scenarios):
             assert isinstance(done.answer, Result)
             entry = Entry(done.answer, done.seconds, done.attempts)

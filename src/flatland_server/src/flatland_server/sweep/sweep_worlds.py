@@ -1,6 +1,6 @@
 """The worlds of a sweep, with what the parameters of a scenario change in them.
 
-A process for expressions takes longer to start than most worlds to read: it is kept.
+The process that evaluates expressions is kept: starting one takes longer than reading most worlds.
 """
 
 from copy import deepcopy
@@ -55,7 +55,7 @@ class SweepWorlds:
                 value = str(self._folder / to_path(value))
             set_value(content, place, value)
         if any(map(names_a_file, changes)):
-            content = self._read(content)  # with these files
+            content = self._read(content)  # again, with the files that have been put in
         return content
 
     def close(self) -> None:
@@ -74,7 +74,7 @@ class SweepWorlds:
         return deepcopy(content)
 
     def _read(self, world: Union[str, Path, Mapping[str, Any]]) -> Dict[str, Any]:
-        """A world, whatever was read before."""
+        """Reads a world from its files."""
         self.preprocessor.restart_random()
         return read_world_content(world, self.preprocessor)
 

@@ -101,7 +101,7 @@ def write_parquet(path: Path, table: Table) -> None:
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Writes a file in one piece: it is the former or the new one, whatever happens.
+    """Writes a file atomically: whatever happens, it is the former or the new one.
 
     Raises:
         FlatlandError: it cannot be written.

@@ -22,8 +22,8 @@ main(int(sys.argv[1]))
 """
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""How many threads a worker's NumPy uses: 1, unless the user says something else. There are as many
-workers as CPUs; and a matrix product of several threads may be rounded in another way.
+"""How many threads NumPy uses in a worker: 1, unless the user has set it. There are as many workers
+as CPUs; and several threads may round a matrix product in another way.
 """
 
 

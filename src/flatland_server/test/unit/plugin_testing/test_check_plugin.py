@@ -1,7 +1,8 @@
 """check_plugin: a plugin that keeps the contract passes, and each way to break it is named."""
 
 import pytest
-from plugin_testing.beacons import BROKEN, ENTRY, Beacon, BrokenTwice
+from plugin_testing.beacon import ENTRY, Beacon
+from plugin_testing.broken_beacons import BROKEN, BrokenTwice
 
 from flatland_server import PluginDeclaration, PluginLoader
 from flatland_server.testing import PluginContractError, check_plugin

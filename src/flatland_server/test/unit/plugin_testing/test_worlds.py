@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from plugin_testing import beacons
+from plugin_testing.broken_beacons import Breaks
 
 from flatland_server import FlatlandError, PluginDeclaration, PluginLoader
 from flatland_server.testing import WorldFiles, load, refusal, robot
@@ -77,7 +77,7 @@ def test_what_is_not_refused_is_an_assertion_error():
 
 
 def test_a_plugin_that_fails_ends_the_test_unless_it_may():
-    simulation = WorldFiles(loader=PluginLoader([PluginDeclaration.of(beacons.Breaks)])).robot(
+    simulation = WorldFiles(loader=PluginLoader([PluginDeclaration.of(Breaks)])).robot(
         "type: Breaks, name: a"
     )
 

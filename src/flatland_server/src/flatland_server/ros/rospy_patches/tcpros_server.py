@@ -10,7 +10,7 @@ header (the handshake of TCPROS) before it accepts the next. Three things stop i
   one second, two seconds, four seconds etc. Here a thousand may wait.
 
 A subscriber that connects to a topic that has just been removed, with its model or its world, is
-refused. rospy warns of each, and lists all topics; here the subscriber alone is told.
+refused. rospy warns of each, and lists all topics; here only the subscriber gets the error.
 """
 
 import errno

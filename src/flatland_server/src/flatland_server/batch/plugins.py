@@ -6,9 +6,9 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
-from flatland_server.library.batch_arguments import require_finite
-from flatland_server.library.batch_motions import BatchMotions
-from flatland_server.library.batch_worlds import BatchWorlds
+from flatland_server.batch.arguments import require_finite
+from flatland_server.batch.motions import BatchMotions
+from flatland_server.batch.worlds import BatchWorlds
 from flatland_server.simulation.world import World
 
 
@@ -38,7 +38,7 @@ class BatchPlugins:
         seeds: IntArray,
         steps: IntArray,
     ) -> None:
-        """Makes sure that environments are in the worlds of their seeds.
+        """Loads the worlds of environments with new seeds, if worlds depend on the seed.
 
         Args:
             core: the batch.

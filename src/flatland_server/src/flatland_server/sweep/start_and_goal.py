@@ -17,14 +17,14 @@ _TRIES = 200
 _DRAWN = 256
 """Places that are drawn in each try."""
 
-FreeSpaces = Callable[[Callable[[], FreeSpace]], FreeSpace]
-"""Returns the free space of the world: what it is given makes one, where there is none yet."""
+FreeSpaceCache = Callable[[Callable[[], FreeSpace]], FreeSpace]
+"""Returns the free space of the world, kept; the argument computes it the first time."""
 
 
-def draw_places(
-    simulation: Simulation, robot: ModelHandle, task: Task, seed: int, free_spaces: FreeSpaces
+def draw_start_and_goal(
+    simulation: Simulation, robot: ModelHandle, task: Task, seed: int, free_spaces: FreeSpaceCache
 ) -> Tuple[Pose, Optional[Point]]:
-    """The start of a robot's origin and its goal; what is not random is as the task says.
+    """The start of a robot's origin and its goal: drawn where the task says random.
 
     Args:
         simulation: at time 0, with the robot where the world file puts it.

@@ -6,10 +6,11 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
-from flatland_server.library.batch_robot import has_batch_motion
+from flatland_server.batch.robot import has_batch_motion
 from flatland_server.plugins.batch_motion import BatchMotion
 from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.simulation.world import World
+from flatland_server.update_timer import due_after
 
 
 class _Entry(NamedTuple):
@@ -70,7 +71,7 @@ class BatchMotions:
                 is_due &= chosen
             if is_due.any():
                 self._update(core, each, is_due)
-                each.due[is_due] = _due_after(times[is_due], each.motion.rate)
+                each.due[is_due] = due_after(times[is_due], each.motion.rate)
             left = each.due - times
             least = left.min() if chosen is None else left[chosen].min(initial=np.inf)
             most = int(min(most, max(1.0, np.ceil(least / self._step))))
@@ -84,12 +85,3 @@ class BatchMotions:
             chosen, poses[chosen], velocities[chosen], self._step * 1e-9
         ).reshape(len(chosen), -1)
         core.set_velocities(each.moved, new, is_due)
-
-
-def _due_after(times: IntArray, rate: float) -> FloatArray:
-    """When the updates after those at these times are due [ns]: as with an `UpdateTimer`."""
-    period = 1e9 / rate
-    if period == 0.0:
-        return times.astype(np.float64)
-    due: FloatArray = np.rint((np.floor((times + 0.5) / period) + 1.0) * period)
-    return due

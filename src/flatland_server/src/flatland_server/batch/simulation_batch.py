@@ -1,23 +1,14 @@
 """Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
 
 import inspect
-import math
 import os
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
-from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import (
-    folders_of,
-    params_of,
-    several,
-    shown,
-    whole_number,
-)
-from flatland_server.library.batch_arguments import (
+from flatland_server.batch.arguments import (
     actions_of,
     index_of,
     mask_of,
@@ -26,12 +17,21 @@ from flatland_server.library.batch_arguments import (
     require_finite,
     seeds_of,
 )
-from flatland_server.library.batch_noise import BatchNoise
-from flatland_server.library.batch_observation import BatchObservation
-from flatland_server.library.batch_plugins import BatchPlugins
-from flatland_server.library.batch_robot import find_robot, require_passive
-from flatland_server.library.batch_view import BatchView
-from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
+from flatland_server.batch.free_spaces import FreeSpaces
+from flatland_server.batch.noise import BatchNoise
+from flatland_server.batch.observation import BatchObservation
+from flatland_server.batch.plugins import BatchPlugins
+from flatland_server.batch.robot import find_robot, require_passive
+from flatland_server.batch.view import BatchView
+from flatland_server.exceptions import UsageError
+from flatland_server.library.arguments import (
+    folders_of,
+    params_of,
+    several,
+    shown,
+    whole_number,
+)
+from flatland_server.library.free_space import FreeSpace
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_source import WorldSource, exported_plugins, open_world
@@ -58,9 +58,8 @@ class SimulationBatch:
 
     Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars and tweens
     work, and plugins that only observe are left out. Those that set velocities of bodies at their
-    updates, such as Crowd, do so in all environments at once (`BatchMotion`). Noise of the lidar is
-    added in Python, 20 us for each scan; poses and velocities are the true ones, whatever the noise
-    of odometry.
+    updates, such as Crowd, do so in all environments at once (`BatchMotion`). The lidar has its
+    noise; poses and velocities are the true ones, whatever the noise of odometry.
 
     The arrays of an observation are new ones in each call, unless the caller passes some as `out`.
     The batch keeps no reference to them and never writes to them later. A batch is used by one
@@ -142,7 +141,7 @@ class SimulationBatch:
         )
         self._plugins.begin(None, self._seeds)
         self._noise = BatchNoise(self._robot, self._num_envs)
-        self._spaces: Dict[float, FreeSpace] = {}
+        self._spaces = FreeSpaces(self._world, self._robot)
 
     # Facts
 
@@ -302,7 +301,7 @@ class SimulationBatch:
         return observation
 
     def view(self, index: int) -> Simulation:
-        """A simulation in which everything is where it is in an environment: for pictures.
+        """A simulation with everything where it is in an environment, for pictures.
 
             batch.view(3).save_picture("robot.png", follow=batch.robot, sensors=True)
 
@@ -346,22 +345,7 @@ class SimulationBatch:
         Raises:
             UsageError: the clearance is not usable, or leaves no place.
         """
-        is_number = isinstance(clearance, (int, float, np.number))
-        if not (is_number and math.isfinite(clearance) and clearance > 0.0):
-            raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
-        if clearance not in self._spaces:
-            robot = self._robot.model
-            others = [each for each in self._world.models.values() if each is not robot]
-            discs = discs_of((each.pose, each.radius) for each in others)
-            resolution = min(max(clearance / 6.0, 0.02), 0.1)
-            grid = DistanceGrid(
-                self._walls(), robot.pose[:2], clearance, discs=discs, resolution=resolution
-            )
-            space = grid.free_space(clearance)
-            if space.area == 0.0:
-                raise UsageError(f"no place has a clearance of {clearance:g} m")
-            self._spaces[clearance] = space
-        return self._spaces[clearance]
+        return self._spaces.of(clearance)
 
     def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:
         """Random poses for `reset`, uniformly distributed over `free_space` and all headings.
@@ -454,13 +438,3 @@ class SimulationBatch:
         chosen = np.arange(self._num_envs) if mask is None else np.flatnonzero(mask)
         self._seeds[chosen] = seeds[chosen]
         self._noise.restart(chosen.tolist())
-
-    def _walls(self) -> FloatArray:
-        """The walls that the robot collides with: shape (n, 4)."""
-        bits = 0
-        for body in self._robot.model.physics_bodies:
-            for fixture in body.fixtures:
-                bits |= fixture.layers
-        config = self._world.config
-        walls = [config.walls_of(layer) for layer in config.layers if layer.bits & bits]
-        return np.concatenate([np.empty((0, 4)), *walls])

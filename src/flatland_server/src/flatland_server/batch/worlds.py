@@ -6,7 +6,7 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, IntArray, Segments
-from flatland_server.library.batch_robot import acts_when_loaded
+from flatland_server.batch.robot import acts_when_loaded
 from flatland_server.simulation.world import World
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, Float32Array, IntArray
-from flatland_server.library.batch_robot import BatchRobot
+from flatland_server.batch.robot import BatchRobot
 from flatland_server.plugins.core_parts import AddNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
 
@@ -27,7 +27,7 @@ class BatchNoise:
         self._new: Set[int] = set(range(count))
 
     def restart(self, environments: Sequence[int]) -> None:
-        """To be called after environments have got other seeds."""
+        """To be called after the seeds of environments have changed."""
         self._new.update(environments)
 
     def add(
@@ -51,7 +51,7 @@ class BatchNoise:
             ranges[k] = noise(ranges[k], int(nanoseconds[k]))
 
     def _make(self, seeds: IntArray) -> None:
-        """Makes the noise of environments that have got other seeds."""
+        """Makes the noise of environments with new seeds."""
         assert self._make_noise is not None
         for k in self._new:
             rng = plugin_rng(int(seeds[k]), self._robot.model.name, self._robot.lidar.name)

@@ -116,7 +116,7 @@ def find_robot(world: World, name: Optional[str], lidar: Optional[str]) -> Batch
 
 
 def _missing(drives: List[ModelPlugin], lidars: List[ModelPlugin]) -> str:
-    """What a model that is no robot lacks."""
+    """What a model lacks that would make it a robot."""
     if drives:
         return "no lidar"
     return "no drive" if lidars else "neither"

@@ -1,25 +1,15 @@
-"""A plugin that keeps the contract, and others that break it in one way each."""
+"""Plugins that break the contract in one way each, and what the checks say of them."""
 
 import logging
 import weakref
-from io import BytesIO
 from typing import Any, Callable, ClassVar, Dict, Iterator, List, Type
 
 import numpy as np
 from geometry_msgs.msg import PointStamped, Vector3
+from plugin_testing.beacon import Beacon, PointWriter
 from std_msgs.msg import Bool
 
-from flatland_server import (
-    Canvas,
-    MessageWriter,
-    ModelPlugin,
-    Pose,
-    Timekeeper,
-    Transform,
-    UpdateTimer,
-    YamlReader,
-    header,
-)
+from flatland_server import Canvas, ModelPlugin, Pose, Timekeeper, Transform, YamlReader
 from flatland_server.testing import (
     behaviour_checks,
     configuration_checks,
@@ -29,92 +19,7 @@ from flatland_server.testing import (
 )
 from flatland_server.testing.checked_plugin import CheckedPlugin
 
-ENTRY = {
-    "type": "Beacon",
-    "name": "beacon",
-    "body": "base",
-    "topic": "point",
-    "switch_topic": "switch",
-    "frame": "lamp",
-    "update_rate": "inf",
-    "limits": {"low": 1.0, "high": 2.0},
-    "colors": [{"red": 0.5}],
-}
 REMEMBERED: List[Any] = []
-
-
-class PointWriter(MessageWriter):
-    def __init__(self, frame: str) -> None:
-        self._frame = frame
-
-    def message(self, nanoseconds: int, x: float) -> PointStamped:
-        message = PointStamped(header=header(nanoseconds, self._frame))
-        message.point.x = x
-        return message
-
-    def data(self, nanoseconds: int, x: float) -> bytes:
-        buffer = BytesIO()
-        self.message(nanoseconds, x).serialize(buffer)
-        return buffer.getvalue()
-
-
-class Beacon(ModelPlugin):
-    writer_type: Type[MessageWriter] = PointWriter
-
-    def on_initialize(self, config: YamlReader) -> None:
-        self.body = self.read_body(config)
-        topic = config.get_string("topic", "point")
-        switch_topic = config.get_string("switch_topic", "switch")
-        self.frame = self.own_frame(config.get_string("frame", "lamp"))
-        rate = self.read_rate(config)
-        self.read_limits(config)
-        config.get_sections("colors", self.read_color)
-        self.read_more(config)
-        config.finish()
-        self.is_on = True
-        self.update_timer = UpdateTimer(rate)
-        self.publisher = self.node.advertise(self.own_topic(topic), PointStamped)
-        self.node.subscribe(switch_topic, Vector3, self.on_switch)
-        self.writer = self.writer_type(self.frame)
-
-    def read_body(self, config: YamlReader) -> Any:
-        return self.get_body(config)
-
-    def read_rate(self, config: YamlReader) -> float:
-        return config.get_rate("update_rate", 10.0)
-
-    def read_limits(self, config: YamlReader) -> None:
-        limits = config.get_section("limits")
-        self.low, self.high = limits.get_float("low", 1.0), limits.get_float("high", 2.0)
-        limits.finish()
-
-    def read_color(self, section: YamlReader) -> float:
-        red = section.get_float("red", 1.0)
-        section.finish()
-        return red
-
-    def read_more(self, config: YamlReader) -> None:
-        pass
-
-    def own_frame(self, frame: str) -> str:
-        return self.name_space_tf(frame)
-
-    def own_topic(self, topic: str) -> str:
-        return topic
-
-    def on_switch(self, message: Vector3) -> None:
-        self.is_on = message.x < 1.0
-
-    def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        self.shine(timekeeper.nanoseconds)
-
-    def shine(self, now: int) -> None:
-        if self.publisher.has_subscribers:
-            x = np.random.default_rng([7, now]).normal()
-            self.publisher.write(self.writer, now, float(x))
-        if self.node.transforms_have_subscribers:
-            parent = self.name_space_tf(self.body.name)
-            self.node.send_transform(Transform(now, parent, self.frame, Pose()))
 
 
 class Breaks(ModelPlugin):
@@ -158,19 +63,19 @@ class AcceptsRateOfZero(Beacon):
         return config.get_float("update_rate", 1.0, minimum=0.0, allow_infinity=True) or 1.0
 
 
-class PublishesToNobody(Beacon):
+class PublishesWithoutSubscribers(Beacon):
     def shine(self, now: int) -> None:
         self.publisher.publish(PointWriter(self.frame).message(now, 1.0))
 
 
-class MakesMessagesForNobody(Beacon):
+class MakesMessagesWithoutSubscribers(Beacon):
     def shine(self, now: int) -> None:
         message = PointWriter(self.frame).message(now, 1.0)
         if self.publisher.has_subscribers:
             self.publisher.publish(message)
 
 
-class SendsTransformsToNobody(Beacon):
+class SendsTransformsWithoutSubscribers(Beacon):
     def shine(self, now: int) -> None:
         self.node.send_transform(Transform(now, self.body.name, self.frame, Pose()))
 
@@ -368,9 +273,9 @@ BROKEN: Dict[Callable[[CheckedPlugin], Iterator[str]], Dict[Type[Beacon], str]] 
         AcceptsRateOfZero: 'expected a refusal of "update_rate: 0" that names the key and line',
     },
     behaviour_checks.check_without_subscribers: {
-        PublishesToNobody: "expected no message, found one published to /point",
-        MakesMessagesForNobody: "expected no message made for /point, found 100",
-        SendsTransformsToNobody: 'expected no transform, found one of the frame "lamp"',
+        PublishesWithoutSubscribers: "expected no message, found one published to /point",
+        MakesMessagesWithoutSubscribers: "expected no message made for /point, found 100",
+        SendsTransformsWithoutSubscribers: 'expected no transform, found one of the frame "lamp"',
         DependsOnSubscribers: "expected the same messages, however late a topic gets its",
         NeverNoticesSubscribers: "expected a message on /point after it has got a subscriber",
     },

@@ -10,16 +10,14 @@ from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings
 from flatland_server import (
     BoolArray,
-    FloatArray,
     ModelHandle,
     ModelPlugin,
     Pose,
-    Segments,
     Simulation,
 )
 
 
-class Berth:
+class RobotSimulation:
     """A simulation of a world, with one robot or several.
 
     Args:
@@ -70,7 +68,7 @@ class Berth:
             for layer in self.simulation.world.layers
         ]
         room = self._world.radius + self._settings.margin
-        return are_near(episode, np.concatenate([np.empty((0, 4)), *added]), room)
+        return episode.is_near(np.concatenate([np.empty((0, 4)), *added]), room)
 
     def command(self, number: int, values: Sequence[float]) -> None:
         """Commands the drive of a robot."""
@@ -104,20 +102,3 @@ class Berth:
         """Takes a robot out of the way, and stops it."""
         self.command(number, [0.0] * len(self._world.robot.action_limits))
         self.simulation.move(self._world.robots[number], place)
-
-
-def are_near(episode: Episode, walls: Segments, room: float) -> bool:
-    """Whether a start or a goal of an episode is nearer to a wall than some room [m]."""
-    if not len(walls):
-        return False
-    places = [*(start[:2] for start in episode.starts), *episode.goals]
-    return bool(_distances(np.array(places), walls).min() < room)
-
-
-def _distances(places: FloatArray, walls: Segments) -> FloatArray:
-    """The distances of places (n, 2) from walls (m, 4): shape (n, m)."""
-    way = walls[:, 2:] - walls[:, :2]
-    offset = places[:, None] - walls[:, :2]
-    part = ((offset * way).sum(axis=2) / (way**2).sum(axis=1)).clip(0.0, 1.0)
-    distances: FloatArray = np.linalg.norm(offset - part[..., None] * way, axis=2)
-    return distances

@@ -1,0 +1,58 @@
+/// Joint in Python.
+
+#include "bindings.hpp"
+
+namespace flatland {
+namespace {
+
+void RequireOneWorld(const PyBody& a, const PyBody& b) {
+  if (a.world != b.world)
+    throw std::invalid_argument("the bodies of a joint must be of the same world");
+}
+
+}  // namespace
+
+void BindJoint(py::module_& m) {
+  py::class_<PyJoint>(m, "Joint")
+      .def_property_readonly("alive",
+                             [](const PyJoint& self) { return self.world->Contains(self.handle); })
+      .def_property_readonly(
+          "angle", [](const PyJoint& self) { return self.world->GetJointAngle(self.handle); });
+}
+
+void BindJointsOf(py::class_<PyBody>& body) {
+  body.def(
+          "add_revolute",
+          [](PyBody& self, const PyBody& other, const Pair& anchor, const Pair& other_anchor,
+             bool collide_connected, const std::optional<Pair>& limits) {
+            RequireOneWorld(self, other);
+            RevoluteSettings settings;
+            settings.anchor_a = ToVec2(anchor);
+            settings.anchor_b = ToVec2(other_anchor);
+            settings.collide_connected = collide_connected;
+            settings.limits = limits;
+            return PyJoint{self.world,
+                           self.world->AddRevolute(self.handle, other.handle, settings)};
+          },
+          py::arg("other"), py::arg("anchor"), py::arg("other_anchor"), py::kw_only(),
+          py::arg("collide_connected") = false, py::arg("limits") = py::none())
+      .def(
+          "add_weld",
+          [](PyBody& self, const PyBody& other, const Pair& anchor, const Pair& other_anchor,
+             bool collide_connected, double angle, double frequency, double damping) {
+            RequireOneWorld(self, other);
+            WeldSettings settings;
+            settings.anchor_a = ToVec2(anchor);
+            settings.anchor_b = ToVec2(other_anchor);
+            settings.collide_connected = collide_connected;
+            settings.angle = angle;
+            settings.frequency = frequency;
+            settings.damping = damping;
+            return PyJoint{self.world, self.world->AddWeld(self.handle, other.handle, settings)};
+          },
+          py::arg("other"), py::arg("anchor"), py::arg("other_anchor"), py::kw_only(),
+          py::arg("collide_connected") = false, py::arg("angle") = 0.0, py::arg("frequency") = 0.0,
+          py::arg("damping") = 0.0);
+}
+
+}  // namespace flatland

@@ -1,0 +1,142 @@
+#pragma once
+
+/// For depth_buffer.cpp: draws walls onto the beams, those of a leaf or block together.
+
+#include <cmath>
+#include <limits>
+
+#include "box_extents.hpp"
+#include "doubles.hpp"
+#include "flatland_server/beam_fan.hpp"
+#include "flatland_server/geometry.hpp"
+#include "flatland_server/segment_tree.hpp"
+
+namespace flatland {
+
+/// How far past its ends a wall is extended, as a fraction of its length: so two walls that share a
+/// corner leave no gap.
+constexpr double kEndTolerance = 1e-9;
+/// A wall is seen edge-on if the directions of its ends differ by less than this, or by less than
+/// this from 180 degrees [rad]: its distance would be a quotient of two rounding errors.
+constexpr double kEdgeOn = 1e-14;
+
+constexpr int kLeafSize = SegmentTree::kLeafSize;
+
+/// Draws the wall from a to b, where b is counter-clockwise of a, onto a run of beams.
+FLATLAND_INLINE void DrawOn(const BeamFan& fan, double* inverse, BeamFan::Run run, Vec2 a, Vec2 b,
+                            double inverse_cross) {
+  const Doubles ax = Fill(a.x), ay = Fill(a.y), bx = Fill(b.x), by = Fill(b.y);
+  const Doubles scale = Fill(inverse_cross);
+  const double *const xs = fan.xs(), *const ys = fan.ys();
+  for (int group = run.begin & -kGroup; group < run.end; group += kGroup) {
+    const Doubles x = Load(xs + group);
+    const Doubles y = Load(ys + group);
+    const Doubles nearest = Load(inverse + group);
+    const Doubles past_a = ax * y - ay * x;
+    const Doubles before_b = x * by - y * bx;
+    const Doubles across = past_a + before_b;  // cross(u, b - a)
+    const Mask meets = Min(past_a, before_b) >= -kEndTolerance * across;
+    Store(Max(meets ? across * scale : Fill(0.0), nearest), inverse + group);
+  }
+}
+
+/// Draws a wall on which the lidar stands: all beams end at once, except those along the wall.
+inline void DrawWallAtLidar(const BeamFan& fan, double* inverse, Vec2 along) {
+  for (int rank = 0; rank < fan.size(); ++rank) {
+    const double across = Cross({fan.xs()[rank], fan.ys()[rank]}, along);
+    if (std::abs(across) > kEdgeOn * ManhattanNorm(along))
+      inverse[rank] = std::numeric_limits<double>::infinity();
+  }
+}
+
+/// The ends of four walls [m].
+struct FourWalls {
+  Doubles ax, ay, bx, by;
+};
+
+/// The walls of a leaf or block as seen by the lidar.
+struct WallsView {
+  // Ends in the lidar's frame [m], b counter-clockwise of a.
+  double ax[kLeafSize], ay[kLeafSize], bx[kLeafSize], by[kLeafSize];
+  // cross(a, b) [m^2], or 0 if edge-on, or NaN where there is no wall; and its inverse.
+  double cross[kLeafSize], inverse_cross[kLeafSize];
+  // The wedge: the buckets of the widened diamond angles of a and b (BeamFan), and whether it
+  // contains the backward direction.
+  int from[kLeafSize], to[kLeafSize];
+  long long wraps[kLeafSize];
+};
+
+/// Computes four walls, for the places from `lane` on.
+FLATLAND_INLINE void ViewWalls(const FourWalls& four, int lane, const LidarView& view,
+                               WallsView* walls) {
+  const Doubles cos = Fill(view.rotation.cos), sin = Fill(view.rotation.sin);
+  const Doubles world_ax = four.ax - view.origin.x;
+  const Doubles world_ay = four.ay - view.origin.y;
+  const Doubles world_bx = four.bx - view.origin.x;
+  const Doubles world_by = four.by - view.origin.y;
+  const Doubles first_x = cos * world_ax + sin * world_ay;
+  const Doubles first_y = cos * world_ay - sin * world_ax;
+  const Doubles second_x = cos * world_bx + sin * world_by;
+  const Doubles second_y = cos * world_by - sin * world_bx;
+  const Doubles cross = first_x * second_y - first_y * second_x;
+  const Mask swap = cross < 0.0;
+  const Doubles right_x = swap ? second_x : first_x, right_y = swap ? second_y : first_y;
+  const Doubles left_x = swap ? first_x : second_x, left_y = swap ? first_y : second_y;
+  const Doubles size = swap ? -cross : cross;
+  const Mask is_edge_on =
+      size <= kEdgeOn * ManhattanNorms(right_x, right_y) * ManhattanNorms(left_x, left_y);
+  Store(right_x, walls->ax + lane);
+  Store(right_y, walls->ay + lane);
+  Store(left_x, walls->bx + lane);
+  Store(left_y, walls->by + lane);
+  Store(is_edge_on ? Fill(0.0) : size, walls->cross + lane);
+  Store(1.0 / size, walls->inverse_cross + lane);
+  const Doubles from = WidenRight(DiamondAngles(right_x, right_y));
+  const Doubles to = WidenLeft(DiamondAngles(left_x, left_y));
+  Store(ToInts((from + 2.0) * view.fan.buckets_per_unit()), walls->from + lane);
+  Store(ToInts((to + 2.0) * view.fan.buckets_per_unit()), walls->to + lane);
+  Store(from > to, walls->wraps + lane);
+}
+
+FLATLAND_INLINE void DrawWalls(const WallsView& walls, const LidarView& view) {
+  for (int lane = 0; lane < kLeafSize; ++lane) {
+    const Vec2 a{walls.ax[lane], walls.ay[lane]};
+    const Vec2 b{walls.bx[lane], walls.by[lane]};
+    if (walls.cross[lane] > 0.0) {
+      const bool wraps = walls.wraps[lane] != 0;
+      const auto runs = view.fan.BeamsIn(walls.from[lane], walls.to[lane], wraps);
+      DrawOn(view.fan, view.inverse, runs[0], a, b, walls.inverse_cross[lane]);
+      if (wraps) DrawOn(view.fan, view.inverse, runs[1], a, b, walls.inverse_cross[lane]);
+    } else if (walls.cross[lane] == 0.0 && Dot(a, b) <= 0.0) {
+      DrawWallAtLidar(view.fan, view.inverse, b - a);
+    }
+  }
+}
+
+FLATLAND_INLINE void DrawLeaf(const SegmentTree::Leaf& leaf, const LidarView& view) {
+  WallsView walls;
+  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
+    ViewWalls(
+        {Load(leaf.ax + lane), Load(leaf.ay + lane), Load(leaf.bx + lane), Load(leaf.by + lane)},
+        lane, view, &walls);
+  }
+  DrawWalls(walls, view);
+}
+
+/// Draws the walls with these indices.
+FLATLAND_INLINE void DrawIndexed(const SegmentTree::Indices& indices, const Segment* segments,
+                                 const LidarView& view) {
+  WallsView walls;
+  for (int lane = 0; lane < kLeafSize; lane += kGroup) {
+    const Segment& a = segments[indices[lane]];
+    const Segment& b = segments[indices[lane + 1]];
+    const Segment& c = segments[indices[lane + 2]];
+    const Segment& d = segments[indices[lane + 3]];
+    ViewWalls({Doubles{a.a.x, b.a.x, c.a.x, d.a.x}, Doubles{a.a.y, b.a.y, c.a.y, d.a.y},
+               Doubles{a.b.x, b.b.x, c.b.x, d.b.x}, Doubles{a.b.y, b.b.y, c.b.y, d.b.y}},
+              lane, view, &walls);
+  }
+  DrawWalls(walls, view);
+}
+
+}  // namespace flatland

@@ -1,0 +1,1 @@
+"""Many environments of one world, each with a robot, stepped in one call; no ROS."""
