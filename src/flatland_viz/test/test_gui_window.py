@@ -177,8 +177,8 @@ def test_a_robot_is_driven_by_keys_and_stops_when_they_are_released(drive):
     drive.wait_for_rest()
     with drive.held("a"):  # elsewhere the key of Spawn Model
         assert drive.command() == (0.0, 1.0)
+        drive.waiting(lambda: drive.ros.pose("turtlebot")[2] > yaw + 0.02, "the robot to turn", 20)
     drive.wait_for_rest()
-    assert drive.ros.pose("turtlebot")[2] > yaw + 0.02
     assert not drive.screen.windows("Spawn Model")
 
 

@@ -15,6 +15,7 @@
 #include <QJsonDocument>
 #include <QJsonObject>
 #include <QToolTip>
+#include <QWindow>
 #include <algorithm>
 #include <cmath>
 
@@ -59,6 +60,15 @@ QString Tooltip(const WorldModel& model) {
       .arg(QString::fromStdString(model.info.name).toHtmlEscaped(), Fixed(pose.x, 2),
            Fixed(pose.y, 2), Fixed(std::remainder(pose.theta, 2 * M_PI) * 180 / M_PI, 0),
            Fixed(std::hypot(twist.linear.x, twist.linear.y), 2), Fixed(twist.angular.z, 2));
+}
+
+/// Shows a tooltip that the mouse acts through: the view would lose a press on it.
+void ShowTooltipAt(const QPoint& position, const QString& text, QWidget* panel) {
+  QToolTip::showText(position, text, panel);
+  for (const QWidget* widget : QApplication::topLevelWidgets()) {
+    QWindow* window = widget->inherits("QTipLabel") ? widget->windowHandle() : nullptr;
+    if (window) window->setFlag(Qt::WindowTransparentForInput);
+  }
 }
 
 rviz::StringProperty* HiddenProperty(const QString& name, rviz::Property* container) {
@@ -329,7 +339,7 @@ void InteractTool::ShowTooltip() {
   if (now - hovered_since_ < kTooltipDelay || now - tooltip_at_ < kTooltipPeriod) return;
   tooltip_at_ = now;
   tooltip_model_ = model->info.name;
-  QToolTip::showText(QCursor::pos(), Tooltip(*model), panel_);
+  ShowTooltipAt(QCursor::pos(), Tooltip(*model), panel_);
 }
 
 void InteractTool::TellState() {
