@@ -4,7 +4,7 @@ import contextlib
 import copy
 import math
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, Iterable, List, Tuple
 
 import pytest
 import yaml
@@ -24,15 +24,25 @@ bounded = settings(
     suppress_health_check=list(HealthCheck),
 )
 
-NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True).filter(lambda name: name != "all")
-NUMBERS = st.floats(-100, 100, allow_nan=False).map(lambda x: round(x, 4))
-POSITIVE = st.floats(0.05, 50).map(lambda x: round(x, 4))
-NOT_NEGATIVE = st.floats(0, 50).map(lambda x: round(x, 4))
+
+# Functions instead of lambdas: Hypothesis parses the source of a lambda each time that it calls it.
+def rounded(value: float) -> float:
+    return round(value, 4)
+
+
+def is_layer_name(name: str) -> bool:
+    return name != "all"
+
+
+NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True).filter(is_layer_name)
+NUMBERS = st.floats(-100, 100, allow_nan=False).map(rounded)
+POSITIVE = st.floats(0.05, 50).map(rounded)
+NOT_NEGATIVE = st.floats(0, 50).map(rounded)
 POSES = st.lists(NUMBERS, min_size=3, max_size=3)
 POINTS = st.lists(NUMBERS, min_size=2, max_size=2)
 # Box2D cannot represent a small shape that is far from the origin of its body.
-NEAR_POINTS = st.lists(st.floats(-0.5, 0.5).map(lambda x: round(x, 4)), min_size=2, max_size=2)
-COLORS = st.lists(st.floats(0, 1).map(lambda x: round(x, 3)), min_size=4, max_size=4)
+NEAR_POINTS = st.lists(st.floats(-0.5, 0.5).map(rounded), min_size=2, max_size=2)
+COLORS = st.lists(st.floats(0, 1).map(rounded), min_size=4, max_size=4)
 
 
 def optional(**values: st.SearchStrategy) -> st.SearchStrategy:
@@ -41,7 +51,11 @@ def optional(**values: st.SearchStrategy) -> st.SearchStrategy:
 
 
 def merged(*parts: st.SearchStrategy) -> st.SearchStrategy:
-    return st.tuples(*parts).map(lambda maps: {k: v for part in maps for k, v in part.items()})
+    return st.tuples(*parts).map(union)
+
+
+def union(maps: Iterable[Dict[str, Any]]) -> Dict[str, Any]:
+    return {key: value for part in maps for key, value in part.items()}
 
 
 def footprints(layers: List[str]) -> st.SearchStrategy:
@@ -60,16 +74,16 @@ def footprints(layers: List[str]) -> st.SearchStrategy:
         optional(center=NEAR_POINTS),
     )
     # On a circle, so that it is convex.
-    polygon = st.tuples(st.integers(3, 8), POSITIVE, st.booleans()).map(
-        lambda shape: {"type": "polygon", "points": regular_polygon(*shape)}
-    )
+    polygon = st.tuples(st.integers(3, 8), POSITIVE, st.booleans()).map(regular_polygon)
     return merged(circle | polygon, common)
 
 
-def regular_polygon(corners: int, radius: float, clockwise: bool) -> List[List[float]]:
+def regular_polygon(shape: Tuple[int, float, bool]) -> Dict[str, Any]:
+    corners, radius, clockwise = shape
     sign = -1 if clockwise else 1
     angles = [sign * math.tau * i / corners for i in range(corners)]
-    return [[radius * math.cos(a), radius * math.sin(a)] for a in angles]
+    points = [[radius * math.cos(a), radius * math.sin(a)] for a in angles]
+    return {"type": "polygon", "points": points}
 
 
 @st.composite

@@ -23,7 +23,6 @@ import resource
 import signal
 import sys
 import time
-from pathlib import Path
 from typing import Any, Dict, List
 
 try:
@@ -176,7 +175,8 @@ def _end_with_parent(parent: int) -> None:
 
 def _limit_resources() -> None:
     """Takes away what evaluating an expression does not need."""
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    with open("/proc/self/statm") as file:  # pathlib takes an eighth of the start
+        pages = int(file.read().split()[0])
     memory = pages * resource.getpagesize() + MEMORY_LIMIT
     limits = {
         resource.RLIMIT_AS: memory,
