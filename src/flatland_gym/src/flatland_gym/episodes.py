@@ -263,6 +263,7 @@ def _distances(places: FloatArray, walls: Segments) -> FloatArray:
     """The distances of places (n, 2) from walls (m, 4): shape (n, m)."""
     way = walls[:, 2:] - walls[:, :2]
     offset = places[:, None] - walls[:, :2]
-    part = ((offset * way).sum(axis=2) / (way**2).sum(axis=1)).clip(0.0, 1.0)
+    squares = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)  # a wall may be a point
+    part = ((offset * way).sum(axis=2) / squares).clip(0.0, 1.0)
     distances: FloatArray = np.linalg.norm(offset - part[..., None] * way, axis=2)
     return distances

@@ -14,14 +14,6 @@ class Settings:
     def __init__(self) -> None:
         self._store = QSettings("flatland", "window")
 
-    def text(self, key: str, default: str = "") -> str:
-        """A string; `default` if there is none."""
-        return str(self._store.value(key, default))
-
-    def set_text(self, key: str, value: str) -> None:
-        """Remembers a string."""
-        self._store.setValue(key, value)
-
     def number(self, key: str, default: float) -> float:
         """A number; `default` if there is none."""
         try:
