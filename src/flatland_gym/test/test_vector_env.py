@@ -10,7 +10,7 @@ import pytest
 from environments import ID, assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from flatland_gym import SCENARIOS, NavigationSettings, multi_world_fleet
+from flatland_gym import SCENARIOS, multi_world_fleet
 from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
 from flatland_gym.multi_world_fleet import MultiWorldFleet
@@ -21,6 +21,20 @@ pytestmark = pytest.mark.slow
 
 CROWDED = {"time_limit": 2.0, "goal_distance": (0.4, 1.2), "beams": 16}
 """Episodes end often: by success, by collision and by the time limit."""
+
+
+@pytest.fixture
+def files_read_once(monkeypatch):
+    """Environments of equal worlds share what is read from files: most of making one."""
+    load, loaded = NavigationWorld.load, {}
+
+    def load_once(*arguments):
+        key = repr(arguments)
+        if key not in loaded:
+            loaded[key] = load(*arguments)
+        return loaded[key]
+
+    monkeypatch.setattr(NavigationWorld, "load", load_once)
 
 
 def drive(env, mode, steps, seed=11):
@@ -71,6 +85,7 @@ def with_a_cart():
     return room
 
 
+@pytest.mark.usefixtures("files_read_once")
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
 @pytest.mark.parametrize("count", [1, 7])
 @pytest.mark.parametrize(
@@ -115,6 +130,7 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
+@pytest.mark.usefixtures("files_read_once")
 def test_people_and_walls_that_differ_make_no_difference():
     arguments = {**CROWDED, "world": with_a_person_and_walls()}
     single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
@@ -172,11 +188,10 @@ def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
     env.close()
 
 
-def test_a_thousand_environments_equal_so_many_single_ones(monkeypatch, request):
+@pytest.mark.usefixtures("files_read_once")
+def test_a_thousand_environments_equal_so_many_single_ones(request):
     """In each mode, with 1, 2 and 4 threads; over an end and the reset that follows it."""
     arguments = {"world": "empty_room", "beams": 4, "time_limit": 0.1, "goal_distance": (0.4, 1.2)}
-    world = NavigationWorld.load("empty_room", NavigationSettings(**arguments))
-    monkeypatch.setattr(NavigationWorld, "load", lambda *_: world)  # its files are read once
     gc.disable()  # it would look at all objects of all environments again and again
     request.addfinalizer(gc.enable)
     singles = [Remembering(make(**arguments)) for _ in range(1024)]
