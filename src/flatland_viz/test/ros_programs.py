@@ -6,6 +6,7 @@ import select
 import signal
 import subprocess
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import genpy
@@ -29,6 +30,7 @@ SERVICES = {
 }
 SLOW = {"update_rate": 50, "step_size": 0.02, "viz_pub_rate": 10}
 """Parameters and arguments of the server that save processor time, of the window's too."""
+LOOK_PERIOD = 0.2  # s: until the master is asked again for the publishers of a topic
 
 
 def to_plain(value):
@@ -61,6 +63,7 @@ class Ros:
         self._logs = logs
         self._programs = []
         self._log_files = {}  # by process
+        self._publishers = {}  # by topic
         self.environment = {
             **environment,
             "ROS_MASTER_URI": self.master.uri,
@@ -159,16 +162,38 @@ class Ros:
 
     def message(self, topic, kind, timeout=5):
         """The next message of a topic, or its latched one; None if there is none."""
-        return next(self.messages(topic, kind, timeout), None)
+        return next(self.messages(topic, kind, timeout, self._known(topic)), None)
 
-    def messages(self, topic, kind, seconds):
-        """Yields the messages of a topic that come within some time, from any of its publishers."""
+    def _known(self, topic):
+        """The URIs of the nodes that published a topic when the master was asked last."""
+        return self._publishers.get(topic, ())
+
+    def messages(self, topic, kind, seconds, known=()):
+        """Yields the messages of a topic that come within some time, from any of its publishers.
+
+        The master, which takes its time to answer, is asked for them every `LOOK_PERIOD`, at once
+        unless a known one can be connected to.
+
+        Args:
+            topic: its name.
+            kind: the type of its messages.
+            seconds: how long [s].
+            known: URIs of nodes that may publish it.
+        """
         message_type = roslib.message.get_message_class(kind)
-        end = time.monotonic() + seconds
+        now = time.monotonic()
+        end = now + seconds
         connections = {}  # by the URI of the publisher
         try:
-            while time.monotonic() < end:
-                self._connect(connections, topic, message_type)
+            for uri in known:
+                self._connect(connections, uri, topic, message_type)
+            next_look = now + LOOK_PERIOD if connections else now
+            while now < end:
+                if now >= next_look:
+                    self._publishers[topic] = self._find_publishers(topic)
+                    for uri in self._publishers[topic]:
+                        self._connect(connections, uri, topic, message_type)
+                    next_look = now + LOOK_PERIOD
                 ready, _, _ = select.select(list(connections.values()), [], [], 0.1)
                 for connection in ready:
                     try:
@@ -178,20 +203,22 @@ class Ros:
                         connection.close()
                     else:
                         yield to_plain(message)
+                now = time.monotonic()
         finally:
             for connection in connections.values():
                 connection.close()
 
-    def _connect(self, connections, topic, message_type):
-        """Connects to the publishers of a topic that are not yet connected."""
-        for name, nodes in self.master.ask("getSystemState")[0]:
-            for node in nodes if name == topic else ():
-                uri = self.master.ask("lookupNode", node)
-                if uri and uri not in connections:
-                    try:
-                        connections[uri] = tcpros_client.subscribe(uri, topic, message_type)
-                    except (OSError, AssertionError):  # it has ended, or not yet begun
-                        continue
+    def _find_publishers(self, topic):
+        """The URIs of the nodes that publish a topic."""
+        publishers = dict(self.master.ask("getSystemState")[0])
+        uris = [self.master.ask("lookupNode", node) for node in publishers.get(topic, ())]
+        return [uri for uri in uris if uri]
+
+    def _connect(self, connections, uri, topic, message_type):
+        """Connects to a publisher of a topic, unless that is done or it does not accept it."""
+        if uri not in connections:
+            with suppress(OSError, AssertionError):  # it has ended, or not yet begun
+                connections[uri] = tcpros_client.subscribe(uri, topic, message_type)
 
     def call(self, service_name, **arguments):
         """The answer of a service; None if it is not available."""
@@ -223,9 +250,10 @@ class Ros:
         A reset deletes markers first: a message may have none.
         """
         topic = f"/flatland_server/debug/model/{model}"
+        known = self._known(topic)
         added = (
             marker["pose"]
-            for message in self.messages(topic, "visualization_msgs/MarkerArray", 5)
+            for message in self.messages(topic, "visualization_msgs/MarkerArray", 5, known)
             for marker in message["markers"]
             if marker["action"] == 0
         )
