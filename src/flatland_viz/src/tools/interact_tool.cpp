@@ -14,8 +14,6 @@
 #include <QCursor>
 #include <QJsonDocument>
 #include <QJsonObject>
-#include <QToolTip>
-#include <QWindow>
 #include <algorithm>
 #include <cmath>
 
@@ -30,8 +28,7 @@ namespace {
 constexpr double kClickReach = 4;  // pixels that the mouse may move in a click
 constexpr double kMinTarget = 10;  // pixels around a small model's middle that belong to it
 constexpr double kRingReach = 6;   // pixels on either side of a ring
-const ros::WallDuration kTooltipDelay(0.4), kTooltipPeriod(0.2), kStatePeriod(0.2),
-    kLookPeriod(0.2);
+const ros::WallDuration kStatePeriod(0.2), kLookPeriod(0.2);
 
 double Distance(const QPointF& a, const QPointF& b) {
   return std::hypot(a.x() - b.x(), a.y() - b.y());
@@ -44,31 +41,6 @@ QString ToJson(const QJsonObject& object) {
 QJsonObject NamedPose(const std::string& name, const geometry_msgs::Pose2D& pose) {
   return {
       {"name", QString::fromStdString(name)}, {"x", pose.x}, {"y", pose.y}, {"theta", pose.theta}};
-}
-
-/// A number without "-0.00".
-QString Fixed(double value, int digits) {
-  const double unit = std::pow(10.0, -digits);
-  return QString::number(std::abs(value) < unit / 2 ? 0.0 : value, 'f', digits);
-}
-
-QString Tooltip(const WorldModel& model) {
-  const geometry_msgs::Pose2D& pose = model.state.pose;
-  const geometry_msgs::Twist& twist = model.state.twist;
-  return QString(
-             "<p style='white-space:pre'><b>%1</b><br>x %2 m   y %3 m   %4°<br>%5 m/s   %6 rad/s")
-      .arg(QString::fromStdString(model.info.name).toHtmlEscaped(), Fixed(pose.x, 2),
-           Fixed(pose.y, 2), Fixed(std::remainder(pose.theta, 2 * M_PI) * 180 / M_PI, 0),
-           Fixed(std::hypot(twist.linear.x, twist.linear.y), 2), Fixed(twist.angular.z, 2));
-}
-
-/// Shows a tooltip that the mouse acts through: the view would lose a press on it.
-void ShowTooltipAt(const QPoint& position, const QString& text, QWidget* panel) {
-  QToolTip::showText(position, text, panel);
-  for (const QWidget* widget : QApplication::topLevelWidgets()) {
-    QWindow* window = widget->inherits("QTipLabel") ? widget->windowHandle() : nullptr;
-    if (window) window->setFlag(Qt::WindowTransparentForInput);
-  }
 }
 
 rviz::StringProperty* HiddenProperty(const QString& name, rviz::Property* container) {
@@ -121,7 +93,7 @@ void InteractTool::deactivate() {
   press_.reset();
   is_panning_ = false;
   models_->Hover("");
-  QToolTip::hideText();
+  tooltip_.Hide();
 }
 
 int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
@@ -188,7 +160,7 @@ int InteractTool::Release(rviz::ViewportMouseEvent& event) {
     models_->Select(is_on_model ? model : "");
   } else if (event.acting_button == Qt::RightButton && is_on_model) {
     models_->Select(model);
-    QToolTip::hideText();
+    tooltip_.Hide();
     menu_->setString("");  // the same model may be asked for again
     menu_->setString(QString::fromStdString(model));
   }
@@ -234,9 +206,7 @@ void InteractTool::FollowHover(const Hit& hit, const QPointF& at, double pixels_
   }
   if (name == models_->hovered()) return;
   models_->Hover(name);
-  hovered_since_ = ros::WallTime::now();
-  if (!tooltip_model_.empty()) QToolTip::hideText();
-  tooltip_model_.clear();
+  tooltip_.Restart();
 }
 
 void InteractTool::LookUnderMouse() {
@@ -266,8 +236,7 @@ void InteractTool::BeginDrag(const QPointF& at) {
   dragged_part_ = press_->hit.part;
   turn_middle_ = model->middle_in_world();
   models_->Select(model->info.name);
-  QToolTip::hideText();
-  tooltip_model_.clear();
+  tooltip_.Hide();
   drag_.Begin(model->info.name, model->state.pose, press_->at);
   models_->SetDragged(model->info.name);
   dragged_part_ == Part::kBody ? drag_.MoveTo(at) : drag_.TurnTo(at, turn_middle_);
@@ -324,22 +293,17 @@ void InteractTool::ShowHandles(const Ogre::Viewport& viewport, double pixel_rati
 }
 
 void InteractTool::ShowTooltip() {
-  const ros::WallTime now = ros::WallTime::now();
   const bool is_over_view =
       panel_ && panel_->rect().contains(panel_->mapFromGlobal(QCursor::pos()));
   if (!is_over_view && !press_) models_->Hover("");  // no event tells that the mouse has left
   const WorldModel* model = models_->Find(models_->hovered());
   const bool is_wanted = is_over_view && is_active_ && panel_->window()->isActiveWindow() &&
                          !press_ && !QApplication::activePopupWidget();
-  if (!is_wanted || !model) {
-    if (!tooltip_model_.empty()) QToolTip::hideText();
-    tooltip_model_.clear();
-    return;
+  if (is_wanted && model) {
+    tooltip_.Update(*model, panel_);
+  } else {
+    tooltip_.Hide();
   }
-  if (now - hovered_since_ < kTooltipDelay || now - tooltip_at_ < kTooltipPeriod) return;
-  tooltip_at_ = now;
-  tooltip_model_ = model->info.name;
-  ShowTooltipAt(QCursor::pos(), Tooltip(*model), panel_);
 }
 
 void InteractTool::TellState() {

@@ -12,6 +12,7 @@
 
 #include "model_drag.hpp"
 #include "model_handle.hpp"
+#include "model_tooltip.hpp"
 
 namespace Ogre {
 class Viewport;
@@ -95,8 +96,8 @@ class InteractTool : public rviz::Tool {
   bool is_panning_ = false;  // the view has the mouse until the button is released
   bool is_active_ = false;
   rviz::RenderPanel* panel_ = nullptr;  // with the mouse; known after the first event
-  std::string tooltip_model_;
-  ros::WallTime hovered_since_, tooltip_at_, told_at_, looked_at_;
+  ModelTooltip tooltip_;
+  ros::WallTime told_at_, looked_at_;
   unsigned looked_revision_ = 0;  // of the models
 };
 
