@@ -5,9 +5,17 @@
 namespace flatland {
 namespace {
 
-void RequireOneWorld(const PyBody& a, const PyBody& b) {
+/// The settings that joints of all types have.
+template <typename Settings>
+Settings MakeSettings(const PyBody& a, const PyBody& b, const Pair& anchor,
+                      const Pair& other_anchor, bool collide_connected) {
   if (a.world != b.world)
     throw std::invalid_argument("the bodies of a joint must be of the same world");
+  Settings settings;
+  settings.anchor_a = ToVec2(anchor);
+  settings.anchor_b = ToVec2(other_anchor);
+  settings.collide_connected = collide_connected;
+  return settings;
 }
 
 }  // namespace
@@ -25,11 +33,8 @@ void BindJointsOf(py::class_<PyBody>& body) {
           "add_revolute",
           [](PyBody& self, const PyBody& other, const Pair& anchor, const Pair& other_anchor,
              bool collide_connected, const std::optional<Pair>& limits) {
-            RequireOneWorld(self, other);
-            RevoluteSettings settings;
-            settings.anchor_a = ToVec2(anchor);
-            settings.anchor_b = ToVec2(other_anchor);
-            settings.collide_connected = collide_connected;
+            auto settings = MakeSettings<RevoluteSettings>(self, other, anchor, other_anchor,
+                                                           collide_connected);
             settings.limits = limits;
             return PyJoint{self.world,
                            self.world->AddRevolute(self.handle, other.handle, settings)};
@@ -40,11 +45,8 @@ void BindJointsOf(py::class_<PyBody>& body) {
           "add_weld",
           [](PyBody& self, const PyBody& other, const Pair& anchor, const Pair& other_anchor,
              bool collide_connected, double angle, double frequency, double damping) {
-            RequireOneWorld(self, other);
-            WeldSettings settings;
-            settings.anchor_a = ToVec2(anchor);
-            settings.anchor_b = ToVec2(other_anchor);
-            settings.collide_connected = collide_connected;
+            auto settings =
+                MakeSettings<WeldSettings>(self, other, anchor, other_anchor, collide_connected);
             settings.angle = angle;
             settings.frequency = frequency;
             settings.damping = damping;

@@ -46,12 +46,8 @@ def require_finite(actions: FloatArray, mask: Optional[BoolArray]) -> None:
     Raises:
         UsageError: one is not.
     """
-    # False for NaN too.
-    wrong = ~(np.abs(actions) <= MAX_COMMAND).all(axis=1)
-    if mask is not None:
-        wrong &= mask
-    if wrong.any():
-        row = int(wrong.argmax())
+    row = _row_beyond(MAX_COMMAND, actions, mask)
+    if row is not None:
         raise UsageError(
             f"expected actions of finite numbers, found {actions[row].tolist()} for "
             f"environment {row}"
@@ -74,11 +70,8 @@ def poses_of(value: Any, count: int, mask: Optional[BoolArray]) -> FloatArray:
     if array.dtype.kind not in "fiu":
         raise UsageError(f"expected poses of float64, found {array.dtype}")
     poses = np.ascontiguousarray(array, dtype=np.float64)
-    wrong = ~(np.abs(poses) <= MAX_COORDINATE).all(axis=1)
-    if mask is not None:
-        wrong &= mask
-    if wrong.any():
-        row = int(wrong.argmax())
+    row = _row_beyond(MAX_COORDINATE, poses, mask)
+    if row is not None:
         raise UsageError(
             f"expected poses of finite numbers up to {MAX_COORDINATE:g}, found "
             f"{poses[row].tolist()} for environment {row}"
@@ -132,6 +125,14 @@ def seeds_of(value: Any, count: int) -> IntArray:
     if array.dtype.kind not in "iu" or (array < 0).any() or (array > _MAX_SEED).any():
         raise UsageError(f"expected seeds of 0 to 2^63 - 1, found {shown(array)}")
     return np.array(array, np.intp)
+
+
+def _row_beyond(limit: float, rows: FloatArray, mask: Optional[BoolArray]) -> Optional[int]:
+    """The first row, of those that matter, with a number that is beyond a limit or not finite."""
+    wrong = ~(np.abs(rows) <= limit).all(axis=1)  # <= is False for NaN
+    if mask is not None:
+        wrong &= mask
+    return int(wrong.argmax()) if wrong.any() else None
 
 
 def _array(value: Any, what: str, form: str, shape: Tuple[int, ...]) -> Any:
