@@ -21,7 +21,7 @@ PAGE = Path(__file__).resolve().parents[4] / "docs/speed.md"
 SRC = Path(__file__).resolve().parents[3]
 LAUNCH_FILES = [
     SRC / "flatland_benchmark/launch/benchmark.launch",
-    SRC / "flatland_server/launch/benchmark.launch",  # its former place
+    SRC / "flatland_server/launch/benchmark.launch",  # for users of the C++ Flatland
 ]
 SCHEMA = SRC / "flatland_benchmark/benchmark.schema.json"
 MACHINE = Machine("Linux", "a processor", 2, 0.5)

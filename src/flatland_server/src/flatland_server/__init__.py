@@ -14,7 +14,7 @@ import pkgutil as _pkgutil
 # folder before it in sys.path, since the package there has put it there.
 __path__ = _pkgutil.extend_path(__path__, __name__)
 
-from flatland_server import _deprecated, messages
+from flatland_server import messages
 from flatland_server._core import (
     EASINGS,
     TWEEN_MODES,
@@ -180,5 +180,3 @@ __all__ = [
     "wrap_angle",
     "yaw_of",
 ]
-
-_deprecated.install_moved_modules(__name__)

@@ -13,7 +13,7 @@ properties raise, unless it is said otherwise:
         something.
 """
 
-from typing import Any, Callable, NoReturn, Sequence, overload
+from typing import Any, Callable, NoReturn, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -102,7 +102,6 @@ class World(metaclass=_Metaclass):
 
         In the contact listener, those before the step that is being made.
         """
-    @overload
     def scan(
         self,
         fan: BeamFan,
@@ -125,9 +124,6 @@ class World(metaclass=_Metaclass):
             (REP 117). Intensities, shape (n,): 255 for what reflects, 0 for the rest. A shape that
             contains the pose is not seen.
         """
-    @overload
-    def scan(self, lidar: Lidar) -> tuple[Float32Array, Float32Array]:
-        """Deprecated alias of `lidar.scan()`."""
     def save_state(self) -> bytes:
         """The state of all that moves: poses, velocities, contacts, joints, drives and tweens.
 

@@ -14,13 +14,8 @@ import importlib
 import inspect
 import logging
 import os
-import sys
-import threading
-import warnings
-from contextlib import contextmanager
-from typing import Iterable, Iterator, List, Optional, Set, TextIO, Tuple, Type, TypeVar, Union
+from typing import Iterable, List, Optional, Set, Tuple, Type, TypeVar
 
-from flatland_server._deprecated import FormerNameWarning
 from flatland_server.exceptions import PluginError, shortened, suggestion
 from flatland_server.plugins.entry_points import entry_point_plugins
 from flatland_server.plugins.plugin import Plugin
@@ -35,9 +30,6 @@ P = TypeVar("P", bound=Plugin)
 
 EXAMPLE_PACKAGE = "flatland_example_plugins"
 """The package that users copy under another name: a copy hides the plugins of the original."""
-
-_FIRST_IMPORTS = threading.RLock()
-"""One at a time: `warnings.catch_warnings` changes and restores what all threads use."""
 
 
 class PluginLoader:
@@ -99,11 +91,7 @@ def _cpp_error(type: str, declaration: PluginDeclaration) -> str:
 def _import(declaration: PluginDeclaration) -> object:
     module_name, _, class_name = declaration.class_path.rpartition(".")
     try:
-        if module_name in sys.modules:
-            module = importlib.import_module(module_name)  # another thread may be importing it
-        else:
-            with _FIRST_IMPORTS, _log_former_names(declaration.package):
-                module = importlib.import_module(module_name)
+        module = importlib.import_module(module_name)
     except Exception as error:
         raise PluginError(
             f'the plugin "{declaration.name}" of the package {declaration.package} cannot be '
@@ -114,36 +102,6 @@ def _import(declaration: PluginDeclaration) -> object:
             f'{module_name} has no class "{class_name}", though its package declares it'
         )
     return getattr(module, class_name)
-
-
-@contextmanager
-def _log_former_names(package: str) -> Iterator[None]:
-    """Logs each line that uses a former name of `flatland_server`, while a plugin is imported.
-
-    Python shows these warnings only for code in `__main__`, which plugins never are.
-    """
-    logged: Set[Tuple[str, int, str]] = set()
-
-    def show(
-        message: Union[Warning, str],
-        category: Type[Warning],
-        filename: str,
-        lineno: int,
-        file: Optional[TextIO] = None,
-        line: Optional[str] = None,
-    ) -> None:
-        use = (filename, lineno, str(message))
-        if not issubclass(category, FormerNameWarning):
-            show_others(message, category, filename, lineno, file, line)
-        elif use not in logged:
-            logged.add(use)
-            logger.warning("the plugin package %s should be updated: %s:%d: %s", package, *use)
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", FormerNameWarning)
-        show_others = warnings.showwarning
-        warnings.showwarning = show
-        yield
 
 
 def discover() -> List[PluginDeclaration]:

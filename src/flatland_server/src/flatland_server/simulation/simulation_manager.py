@@ -4,7 +4,6 @@ import time
 from concurrent.futures import Future
 from typing import Callable, List, Optional, Sequence
 
-from flatland_server._deprecated import renamed
 from flatland_server.exceptions import FlatlandError
 from flatland_server.simulation.pacer import Pacer
 from flatland_server.simulation.step_request import StepRequest
@@ -54,8 +53,6 @@ class SimulationManager:
         self._clock = clock
         self._pacer = Pacer(clock)
         self._request: Optional[StepRequest] = None
-
-    each_turn = renamed("each_turn", "on_tick")
 
     @property
     def rate(self) -> float:

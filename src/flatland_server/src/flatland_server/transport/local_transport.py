@@ -14,7 +14,6 @@ from contextlib import contextmanager
 from typing import Any, Callable, Container, Deque, Dict, Iterator, List, Optional, Set, Tuple
 from typing import Counter as CounterType
 
-from flatland_server._deprecated import warn_renamed
 from flatland_server.geometry import Transform
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.tap import Tap
@@ -40,13 +39,7 @@ class LocalTransport(Transport):
         self,
         params: Dict[str, Any] = {},  # noqa: B006 (only read)
         subscribed_topics: Optional[Container[str]] = None,
-        **deprecated: Optional[Container[str]],
     ) -> None:
-        if "watched" in deprecated:
-            warn_renamed("LocalTransport(watched=...)", "subscribed_topics=...")
-            subscribed_topics = deprecated.pop("watched")
-        if deprecated:
-            raise TypeError(f"LocalTransport has no argument {', '.join(deprecated)}")
         super().__init__()
         self.transforms: Dict[str, Transform] = {}
         self.params_read: Set[str] = set()
@@ -104,11 +97,6 @@ class LocalTransport(Transport):
         """Changes the topics that count as having a subscriber; None is all of them."""
         self._subscribed_topics = topics
         self._subscribers_change()
-
-    def watch(self, topics: Optional[Container[str]]) -> None:
-        """Deprecated alias of `set_subscribed_topics`."""
-        warn_renamed("LocalTransport.watch", "set_subscribed_topics")
-        self.set_subscribed_topics(topics)
 
     def has_subscribers(self, topic: str) -> bool:
         """Whether a topic counts as having a subscriber."""

@@ -6,7 +6,6 @@ program without a ROS master. Callbacks run between steps, on the thread of the 
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
-from flatland_server._deprecated import renamed
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
@@ -157,9 +156,6 @@ class Node:
     def subscriber_revision(self) -> object:
         """A value that changes whenever a topic gets or loses a subscriber."""
         return self._transport.subscriber_revision
-
-    transforms_are_watched = renamed("transforms_are_watched", "transforms_have_subscribers")
-    listeners_version = renamed("listeners_version", "subscriber_revision")
 
     def claim_frame(self, parent: str, child: str) -> None:
         """Announces that this node publishes a frame; warns if another one does already.

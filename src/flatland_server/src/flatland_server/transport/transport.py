@@ -8,7 +8,6 @@ not use a transport itself but its `Node`, and so runs with either of them.
 from abc import ABC, abstractmethod
 from typing import Any, Callable, Iterable, Sequence, Tuple
 
-from flatland_server._deprecated import renamed
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
@@ -21,8 +20,6 @@ class Publisher(ABC):
     @abstractmethod
     def has_subscribers(self) -> bool:
         """Whether the topic has a subscriber. Check it before computing a message."""
-
-    is_watched = renamed("is_watched", "has_subscribers")
 
     @abstractmethod
     def publish(self, message: Any) -> None:
