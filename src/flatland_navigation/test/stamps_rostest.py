@@ -4,8 +4,8 @@
 As a rostest it looks for some seconds, at real time and at five times real time. As a program it
 looks for as long as it is told, at a running server, and prints what it has found:
 
-    PYTHONPATH=$PYTHONPATH:$(rospack find flatland_server)/test \
-        $(rospack find flatland_navigation)/test/stamps_rostest.py --seconds 60
+    PYTHONPATH="$PYTHONPATH:$(rospack find flatland_server)/test" \
+        "$(rospack find flatland_navigation)/test/stamps_rostest.py" --seconds 60
 """
 
 import argparse
