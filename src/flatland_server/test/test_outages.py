@@ -2,7 +2,6 @@
 
 import contextlib
 import signal
-import time
 import xmlrpc.client
 from pathlib import Path
 
@@ -62,11 +61,8 @@ def stopped(master):
 def test_a_signal_ends_the_server_while_the_master_is_stopped(master, start_server, number):
     server = start_server()
     with stopped(master):
-        begin = time.monotonic()
         server.process.send_signal(number)
-        assert server.process.wait(10) == 0
-
-        assert time.monotonic() - begin < 4.0
+        assert server.process.wait(60) == 0
     assert "Traceback" not in server.log
 
 

@@ -102,7 +102,7 @@ def test_an_unchanged_view_costs_little_and_is_intact_after_another_window(shown
     )
     waiting(lambda: (shown.view("light_drive") != before).any(), "the robot to drive")
     share = processor_share(shown.window)
-    assert 0.1 < share < 0.8, share
+    assert share < 0.8, share  # of its own processor time: a busy machine lowers it
     shown.ros.end(drive)
 
 
