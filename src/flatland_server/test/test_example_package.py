@@ -10,6 +10,7 @@ import re
 import shutil
 import signal
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -119,9 +120,12 @@ def rename(copy):
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory, flatland):
-    """A catkin workspace with the copies alone, built and installed."""
-    folder = tmp_path_factory.mktemp("workspace")
+def workspace(flatland):
+    """A catkin workspace with the copies alone, built and installed.
+
+    It is always below /tmp: catkin cannot install Python packages from a folder with a space.
+    """
+    folder = Path(tempfile.mkdtemp(dir="/tmp", prefix="workspace_"))
     shell = Shell(folder)
     ignored = shutil.ignore_patterns("__pycache__")
     for name in COPIES:
@@ -132,7 +136,8 @@ def workspace(tmp_path_factory, flatland):
         f"cd '{folder}'",
         f"catkin_make {CONFIGURE} install",
     )
-    return folder
+    yield folder
+    shutil.rmtree(folder)
 
 
 def test_an_install_space_within_a_source_space_is_not_crawled(flatland, shell):
