@@ -102,7 +102,7 @@ def test_the_master_knows_nothing_of_a_server_that_has_ended(master, start_serve
         assert server.spawn(f"r{number}").success
 
     end(server)
-    assert server.process.wait(10) == 0
+    assert server.process.wait(60) == 0
 
     state = master.ask("getSystemState")
     left = [name for part in state for name, nodes in part if NODE in nodes]
