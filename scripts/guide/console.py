@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 import time
@@ -89,7 +90,7 @@ class Shell:
         """
         output = self._folder / ".output"
         state = self._folder / ".shell"
-        keep = f"env -0 > {state}.env; pwd > {state}.pwd"
+        keep = f"env -0 > {shlex.quote(f'{state}.env')}; pwd > {shlex.quote(f'{state}.pwd')}"
         program = self._start(command, f"{command}\n_code=$?; {keep}; exit $_code", output)
         try:
             code = program.wait(LIMIT)

@@ -30,14 +30,14 @@ pytestmark = pytest.mark.slow
 
 def wait_until_gone(uri):
     """Waits until nothing runs under a ROS master."""
-    wait_until(lambda: not processes_under(uri), f"the end of all under {uri}", 10.0)
+    wait_until(lambda: not processes_under(uri), f"the end of all under {uri}")
 
 
-def test_a_subscriber_to_a_hundred_robots_is_connected_in_seconds(tmp_path):
+def test_a_subscriber_to_a_hundred_robots_is_connected(tmp_path):
     with ServerProcess(write_world(tmp_path, WORLDS, 100)) as server:
         subscriber = server.subscribe("subscriber", "--robots")
         server.wait_until(
-            lambda: subscriber.next_reading().is_connected, "a connection to each topic", limit=15.0
+            lambda: subscriber.next_reading().is_connected, "a connection to each topic", limit=60.0
         )
 
 
@@ -66,7 +66,7 @@ def test_all_ends_with_a_benchmark_that_is_killed(tmp_path):
         benchmark.kill()
 
         wait_until_gone(uri)
-    benchmark.wait(10)
+    benchmark.wait(60)
 
 
 def test_a_server_that_fails_says_why(tmp_path):

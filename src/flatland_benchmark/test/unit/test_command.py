@@ -293,11 +293,11 @@ def options_of(launch, *arguments):
 @pytest.mark.slow
 @pytest.mark.parametrize("launch", LAUNCH_FILES, ids=lambda path: path.parts[-3])
 def test_the_launch_file_hands_its_arguments_on(launch):
-    options = options_of(launch, "cases:=scan_* spawn", "runs:=2", "json:=/tmp/now.json")
+    options = options_of(launch, "cases:=scan_* spawn", "runs:=2", "json:=/my figures/now.json")
 
     assert options.cases == ["scan_*", "spawn"]
     assert options.runs == 2
-    assert options.json == Path("/tmp/now.json")
+    assert options.json == Path("/my figures/now.json")
     assert options.plots is None
     assert not options.world
     assert options.launch_files == LAUNCH_FILES

@@ -9,8 +9,8 @@ import xmlrpc.client
 import pytest
 from blocks import blocks_of
 from forks import Forks
-from page_run import ROOT, PageRun
-from ros_processes import free_port
+from page_run import PageRun
+from ros_processes import executable, free_port
 from waiting import wait_until
 
 ROS = re.compile(r"^\$ .*\b(?:ros\w+|python3 \w+\.py)\b", re.MULTILINE)
@@ -59,7 +59,7 @@ def forks():
 def environment(tmp_path_factory):
     """That of a reader: a home, the workspace, and the command `flatland` of the tutorials."""
     home = tmp_path_factory.mktemp("home")
-    (home / "flatland").symlink_to(ROOT / "src" / "flatland_server" / "nodes" / "flatland")
+    (home / "flatland").symlink_to(executable("flatland_server", "flatland"))
     path = f"{home}:{os.environ['PATH']}"
     return {**os.environ, "HOME": str(home), "ROS_HOME": str(home / "ros"), "PATH": path}
 

@@ -133,7 +133,7 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
     entries = ", ".join(f'{{name: {name}, call: "drivers.py:{name}"}}' for name in names)
     once = '{name: once, call: "drivers.py:dies_once", arguments: {mark: mark}}'
     keys = {"controllers": f"[{entries}, {once}]", "seeds": "[2]"}
-    settings_of(**QUICK, **keys, real_time_limit=2, retries=1)
+    settings_of(**QUICK, **keys, real_time_limit=6, retries=1)
 
     assert main(["sweep", "scenarios.yaml", "--jobs", "2", "--out", "out"]) == 1
 
@@ -141,7 +141,7 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
     reasons = {row["controller"]: row["error"] for row in rows()}
     assert reasons == {
         "dies": "its worker was killed by SIGSEGV, at each attempt",
-        "hangs": "it took more than 2 s of real time",
+        "hangs": "it took more than 6 s of real time",
         "fails": "ZeroDivisionError: division by zero (drivers.py:41)",
         "towards": "",
         "once": "",
