@@ -1,7 +1,7 @@
 """The handles of a simulation's models and of their plugins."""
 
 import inspect
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
 
 from flatland_server.exceptions import (
     ModelError,
@@ -21,6 +21,8 @@ from flatland_server.timekeeper import Timekeeper
 
 if TYPE_CHECKING:
     from flatland_server.library.simulation import Simulation
+
+Reading = TypeVar("Reading")
 
 
 class ModelHandle:
@@ -44,9 +46,9 @@ class ModelHandle:
         self._revision = -1  # of the plugins that are kept here
         self._running: Dict[str, Plugin] = {}
         self._names: Dict[str, List[str]] = {}
-        self._sensors: Dict[str, SensorHandle] = {}
+        self._sensors: Dict[str, SensorHandle[Any]] = {}
         self._drives: Dict[str, DriveHandle] = {}
-        self.sensors: Catalog[SensorHandle] = Catalog(
+        self.sensors: Catalog[SensorHandle[Any]] = Catalog(
             lambda: self._plugins_with("read"),
             self._sensor,
             lambda plugin: self._unknown("sensor", plugin, self._plugins_with("read")),
@@ -150,7 +152,7 @@ class ModelHandle:
             raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
         return self._drive(names[0])
 
-    def _sensor(self, name: str) -> "SensorHandle":
+    def _sensor(self, name: str) -> "SensorHandle[Any]":
         if name not in self._sensors:
             self._sensors[name] = SensorHandle(self, name)
         return self._sensors[name]
@@ -168,8 +170,12 @@ class ModelHandle:
         )
 
 
-class SensorHandle:
+class SensorHandle(Generic[Reading]):
     """A plugin that measures something, by its name; see `ModelPlugin.read`.
+
+    Only the world's files say what kind of sensor has a name. A program can tell type checkers:
+
+        laser: SensorHandle[Float32Array] = robot.sensors["laser"]
 
     Attributes:
         name: of the plugin.
@@ -192,6 +198,12 @@ class SensorHandle:
     def quantities(self) -> Tuple[str, ...]:
         """What `read` may be asked for besides what it gives by default."""
         return self._model.plugin(self.name).quantities
+
+    @overload
+    def read(self) -> Reading: ...
+
+    @overload
+    def read(self, quantity: str) -> Any: ...
 
     def read(self, quantity: str = "") -> Any:
         """What it measures now, at the time of the simulation; computed in this call.
