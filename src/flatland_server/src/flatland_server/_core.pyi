@@ -18,10 +18,12 @@ from typing import Any, Callable, NoReturn, Sequence, overload
 import numpy as np
 import numpy.typing as npt
 
-from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Numbers, Segments
 
 _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
+_PairLike = Numbers
+_TripleLike = Numbers
 
 class _Metaclass(type):
     """The metaclass of pybind11."""
@@ -63,7 +65,7 @@ class World(metaclass=_Metaclass):
     def add_body(
         self,
         type: str,
-        pose: _Triple,
+        pose: _TripleLike,
         linear_damping: float = 0.0,
         angular_damping: float = 0.0,
     ) -> Body:
@@ -106,7 +108,7 @@ class World(metaclass=_Metaclass):
     def scan(
         self,
         fan: BeamFan,
-        pose: _Triple,
+        pose: _TripleLike,
         range: float,
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
@@ -190,7 +192,7 @@ class WorldBatch(metaclass=_Metaclass):
         world: World,
         *,
         bodies: Sequence[Body],
-        base: _Triple,
+        base: _TripleLike,
         drive: Drive | Tricycle,
         columns: Sequence[int],
         lidar: Lidar,
@@ -276,7 +278,7 @@ class Body(_WithoutConstructor):
         """
     def add_circle(
         self,
-        center: _Pair,
+        center: _PairLike,
         radius: float,
         *,
         density: float,
@@ -302,7 +304,7 @@ class Body(_WithoutConstructor):
         """
     def add_polygon(
         self,
-        vertices: Sequence[_Pair],
+        vertices: Sequence[_PairLike] | FloatArray,
         *,
         density: float,
         friction: float = 0.0,
@@ -336,11 +338,11 @@ class Body(_WithoutConstructor):
     def add_revolute(
         self,
         other: Body,
-        anchor: _Pair,
-        other_anchor: _Pair,
+        anchor: _PairLike,
+        other_anchor: _PairLike,
         *,
         collide_connected: bool = False,
-        limits: _Pair | None = None,
+        limits: _PairLike | None = None,
     ) -> Joint:
         """Connects this body and another one by a hinge.
 
@@ -354,8 +356,8 @@ class Body(_WithoutConstructor):
     def add_weld(
         self,
         other: Body,
-        anchor: _Pair,
-        other_anchor: _Pair,
+        anchor: _PairLike,
+        other_anchor: _PairLike,
         *,
         collide_connected: bool = False,
         angle: float = 0.0,
@@ -375,8 +377,8 @@ class Body(_WithoutConstructor):
         """
     def add_drive(
         self,
-        linear_limits: _Triple = (0.0, 0.0, 0.0),
-        angular_limits: _Triple = (0.0, 0.0, 0.0),
+        linear_limits: _TripleLike = (0.0, 0.0, 0.0),
+        angular_limits: _TripleLike = (0.0, 0.0, 0.0),
     ) -> Drive:
         """Adds a drive, which moves the body at commanded velocities.
 
@@ -389,10 +391,10 @@ class Body(_WithoutConstructor):
     def add_tricycle(
         self,
         front_wheel: Joint,
-        rear_axle: _Pair,
+        rear_axle: _PairLike,
         max_steer_angle: float = 0.0,
-        linear_limits: _Triple = (0.0, 0.0, 0.0),
-        steering_limits: _Triple = (0.0, 0.0, 0.0),
+        linear_limits: _TripleLike = (0.0, 0.0, 0.0),
+        steering_limits: _TripleLike = (0.0, 0.0, 0.0),
     ) -> Tricycle:
         """Adds the drive of a tricycle, the front wheel of which is at the body's origin.
 
@@ -407,7 +409,7 @@ class Body(_WithoutConstructor):
             steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
         """
     def add_tween(
-        self, delta: _Triple, duration: float, mode: str = "yoyo", easing: str = "linear"
+        self, delta: _TripleLike, duration: float, mode: str = "yoyo", easing: str = "linear"
     ) -> Tween:
         """Adds a tween, which moves the body along a straight line as a function of time.
 
@@ -420,7 +422,7 @@ class Body(_WithoutConstructor):
     def add_lidar(
         self,
         fan: BeamFan,
-        pose: _Triple,
+        pose: _TripleLike,
         range: float,
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
@@ -436,20 +438,20 @@ class Body(_WithoutConstructor):
         Setting it wakes the body, and keeps its velocity. Not possible in a contact listener.
         """
     @pose.setter
-    def pose(self, pose: _Triple) -> None: ...
+    def pose(self, pose: _TripleLike) -> None: ...
     @property
     def velocity(self) -> _Triple:
         """Velocity of its origin, in the world's frame [m/s, m/s, rad/s]."""
     @velocity.setter
-    def velocity(self, velocity: _Triple) -> None: ...
+    def velocity(self, velocity: _TripleLike) -> None: ...
     @property
     def local_velocity(self) -> _Triple:
         """Velocity of its origin, in its own frame [m/s, m/s, rad/s]."""
-    def velocity_at(self, point: _Pair) -> _Pair:
+    def velocity_at(self, point: _PairLike) -> _Pair:
         """Velocity of the body at a point of the world [m], in the world's frame [m/s]."""
     def halt(self) -> None:
         """Sets the velocities of the body and its drives, and their commands, to zero."""
-    def apply_force(self, force: _Pair, point: _Pair | None = None) -> None:
+    def apply_force(self, force: _PairLike, point: _PairLike | None = None) -> None:
         """Applies a force, in the world's frame, during the next step [N].
 
         At a point of the world [m], by default at the centre of mass. A force applied by a contact
@@ -457,20 +459,20 @@ class Body(_WithoutConstructor):
         """
     def apply_torque(self, torque: float) -> None:
         """Applies a torque during the next step [N m]; by a contact listener, the one after."""
-    def apply_linear_impulse(self, impulse: _Pair, point: _Pair | None = None) -> None:
+    def apply_linear_impulse(self, impulse: _PairLike, point: _PairLike | None = None) -> None:
         """Changes the momentum immediately, in the world's frame [N s].
 
         At a point of the world [m], by default at the centre of mass.
         """
     def apply_angular_impulse(self, impulse: float) -> None:
         """Changes the angular momentum immediately [N m s]."""
-    def world_point(self, point: _Pair) -> _Pair:
+    def world_point(self, point: _PairLike) -> _Pair:
         """A point of the body's frame, in the world's frame [m]."""
-    def local_point(self, point: _Pair) -> _Pair:
+    def local_point(self, point: _PairLike) -> _Pair:
         """A point of the world, in the body's frame [m]."""
-    def world_vector(self, vector: _Pair) -> _Pair:
+    def world_vector(self, vector: _PairLike) -> _Pair:
         """A vector of the body's frame, in the world's frame."""
-    def local_vector(self, vector: _Pair) -> _Pair:
+    def local_vector(self, vector: _PairLike) -> _Pair:
         """A vector of the world's frame, in the body's frame."""
     @property
     def type(self) -> str:
@@ -558,7 +560,7 @@ class Fixture(_WithoutConstructor):
     @property
     def layers(self) -> int:
         """Bits of its collision layers."""
-    def test_point(self, point: _Pair) -> bool:
+    def test_point(self, point: _PairLike) -> bool:
         """Whether a point of the world [m] is within the shape; always False for a wall."""
 
 class FixtureChecker(metaclass=_Metaclass):
@@ -575,7 +577,7 @@ class FixtureChecker(metaclass=_Metaclass):
     def __init__(self, body_type: str) -> None: ...
     def add_circle(
         self,
-        center: _Pair,
+        center: _PairLike,
         radius: float,
         *,
         density: float,
@@ -589,7 +591,7 @@ class FixtureChecker(metaclass=_Metaclass):
         """Checks a disc; see `Body.add_circle`."""
     def add_polygon(
         self,
-        vertices: Sequence[_Pair],
+        vertices: Sequence[_PairLike] | FloatArray,
         *,
         density: float,
         friction: float = 0.0,
