@@ -22,7 +22,7 @@ def reward(transition: Transition, weights: RewardWeights) -> FloatArray:
 
 def train() -> float:
     """Trains and evaluates."""
-    env: "gym.Env[Any, Any]" = gym.make("flatland/Navigation-v0", world="office")
+    env: gym.Env[Any, Any] = gym.make("flatland/Navigation-v0", world="office")
     env.reset(seed=1)
     training = NavigationVectorEnv(16, world="empty_room", autoreset_mode="SameStep")
     assert_type(training.single_action_space, gym.spaces.Box)
