@@ -667,7 +667,8 @@ class RangeNoise(metaclass=_Metaclass):
 
     def __init__(self, key: int, std_dev: float, max_range: float) -> None: ...
     @property
-    def key(self) -> int: ...
+    def key(self) -> int:
+        """The key, from 0 to 2^64 - 1."""
     def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
         """A new array of ranges with the noise of a time [ns].
 
