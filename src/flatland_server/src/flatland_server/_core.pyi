@@ -314,9 +314,17 @@ class Body(_WithoutConstructor):
         visible: bool = True,
         layers: int = 0xFFFF,
     ) -> Fixture:
-        """Adds the convex hull of 3 to 8 vertices, in the body's frame [m].
+        """Adds the convex hull of some vertices.
 
-        The other arguments are those of `add_circle`.
+        Args:
+            vertices: 3 to 8, in the body's frame [m].
+            density: 0, or 1e-6 or more [kg/m^2].
+            friction: Box2D's coefficient, 0 or more.
+            restitution: Box2D's coefficient, 0 or more.
+            sensor: whether it reports contacts, but passes through everything.
+            collides: whether it has contacts at all.
+            visible: whether lidars see it.
+            layers: bits of its collision layers.
         """
     @property
     def fixtures(self) -> list[Fixture]:
@@ -324,6 +332,9 @@ class Body(_WithoutConstructor):
 
     def fixture(self, index: int) -> Fixture:
         """One of its fixtures, without a list of all: a layer may have millions of walls.
+
+        Args:
+            index: from 0, in the order of `fixtures`.
 
         Raises:
             IndexError: it has no such fixture.
@@ -427,9 +438,14 @@ class Body(_WithoutConstructor):
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
     ) -> Lidar:
-        """Adds a lidar at a pose in the body's frame [m, m, rad].
+        """Adds a lidar.
 
-        The other arguments are those of `World.scan`.
+        Args:
+            fan: directions of its beams.
+            pose: in the body's frame [m, m, rad].
+            range: largest distance that is measured [m].
+            layers: bits of the collision layers that are seen.
+            reflectance_layers: bits of those layers that return an intensity of 255.
         """
     @property
     def pose(self) -> _Triple:
@@ -448,32 +464,65 @@ class Body(_WithoutConstructor):
     def local_velocity(self) -> _Triple:
         """Velocity of its origin, in its own frame [m/s, m/s, rad/s]."""
     def velocity_at(self, point: _PairLike) -> _Pair:
-        """Velocity of the body at a point of the world [m], in the world's frame [m/s]."""
+        """Velocity of the body at a point, in the world's frame [m/s].
+
+        Args:
+            point: in the world [m].
+        """
     def halt(self) -> None:
         """Sets the velocities of the body and its drives, and their commands, to zero."""
     def apply_force(self, force: _PairLike, point: _PairLike | None = None) -> None:
-        """Applies a force, in the world's frame, during the next step [N].
+        """Applies a force during the next step.
 
-        At a point of the world [m], by default at the centre of mass. A force applied by a contact
-        listener acts in the step after the present one.
+        A force applied by a contact listener acts in the step after the present one.
+
+        Args:
+            force: in the world's frame [N].
+            point: in the world [m]; None is the centre of mass.
         """
     def apply_torque(self, torque: float) -> None:
-        """Applies a torque during the next step [N m]; by a contact listener, the one after."""
-    def apply_linear_impulse(self, impulse: _PairLike, point: _PairLike | None = None) -> None:
-        """Changes the momentum immediately, in the world's frame [N s].
+        """Applies a torque during the next step; by a contact listener, during the one after.
 
-        At a point of the world [m], by default at the centre of mass.
+        Args:
+            torque: counter-clockwise [N m].
+        """
+    def apply_linear_impulse(self, impulse: _PairLike, point: _PairLike | None = None) -> None:
+        """Changes the momentum immediately.
+
+        Args:
+            impulse: in the world's frame [N s].
+            point: in the world [m]; None is the centre of mass.
         """
     def apply_angular_impulse(self, impulse: float) -> None:
-        """Changes the angular momentum immediately [N m s]."""
+        """Changes the angular momentum immediately.
+
+        Args:
+            impulse: counter-clockwise [N m s].
+        """
     def world_point(self, point: _PairLike) -> _Pair:
-        """A point of the body's frame, in the world's frame [m]."""
+        """A point of the body's frame, in the world's frame.
+
+        Args:
+            point: in the body's frame [m].
+        """
     def local_point(self, point: _PairLike) -> _Pair:
-        """A point of the world, in the body's frame [m]."""
+        """A point of the world, in the body's frame.
+
+        Args:
+            point: in the world's frame [m].
+        """
     def world_vector(self, vector: _PairLike) -> _Pair:
-        """A vector of the body's frame, in the world's frame."""
+        """A vector of the body's frame, in the world's frame.
+
+        Args:
+            vector: in the body's frame.
+        """
     def local_vector(self, vector: _PairLike) -> _Pair:
-        """A vector of the world's frame, in the body's frame."""
+        """A vector of the world's frame, in the body's frame.
+
+        Args:
+            vector: in the world's frame.
+        """
     @property
     def type(self) -> str:
         """Static, kinematic or dynamic, in lower case."""
@@ -561,7 +610,11 @@ class Fixture(_WithoutConstructor):
     def layers(self) -> int:
         """Bits of its collision layers."""
     def test_point(self, point: _PairLike) -> bool:
-        """Whether a point of the world [m] is within the shape; always False for a wall."""
+        """Whether a point is within the shape; always False for a wall.
+
+        Args:
+            point: in the world [m].
+        """
 
 class FixtureChecker(metaclass=_Metaclass):
     """Checks the fixtures of a body without a world.
@@ -620,7 +673,13 @@ class Drive(_WithoutConstructor):
     """A handle of a body's drive. Velocities are those of the body's origin, in its frame."""
 
     def command(self, vx: float, vy: float, omega: float) -> None:
-        """Sets the velocity to reach [m/s, m/s, rad/s]."""
+        """Sets the velocity to reach.
+
+        Args:
+            vx: forwards [m/s].
+            vy: to the left [m/s].
+            omega: counter-clockwise [rad/s].
+        """
     @property
     def target(self) -> _Triple:
         """The commanded velocity [m/s, m/s, rad/s]."""
@@ -632,7 +691,12 @@ class Tricycle(_WithoutConstructor):
     """A handle of a tricycle's drive."""
 
     def command(self, speed: float, steer_angle: float) -> None:
-        """Sets the speed [m/s] and the angle [rad] of the front wheel to reach."""
+        """Sets the motion of the front wheel to reach.
+
+        Args:
+            speed: [m/s].
+            steer_angle: positive to the left [rad].
+        """
     @property
     def speed(self) -> float:
         """Present speed of the front wheel [m/s]."""
@@ -649,7 +713,11 @@ class Tween(_WithoutConstructor):
     """A handle of a body's tween."""
 
     def trigger(self, forward: bool) -> None:
-        """In mode trigger: moves towards the end, or back towards the start. Else no effect."""
+        """Starts a motion in mode trigger; in other modes, it has no effect.
+
+        Args:
+            forward: whether it moves towards the end, or back towards the start.
+        """
     @property
     def progress(self) -> float:
         """Elapsed fraction of the duration, 0 at the start and 1 at the end; before easing."""
@@ -670,9 +738,13 @@ class RangeNoise(metaclass=_Metaclass):
     def key(self) -> int:
         """The key, from 0 to 2^64 - 1."""
     def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
-        """A new array of ranges with the noise of a time [ns].
+        """A new array of ranges with the noise of a time.
 
         Ranges stay within [0, max_range]; no return stays +inf.
+
+        Args:
+            ranges: of one scan [m], shape (n,).
+            nanoseconds: the time of the scan [ns].
         """
     def add_to_rows(
         self,
@@ -681,10 +753,15 @@ class RangeNoise(metaclass=_Metaclass):
         nanoseconds: IntArray,
         mask: BoolArray | None,
     ) -> None:
-        """Adds the noise of these keys (n,) and times (n,) to ranges (n, beams), in place.
+        """Adds noise to the ranges of several scans, in place. Releases the GIL.
 
-        With a mask (n,), only to the rows that it chooses. The noise's own key is not used.
-        Releases the GIL.
+        The noise's own key is not used.
+
+        Args:
+            ranges: shape (n, beams) [m].
+            keys: a key for each scan, shape (n,).
+            nanoseconds: the time of each scan [ns], shape (n,).
+            mask: which scans, shape (n,); None is all.
         """
 
 class BeamFan(metaclass=_Metaclass):
@@ -752,6 +829,9 @@ class Contact(_WithoutConstructor):
         """Whether the two push each other apart in this step; False with a sensor."""
     def set_enabled(self, enabled: bool) -> None:
         """At PRE_SOLVE: sets whether the two push each other apart in this step.
+
+        Args:
+            enabled: whether they do.
 
         Raises:
             RuntimeError: it is another event.

@@ -87,9 +87,12 @@ class ModelHandle:
     def command(self, *values: Any) -> None:
         """Commands its drive; takes effect at the next step, and until the next command.
 
-        A DiffDrive takes a velocity and a yaw rate [m/s, rad/s], an OmniDrive vx, vy [m/s] and the
-        yaw rate, a TricycleDrive the speed of its front wheel [m/s] and its angle [rad]. A model
-        with several drives has one each in `drives`.
+        A model with several drives has one each in `drives`.
+
+        Args:
+            values: for a DiffDrive, a velocity and a yaw rate [m/s, rad/s]; for an OmniDrive, vx,
+                vy [m/s] and the yaw rate; for a TricycleDrive, the speed [m/s] and the angle [rad]
+                of its front wheel.
 
         Raises:
             UsageError: these are not as many values as the drive takes, or they are not finite.
@@ -105,6 +108,9 @@ class ModelHandle:
 
     def plugin(self, name: str) -> ModelPlugin:
         """A running plugin; another object after each reset.
+
+        Args:
+            name: of the plugin.
 
         Raises:
             ModelError: the model is gone, or has no plugin of this name.
@@ -258,6 +264,9 @@ class DriveHandle:
 
     def command(self, *values: Any) -> None:
         """Commands it; takes effect at the next step. See `ModelHandle.command`.
+
+        Args:
+            values: those that the drive takes; see `ModelHandle.command`.
 
         Raises:
             UsageError: these are not as many values as it takes, or they are not finite.

@@ -113,6 +113,9 @@ class Simulation(SimulatedTopics):
     def step(self, count: int = 1) -> "Simulation":
         """Advances the time by some steps, and returns this simulation.
 
+        Args:
+            count: number of steps, 1 or more.
+
         Raises:
             UsageError: the count is no whole number of 1 or more, or the simulation is closed.
             PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
@@ -170,6 +173,9 @@ class Simulation(SimulatedTopics):
 
     def load_state(self, state: bytes) -> "Simulation":
         """Puts the world into a saved state, its time and seed included; returns this simulation.
+
+        Args:
+            state: of `save_state`.
 
         Raises:
             FlatlandError: it is no state of such a world. Nothing has changed.
@@ -260,6 +266,9 @@ class Simulation(SimulatedTopics):
     def delete(self, name: str) -> None:
         """Removes a model, with its topics.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """
@@ -330,9 +339,15 @@ class Simulation(SimulatedTopics):
         sensors: bool = False,
         names: bool = False,
     ) -> None:
-        """Writes a picture into a file: SVG if its name ends in .svg, or else PNG, JPEG ...
+        """Writes a picture into a file.
 
-        Args: the path, and those of `render`.
+        Args:
+            path: of the file: SVG if it ends in .svg, or else PNG, JPEG ...
+            size: as for `render`.
+            follow: as for `render`.
+            width: as for `render`.
+            sensors: as for `render`.
+            names: as for `render`.
 
         Raises:
             FlatlandError: as for `render`; or the file cannot be written, or its kind is not known.

@@ -113,6 +113,9 @@ class Footprint:
     def attach(self, body: Union[_core.Body, _core.FixtureChecker]) -> None:
         """Adds this shape, with its material, to a body, or checks whether a body can have it.
 
+        Args:
+            body: gets the shape, or checks it.
+
         Raises:
             ValueError: Box2D cannot represent the shape.
         """

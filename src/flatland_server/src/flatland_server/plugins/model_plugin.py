@@ -72,6 +72,10 @@ class ModelPlugin(Plugin):
 
         To be overridden by drives, with parameters of their own. Called between steps.
 
+        Args:
+            values: as the drive defines them, by their places.
+            named_values: the same, by their names.
+
         Raises:
             ValueError: it cannot be obeyed; nothing has changed.
         """
@@ -101,6 +105,10 @@ class ModelPlugin(Plugin):
         """The names of bodies in a list of the configuration, which is empty by default.
 
         A name that no body has is noted as a problem, which `config.finish()` raises.
+
+        Args:
+            config: the plugin's configuration.
+            key: has the list.
         """
         names = config.get_strings(key, ())
         for name in names:
@@ -112,6 +120,10 @@ class ModelPlugin(Plugin):
 
     def get_joint(self, config: YamlReader, key: str) -> Optional[Joint]:
         """The joint with the name that is the value of a key of the configuration.
+
+        Args:
+            config: the plugin's configuration.
+            key: has the joint's name.
 
         Returns:
             The joint. None if there is none of this name; the problem is then noted and raised by
@@ -127,6 +139,9 @@ class ModelPlugin(Plugin):
 
     def filter_contact(self, contact: _core.Contact) -> Optional[ContactSides]:
         """A contact as seen from this model.
+
+        Args:
+            contact: as a hook has got it.
 
         Returns:
             None if the model is not part of the contact, or the other body belongs neither to a
@@ -147,5 +162,9 @@ class ModelPlugin(Plugin):
         return ContactSides(owner_a, b, a) if owner_b is self.model else None
 
     def name_space_tf(self, frame_id: str) -> str:
-        """The name of a frame with the namespace of the model; see `Model.name_space_tf`."""
+        """The name of one of the model's frames, with its namespace; see `Model.name_space_tf`.
+
+        Args:
+            frame_id: without the namespace.
+        """
         return self.model.name_space_tf(frame_id)

@@ -61,6 +61,9 @@ class Spawning:
     def get_model(self, name: str) -> Model:
         """The model of this name.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """

@@ -111,7 +111,14 @@ class WorldConfig:
         simplify_map: int = 0,
         model_folders: Sequence[Path] = (),
     ) -> "WorldConfig":
-        """Like `from_file`, for a file that has been parsed already."""
+        """Like `from_file`, for a file that has been parsed already.
+
+        Args:
+            reader: has the file.
+            preprocessor: as for `from_file`.
+            simplify_map: as for `from_file`.
+            model_folders: as for `from_file`.
+        """
         properties = reader.get_section("properties", required=True)
         velocity_iterations = properties.get_int(
             "velocity_iterations", 10, minimum=1, maximum=_MAX_ITERATIONS
@@ -155,7 +162,11 @@ class WorldConfig:
         )
 
     def walls_of(self, layer: LayerConfig) -> Segments:
-        """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2."""
+        """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2.
+
+        Args:
+            layer: of this world.
+        """
         return self.walls[layer.map] if layer.map is not None else np.empty((0, 4))
 
 
