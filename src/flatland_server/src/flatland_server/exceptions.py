@@ -162,8 +162,12 @@ class StateError(FlatlandError):
 class TopicError(FlatlandError):
     """A topic or frame has a name that ROS cannot have, or a topic another type already.
 
-    Attributes:
+    Args:
+        message: the text of the error.
         name: of the topic or frame, as the plugin has given it.
+
+    Attributes:
+        name: of the topic or frame.
     """
 
     def __init__(self, message: str, name: str) -> None:

@@ -73,8 +73,8 @@ class SimulationBatch:
             a lidar.
         lidar: name of the plugin that is read; None: the robot's only lidar.
         threads: of the processor, that share the environments in equal parts.
-        step_size: length of a step [s].
         moved: names of other models that `reset` may put elsewhere.
+        step_size: length of a step [s].
         seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
         params: parameters by absolute name, for expressions in the files and for plugins.
         simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.

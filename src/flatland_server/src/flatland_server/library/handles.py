@@ -31,6 +31,10 @@ class ModelHandle:
     It stays valid when the simulation is reset or a state is loaded: it then refers to the new
     model of this name. Once the model has been deleted, everything but `name` raises a ModelError.
 
+    Args:
+        simulation: has the model.
+        name: of the model.
+
     Attributes:
         name: of the model.
         sensors: the plugins that measure something, by their names; see `ModelPlugin.read`.
@@ -183,6 +187,10 @@ class SensorHandle(Generic[Reading]):
 
         laser: SensorHandle[Float32Array] = robot.sensors["laser"]
 
+    Args:
+        model: has the plugin.
+        name: of the plugin.
+
     Attributes:
         name: of the plugin.
     """
@@ -245,6 +253,10 @@ class SensorHandle(Generic[Reading]):
 
 class DriveHandle:
     """A plugin that takes commands, by its name; see `ModelPlugin.command`.
+
+    Args:
+        model: has the plugin.
+        name: of the plugin.
 
     Attributes:
         name: of the plugin.

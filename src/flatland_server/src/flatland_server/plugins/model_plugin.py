@@ -29,11 +29,17 @@ class ContactSides(NamedTuple):
 
 
 class ModelPlugin(Plugin):
-    """A plugin of one model; `self.model` is the model, `self.node` is in its namespace.
+    """A plugin of one model.
 
     `flatland_server.plugins.plugin` describes the life of a plugin.
 
     Attributes:
+        type: its type, as in its configuration.
+        name: unique among the plugins of its model.
+        node: its access to topics, transforms and parameters, in the namespace of its model.
+        rng: its random numbers, which depend only on the seed of the world and on the names of the
+            model and the plugin.
+        model: its model, with bodies and joints.
         quantities: names of further quantities that it measures: for each there is a method
             `read_<quantity>` with the same argument as `read`.
         core_drive: the drive of the core that `command` controls; set by `on_initialize`. A

@@ -21,7 +21,6 @@ class PluginDeclaration:
     package: str
     class_path: str
     is_cpp: bool = False
-    """Whether it is a C++ class, as plugins of the original Flatland are."""
 
     @classmethod
     def of(cls, plugin: Type[Plugin]) -> "PluginDeclaration":

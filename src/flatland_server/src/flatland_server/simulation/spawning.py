@@ -101,7 +101,10 @@ class Spawning:
         )
 
     def overlap_warning(self, model: Model) -> str:
-        """What to tell the user about a model that was put within walls or other models.
+        """A warning about a model that was put within walls or other models.
+
+        Args:
+            model: of this world.
 
         Returns:
             A sentence that names what it overlaps; empty if it overlaps nothing.
@@ -117,6 +120,9 @@ class Spawning:
 
     def read_model(self, path: ModelSource) -> ModelConfig:
         """Reads a model file, or the content of one, for this world; may be called in any thread.
+
+        Args:
+            path: of the file, or the content of one as a dict.
 
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
@@ -144,7 +150,11 @@ class Spawning:
         The result is for `add_model`, which checks again that the name is free. Plugin classes are
         imported here, so that `add_model` does not have to.
 
-        Args: those of `spawn_model`.
+        Args:
+            path: as for `spawn_model`.
+            name: as for `spawn_model`.
+            namespace: as for `spawn_model`.
+            pose: as for `spawn_model`.
 
         Raises:
             FlatlandError: the file, the name, the namespace or the pose is not usable.
@@ -162,6 +172,9 @@ class Spawning:
 
     def add_model(self, entry: ModelEntry) -> Model:
         """Adds a model that has been read already, or made without a file, to the world.
+
+        Args:
+            entry: of `read_model_entry`, or made by a program.
 
         Raises:
             FlatlandError: its name is taken, its bodies cannot be created, or one of its plugins
@@ -206,6 +219,9 @@ class Spawning:
         """Removes a model from the world, with its topics and frames.
 
         In a plugin's hook, this happens at the end of the step.
+
+        Args:
+            name: of the model.
 
         Raises:
             ModelError: there is no such model.
