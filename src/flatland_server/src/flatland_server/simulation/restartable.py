@@ -139,8 +139,8 @@ class Restartable(ABC):
     def load_state(self, state: bytes, timekeeper: Timekeeper) -> None:
         """Puts the world into a state that was saved in a world of equal files.
 
-        Models and plugins are new objects, and the former ones are gone; topics stay connected. Files of
-        models that were spawned are read again.
+        Models and plugins are new objects, and the former ones are gone; topics stay connected.
+        Files of models that were spawned are read again.
 
         Args:
             state: of `save_state`.
