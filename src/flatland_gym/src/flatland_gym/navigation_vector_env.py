@@ -169,8 +169,12 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             self._generator(index)
         return tuple(self._seeds)
 
-    def close_extras(self, **_: Any) -> None:
-        """Ends all simulations."""
+    def close_extras(self, **kwargs: Any) -> None:
+        """Ends all simulations.
+
+        Args:
+            kwargs: of `close`; without effect.
+        """
         self._is_running = False
         self.navigation.close()
 

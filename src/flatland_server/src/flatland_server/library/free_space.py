@@ -53,6 +53,9 @@ class FreeSpace:
 
         Args:
             points: shape (n, 2), or with more columns: x, y [m].
+
+        Raises:
+            UsageError: they have another shape.
         """
         if np.ndim(points) != 2 or np.shape(points)[1] < 2:
             raise UsageError(f"expected points of shape (n, 2), found {np.shape(points)}")

@@ -220,7 +220,7 @@ class SensorHandle(Generic[Reading]):
     def read(self, quantity: str) -> Any: ...
 
     def read(self, quantity: str = "") -> Any:
-        """What it measures now, at the time of the simulation; computed in this call.
+        """Measures now, at the time of the simulation.
 
         Equals what a message of this time says, its noise included, and changes nothing in the run.
         docs/library.md says what the built-in ones return: a new object each time.

@@ -23,7 +23,11 @@ class SimulatedTopics(SimulatedWorld):
         self._subscribed: Dict[str, None] = {}
 
     def require_open(self) -> None:
-        """Raises a UsageError if the simulation is closed."""
+        """Checks that the simulation is open.
+
+        Raises:
+            UsageError: it is closed.
+        """
         if self._is_closed:
             raise UsageError("the simulation is closed")
 

@@ -27,6 +27,9 @@ class Entity(ABC):
 
         Args:
             fixture: of this entity.
+
+        Raises:
+            ModelError: it is not of this entity, or the model has been deleted.
         """
 
 

@@ -59,7 +59,7 @@ class ModelPlugin(Plugin):
         self.model = model
 
     def read(self, timekeeper: Timekeeper) -> Any:
-        """What the plugin measures now: `simulation.models["robot"].sensors["name"].read()`.
+        """Measures now: `simulation.models["robot"].sensors["name"].read()`.
 
         To be overridden by sensors. Called between steps, whether topics have subscribers or not.
         It changes nothing that the plugin publishes later, and has the errors that a message of

@@ -255,7 +255,7 @@ class Plugin:
         """Called once, at the end of the plugin; its topics are still open."""
 
     def get_state(self) -> Any:
-        """What the plugin keeps from step to step, for a saved state; see `set_state`.
+        """The attributes that the plugin keeps from step to step; see `set_state`.
 
         To be overridden by plugins with attributes that change after `on_initialize`. The framework
         itself keeps `rng`, `update_timer`, and what the core moves: bodies, drives and tweens. A

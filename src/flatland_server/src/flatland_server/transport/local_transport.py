@@ -201,7 +201,7 @@ class LocalTransport(Transport):
 
     @contextmanager
     def without_delivery(self) -> Iterator[None]:
-        """What is published meanwhile is only there to be read: no callback gets it."""
+        """Meanwhile, published messages can be read by `last` but reach no callback."""
         self._is_delivering = False
         try:
             yield
