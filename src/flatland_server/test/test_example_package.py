@@ -150,6 +150,12 @@ def test_an_install_space_within_a_source_space_is_not_crawled(flatland, shell):
     assert {"flatland_msgs", "flatland_plugins", "flatland_server"} <= set(itself)
 
 
+def test_type_checkers_see_the_installed_packages(flatland):
+    for package in ("flatland2d", "flatland_plugins", "flatland_server"):
+        [marker] = (flatland / "lib").glob(f"python3*/*-packages/{package}/py.typed")
+    assert (marker.parent / "_core.pyi").is_file()
+
+
 @pytest.mark.parametrize("space", ["devel", "install"])
 def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
     setup = f"source '{workspace}/{space}/setup.bash'"

@@ -33,7 +33,7 @@ from flatland_server._core import (
     Tween,
 )
 from flatland_server.array_math import cos_sin, headings
-from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.simulation_batch import SimulationBatch
 from flatland_server.canvas import Canvas
@@ -138,6 +138,7 @@ __all__ = [
     "Point",
     "Polygon",
     "Pose",
+    "PoseLike",
     "Problem",
     "Publisher",
     "RangeNoise",

@@ -14,12 +14,20 @@ from flatland_server.arrays import FloatArray
 
 
 def cos_sin(angles: FloatArray) -> Tuple[FloatArray, FloatArray]:
-    """The cosines and sines of angles [rad], of the shape of these."""
+    """The cosines and sines of angles, of the shape of these.
+
+    Args:
+        angles: [rad].
+    """
     angles = np.ascontiguousarray(angles)
     return np.cos(angles), np.sin(angles)
 
 
 def headings(vectors: FloatArray) -> FloatArray:
-    """The angles of vectors (..., 2), in [-pi, pi] [rad]; 0 for the vector (0, 0)."""
+    """The angles of vectors, in [-pi, pi] [rad]; 0 for the vector (0, 0).
+
+    Args:
+        vectors: shape (..., 2).
+    """
     x, y = np.ascontiguousarray(np.moveaxis(vectors, -1, 0))
     return np.asarray(np.arctan2(y, x))

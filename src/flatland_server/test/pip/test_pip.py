@@ -102,6 +102,8 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
     server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}
     assert {"py.typed", "_core.pyi", "worlds/office/office.png"} <= server
     assert "flatland_gym/worlds/discs.yaml" in names
+    packages = {name.partition("/")[0] for name in names if name.endswith("/__init__.py")}
+    assert {f"{package}/py.typed" for package in packages} <= set(names)
 
 
 def test_the_script_of_the_guide_drives_and_scans(library):

@@ -7,7 +7,7 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from flatland_server import _core
-from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from flatland_server.batch.arguments import (
     actions_of,
     index_of,
@@ -73,8 +73,8 @@ class SimulationBatch:
             a lidar.
         lidar: name of the plugin that is read; None: the robot's only lidar.
         threads: of the processor, that share the environments in equal parts.
-        step_size: length of a step [s].
         moved: names of other models that `reset` may put elsewhere.
+        step_size: length of a step [s].
         seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
         params: parameters by absolute name, for expressions in the files and for plugins.
         simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
@@ -198,10 +198,10 @@ class SimulationBatch:
 
     def step(
         self,
-        actions: Any,
+        actions: ArrayLike,
         substeps: int = 20,
         out: Optional[BatchObservation] = None,
-        mask: Optional[Any] = None,
+        mask: Optional[ArrayLike] = None,
     ) -> BatchObservation:
         """Commands robots, makes steps in their environments, and observes.
 
@@ -242,11 +242,11 @@ class SimulationBatch:
 
     def reset(
         self,
-        mask: Optional[Any] = None,
+        mask: Optional[ArrayLike] = None,
         seeds: Union[int, Sequence[int], IntArray, None] = None,
-        poses: Optional[Any] = None,
+        poses: Optional[ArrayLike] = None,
         out: Optional[BatchObservation] = None,
-        model_poses: Optional[Any] = None,
+        model_poses: Optional[ArrayLike] = None,
     ) -> BatchObservation:
         """Puts environments back to the beginning of the world, at time 0, and observes.
 

@@ -49,7 +49,14 @@ class FreeSpace:
         return len(self._rows) * self.resolution**2
 
     def contains(self, points: FloatArray) -> BoolArray:
-        """Whether points, shape (n, 2) or more columns, are in reachable squares: shape (n,)."""
+        """Whether points are in reachable squares: shape (n,).
+
+        Args:
+            points: shape (n, 2), or with more columns: x, y [m].
+
+        Raises:
+            UsageError: they have another shape.
+        """
         if np.ndim(points) != 2 or np.shape(points)[1] < 2:
             raise UsageError(f"expected points of shape (n, 2), found {np.shape(points)}")
         columns, rows = np.floor((points[:, :2] - self._origin) / self.resolution).T.astype(int)
@@ -59,14 +66,23 @@ class FreeSpace:
         return np.asarray(is_inside & found)
 
     def contains_point(self, x: float, y: float) -> bool:
-        """Whether a point [m] is in a reachable square; quicker than `contains` for one."""
+        """Whether a point is in a reachable square; quicker than `contains` for one.
+
+        Args:
+            x: of the point [m].
+            y: of the point [m].
+        """
         column = math.floor((x - self._x) / self.resolution)
         row = math.floor((y - self._y) / self.resolution)
         height, width = self._reachable.shape
         return 0 <= row < height and 0 <= column < width and bool(self._reachable[row, column])
 
     def point(self, rng: np.random.Generator) -> Tuple[float, float]:
-        """A random point in a reachable square, of which there must be one: x, y [m]."""
+        """A random point in a reachable square, of which there must be one: x, y [m].
+
+        Args:
+            rng: the random numbers.
+        """
         chosen = rng.integers(len(self._rows))
         along_x, along_y = rng.random(2).tolist()
         x = self._x + (int(self._columns[chosen]) + along_x) * self.resolution
@@ -157,7 +173,12 @@ class DistanceGrid:
         return math.hypot(*self._distances.shape) * self.resolution
 
     def distance(self, x: float, y: float) -> float:
-        """A lower bound of a place's distance from obstacles [m]; 0 outside of the grid."""
+        """A lower bound of a place's distance from obstacles [m]; 0 outside of the grid.
+
+        Args:
+            x: of the place [m].
+            y: of the place [m].
+        """
         column, row = np.floor((np.array([x, y]) - self._origin) / self.resolution).astype(int)
         rows, columns = self._distances.shape
         if not (0 <= row < rows and 0 <= column < columns):

@@ -23,7 +23,11 @@ class SimulatedTopics(SimulatedWorld):
         self._subscribed: Dict[str, None] = {}
 
     def require_open(self) -> None:
-        """Raises a UsageError if the simulation is closed."""
+        """Checks that the simulation is open.
+
+        Raises:
+            UsageError: it is closed.
+        """
         if self._is_closed:
             raise UsageError("the simulation is closed")
 
@@ -55,6 +59,9 @@ class SimulatedTopics(SimulatedWorld):
         odometry are published at the begin of a step, so that after it they are a step older than
         `poses`; what a Bumper, a BoolSensor and an Imu publish is of the end of a step. A sensor's
         `read` is always of now.
+
+        Args:
+            topic: its name.
 
         Raises:
             TopicError: no plugin publishes to this topic.

@@ -82,7 +82,11 @@ class SimulatedWorld:
         return self.world.save_state(self.timekeeper)
 
     def last(self, topic: str) -> Any:
-        """The newest message of a topic; None if there is none yet."""
+        """The newest message of a topic; None if there is none yet.
+
+        Args:
+            topic: its name.
+        """
         return self.transport.last(topic)
 
 

@@ -74,14 +74,12 @@ HOOKS = (*STEP_HOOKS, *CONTACT_HOOKS)
 class Plugin:
     """The base class of `ModelPlugin` and `WorldPlugin`; plugins derive from one of these.
 
-    Args:
+    Attributes:
         type: its type, as in its configuration.
         name: unique among the plugins of its model, or of the world.
         node: its access to topics, transforms and parameters.
         rng: its random numbers, which depend only on the seed of the world and on the names of the
             model and the plugin.
-
-    Attributes:
         only_publishes: whether the step hooks only publish, so that `has_work` depends only on
             subscribers. With an `update_timer`, `has_work` is then not called each time the timer
             is due, and while the plugin has no work, the world makes many steps at once.
@@ -167,19 +165,38 @@ class Plugin:
 
         For work that is faster if it is done for several plugins together: here each of them can
         request it; see `Lidar.expect_scan`.
+
+        Args:
+            timekeeper: has the time, t.
         """
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Called before the physics; the time is t."""
+        """Called before the physics.
+
+        Args:
+            timekeeper: has the time, t.
+        """
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Called after the physics; the time is t + dt."""
+        """Called after the physics.
+
+        Args:
+            timekeeper: has the time, t + dt.
+        """
 
     def begin_contact(self, contact: _core.Contact) -> None:
-        """Called when two fixtures have started to touch."""
+        """Called when two fixtures have started to touch.
+
+        Args:
+            contact: of these fixtures.
+        """
 
     def end_contact(self, contact: _core.Contact) -> None:
-        """Called when two fixtures have ceased to touch, or one that touches is deleted."""
+        """Called when two fixtures have ceased to touch, or one that touches is deleted.
+
+        Args:
+            contact: of these fixtures.
+        """
 
     def pre_solve(self, contact: _core.Contact, old_manifold: _core.Manifold) -> None:
         """Called before a contact is solved, possibly several times in a step; not for sensors.
@@ -199,11 +216,14 @@ class Plugin:
         """
 
     def make_batch_motion(self, count: int) -> Optional[BatchMotion]:
-        """What the plugin does in so many environments of a `SimulationBatch`.
+        """The plugin's work in the environments of a `SimulationBatch`.
 
         To be overridden by plugins that do nothing else than to set velocities of bodies at their
         updates, so that batches can run them. A derived class that overrides a hook has to override
         this, too. Called after all models and plugins of the world were made.
+
+        Args:
+            count: number of environments.
 
         Returns:
             None: it cannot be run in a batch, unless it `is_passive` or `acts_when_loaded`.
@@ -215,6 +235,10 @@ class Plugin:
 
         Called between steps, when a picture with sensors is asked for. It must not change anything:
         a run is the same with pictures and without.
+
+        Args:
+            canvas: the picture.
+            timekeeper: has the time.
         """
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
@@ -222,13 +246,16 @@ class Plugin:
 
         To be overridden by sensors. Called between steps, when one of its topics is read for the
         first time (`Simulation.last`). It changes nothing that the plugin publishes later.
+
+        Args:
+            timekeeper: has the time.
         """
 
     def on_shutdown(self) -> None:
         """Called once, at the end of the plugin; its topics are still open."""
 
     def get_state(self) -> Any:
-        """What the plugin keeps from step to step, for a saved state; see `set_state`.
+        """The attributes that the plugin keeps from step to step; see `set_state`.
 
         To be overridden by plugins with attributes that change after `on_initialize`. The framework
         itself keeps `rng`, `update_timer`, and what the core moves: bodies, drives and tweens. A
@@ -243,9 +270,12 @@ class Plugin:
         return None
 
     def set_state(self, state: Any) -> None:
-        """Sets what `get_state` has returned: here, or of the same plugin in another process.
+        """Restores a state: of this plugin, or of the same plugin in another process.
 
         Called between steps on a plugin that has just been initialized, when all models and bodies
         are there, in their places. What it publishes from now on must not depend on whether it has
         lived since the beginning or was restored.
+
+        Args:
+            state: as `get_state` has returned it.
         """

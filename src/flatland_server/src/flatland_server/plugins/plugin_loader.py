@@ -44,7 +44,11 @@ class PluginLoader:
         self._declarations = None if declarations is None else list(declarations)
 
     def load(self, type: str, base: Type[P]) -> Type[P]:
-        """The class that the `type` in a YAML file means.
+        """The class that a type in a YAML file means.
+
+        Args:
+            type: such as `Laser` or `flatland_plugins::Laser`.
+            base: the class must derive from it: `ModelPlugin` or `WorldPlugin`.
 
         Raises:
             PluginError: there is no such plugin or more than one, it cannot be imported, or it is

@@ -100,6 +100,9 @@ class Restartable(ABC):
     def reload(self, config: WorldConfig) -> None:
         """Replaces all contents by those of another configuration; otherwise like `reset`.
 
+        Args:
+            config: of the new contents.
+
         Raises:
             FlatlandError: a model or plugin does not start, or a step is being made. The world is
                 unchanged.
@@ -112,6 +115,9 @@ class Restartable(ABC):
 
         From here on, this world goes on, bit for bit, like each one that loads the state. See
         docs/plugins/programs_and_states.md about what is saved of plugins.
+
+        Args:
+            timekeeper: has the time.
 
         Raises:
             StateError: a plugin's state cannot be saved, or a model has no file that it could be
@@ -131,10 +137,14 @@ class Restartable(ABC):
         ).dumps()
 
     def load_state(self, state: bytes, timekeeper: Timekeeper) -> None:
-        """Puts the world into a state that `save_state` has returned for a world of equal files.
+        """Puts the world into a state that was saved in a world of equal files.
 
-        Models and plugins are new objects, and the former ones are gone; topics stay connected. The
-        time is set, too. Files of models that were spawned are read again.
+        Models and plugins are new objects, and the former ones are gone; topics stay connected.
+        Files of models that were spawned are read again.
+
+        Args:
+            state: of `save_state`.
+            timekeeper: is set to the time of the state.
 
         Raises:
             FlatlandError: the state is damaged or does not fit, a file is missing, or a step is

@@ -72,6 +72,10 @@ class SimulationManager:
     def change_rate(self, rate: float) -> None:
         """Requests another `rate`: 1 is real time, infinity as fast as the machine can.
 
+        Args:
+            rate: simulated seconds per second of real time: 1 is real time, infinity as fast as the
+                machine can.
+
         Raises:
             ValueError: the rate is not above zero.
         """
@@ -98,6 +102,9 @@ class SimulationManager:
 
     def step(self, count: int = 1) -> None:
         """Makes steps, whether paused or not, and runs the pending callbacks between them.
+
+        Args:
+            count: number of steps, 1 or more.
 
         Raises:
             ValueError: the count is below 1.
@@ -188,6 +195,9 @@ class SimulationManager:
     def load_state(self, state: bytes) -> None:
         """Puts the world into a saved state; see `World.load_state`. For between steps.
 
+        Args:
+            state: of `save_state`.
+
         Raises:
             FlatlandError: the state does not fit, or is damaged. The world is unchanged.
         """
@@ -200,7 +210,11 @@ class SimulationManager:
             callback()
 
     def run(self, goes_on: Callable[[], bool]) -> None:
-        """Runs in real time until `goes_on()`, which is called before each step, is false."""
+        """Runs in real time until `goes_on()`, which is called before each step, is false.
+
+        Args:
+            goes_on: called before each step; the run ends when it returns False.
+        """
         pacer, transport = self._pacer, self.world.transport
         pacer.start(self.timekeeper.seconds)
         is_hurrying = ends_request = False  # makes the steps of a request; has made its last one

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Dict, Mapping, Optional, Sequence, Union
 
 from flatland_server import _core
+from flatland_server.arrays import PoseLike
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
@@ -14,6 +15,7 @@ from flatland_server.exceptions import (
     FlatlandError,
     ModelError,
     PluginError,
+    UsageError,
     listed,
     shortened,
     suggestion,
@@ -59,6 +61,9 @@ class Spawning:
     def get_model(self, name: str) -> Model:
         """The model of this name.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """
@@ -68,7 +73,7 @@ class Spawning:
         return self.models[name]
 
     def spawn_model(
-        self, path: ModelSource, name: str, namespace: str, pose: Pose
+        self, path: ModelSource, name: str, namespace: str, pose: PoseLike
     ) -> Optional[Model]:
         """Adds a model, read from its file, to the world: completely, or not at all.
 
@@ -81,7 +86,7 @@ class Spawning:
                 file, as a dict.
             name: unique in the world.
             namespace: of its topics and frames; may be empty.
-            pose: of its origin in the world.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
 
         Returns:
             The model; None if it is added later.
@@ -96,7 +101,10 @@ class Spawning:
         )
 
     def overlap_warning(self, model: Model) -> str:
-        """What to tell the user about a model that was put within walls or other models.
+        """A warning about a model that was put within walls or other models.
+
+        Args:
+            model: of this world.
 
         Returns:
             A sentence that names what it overlaps; empty if it overlaps nothing.
@@ -112,6 +120,9 @@ class Spawning:
 
     def read_model(self, path: ModelSource) -> ModelConfig:
         """Reads a model file, or the content of one, for this world; may be called in any thread.
+
+        Args:
+            path: of the file, or the content of one as a dict.
 
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
@@ -132,14 +143,18 @@ class Spawning:
             return ModelConfig.from_file(found, self.registry, preprocessor)
 
     def read_model_entry(
-        self, path: ModelSource, name: str, namespace: str, pose: Pose
+        self, path: ModelSource, name: str, namespace: str, pose: PoseLike
     ) -> ModelEntry:
         """Does all of `spawn_model` that does not change the world; any thread may call it.
 
         The result is for `add_model`, which checks again that the name is free. Plugin classes are
         imported here, so that `add_model` does not have to.
 
-        Args: those of `spawn_model`.
+        Args:
+            path: as for `spawn_model`.
+            name: as for `spawn_model`.
+            namespace: as for `spawn_model`.
+            pose: as for `spawn_model`.
 
         Raises:
             FlatlandError: the file, the name, the namespace or the pose is not usable.
@@ -148,15 +163,18 @@ class Spawning:
         if problem:
             raise ModelError(problem)
         self._check_name_is_free(name)
-        _check_pose(pose)
+        place = _pose_of(pose)
         model = self.read_model(path)
         for plugin in model.plugins:
             with suppress(PluginError):  # add_model reports it, with its line
                 self._loader.load(plugin.type, ModelPlugin)
-        return ModelEntry(name, namespace, pose, model)
+        return ModelEntry(name, namespace, place, model)
 
     def add_model(self, entry: ModelEntry) -> Model:
         """Adds a model that has been read already, or made without a file, to the world.
+
+        Args:
+            entry: of `read_model_entry`, or made by a program.
 
         Raises:
             FlatlandError: its name is taken, its bodies cannot be created, or one of its plugins
@@ -202,6 +220,9 @@ class Spawning:
 
         In a plugin's hook, this happens at the end of the step.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """
@@ -212,18 +233,22 @@ class Spawning:
             unless_changing=name,
         )
 
-    def move_model(self, name: str, pose: Pose) -> None:
+    def move_model(self, name: str, pose: PoseLike) -> None:
         """Puts a model at another pose, at rest.
 
         In a plugin's hook, this happens at the end of the step; a failure is then logged.
 
+        Args:
+            name: of the model.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
+
         Raises:
-            ModelError: there is no such model, or the pose is not usable.
+            FlatlandError: there is no such model, or the pose is not usable.
         """
         model = self.get_model(name)
-        _check_pose(pose)
+        place = _pose_of(pose)
         self._deferred.run_or_defer(
-            lambda: self._move(model, pose), f'the model "{name}" is not moved'
+            lambda: self._move(model, place), f'the model "{name}" is not moved'
         )
 
     def _spawn(self, entry: ModelEntry) -> Model:
@@ -261,6 +286,13 @@ class Spawning:
         return self.models.get(model.name) is model
 
 
-def _check_pose(pose: Pose) -> None:
+def _pose_of(value: PoseLike) -> Pose:
+    try:
+        x, y, yaw = value
+        pose = Pose(float(x), float(y), float(yaw))
+    except (TypeError, ValueError):
+        found = shortened(repr(value))
+        raise UsageError(f"expected a pose [x, y, yaw], found {found}") from None
     if not pose.is_finite():
         raise ModelError(f"expected a finite pose, found x={pose.x} y={pose.y} theta={pose.yaw}")
+    return pose

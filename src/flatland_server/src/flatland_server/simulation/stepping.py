@@ -31,6 +31,9 @@ class Stepping:
         Runs no callbacks of subscriptions: `transport.process()` does, and `SimulationManager.step`
         does both.
 
+        Args:
+            timekeeper: advances with the world.
+
         Raises:
             FlatlandError: this is called by a hook of a plugin.
         """
@@ -81,10 +84,14 @@ class Stepping:
         return 1
 
     def step_as_planned(self, timekeeper: Timekeeper, count: int) -> bool:
-        """Makes steps, 1 or more, if that is one call of the core, without hooks: by the `plan`.
+        """Makes steps if that is one call of the core, without hooks: by the `plan`.
 
         For callers that have no messages to deliver, and know that subscribers are those of the
         plan; `step_up_to` finds out.
+
+        Args:
+            timekeeper: advances with the world.
+            count: number of steps, 1 or more.
 
         Returns:
             Whether it has made them: all or none.

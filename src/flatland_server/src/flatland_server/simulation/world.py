@@ -205,7 +205,11 @@ class World(Spawning, Restartable, Stepping):
         self._plugins.publish_now(topic, timekeeper)
 
     def plugins_of(self, model: str) -> Dict[str, Plugin]:
-        """The plugins of a model that run, by name; of the world for an empty name."""
+        """The plugins of a model that run, by name.
+
+        Args:
+            model: its name; empty for the plugins of the world.
+        """
         return {
             plugin.name: plugin
             for plugin in self._plugins.plugins_of(model)
@@ -213,7 +217,11 @@ class World(Spawning, Restartable, Stepping):
         }
 
     def all_plugins_of(self, model: str) -> List[Tuple[Plugin, bool]]:
-        """The plugins of a model, each with whether it was switched off because of an error."""
+        """The plugins of a model, each with whether it was switched off because of an error.
+
+        Args:
+            model: its name; empty for the plugins of the world.
+        """
         return [
             (plugin, self._plugins.failure_of(plugin) is not None)
             for plugin in self._plugins.plugins_of(model)
@@ -225,7 +233,12 @@ class World(Spawning, Restartable, Stepping):
         return self._plugins.failures
 
     def draw_plugins(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
-        """Has all running plugins draw what they show in pictures; see `Plugin.draw`."""
+        """Has all running plugins draw what they show in pictures; see `Plugin.draw`.
+
+        Args:
+            canvas: the picture.
+            timekeeper: has the time.
+        """
         self._plugins.draw(canvas, timekeeper)
 
     def add_walls(self, layer: str, segments: Segments) -> None:
@@ -250,6 +263,9 @@ class World(Spawning, Restartable, Stepping):
 
     def get_layer(self, name: str) -> Layer:
         """The layer that has this name, perhaps among others.
+
+        Args:
+            name: one of its names.
 
         Raises:
             LayerError: there is no such layer.

@@ -12,9 +12,16 @@ if TYPE_CHECKING:
 
 
 class WorldPlugin(Plugin):
-    """A plugin of the world; `self.world` is the world.
+    """A plugin of the world.
 
     `flatland_server.plugins.plugin` describes the life of a plugin.
+
+    Attributes:
+        type: its type, as in its configuration.
+        name: unique among the plugins of the world.
+        node: its access to topics, transforms and parameters.
+        rng: its random numbers, which depend only on the seed of the world and on its name.
+        world: its world, with layers and models.
     """
 
     def __init__(

@@ -174,7 +174,7 @@ class SweepRun:
         self.outcome = self.outcome or "returned"
 
     def metrics(self) -> Dict[str, Any]:
-        """What was measured so far, by the names of columns; docs/sweeps.md explains them."""
+        """The measures so far, by the names of columns; docs/sweeps.md explains them."""
         goal = self.goal or (None, None)
         found: Dict[str, Any] = {
             "outcome": self.outcome,

@@ -32,15 +32,21 @@ class Simulation(SimulatedWorld):
     def model(self, name: str = "robot") -> Model:
         """A model by its name.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """
         return self.world.get_model(name)
 
     def run(self, seconds: Optional[float] = None) -> "Simulation":
-        """Advances the time by some seconds, or by one step, and returns this simulation.
+        """Advances the time, and returns this simulation.
 
         Messages that were sent are received before the next step.
+
+        Args:
+            seconds: of simulated time; None is one step.
 
         Raises:
             AssertionError: a plugin has failed, and `allow_failures` is false.
@@ -56,30 +62,55 @@ class Simulation(SimulatedWorld):
         return self
 
     def reset(self, seed: Optional[int] = None) -> "Simulation":
-        """Rebuilds the world, at time 0; see `World.reset`."""
+        """Rebuilds the world, at time 0; see `World.reset`.
+
+        Args:
+            seed: of all random numbers from now on; None is the same as before.
+        """
         self._reset(seed)
         return self
 
     def load_state(self, state: bytes) -> "Simulation":
-        """Puts the world into a saved state, its time included; see `World.load_state`."""
+        """Puts the world into a saved state, its time included; see `World.load_state`.
+
+        Args:
+            state: of `World.save_state`.
+        """
         self._load_state(state)
         return self
 
     def send(self, topic: str, message: Any) -> "Simulation":
-        """Publishes a message, to be received before the next step."""
+        """Publishes a message, to be received before the next step.
+
+        Args:
+            topic: its name.
+            message: of the topic's type.
+        """
         self.transport.send(topic, message)
         return self
 
     def drive(
         self, forwards: float, turn: float = 0.0, *, left: float = 0.0, topic: str = "/cmd_vel"
     ) -> "Simulation":
-        """Sends a `geometry_msgs/Twist` [m/s, rad/s]."""
+        """Sends a `geometry_msgs/Twist`.
+
+        Args:
+            forwards: velocity [m/s].
+            turn: yaw rate [rad/s].
+            left: velocity to the left [m/s].
+            topic: its name.
+        """
         twist = get("geometry_msgs/Twist")()
         twist.linear.x, twist.linear.y, twist.angular.z = forwards, left, turn
         return self.send(topic, twist)
 
     def record(self, topic: str, seconds: float) -> List[Any]:
-        """Advances the time, and returns the messages of a topic meanwhile, at most one a step."""
+        """Advances the time, and returns the messages of a topic meanwhile, at most one a step.
+
+        Args:
+            topic: its name.
+            seconds: of simulated time.
+        """
         messages: List[Any] = []
         before = self.last(topic)
         for _ in range(round(seconds / self.timekeeper.step_size)):
