@@ -13,7 +13,13 @@ from mkdocs.structure.files import File
 ROOT = Path(__file__).resolve().parents[2]
 LINK = re.compile(r"(!?)\[([^\]]+)\]\(((?!\w+:)[^)#\s]+)((?:#[^)]*)?)\)")
 COMMENT = re.compile(r"^<!--.*?-->\n", re.MULTILINE)
-API = "reference/python/"
+BOOSTS = {
+    "how_do_i": 4.0,
+    "reference/python/": 0.1,
+    "reference/messages": 0.3,
+    "how_it_works/": 0.3,
+}
+"""How search weighs pages, by what their paths begin with: answers to questions first, details last."""
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
@@ -26,10 +32,11 @@ def on_files(files: Any, config: Any, **_: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, files: Any, **_: Any) -> str:
-    """Rewrites links between docs/ and the rest, and ranks guides before the Python API in search."""
+    """Rewrites links between docs/ and the rest, and weighs the page for search."""
     source = page.file.src_uri
-    if source.startswith(API):
-        page.meta["search"] = {"boost": 0.1}
+    for beginning, boost in BOOSTS.items():
+        if source.startswith(beginning):
+            page.meta["search"] = {"boost": boost}
     folder = os.path.dirname(_path_of(source))
 
     def rewrite(match: "re.Match[str]") -> str:
