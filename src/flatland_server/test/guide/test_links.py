@@ -100,3 +100,29 @@ def test_a_page_is_read_in_five_minutes():
             long[page.name] = len(text.split())
 
     assert long == {}
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "second lidar",
+        "robot does not move",
+        "initial pose",
+        "headless",
+        "random free place",
+        "ground truth",
+        "own map",
+        "docker",
+        "moving obstacle",
+        "teleport",
+    ],
+)
+def test_common_questions_are_found_by_a_heading(question):
+    """The site's search prefers headings with words that begin so."""
+    text = FENCE.sub("", (ROOT / "docs" / "how_do_i.md").read_text(encoding="utf-8"))
+    headings = [re.findall(r"\w+", line.lower()) for line in re.findall(r"^## (.+)$", text, re.M)]
+
+    assert any(
+        all(any(each.startswith(word) for each in heading) for word in question.split())
+        for heading in headings
+    )
