@@ -8,7 +8,7 @@ import re
 from typing import Any
 
 LINK = re.compile(r"\[([^\]]+)\]\(((?:\.\./)+[^)#]+)(?:#[^)]*)?\)")
-COMMENT = re.compile(r"^<!--.*?-->\n", re.MULTILINE)
+COMMENT = re.compile(r"^<!-- (?!file: ).*?-->\n", re.MULTILINE)  # but not in a file's block
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:

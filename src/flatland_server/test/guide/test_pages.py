@@ -36,15 +36,17 @@ def test_what_is_not_run_says_why():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("```console\n$ echo a\nb\n```\n", "the page shows\nb"),
-        ("```console\n$ false\n```\n", "ended with 1, not 0"),
+        ("```bash\necho a\n```\n\n```output\nb\n```\n", "the page shows\nb"),
+        ("```bash\necho a\n```\n", "the page shows\nnothing"),
+        ("```bash\nfalse\n```\n", "ended with 1, not 0"),
+        ("```console\n$ echo a\na\n```\n", 'expected commands as "bash"'),
         ("```python\nassert 1 == 2\n```\n", "AssertionError"),
-        ("```bash\nls\n```\n", 'a reason to leave this "bash" block out'),
+        ("```cpp\nint a;\n```\n", 'a reason to leave this "cpp" block out'),
         ("```yaml\nbodies: []\n```\n", "expected the name of a file"),
         ("```yaml\n# file: a.model.yaml\nbodies: []\n```\n", "a.model.yaml: .*bodies"),
         ("<!-- part of: README.md -->\n```python\nno_such_thing\n```\n", "has no such part"),
     ],
-    ids=["output", "exit code", "python", "language", "no file", "yaml", "excerpt"],
+    ids=["output", "no output", "exit code", "console", "python", "language", "no file", "yaml", "excerpt"],
 )
 def test_a_block_that_does_otherwise_is_an_error(text, message, tmp_path):
     page = tmp_path / "page.md"
