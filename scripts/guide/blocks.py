@@ -31,7 +31,7 @@ FENCE = re.compile(
 FILE = re.compile(r"\A(?:#|<!--) file: (?P<name>\S+)(?: -->)?\n")
 NEEDS = re.compile(
     r"^\*\*Needs\*\* \[(?P<installation>ROS or pip|ROS|pip)(?: with the extra `(?P<extra>\w+)`)?\]"
-    r"\([\w./]*install\.md\)(?P<has_ros_parts> \(ROS for the parts with roslaunch\))?"
+    r"\([\w./]*install\.md\)(?P<has_ros_parts> \(ROS for the `ros...` commands\))?"
     r"(?:, and the files of \[[^]]+\]\((?P<files>[^)]+)\))?\.$",
     re.MULTILINE,
 )

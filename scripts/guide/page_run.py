@@ -2,6 +2,8 @@
 
 Files are written as they are pasted, Python runs as one program, commands run, and what they print
 is compared. At the end, each world, model and map file that the page has written is loaded.
+
+usage: page_run.py PAGE FOLDER SOCKET    without ROS, by the process that forks at this socket
 """
 
 import contextlib
@@ -206,3 +208,8 @@ def _inside(folder: Path) -> Iterator[None]:
         for name in set(sys.modules) - modules:
             if str(getattr(sys.modules[name], "__file__", "")).startswith(str(folder)):
                 del sys.modules[name]
+
+
+if __name__ == "__main__":
+    _page, _folder, _socket = sys.argv[1:]
+    PageRun(Path(_page), Path(_folder), os.environ, Forks(_socket), has_ros=False).run()

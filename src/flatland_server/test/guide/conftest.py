@@ -7,12 +7,12 @@ import xmlrpc.client
 
 import pytest
 from blocks import blocks_of
-from forks import Forks
+from forks import running_forks
 from page_run import ROOT, PageRun
 from ros_processes import free_port
 from waiting import wait_until
 
-MODULES = {"learning.md": "gymnasium", "training.md": "gymnasium"}
+MODULES = {"training.md": "gymnasium"}
 """What pages need as a whole."""
 
 
@@ -45,9 +45,8 @@ def master():
 @pytest.fixture(scope="session")
 def forks():
     """Starts the Python programs of all pages."""
-    forks = Forks()
-    yield forks
-    forks.close()
+    with running_forks() as forks:
+        yield forks
 
 
 @pytest.fixture
