@@ -251,9 +251,7 @@ def render_tutorials() -> None:
         ):
             for block in blocks_of(page / f"{tutorial}.md"):
                 if block.file:
-                    lines = block.text.splitlines(keepends=True)
-                    is_data = block.file.endswith(".dat")
-                    (folder / block.file).write_text("".join(lines[is_data:]))
+                    (folder / block.file).write_text(block.text)
                 elif block.language == "python" and tutorial == "world":
                     exec(block.text.replace('"map.png"', f'"{folder}/map.png"'))
             with Simulation(folder / f"{world}.yaml", seed=2) as simulation:

@@ -12,7 +12,7 @@ from mkdocs.structure.files import File
 
 ROOT = Path(__file__).resolve().parents[2]
 LINK = re.compile(r"(!?)\[([^\]]+)\]\(((?!\w+:)[^)#\s]+)((?:#[^)]*)?)\)")
-COMMENT = re.compile(r"^<!--.*?-->\n", re.MULTILINE)
+COMMENT = re.compile(r"^<!-- (?!file: ).*?-->\n", re.MULTILINE)  # but not in a file's block
 BOOSTS = {
     "how_do_i": 4.0,
     "reference/python/": 0.1,
