@@ -1,6 +1,7 @@
 """Makes a site of docs/ and examples/, whose pages are written for a forge.
 
-The site has docs/ as its root, and examples/ in it. Links that lead out of both become the names of files.
+The site has docs/ as its root, and examples/ in it. Links that lead out of both become the names
+of files.
 """
 
 import os
@@ -19,7 +20,7 @@ BOOSTS = {
     "reference/messages": 0.3,
     "how_it_works/": 0.3,
 }
-"""How search weighs pages, by what their paths begin with: answers to questions first, details last."""
+"""Weights of pages in search, by the beginnings of their paths: answers first, details last."""
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
