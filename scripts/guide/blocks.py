@@ -13,7 +13,7 @@ before a block, which readers do not see, are for tests:
     <!-- ends with 1 -->                  the exit code of its last command
     <!-- instead: COMMAND -->             what tests run in place of its first command
 
-A Python block may begin with `# needs: MODULE`.
+A block with the comment `# needs: MODULE` is left out where that module is not installed.
 
 usage: blocks.py PAGE    prints the Python of a page as one program, for type checks
 """
@@ -78,8 +78,8 @@ class Block(NamedTuple):
 
     @property
     def need(self) -> str:
-        """The module without which it cannot run, or ""."""
-        match = re.match(r"# needs: (\w+)", self.text)
+        """The module that it needs, or ""."""
+        match = re.search(r"^# needs: (\w+)", self.text, re.MULTILINE)
         return match[1] if match else ""
 
 

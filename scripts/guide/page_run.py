@@ -43,7 +43,7 @@ class PageRun:
         folder: an empty one.
         environment: for its shell.
         forks: start Python programs; see `Shell`.
-        has_ros: whether ROS is installed. If not, parts that need it are left out, as the page says.
+        has_ros: whether ROS is installed; if not, parts that need it are left out.
     """
 
     def __init__(

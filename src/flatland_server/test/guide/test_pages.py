@@ -82,7 +82,17 @@ def test_what_is_not_run_says_why():
         ("```yaml\n# file: a.model.yaml\nbodies: []\n```\n", "a.model.yaml: .*bodies"),
         ("<!-- part of: README.md -->\n```python\nno_such_thing\n```\n", "has no such part"),
     ],
-    ids=["output", "no output", "exit code", "console", "python", "language", "no file", "yaml", "excerpt"],
+    ids=[
+        "output",
+        "no output",
+        "exit code",
+        "console",
+        "python",
+        "language",
+        "no file",
+        "yaml",
+        "excerpt",
+    ],
 )
 def test_a_block_that_does_otherwise_is_an_error(text, message, tmp_path):
     page = tmp_path / "page.md"

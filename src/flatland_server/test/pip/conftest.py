@@ -32,6 +32,12 @@ BUILD_REQUIREMENTS = (
 
 LIMIT = 600.0  # s, for each command
 
+FLATLAND = """#!/usr/bin/env python3
+import sys
+from flatland_server.cli import main
+sys.exit(main())
+"""
+
 
 def run(*command, **variables):
     """The output of a command; if it fails, so does the test, with its output.
@@ -164,9 +170,7 @@ def reader(wheel, tmp_path_factory):
         archive.extractall(folder)
     command = folder / "bin" / "flatland"
     command.parent.mkdir()
-    command.write_text(
-        "#!/usr/bin/env python3\nimport sys\nfrom flatland_server.cli import main\nsys.exit(main())\n"
-    )
+    command.write_text(FLATLAND)
     command.chmod(0o755)
     of_tests = [path for path in sys.path if path.startswith(f"{ROOT}/build/test/")]
     variables = {
