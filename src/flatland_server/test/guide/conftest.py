@@ -2,27 +2,22 @@
 
 import contextlib
 import os
-import re
 import subprocess
 import xmlrpc.client
 
 import pytest
 from blocks import blocks_of
-from forks import Forks
+from forks import running_forks
 from page_run import PageRun
 from ros_processes import executable, free_port
 from waiting import wait_until
 
-ROS = re.compile(r"^\$ .*\b(?:ros\w+|python3 \w+\.py)\b", re.MULTILINE)
-MODULES = {"learning.md": "gymnasium", "training.md": "gymnasium"}
+MODULES = {"training.md": "gymnasium"}
 """What pages need as a whole."""
 
 
 def needs_master(page):
-    return any(
-        block.language == "console" and not block.note("not run:") and ROS.search(block.text)
-        for block in blocks_of(page)
-    )
+    return any(block.uses_ros and not block.note("not run:") for block in blocks_of(page))
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +45,8 @@ def master():
 @pytest.fixture(scope="session")
 def forks():
     """Starts the Python programs of all pages."""
-    forks = Forks()
-    yield forks
-    forks.close()
+    with running_forks() as forks:
+        yield forks
 
 
 @pytest.fixture

@@ -15,10 +15,10 @@ ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 FILES = re.findall(r"```\w+\n# file: (\S+)\n(.*?)```", PAGE, re.DOTALL)
 COMMANDS = [
-    line[2:]
-    for block in re.findall(r"```console\n(.*?)```", PAGE, re.DOTALL)
+    line
+    for block in re.findall(r"```bash\n(.*?)```", PAGE, re.DOTALL)
     for line in block.splitlines()
-    if line.startswith("$ flatland ")
+    if line.startswith("flatland ")
 ]
 
 
