@@ -31,6 +31,7 @@ from flatland_server._core import (
     RelativePoses,
     Tricycle,
     Tween,
+    __version__,
 )
 from flatland_server.array_math import cos_sin, headings
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
