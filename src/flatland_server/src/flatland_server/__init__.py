@@ -32,6 +32,7 @@ from flatland_server._core import (
     Tricycle,
     Tween,
 )
+from flatland_server._core import __version__ as __version__
 from flatland_server.array_math import cos_sin, headings
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
 from flatland_server.batch.observation import BatchObservation

@@ -871,6 +871,9 @@ class Manifold(ContactImpulse):
     def local_points(self) -> list[_Pair]:
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
 
+__version__: str
+"""The version in flatland_server's package.xml when this was built."""
+
 supports_numpy_2: bool
 """Whether this was built with a pybind11 that supports NumPy 2, from 2.12 on.
 

@@ -195,8 +195,8 @@ def test_expressions_are_evaluated_and_environments_say_which_extra_they_need(li
     assert message == "NavigationEnv needs Gymnasium: pip install 'flatland2d[gym]'"
 
 
-def test_the_command_is_there(library):
-    assert "usage: flatland" in library.command("flatland", "--help")
+def test_the_command_tells_the_version_of_the_wheel(library, wheel):
+    assert library.command("flatland", "--version") == f"flatland {wheel.name.split('-')[1]}\n"
 
 
 SWEEP = """

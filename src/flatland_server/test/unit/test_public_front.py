@@ -7,7 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
+from catkin_pkg.packages import find_packages
 
+import flatland2d
 import flatland_server
 
 SRC = Path(__file__).resolve().parents[3]
@@ -45,6 +48,15 @@ def test_nothing_public_is_imported_besides_all():
     }
 
     assert imported == set(flatland_server.__all__)
+
+
+def test_packages_and_citation_have_the_version_that_the_library_tells():
+    packages = find_packages(str(SRC)).values()
+
+    assert len(packages) > 5
+    assert {package.version for package in packages} == {flatland2d.__version__}
+    citation = yaml.safe_load((SRC.parent / "CITATION.cff").read_text())
+    assert citation["version"] == flatland2d.__version__
 
 
 def test_the_types_are_declared():
