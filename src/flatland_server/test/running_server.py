@@ -5,6 +5,7 @@ import resource
 import signal
 import socket
 import subprocess
+import time
 import xmlrpc.client
 from pathlib import Path
 from typing import Any, Dict, Set, Tuple
@@ -14,6 +15,7 @@ import tcpros_client
 from flatland_msgs.srv import DeleteModel, SpawnModel
 from geometry_msgs.msg import Pose2D
 from ros_processes import executable, free_port
+from rosgraph_msgs.msg import Clock
 from waiting import wait_until
 
 WORLDS = Path(__file__).resolve().parents[1] / "worlds"
@@ -158,6 +160,19 @@ class Server:
     def kill(self) -> None:
         self.process.kill()
         self.process.wait()
+
+
+def simulated_time(clock: socket.socket, seconds: float) -> float:
+    """How much time passes in the simulation in some of real time [s], on a connection to /clock.
+
+    Raises:
+        OSError: there is no message.
+    """
+    first = last = tcpros_client.next_message(clock, Clock).clock
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        last = tcpros_client.next_message(clock, Clock).clock
+    return float((last - first).to_sec())
 
 
 def prepare(max_files: int, hard: int) -> None:

@@ -199,7 +199,7 @@ def test_another_clone_runs_in_turn_in_its_own_workspace(tmp_path, monkeypatch, 
         "import sys\nassert sys.argv[1:3] == ['--one', 'parts_1'], sys.argv\n"
         "print('{\"step [us]\": 8.0}')\n"
     )
-    (tmp_path / "devel/setup.bash").write_text(f"export PYTHONPATH={tmp_path / 'lib'}\n")
+    (tmp_path / "devel/setup.bash").write_text(f"export PYTHONPATH='{tmp_path / 'lib'}'\n")
     (tmp_path / "src/flatland_server/package.xml").write_text(
         "<package format='3'><name>flatland_server</name><version>0.0.7</version>"
         "<description>x</description><maintainer email='a@b.cd'>a</maintainer>"
