@@ -73,9 +73,8 @@ void BindLidarsOf(py::class_<PyBody>& body) {
 }
 
 void BindScansOf(py::class_<PyWorld>& world) {
-  world
-      .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
-           py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0);
+  world.def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
+            py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0);
 }
 
 }  // namespace flatland
