@@ -25,8 +25,7 @@ from flatland_server.plugins.contact_dispatcher import ContactDispatcher
 from flatland_server.plugins.plugin import HOOKS, STEP_HOOKS, Plugin
 from flatland_server.plugins.plugin_factory import PluginFactory
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.schedule import Schedule
-from flatland_server.plugins.scheduled_plugin import StepCalls
+from flatland_server.plugins.schedule import NO_CALLS, Schedule
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.transport import Transport
 
@@ -34,8 +33,6 @@ logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
 Hook = Callable[..., None]
-
-_NO_CALLS = StepCalls([])
 
 
 class PluginRevision:
@@ -100,9 +97,9 @@ class PluginManager:
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
         self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
-        self._schedule = Schedule(self._has_work)
+        self._schedule = Schedule(self._has_work, lambda: self._contacts.is_listening)
         self.plan = self._schedule.plan
-        self._step_calls = _NO_CALLS
+        self._step_calls = NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
         """Called when a plugin has failed and is switched off; without it, that is logged."""
         self._revision = revision
@@ -219,7 +216,7 @@ class PluginManager:
         self._stop_calling([plugin for plugins in self._plugins.values() for plugin in plugins])
         for model_name in list(self._plugins):
             self.stop(model_name)
-        self._step_calls = _NO_CALLS
+        self._step_calls = NO_CALLS
 
     def steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
         """The number of steps from now on, up to a limit, that need no calls of step hooks.
@@ -230,10 +227,8 @@ class PluginManager:
         if revision != self._transport.subscriber_revision:
             return 0
         steps = self._schedule.steps_without_calls(timekeeper, revision, limit)
-        if self._contacts.is_listening:
-            self.plan.until = 0  # each step may call a contact hook
         if steps > 0:
-            self._step_calls = _NO_CALLS  # or those of the last step would keep plugins alive
+            self._step_calls = NO_CALLS  # or those of the last step would keep plugins alive
         return steps
 
     def pass_over(self, nanoseconds: int) -> None:
@@ -260,8 +255,9 @@ class PluginManager:
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `after_physics_step` of all plugins that were due before the step."""
-        if self._step_calls.hooks["after_physics_step"]:
+        if self._step_calls.plugins:
             self._call_step_hooks("after_physics_step", timekeeper)
+            self._schedule.renew_plan()
 
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
         """Has all running plugins draw what they show in pictures."""
