@@ -54,8 +54,9 @@ def roles_of(world: World) -> List[PluginRole]:
                 raise PluginError(
                     f'the plugin "{plugin.node.owner}" ({plugin.type}) acts in Python while the '
                     "world is loaded or stepped, and a SimulationBatch runs no such plugins: leave "
-                    "it out, or use a Simulation for each environment; the class of a plugin that "
-                    "only observes says so with batch_role = BatchRole()"
+                    "it out, or use a Simulation for each environment; a class that batches can "
+                    "run has a batch_role, declared again where a hook is overridden: BatchRole() "
+                    "if its hooks only observe"
                 )
             roles.append(PluginRole(owner, plugin.name, role))
     return roles
