@@ -169,9 +169,11 @@ def test_a_plugin_that_is_stopped_while_plugins_are_asked_is_not_called(load, ra
     manager, _ = load(f"type: Asked, name: asked{rate}", f"type: Periodic, name: other{rate}")
     world = manager.world
     spawn(manager, "late")
+    late = world.plugins_of("late")["asked"]
     plugins_of(manager)["asked"].on_ask = lambda: world.delete_model("late")
 
     assert run(manager, 1) == [(0, "asked"), (0, "other")]
+    assert late.asked == 0
 
 
 def test_all_plugins_are_asked_again_after_an_interrupt(load):
