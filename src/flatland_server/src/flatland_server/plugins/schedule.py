@@ -194,13 +194,14 @@ class Schedule:
             for each in list(self._plugins.values()):
                 each.is_idle = each.is_removed or not self._has_work(each.plugin)
                 timer = each.plugin.update_timer
-                each.timer = timer if timer is not None and timer.period > 0 else None
-                if each.timer is None:
-                    steady += [] if each.is_idle else [each]
-                elif not each.is_idle:
-                    timed.append((each.timer.due, each.order, each))
-                elif each.timer.due < 0:
-                    each.timer.check_update_at(now)  # a rate counts from the first step
+                timer = each.timer = timer if timer is not None and timer.period > 0 else None
+                if each.is_idle:
+                    if timer is not None and timer.due < 0:
+                        timer.check_update_at(now)  # a rate counts from the first step
+                elif timer is None:
+                    steady.append(each)
+                else:
+                    timed.append((timer.due, each.order, each))
         except BaseException:
             self.plan.expire()
             raise
