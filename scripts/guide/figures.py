@@ -170,7 +170,7 @@ def schedule() -> Svg:
     rates = [("no rate", float("inf")), ("50 Hz", 50.0), ("30 Hz", 30.0), ("30 Hz", 30.0)]
     steps, dt = 41, 5_000_000
     drawing = Svg(860, 196, "Which plugins are called in which step")
-    legend = "steps of 5 ms; a dot is a call; the last plugin is idle until 80 ms: its timer goes on"
+    legend = "steps of 5 ms; a dot is a call; grey: due, but idle until 80 ms, so not called"
     drawing.text(12, 20, legend, 12, GREY, "start")
     for row, (name, rate) in enumerate(rates):
         y = 50 + 34 * row
