@@ -172,11 +172,12 @@ def lidar() -> Svg:
 
 
 def schedule() -> Svg:
-    """When plugins of several rates are called, at steps of 5 ms."""
-    rates = [("no rate", float("inf")), ("50 Hz", 50.0), ("30 Hz", 30.0), ("10 Hz", 10.0)]
+    """When plugins of several rates are called, at steps of 5 ms, and one that is idle at first."""
+    rates = [("no rate", float("inf")), ("50 Hz", 50.0), ("30 Hz", 30.0), ("30 Hz", 30.0)]
     steps, dt = 41, 5_000_000
     drawing = Svg(860, 196, "Which plugins are called in which step")
-    drawing.text(12, 20, "steps of 5 ms; a dot is a call", 12, GREY, "start")
+    legend = "steps of 5 ms; a dot is a call; grey: due, but idle until 80 ms, so not called"
+    drawing.text(12, 20, legend, 12, GREY, "start")
     for row, (name, rate) in enumerate(rates):
         y = 50 + 34 * row
         timer = UpdateTimer(rate)
@@ -184,7 +185,9 @@ def schedule() -> Svg:
         drawing.line([(90, y), (840, y)], "#bdbdbd")
         for number in range(steps):
             if timer.check_update_at(number * dt):
-                drawing.dot(90 + 18.5 * number, y, 4, (BLUE, TEAL, ORANGE, RED)[row])
+                is_idle = row == len(rates) - 1 and number < 16
+                color = "#bdbdbd" if is_idle else (BLUE, TEAL, ORANGE, RED)[row]
+                drawing.dot(90 + 18.5 * number, y, 4, color)
     for number in range(0, steps, 10):
         drawing.text(90 + 18.5 * number, 184, f"{number * 5} ms", 11, GREY)
     return drawing

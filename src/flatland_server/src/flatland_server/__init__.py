@@ -69,8 +69,7 @@ from flatland_server.models.joint import Joint
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.models.model_body import BodyConfig, ModelBody
-from flatland_server.plugins.batch_motion import BatchMotion
-from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
+from flatland_server.plugins.batch_role import BatchMotion, BatchRole, CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -90,6 +89,7 @@ __all__ = [
     "TWEEN_MODES",
     "BatchMotion",
     "BatchObservation",
+    "BatchRole",
     "BeamFan",
     "Body",
     "BodyConfig",

@@ -1,12 +1,11 @@
-"""Finds the robot of a batch among the models of a world, and checks that a batch can run it."""
+"""The roles of plugins in a batch, and its robot among the models of a world."""
 
 from typing import Dict, List, NamedTuple, Optional
 
 from flatland_server.exceptions import ModelError, PluginError, listed, shortened, suggestion
 from flatland_server.models.model import Model
-from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
+from flatland_server.plugins.batch_role import BatchRole, CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.plugins.plugin import HOOKS, Plugin
 from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -21,14 +20,23 @@ class BatchRobot(NamedTuple):
     core_lidar: CoreLidar
 
 
-def require_passive(world: World) -> None:
-    """Checks that a batch can run a world.
+class PluginRole(NamedTuple):
+    """A plugin of the world, and its part in the batch."""
+
+    owner: str
+    """The name of its model; empty for a plugin of the world."""
+    name: str
+    role: BatchRole
+
+
+def roles_of(world: World) -> List[PluginRole]:
+    """The roles of all plugins of a world.
 
     Args:
         world: on a LocalTransport.
 
     Raises:
-        PluginError: it has a plugin that acts by itself, or plugins that send messages to others.
+        PluginError: one has no role, or plugins send messages to others.
     """
     transport = world.transport
     assert isinstance(transport, LocalTransport)
@@ -38,43 +46,20 @@ def require_passive(world: World) -> None:
             f"one plugin acts on what another one publishes, on {listed(exchanged)}, and a "
             "SimulationBatch publishes nothing: use a Simulation for each environment"
         )
+    roles = []
     for owner in ["", *world.models]:
         for plugin in world.plugins_of(owner).values():
-            if not (is_passive(plugin) or acts_when_loaded(plugin) or has_batch_motion(plugin)):
-                label = f"{owner}/{plugin.name}" if owner else plugin.name
+            role = plugin.batch_role
+            if role is None:
                 raise PluginError(
-                    f'the plugin "{label}" ({plugin.type}) acts in Python while the world is '
-                    "loaded or stepped, and a SimulationBatch runs no such plugins: leave it out, "
-                    "or use a Simulation for each environment; the class of a plugin that only "
-                    "observes says so with is_passive = True"
+                    f'the plugin "{plugin.node.owner}" ({plugin.type}) acts in Python while the '
+                    "world is loaded or stepped, and a SimulationBatch runs no such plugins: leave "
+                    "it out, or use a Simulation for each environment; a class that batches can "
+                    "run has a batch_role, declared again where a hook is overridden: BatchRole() "
+                    "if its hooks only observe"
                 )
-
-
-def is_passive(plugin: Plugin) -> bool:
-    """Whether the plugin's class says so, after the last one that overrides a hook."""
-    return plugin.is_passive and _knows_all_hooks(plugin, "is_passive")
-
-
-def acts_when_loaded(plugin: Plugin) -> bool:
-    """Whether the plugin's class says that its hooks change nothing, but its start does."""
-    return plugin.acts_when_loaded and _knows_all_hooks(plugin, "acts_when_loaded")
-
-
-def has_batch_motion(plugin: Plugin) -> bool:
-    """Whether the plugin's class says what it does in a batch, after overriding hooks."""
-    return _knows_all_hooks(plugin, "make_batch_motion")
-
-
-def _knows_all_hooks(plugin: Plugin, name: str) -> bool:
-    """Whether an attribute was set by the last class that overrides a hook, or after it."""
-    for each in type(plugin).__mro__:
-        if each is Plugin:
-            break
-        if name in vars(each):
-            return True
-        if any(hook in vars(each) for hook in HOOKS):
-            break
-    return False
+            roles.append(PluginRole(owner, plugin.name, role))
+    return roles
 
 
 def find_robot(world: World, name: Optional[str], lidar: Optional[str]) -> BatchRobot:
@@ -94,8 +79,8 @@ def find_robot(world: World, name: Optional[str], lidar: Optional[str]) -> Batch
         plugins = [
             each for each in world.plugins_of(owner).values() if isinstance(each, ModelPlugin)
         ]
-        drives[owner] = [each for each in plugins if each.core_drive is not None]
-        lidars[owner] = [each for each in plugins if each.core_lidar is not None]
+        drives[owner] = [each for each in plugins if _role(each).drive]
+        lidars[owner] = [each for each in plugins if _role(each).lidar]
     if name is None:
         robots = [owner for owner in world.models if drives[owner] and lidars[owner]]
         if not robots:
@@ -110,9 +95,14 @@ def find_robot(world: World, name: Optional[str], lidar: Optional[str]) -> Batch
         raise ModelError(f'expected a model with one drive, "{name}" has: {found_drives}')
     chosen = _choose(name, lidars[name], lidar)
     drive = drives[name][0]
-    assert drive.core_drive is not None
-    assert chosen.core_lidar is not None
-    return BatchRobot(model, drive, drive.core_drive, chosen, chosen.core_lidar)
+    core_drive, core_lidar = _role(drive).drive, _role(chosen).lidar
+    assert core_drive is not None
+    assert core_lidar is not None
+    return BatchRobot(model, drive, core_drive, chosen, core_lidar)
+
+
+def _role(plugin: ModelPlugin) -> BatchRole:
+    return plugin.batch_role or BatchRole()
 
 
 def _missing(drives: List[ModelPlugin], lidars: List[ModelPlugin]) -> str:

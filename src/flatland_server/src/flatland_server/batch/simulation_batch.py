@@ -21,7 +21,7 @@ from flatland_server.batch.free_spaces import FreeSpaces
 from flatland_server.batch.noise import BatchNoise
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.plugins import BatchPlugins
-from flatland_server.batch.robot import find_robot, require_passive
+from flatland_server.batch.robot import find_robot, roles_of
 from flatland_server.batch.view import BatchView
 from flatland_server.exceptions import UsageError
 from flatland_server.library.arguments import (
@@ -83,7 +83,7 @@ class SimulationBatch:
 
     Raises:
         FlatlandError: there is no such world, something in its files is wrong, it has no such robot
-            or lidar, or a plugin that acts by itself (`Plugin.is_passive`).
+            or lidar, or a plugin that acts by itself (`Plugin.batch_role`).
     """
 
     def __init__(
@@ -115,7 +115,7 @@ class SimulationBatch:
             model_folders=folders_of(model_folders),
             loader=loader,
         )
-        require_passive(self._world)
+        roles = roles_of(self._world)
         self._robot = find_robot(self._world, robot, lidar)
         self._view = BatchView(self._world, self.step_size, self._params, loader)
         self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
@@ -137,7 +137,7 @@ class SimulationBatch:
         self._beams = self._core.beams
         self._steps = np.zeros(self._num_envs, np.int64)
         self._plugins = BatchPlugins(
-            self._world, self._num_envs, self._step_nanoseconds, self._open
+            self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open
         )
         self._plugins.begin(None, self._seeds)
         self._noise = BatchNoise(self._robot, self._num_envs)

@@ -11,7 +11,6 @@ from flatland_server.models.entity import Entity
 from flatland_server.models.joint import Joint
 from flatland_server.models.model import Model
 from flatland_server.models.model_body import ModelBody
-from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
@@ -42,15 +41,9 @@ class ModelPlugin(Plugin):
         model: its model, with bodies and joints.
         quantities: names of further quantities that it measures: for each there is a method
             `read_<quantity>` with the same argument as `read`.
-        core_drive: the drive of the core that `command` controls; set by `on_initialize`. A
-            `SimulationBatch` commands it without calling `command`: a subclass that changes the
-            effect of commands sets it to None, and is refused by batches.
-        core_lidar: the lidar of the core that `read` reads; likewise.
     """
 
     quantities: ClassVar[Tuple[str, ...]] = ()
-    core_drive: Optional[CoreDrive] = None
-    core_lidar: Optional[CoreLidar] = None
 
     def __init__(
         self, type: str, name: str, node: Node, rng: np.random.Generator, model: Model

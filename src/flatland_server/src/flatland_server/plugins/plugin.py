@@ -43,7 +43,7 @@ effect at its end. Contact hooks may set velocities and apply forces and impulse
 add or remove bodies.
 """
 
-from typing import Any, Callable, ClassVar, Optional
+from typing import Any, Callable, Optional
 
 import numpy as np
 
@@ -51,7 +51,7 @@ from flatland_server import _core
 from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
-from flatland_server.plugins.batch_motion import BatchMotion
+from flatland_server.plugins.batch_role import BatchRole
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
 from flatland_server.update_timer import UpdateTimer
@@ -80,21 +80,18 @@ class Plugin:
         node: its access to topics, transforms and parameters.
         rng: its random numbers, which depend only on the seed of the world and on the names of the
             model and the plugin.
-        only_publishes: whether the step hooks only publish, so that `has_work` depends only on
-            subscribers. With an `update_timer`, `has_work` is then not called each time the timer
-            is due, and while the plugin has no work, the world makes many steps at once.
-        is_passive: whether the plugin changes nothing in the world by itself: all of its hooks only
-            observe, and the parts that it adds to the core when it starts are not random. It may
-            obey messages and commands. A derived class that overrides a hook has to set it again.
-        acts_when_loaded: the same, except that the parts that `on_initialize` adds to the core,
-            such as walls, are random: each environment of a `SimulationBatch` then has its own
-            world, loaded with its seed. A batch runs only plugins of these two kinds, and those
-            with `make_batch_motion`.
     """
 
-    only_publishes: ClassVar[bool] = False
-    is_passive: ClassVar[bool] = False
-    acts_when_loaded: ClassVar[bool] = False
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        """Keeps an inherited `batch_role` from a class that overrides hooks."""
+        super().__init_subclass__(**arguments)
+        if "batch_role" not in vars(cls) and not any(
+            cls.batch_role is base.batch_role
+            and all(getattr(cls, hook) is getattr(base, hook) for hook in HOOKS)
+            for base in cls.__bases__
+            if issubclass(base, Plugin)
+        ):
+            cls.batch_role = Plugin.batch_role  # type: ignore[method-assign]
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
         self.type = type
@@ -129,6 +126,15 @@ class Plugin:
         """
         raise TypeError(f"{type(self).__name__} does not override on_initialize")
 
+    @property
+    def batch_role(self) -> Optional[BatchRole]:
+        """The plugin's part in a `SimulationBatch`; None: batches refuse it.
+
+        To be overridden by a property, or by an attribute of the class, such as `BatchRole()` for a
+        plugin that only observes. A derived class that overrides a hook has to do so again.
+        """
+        return None
+
     def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:
         """The frame that is the value of a key of the configuration, such as `odom_frame_id`.
 
@@ -154,9 +160,9 @@ class Plugin:
         """Whether the step hooks need to be called now.
 
         To be overridden by plugins that only publish, which have no work while their topics have no
-        subscribers. A plugin with an `update_timer` is asked whenever this is due, unless it is one
-        that `only_publishes`; any other only after a topic has got or lost a subscriber, or plugins
-        were started or stopped: its answer may depend on nothing else.
+        subscribers. Called again only after a topic has got or lost a subscriber, plugins were
+        started or stopped, or one has set its `update_timer`: the answer may depend on nothing
+        else.
         """
         return True
 
@@ -214,21 +220,6 @@ class Plugin:
             contact: with the points where the two fixtures touch.
             impulse: what was applied at each of these points to keep the fixtures apart [N s].
         """
-
-    def make_batch_motion(self, count: int) -> Optional[BatchMotion]:
-        """The plugin's work in the environments of a `SimulationBatch`.
-
-        To be overridden by plugins that do nothing else than to set velocities of bodies at their
-        updates, so that batches can run them. A derived class that overrides a hook has to override
-        this, too. Called after all models and plugins of the world were made.
-
-        Args:
-            count: number of environments.
-
-        Returns:
-            None: it cannot be run in a batch, unless it `is_passive` or `acts_when_loaded`.
-        """
-        return None
 
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
         """Draws what the plugin shows in a picture of the world, such as a lidar's returns.

@@ -1,10 +1,5 @@
 """Finds plugins by their type, as pluginlib does.
 
-Packages declare their plugins in two ways: a ROS package by an XML file that its package.xml
-exports (`ros_exports`), a Python package that pip installs by entry points (`entry_points`). A
-package may do both, with the same files under catkin and under pip: a class that is found twice
-counts once.
-
 A C++ class, with `::` in its `type` in the XML file, cannot be loaded: only a file that names it
 gets an error. Plugins of `EXAMPLE_PACKAGE`, which is there to be copied, are hidden by others of
 the same name.
@@ -14,13 +9,11 @@ import importlib
 import inspect
 import logging
 import os
-from typing import Iterable, List, Optional, Set, Tuple, Type, TypeVar
+from typing import Iterable, Optional, Type, TypeVar
 
 from flatland_server.exceptions import PluginError, shortened, suggestion
-from flatland_server.plugins.entry_points import entry_point_plugins
+from flatland_server.plugins.declarations import PluginDeclaration, discover
 from flatland_server.plugins.plugin import Plugin
-from flatland_server.plugins.plugin_declaration import PluginDeclaration
-from flatland_server.plugins.ros_exports import exported_plugins
 
 __all__ = ["EXAMPLE_PACKAGE", "PluginDeclaration", "PluginLoader", "discover"]
 
@@ -106,16 +99,3 @@ def _import(declaration: PluginDeclaration) -> object:
             f'{module_name} has no class "{class_name}", though its package declares it'
         )
     return getattr(module, class_name)
-
-
-def discover() -> List[PluginDeclaration]:
-    """The plugins that packages declare, each once; a faulty declaration is logged."""
-    declarations = exported_plugins()
-    known = {key for d in declarations if not d.is_cpp for key in _identities(d)}
-    return declarations + [d for d in entry_point_plugins() if known.isdisjoint(_identities(d))]
-
-
-def _identities(declaration: PluginDeclaration) -> Set[Tuple[str, str]]:
-    """What tells that two declarations mean the same plugin: one of these is equal."""
-    name = declaration.name
-    return {(name, declaration.package), (name, declaration.class_path)}

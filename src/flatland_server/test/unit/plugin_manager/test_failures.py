@@ -78,7 +78,7 @@ def test_the_topics_and_frames_of_a_plugin_that_fails_are_closed(files, caplog, 
     assert local(world).topics == {"/other/p"}
     assert len(local(world)._callbacks["/command"]) == 1
     caplog.clear()
-    Node(world.transport, "", "heir", world._plugins._factory._root_node._frames).claim_frame(
+    Node(world.transport, "", "heir", world._plugins._root_node._frames).claim_frame(
         "odom", "robot/bad"
     )
     assert caplog.records == []

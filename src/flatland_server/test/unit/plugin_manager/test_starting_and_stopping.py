@@ -84,7 +84,7 @@ def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
     assert list(world.entities) == entities
     assert local(world).topics == {"/other/p"}
     assert len(local(world)._callbacks["/command"]) == 1
-    assert world._plugins._factory._root_node._frames._publishers == {"other/p": "other/p"}
+    assert world._plugins._root_node._frames._publishers == {"other/p": "other/p"}
     assert all(listeners == {} for listeners in world._plugins._contacts._listeners.values())
     assert world._plugins.plugins_of("robot") == []
     # Where it would have been, the core reports no contact of two discs.
