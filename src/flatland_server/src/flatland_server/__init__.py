@@ -57,6 +57,7 @@ from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternio
 from flatland_server.library.free_space import DistanceGrid, FreeSpace
 from flatland_server.library.handles import DriveHandle, ModelHandle, SensorHandle
 from flatland_server.library.recorder import Recorder
+from flatland_server.library.robot import find_robot
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.touch import Touch
 from flatland_server.library.world_content import world_content
@@ -171,6 +172,7 @@ __all__ = [
     "cos_sin",
     "fill_pose",
     "fill_twist",
+    "find_robot",
     "header",
     "headings",
     "messages",

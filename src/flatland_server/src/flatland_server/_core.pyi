@@ -521,6 +521,15 @@ class BodyGroup(metaclass=_Metaclass):
         """A new array of shape (n, 3): x, y [m] and yaw in [-pi, pi] [rad] in the world."""
     def velocities(self) -> FloatArray:
         """A new array of shape (n, 3): vx, vy [m/s] and omega [rad/s], in the world's frame."""
+    def clearance(self, limit: float) -> float:
+        """The distance from the nearest wall or other body that one of them can touch [m].
+
+        Footprints count that collide, are no sensors, and share a layer. Overlapping ones have a
+        distance of 0.
+
+        Args:
+            limit: the result if nothing is nearer than this [m]; the search goes no farther.
+        """
 
 class Fixture(_WithoutConstructor):
     """A handle of a shape of a body, or of a wall of a layer. Handles of the same one are equal."""

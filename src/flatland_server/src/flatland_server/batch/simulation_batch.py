@@ -1,6 +1,5 @@
 """Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
 
-import inspect
 import os
 from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
@@ -21,7 +20,7 @@ from flatland_server.batch.free_spaces import FreeSpaces
 from flatland_server.batch.noise import BatchNoise
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.plugins import BatchPlugins
-from flatland_server.batch.robot import find_robot, require_passive
+from flatland_server.batch.robot import require_passive
 from flatland_server.batch.view import BatchView
 from flatland_server.exceptions import UsageError
 from flatland_server.library.arguments import (
@@ -32,6 +31,7 @@ from flatland_server.library.arguments import (
     whole_number,
 )
 from flatland_server.library.free_space import FreeSpace
+from flatland_server.library.robot import find_robot
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_source import WorldSource, exported_plugins, open_world
@@ -122,7 +122,7 @@ class SimulationBatch:
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
         core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
-        self._action_names = tuple(inspect.signature(self._robot.drive.command).parameters)
+        self._action_names = self._robot.action_names
         self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
             self._world.physics,
             bodies=self._robot.model.physics_bodies,

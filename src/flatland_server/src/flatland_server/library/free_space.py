@@ -1,6 +1,7 @@
 """Free space: the floor that a robot can reach without touching a wall."""
 
 import math
+from functools import lru_cache
 from typing import Dict, Iterable, Tuple
 
 import numpy as np
@@ -151,6 +152,19 @@ class DistanceGrid:
             np.minimum(window, np.sqrt(distances) - radius, out=window)
         self._spaces: Dict[float, FreeSpace] = {}
 
+    @staticmethod
+    def shared(
+        walls: Segments,
+        start: Tuple[float, float],
+        farthest: float,
+        *,
+        discs: FloatArray = np.empty((0, 3)),  # noqa: B008 (only read)
+        open_reach: float = 0.0,
+    ) -> "DistanceGrid":
+        """A new grid, or one that was made of equal arguments before."""
+        arrays = (np.ascontiguousarray(each, np.float64).tobytes() for each in (walls, discs))
+        return _shared_grid(*arrays, (start[0], start[1]), farthest, open_reach)
+
     @property
     def diagonal(self) -> float:
         """No two places are farther apart than this [m]."""
@@ -224,6 +238,14 @@ class DistanceGrid:
         squares = self._origin + (np.column_stack([columns, rows]) + 0.5) * self.resolution
         nearest = int(((squares - self._start) ** 2).sum(axis=1).argmin())
         return int(rows[nearest]), int(columns[nearest])
+
+
+@lru_cache(maxsize=4)
+def _shared_grid(
+    walls: bytes, discs: bytes, start: Tuple[float, float], farthest: float, open_reach: float
+) -> DistanceGrid:
+    segments, circles = np.frombuffer(walls).reshape(-1, 4), np.frombuffer(discs).reshape(-1, 3)
+    return DistanceGrid(segments, start, farthest, discs=circles, open_reach=open_reach)
 
 
 def _span(a: float, b: float, reach: float, resolution: float) -> slice:

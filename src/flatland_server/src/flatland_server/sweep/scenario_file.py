@@ -3,15 +3,13 @@
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple, TypeVar, Union
 
-from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import is_file
-from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
 from flatland_server.geometry import Point, Pose
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.sweep.controllers import POLICY_DRIVER, python_file
-from flatland_server.sweep.parameters import combinations, count_combinations
+from flatland_server.sweep.parameters import combinations, count_combinations, world_file
 from flatland_server.sweep.settings import (
     RANDOM,
     Controller,
@@ -71,25 +69,6 @@ def _check_durations(reader: YamlReader, settings: SweepSettings) -> None:
             steps_in(getattr(settings, name), settings.step_size, name)
         except UsageError as error:
             reader.problem(str(error), name)
-
-
-def world_source(source: str, folder: Path) -> Union[str, Path]:
-    """What `Simulation` takes for a world of a scenario file.
-
-    Args:
-        source: as it is written.
-        folder: of the scenario file.
-
-    Raises:
-        FlatlandError: there is neither a file nor a shipped world of this name.
-    """
-    path = folder / to_path(source)
-    if is_file(path):
-        return path
-    found = find_world(source)
-    if not is_file(folder / found):
-        raise FlatlandError(f"expected a world file, but {folder / found} is not there")
-    return source
 
 
 def _task(reader: YamlReader, default: Task) -> Task:
@@ -158,7 +137,7 @@ def _check_world(reader: YamlReader, key: str, source: str) -> None:
     if not source:
         return  # noted by the getter, or empty
     try:
-        world_source(source, reader.file.parent)
+        world_file(source, reader.file.parent)
     except FlatlandError as error:
         reader.problem(str(error), key)
 

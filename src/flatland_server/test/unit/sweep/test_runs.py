@@ -6,11 +6,10 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from flatland_server import Pose, Simulation
-from flatland_server.sweep.clearance import Clearance
+from flatland_server import Pose, Simulation, _core
 from flatland_server.sweep.run import RunObserver
 from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario import scenarios_of
+from flatland_server.sweep.settings import scenarios_of
 
 
 def results_of(settings):
@@ -235,8 +234,8 @@ def test_the_clearance_is_the_distance_of_outlines(shape):
         for _ in range(25):
             pose = rng.uniform((-3, -3, -4), (3, 3, 4))
             simulation.move("robot", pose)
-            clearance = Clearance(simulation.world, simulation.models["robot"].model)
-            clearance.measure()
+            bodies = simulation.models["robot"].model.physics_bodies
+            clearance = _core.BodyGroup(bodies).clearance(math.inf)
 
             sides = np.hstack([np.array(square), np.roll(square, -1, axis=0)])
             if shape == "circle":
@@ -248,9 +247,9 @@ def test_the_clearance_is_the_distance_of_outlines(shape):
                 outline, radius = np.concatenate([a + along * (b - a) for a, b in pairs]), 0.0
             expected = max(0.0, brute_force(outline, sides) - radius)
             if simulation.models["robot"].model.overlapping():
-                assert clearance.least <= 0.02  # Box2D's polygons have a skin of 0.01 m
+                assert clearance <= 0.02  # Box2D's polygons have a skin of 0.01 m
             else:
-                assert clearance.least == pytest.approx(expected, abs=0.01)
+                assert clearance == pytest.approx(expected, abs=0.01)
 
 
 @pytest.mark.parametrize("without", ["", "box"])
@@ -260,15 +259,13 @@ def test_the_least_clearance_of_a_way_is_that_of_all_its_poses(folder, without):
         if without:
             simulation.delete(without)  # the walls are the nearest
         robot = simulation.models["robot"].model
-        on_the_way = Clearance(simulation.world, robot)
-        least = math.inf
+        group = _core.BodyGroup(robot.physics_bodies)
+        on_the_way = least = math.inf
         for number in range(150):
             angle, reach = number * 0.1, 0.3 + 0.02 * number
             x, y = reach * math.cos(angle), reach * math.sin(angle) - 0.2
             simulation.move("robot", [x, y, angle])
-            on_the_way.measure()
-            alone = Clearance(simulation.world, robot)
-            alone.measure()
-            least = min(least, alone.least)
-            assert on_the_way.least == least
+            on_the_way = group.clearance(on_the_way)
+            least = min(least, group.clearance(math.inf))
+            assert on_the_way == least
     assert (least == 0.0) == (not without)

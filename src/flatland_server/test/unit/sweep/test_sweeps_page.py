@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from flatland_server.cli import main
-from flatland_server.sweep.run import SweepRun
-from flatland_server.sweep.summary import METRICS
+from flatland_server.sweep.run import METRICS, SweepRun
 
 ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
