@@ -26,7 +26,7 @@ PARKING = 5000.0
 _PARKING_SPACE = 10.0  # m
 _OBSTACLE = "obstacle_"
 _OPEN = 10.0
-"""How far the space reaches around the robot in a world without walls [m]."""
+"""Reach of the space around the robot in a world without walls [m]."""
 
 
 @dataclass(frozen=True)
@@ -130,9 +130,7 @@ def parking_place(index: int) -> Pose:
     return Pose(PARKING + _PARKING_SPACE * index, PARKING, 0.0)
 
 
-def _prepared(
-    content: Content, settings: NavigationSettings, scale: float
-) -> Tuple[Content, str]:
+def _prepared(content: Content, settings: NavigationSettings, scale: float) -> Tuple[Content, str]:
     """Changes a world as the settings say; returns the robot's entry and its lidar's name."""
     with Simulation(WorldConfig.from_content(content), params=settings.params) as simulation:
         robot = find_robot(simulation.world, settings.robot, settings.lidar)

@@ -29,7 +29,8 @@ def drive(run: SweepRun, file: str) -> None:
 
 def _lidar_of(run: SweepRun, beams: int) -> SensorHandle:
     """The lidar with so many beams."""
-    lidars = [each for each in run.robot.sensors.values() if each.type.endswith("Laser")]
+    robot = run.robot
+    lidars = [each for each in robot.sensors.values() if robot.plugin(each.name).core_lidar]
     counts = [len(each.read()) for each in lidars]
     if counts.count(beams) != 1:
         found = ", ".join(map(str, counts)) or "no lidar"

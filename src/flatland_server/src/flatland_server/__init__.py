@@ -32,7 +32,7 @@ from flatland_server._core import (
     Tricycle,
     Tween,
 )
-from flatland_server.array_math import cos_sin, headings
+from flatland_server.array_math import cos_sin, from_segments, headings, squared_distances
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.simulation_batch import SimulationBatch
@@ -173,11 +173,13 @@ __all__ = [
     "fill_pose",
     "fill_twist",
     "find_robot",
+    "from_segments",
     "header",
     "headings",
     "messages",
     "quaternion",
     "ros_time",
+    "squared_distances",
     "world_content",
     "wrap_angle",
     "yaw_of",

@@ -201,6 +201,12 @@ class WorldBatch(metaclass=_Metaclass):
     @property
     def beams(self) -> int:
         """The number of beams of the lidar."""
+    def require_actions(self, actions: FloatArray, mask: BoolArray | None) -> None:
+        """Checks actions as `step` does.
+
+        Raises:
+            ValueError: an array does not fit, or a number is not finite; names the environment.
+        """
     def step(
         self,
         actions: FloatArray,

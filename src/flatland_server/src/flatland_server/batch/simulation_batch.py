@@ -13,7 +13,6 @@ from flatland_server.batch.arguments import (
     mask_of,
     model_poses_of,
     poses_of,
-    require_finite,
     seeds_of,
 )
 from flatland_server.batch.free_spaces import FreeSpaces
@@ -234,9 +233,8 @@ class SimulationBatch:
         self._plugins.load(core, chosen, self._seeds, self._steps)
         try:
             self._plugins.step(core, chosen, commands, substeps, self._steps, arrays)
-        except ValueError:
-            require_finite(commands, chosen)
-            raise
+        except ValueError as error:  # an action is not finite
+            raise UsageError(str(error)) from None
         self._finish(observation, chosen, is_new=out is None)
         return observation
 

@@ -6,6 +6,7 @@ from typing import Dict, Iterable, Tuple
 
 import numpy as np
 
+from flatland_server.array_math import squared_distances
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
@@ -224,13 +225,7 @@ class DistanceGrid:
         height, width = window.shape
         ys = (rows.start + 0.5 + np.arange(height))[:, None] * self.resolution + (y - a[1])
         xs = (columns.start + 0.5 + np.arange(width)) * self.resolution + (x - a[0])
-        along_x, along_y = b[0] - a[0], b[1] - a[1]
-        square = along_x**2 + along_y**2
-        if square == 0.0:
-            return window, xs**2 + ys**2
-        part = (along_x / square) * xs + (along_y / square) * ys
-        part = np.minimum(np.maximum(part, 0.0), 1.0)  # quicker than clip
-        return window, (xs - part * along_x) ** 2 + (ys - part * along_y) ** 2
+        return window, squared_distances(xs, ys, (b[0] - a[0], b[1] - a[1]))
 
     def _nearest(self, free: BoolArray) -> Tuple[int, int]:
         """The row and column of the free square that is nearest to the start."""

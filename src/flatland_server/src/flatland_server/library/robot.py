@@ -1,4 +1,4 @@
-"""Finds the robot of a world: which model is driven, by which of its plugins, and its lidar."""
+"""Finds the robot of a world: its model, its drive and its lidar."""
 
 import inspect
 from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
@@ -92,7 +92,7 @@ def find_robot(world: World, name: Optional[str] = None, lidar: Optional[str] = 
 
 
 def _missing(drives: List[ModelPlugin], lidars: List[ModelPlugin]) -> str:
-    """What a model lacks that would make it a robot."""
+    """The parts that a model lacks to be a robot."""
     if drives:
         return "no lidar"
     return "no drive" if lidars else "neither"

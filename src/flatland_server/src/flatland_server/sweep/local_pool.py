@@ -35,7 +35,7 @@ from flatland_server.sweep.settings import Scenario, SweepSettings
 READY = "ready"
 
 _MAX_FAILED_STARTS = 5
-"""How many workers in a row may die before they are ready."""
+"""The number of workers in a row that may die before they are ready."""
 
 _PROGRAM = """
 import sys
@@ -46,7 +46,7 @@ work(int(sys.argv[1]))
 """
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""How many threads NumPy uses in a worker: 1, unless the user has set it. There are as many workers
+"""Number of threads of NumPy in a worker: 1, unless the user has set it. There are as many workers
 as CPUs; and several threads may round a matrix product in another way.
 """
 
@@ -225,7 +225,9 @@ class _Worker:
         """Real time since its scenario began [s]."""
         return time.monotonic() - self._start_time
 
-    def begin(self, function: Callable[[ScenarioRunner, Scenario], Any], scenario: Scenario) -> None:
+    def begin(
+        self, function: Callable[[ScenarioRunner, Scenario], Any], scenario: Scenario
+    ) -> None:
         """Gives it a scenario."""
         self.scenario = scenario
         self._start_time = time.monotonic()

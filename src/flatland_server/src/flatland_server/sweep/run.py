@@ -12,7 +12,6 @@ from flatland_server.library.handles import ModelHandle
 from flatland_server.library.simulation import Simulation
 from flatland_server.sweep.settings import SweepSettings, Task, steps_in
 
-
 METRICS = (
     "outcome",
     "success",

@@ -113,9 +113,7 @@ class ScenarioRunner:
                 self._worlds.popitem(last=False)
         self._worlds.move_to_end(key)
         step_size = self._settings.step_size
-        return Simulation(
-            self._worlds[key], seed=scenario.seed, step_size=step_size, params=params
-        )
+        return Simulation(self._worlds[key], seed=scenario.seed, step_size=step_size, params=params)
 
     def _prepare(
         self, scenario: Scenario, simulation: Simulation, observers: Tuple[RunObserver, ...]
@@ -200,15 +198,12 @@ def _checked_columns(returned: Any, taken: Container[str]) -> Row:
     for name, value in returned.items():
         if hasattr(value, "tolist"):  # of NumPy
             value = value.tolist()
-        if not isinstance(name, str) or not (
-            value is None or isinstance(value, (bool, int, float, str))
-        ):
+        kinds = (type(None), bool) if name == "success" else (type(None), bool, int, float, str)
+        if not isinstance(name, str) or not isinstance(value, kinds):
             raise UsageError(
-                "expected the controller to return numbers, booleans and strings by name, found "
-                f"{name!r}: {shortened(repr(value))}"
+                "expected the controller to return numbers, booleans and strings by name, and "
+                f"success as a boolean, found {name!r}: {shortened(repr(value))}"
             )
-        if name == "success" and not (value is None or isinstance(value, bool)):
-            raise UsageError(f'expected the controller to return "success" as a bool: {value!r}')
         if name in taken and name != "success":
             raise UsageError(f'the controller returns "{name}", which is a column already')
         columns[name] = value

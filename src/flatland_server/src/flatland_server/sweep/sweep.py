@@ -7,7 +7,18 @@ import shlex
 from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Protocol, Tuple, TypeVar
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Protocol,
+    Tuple,
+    TypeVar,
+)
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.sweep.fingerprints import Fingerprints
@@ -51,7 +62,7 @@ class Written(NamedTuple):
     summary: List[Dict[str, Any]]
     """See `summary_rows`."""
     failed: int
-    """How many scenarios could not be run to the end."""
+    """Number of scenarios that could not be run to the end."""
     example: Dict[str, Any]
     """The row of the first one with the most frequent reason; empty if there is none."""
     problem: str
@@ -90,12 +101,6 @@ class Sweep:
         """Closes the journal."""
         self._journal.close()
 
-    def __enter__(self) -> "Sweep":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def rest(self, with_failed: bool = False) -> List[Scenario]:
         """The scenarios that are not done yet.
 
@@ -111,7 +116,7 @@ class Sweep:
 
     @property
     def other_count(self) -> int:
-        """How many results the folder has of scenarios that are not, or no longer, in the sweep."""
+        """Number of results in the folder of scenarios that are not, or no longer, in the sweep."""
         return len(set(self._journal.entries) - set(self._fingerprints.values()))
 
     def run(self, scenarios: Iterable[Scenario], pool: Pool) -> Iterator[Result]:

@@ -75,12 +75,12 @@ def rows_of(results: Results) -> List[Dict[str, Any]]:
 
 def timing_table(results: Results) -> Table:
     """Real time and attempts, which differ from one run of the sweep to the next."""
-    columns = {
+    columns: Dict[str, List[Any]] = {
         "scenario": [scenario.number for scenario, _ in results],
         "seconds": [round(entry.seconds, 6) for _, entry in results],
         "attempts": [entry.attempts for _, entry in results],
     }
-    return [column(*each) for each in columns.items()]
+    return [column(name, values) for name, values in columns.items()]
 
 
 def summary_rows(results: Results) -> List[Dict[str, Any]]:

@@ -120,6 +120,7 @@ def test_parameters_change_the_world_and_the_controller(folder, settings_of):
         ("raise SystemExit(3)", "SystemExit: 3 (mine.py:2)"),
         ("return 5", "expected the controller to return None or a dict"),
         ("return {'a': object()}", "numbers, booleans and strings by name"),
+        ("return {'success': 1}", "success as a boolean, found 'success': 1"),
         ("return {'time': 5}", 'returns "time", which is a column already'),
         ("run.robot.command(1)", "UsageError: the drive"),
         ("run.step(0.003)", "to be a multiple of the step_size"),
@@ -189,6 +190,20 @@ def test_expressions_do_not_depend_on_scenarios_before(folder, settings_of):
     assert results[1].error == ""
     with closing(ScenarioRunner(settings)) as runner:
         assert runner.run(second) == results[1]
+
+
+def test_starts_do_not_depend_on_the_walls_of_scenarios_before(folder, settings_of):
+    wall = "layer: walls, robot_name: robot, num_of_walls: 4, wall_wall_dist: 0.8"
+    plugin = f"plugins: [{{type: RandomWall, name: more, {wall}}}]\n"
+    (folder / "world.yaml").write_text((folder / "world.yaml").read_text() + plugin)
+    settings = settings_of(seeds=4, controllers=None, time_limit=0.05)
+    last = scenarios_of(settings)[3]
+
+    results = results_of(settings)
+
+    assert results[3].error == ""
+    with closing(ScenarioRunner(settings)) as runner:
+        assert runner.run(last) == results[3]
 
 
 def test_a_world_with_several_robots_needs_the_name_of_one(folder, settings_of):
