@@ -159,6 +159,8 @@ CRAB = """
 from flatland_server import CoreDrive, ModelPlugin
 
 class Crab(ModelPlugin):
+    is_passive = True
+
     def on_initialize(self, config):
         body = self.get_body(config)
         config.finish()
