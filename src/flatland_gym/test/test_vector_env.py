@@ -16,6 +16,7 @@ from flatland_gym.fleet import SimulationFleet
 from flatland_gym.multi_world_fleet import MultiWorldFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_server import DistanceGrid, UsageError, world_content
+from flatland_server.library.world_source import exported_plugins
 
 pytestmark = pytest.mark.slow
 
@@ -173,14 +174,23 @@ class Crab(ModelPlugin):
 ENTRY_POINT = "[flatland_server.plugins]\nCrab = crab_of_a_user:Crab\n"
 
 
-def test_a_drive_of_a_user_is_trained_as_it_is_driven_in_a_batch(tmp_path, monkeypatch):
-    """Installed as pip installs a package. It goes sideways, and has no limit for turning."""
+@pytest.fixture
+def crab(tmp_path, monkeypatch):
+    """A package of a user, installed as pip does it."""
     monkeypatch.syspath_prepend(str(tmp_path))
     info = tmp_path / "crab-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: crab\n")
     (info / "entry_points.txt").write_text(ENTRY_POINT)
     (tmp_path / "crab_of_a_user.py").write_text(CRAB)
+    exported_plugins.cache_clear()  # looked up once in a process
+    yield
+    exported_plugins.cache_clear()
+
+
+@pytest.mark.usefixtures("crab")
+def test_a_drive_of_a_user_is_trained_as_it_is_driven_in_a_batch():
+    """It goes sideways, and has no limit for turning."""
     room = world_content(SCENARIOS["empty_room"].world)
     robot = room["models"][0]["model"]
     [drive_of_room] = [each for each in robot["plugins"] if each["type"] == "DiffDrive"]
