@@ -90,7 +90,7 @@ def unusable():
         (lambda b: b.step([[1, 2]]), "shape (2, 2): speed, yaw_rate, found shape (1, 2)"),
         (lambda b: b.step([[1, 2], [3]]), "actions of"),
         (lambda b: b.step("forwards"), "found shape ()"),
-        (lambda b: b.step(ones * [1, math.nan]), "found [1.0, nan] for environment 0"),
+        (lambda b: b.step(ones * [1, math.nan]), "found [1, nan] for environment 0"),
         (lambda b: b.step(ones * [[1], [math.inf]]), "for environment 1"),
         (lambda b: b.step(ones.astype(complex)), "complex128"),
         (lambda b: b.step(ones.astype(bool)), "found bool"),

@@ -33,7 +33,7 @@ from flatland_server._core import (
     Tween,
 )
 from flatland_server._core import __version__ as __version__
-from flatland_server.array_math import cos_sin, headings
+from flatland_server.array_math import cos_sin, from_segments, headings, squared_distances
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.simulation_batch import SimulationBatch
@@ -58,6 +58,7 @@ from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternio
 from flatland_server.library.free_space import DistanceGrid, FreeSpace
 from flatland_server.library.handles import DriveHandle, ModelHandle, SensorHandle
 from flatland_server.library.recorder import Recorder
+from flatland_server.library.robot import find_robot
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.touch import Touch
 from flatland_server.library.world_content import world_content
@@ -173,11 +174,14 @@ __all__ = [
     "cos_sin",
     "fill_pose",
     "fill_twist",
+    "find_robot",
+    "from_segments",
     "header",
     "headings",
     "messages",
     "quaternion",
     "ros_time",
+    "squared_distances",
     "world_content",
     "wrap_angle",
     "yaw_of",

@@ -199,6 +199,12 @@ class WorldBatch(metaclass=_Metaclass):
     @property
     def beams(self) -> int:
         """The number of beams of the lidar."""
+    def require_actions(self, actions: FloatArray, mask: BoolArray | None) -> None:
+        """Checks actions as `step` does.
+
+        Raises:
+            ValueError: an array does not fit, or a number is not finite; names the environment.
+        """
     def step(
         self,
         actions: FloatArray,
@@ -568,6 +574,15 @@ class BodyGroup(metaclass=_Metaclass):
         """A new array of shape (n, 3): x, y [m] and yaw in [-pi, pi] [rad] in the world."""
     def velocities(self) -> FloatArray:
         """A new array of shape (n, 3): vx, vy [m/s] and omega [rad/s], in the world's frame."""
+    def clearance(self, limit: float) -> float:
+        """The distance from the nearest wall or other body that one of them can touch [m].
+
+        Footprints count that collide, are no sensors, and share a layer. Overlapping ones have a
+        distance of 0.
+
+        Args:
+            limit: the result if nothing is nearer than this [m]; the search goes no farther.
+        """
 
 class Fixture(_WithoutConstructor):
     """A handle of a shape of a body, or of a wall of a layer. Handles of the same one are equal."""

@@ -6,7 +6,6 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
-from flatland_server.batch.arguments import require_finite
 from flatland_server.batch.motions import BatchMotions
 from flatland_server.batch.robot import PluginRole
 from flatland_server.batch.worlds import BatchWorlds
@@ -89,7 +88,7 @@ class BatchPlugins:
         """
         made, step_size = 0, self._step * 1e-9
         if self._motions:
-            require_finite(commands, chosen)  # before anything is moved
+            core.require_actions(commands, chosen)  # before anything is moved
         while self._motions:
             now = self._motions.update(core, chosen, (steps + made) * self._step, count - made)
             if now == count - made:

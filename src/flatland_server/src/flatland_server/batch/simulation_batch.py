@@ -1,6 +1,5 @@
 """Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
 
-import inspect
 import os
 from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
@@ -14,14 +13,13 @@ from flatland_server.batch.arguments import (
     mask_of,
     model_poses_of,
     poses_of,
-    require_finite,
     seeds_of,
 )
 from flatland_server.batch.free_spaces import FreeSpaces
 from flatland_server.batch.noise import BatchNoise
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.plugins import BatchPlugins
-from flatland_server.batch.robot import find_robot, roles_of
+from flatland_server.batch.robot import roles_of
 from flatland_server.batch.view import BatchView
 from flatland_server.exceptions import UsageError
 from flatland_server.library.arguments import (
@@ -32,6 +30,7 @@ from flatland_server.library.arguments import (
     whole_number,
 )
 from flatland_server.library.free_space import FreeSpace
+from flatland_server.library.robot import find_robot
 from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_source import WorldSource, exported_plugins, open_world
@@ -122,7 +121,7 @@ class SimulationBatch:
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
         core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
-        self._action_names = tuple(inspect.signature(self._robot.drive.command).parameters)
+        self._action_names = self._robot.action_names
         self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
             self._world.physics,
             bodies=self._robot.model.physics_bodies,
@@ -234,9 +233,8 @@ class SimulationBatch:
         self._plugins.load(core, chosen, self._seeds, self._steps)
         try:
             self._plugins.step(core, chosen, commands, substeps, self._steps, arrays)
-        except ValueError:
-            require_finite(commands, chosen)
-            raise
+        except ValueError as error:  # an action is not finite
+            raise UsageError(str(error)) from None
         self._finish(observation, chosen, is_new=out is None)
         return observation
 

@@ -1,10 +1,12 @@
 """Free space: the floor that a robot can reach without touching a wall."""
 
 import math
+from functools import lru_cache
 from typing import Dict, Iterable, Tuple
 
 import numpy as np
 
+from flatland_server.array_math import squared_distances
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
@@ -167,6 +169,19 @@ class DistanceGrid:
             np.minimum(window, np.sqrt(distances) - radius, out=window)
         self._spaces: Dict[float, FreeSpace] = {}
 
+    @staticmethod
+    def shared(
+        walls: Segments,
+        start: Tuple[float, float],
+        farthest: float,
+        *,
+        discs: FloatArray = np.empty((0, 3)),  # noqa: B008 (only read)
+        open_reach: float = 0.0,
+    ) -> "DistanceGrid":
+        """A new grid, or one that was made of equal arguments before."""
+        arrays = (np.ascontiguousarray(each, np.float64).tobytes() for each in (walls, discs))
+        return _shared_grid(*arrays, (start[0], start[1]), farthest, open_reach)
+
     @property
     def diagonal(self) -> float:
         """No two places are farther apart than this [m]."""
@@ -231,13 +246,7 @@ class DistanceGrid:
         height, width = window.shape
         ys = (rows.start + 0.5 + np.arange(height))[:, None] * self.resolution + (y - a[1])
         xs = (columns.start + 0.5 + np.arange(width)) * self.resolution + (x - a[0])
-        along_x, along_y = b[0] - a[0], b[1] - a[1]
-        square = along_x**2 + along_y**2
-        if square == 0.0:
-            return window, xs**2 + ys**2
-        part = (along_x / square) * xs + (along_y / square) * ys
-        part = np.minimum(np.maximum(part, 0.0), 1.0)  # quicker than clip
-        return window, (xs - part * along_x) ** 2 + (ys - part * along_y) ** 2
+        return window, squared_distances(xs, ys, (b[0] - a[0], b[1] - a[1]))
 
     def _nearest(self, free: BoolArray) -> Tuple[int, int]:
         """The row and column of the free square that is nearest to the start."""
@@ -245,6 +254,14 @@ class DistanceGrid:
         squares = self._origin + (np.column_stack([columns, rows]) + 0.5) * self.resolution
         nearest = int(((squares - self._start) ** 2).sum(axis=1).argmin())
         return int(rows[nearest]), int(columns[nearest])
+
+
+@lru_cache(maxsize=4)
+def _shared_grid(
+    walls: bytes, discs: bytes, start: Tuple[float, float], farthest: float, open_reach: float
+) -> DistanceGrid:
+    segments, circles = np.frombuffer(walls).reshape(-1, 4), np.frombuffer(discs).reshape(-1, 3)
+    return DistanceGrid(segments, start, farthest, discs=circles, open_reach=open_reach)
 
 
 def _span(a: float, b: float, reach: float, resolution: float) -> slice:

@@ -14,6 +14,7 @@ from flatland_server.exceptions import (
 from flatland_server.geometry import Pose, Velocity
 from flatland_server.library.arguments import finite, shown
 from flatland_server.library.catalog import Catalog
+from flatland_server.library.robot import plugins_with
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
@@ -146,12 +147,7 @@ class ModelHandle:
         """The names of the plugins that override a hook, in their order."""
         plugins = self._plugins()
         if hook not in self._names:
-            original = getattr(ModelPlugin, hook)
-            self._names[hook] = [
-                name
-                for name, plugin in plugins.items()
-                if getattr(type(plugin), hook) is not original
-            ]
+            self._names[hook] = plugins_with(plugins, hook)
         return self._names[hook]
 
     def _only_drive(self) -> "DriveHandle":

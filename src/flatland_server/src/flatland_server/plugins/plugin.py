@@ -83,7 +83,7 @@ class Plugin:
     """
 
     def __init_subclass__(cls, **arguments: Any) -> None:
-        """Keeps an inherited `batch_role` from a class that overrides hooks."""
+        """Gives a class that overrides a hook no inherited `batch_role`."""
         super().__init_subclass__(**arguments)
         if "batch_role" not in vars(cls) and not any(
             cls.batch_role is base.batch_role
