@@ -44,7 +44,7 @@ def imported(folder):
 
 def test_each_package_is_found_once_in_its_place():
     """Whatever lies in build/, devel/ or an install space in the clone."""
-    found = [line.split() for line in rospack("list")]
+    found = [line.split(" ", 1) for line in rospack("list")]
 
     ours = sorted((name, path) for name, path in found if path.startswith(f"{ROOT}/"))
     expected = sorted(PACKAGES.keys() - {"flatland"})  # rospack lists no metapackages
