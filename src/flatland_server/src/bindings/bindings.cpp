@@ -128,8 +128,8 @@ void RequireNumPy() {
 
 PYBIND11_MODULE(_core, m) {
   RequireNumPy();
-  m.attr("__version__") = FLATLAND_VERSION;
   m.attr("supports_numpy_2") = kSupportsNumPy2;
+  m.attr("__version__") = FLATLAND_VERSION;
   py::register_exception<GoneError>(m, "GoneError", PyExc_ReferenceError);
 
   BindLidar(m);
