@@ -54,7 +54,7 @@ class Listener(LocalTransport):
         ("Configuration", [YamlReader]),
         ("Topics, transforms and parameters", [Node]),
         ("Bodies", [_core.Body]),
-        ("Testing a plugin", [testing, testing.Simulation]),
+        ("Testing a plugin", [testing, testing.Harness]),
         ("Contacts", [ModelPlugin, Entity, _core.Contact, _core.ContactImpulse]),
     ],
 )

@@ -34,7 +34,7 @@ _MOVED = {
     "wall_outlines": "maps.wall_outlines",
     "world": "simulation.world",
     "world_config": "simulation.world_config",
-    "world_plugin": "simulation.world_plugin",
+    "world_plugin": "simulation.world",
     "yaml_preprocessor": "config.yaml_preprocessor",
     "yaml_reader": "config.yaml_reader",
     "yaml_values": "config.yaml_values",

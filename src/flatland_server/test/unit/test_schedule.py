@@ -140,7 +140,7 @@ def test_the_update_timer_goes_on_while_there_is_no_work(load):
 
 def test_a_plugin_is_not_asked_for_work_at_each_step(load):
     manager, _ = load("type: Speaker, name: always")
-    [plugin] = manager.world._plugins.plugins_of("robot")
+    [plugin] = manager.world.plugins_of("robot").values()
 
     run(manager, 100)
 

@@ -4,9 +4,9 @@ from typing import Any, Optional, Sequence, Tuple
 
 import numpy as np
 
+from flatland_server.arguments import shown, whole_number
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import shown, whole_number
 
 MAX_COMMAND = 1e9
 """The greatest magnitude of a number of an action."""

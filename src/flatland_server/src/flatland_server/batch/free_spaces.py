@@ -5,10 +5,10 @@ from typing import Any, Dict
 
 import numpy as np
 
+from flatland_server.arguments import shown
 from flatland_server.arrays import FloatArray
 from flatland_server.batch.robot import BatchRobot
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import shown
 from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.simulation.world import World
 

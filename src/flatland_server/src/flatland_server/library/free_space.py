@@ -5,10 +5,10 @@ from typing import Dict, Iterable, Tuple
 
 import numpy as np
 
+from flatland_server.arguments import shown, whole_number
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
-from flatland_server.library.arguments import shown, whole_number
 
 _MAX_SQUARES = 4_000_000
 _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in sides

@@ -3,6 +3,7 @@
 import inspect
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Tuple
 
+from flatland_server.arguments import finite, shown
 from flatland_server.exceptions import (
     ModelError,
     PluginError,
@@ -12,7 +13,6 @@ from flatland_server.exceptions import (
     suggestion,
 )
 from flatland_server.geometry import Pose, Velocity
-from flatland_server.library.arguments import finite, shown
 from flatland_server.library.catalog import Catalog
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin

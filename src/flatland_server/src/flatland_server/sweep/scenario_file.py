@@ -9,7 +9,6 @@ from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
 from flatland_server.geometry import Point, Pose
-from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.sweep.controllers import POLICY_DRIVER, python_file
 from flatland_server.sweep.parameters import combinations, count_combinations
 from flatland_server.sweep.settings import (
@@ -20,6 +19,7 @@ from flatland_server.sweep.settings import (
     Task,
     steps_in,
 )
+from flatland_server.timekeeper import Timekeeper
 
 MAX_SCENARIOS = 10_000_000
 
@@ -62,7 +62,7 @@ def read_scenario_file(path: Path) -> SweepSettings:
 def _check_durations(reader: YamlReader, settings: SweepSettings) -> None:
     """Notes an invalid step size, and durations that are no multiples of it."""
     try:
-        new_timekeeper(settings.step_size)
+        Timekeeper(settings.step_size)
     except UsageError as error:
         reader.problem(str(error), "step_size")
         return

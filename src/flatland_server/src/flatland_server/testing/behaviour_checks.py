@@ -9,7 +9,7 @@ from flatland_server.testing.checked_plugin import (
     ROBOT,
     CheckedPlugin,
     Names,
-    Run,
+    ObservedRun,
     filled,
     with_value,
 )
@@ -44,7 +44,7 @@ def check_rates(case: CheckedPlugin) -> Problems:
             yield from _check_period(run, period, f"{key}: {rate}")
 
 
-def _check_period(run: Run, period: int, label: str) -> Problems:
+def _check_period(run: ObservedRun, period: int, label: str) -> Problems:
     steps: Dict[Any, List[int]] = {}
     stamps: List[Tuple[str, int, int]] = []  # of what, its stamp, and when it was sent
     for event in run.transport.events:
@@ -83,7 +83,7 @@ def check_without_subscribers(case: CheckedPlugin) -> Problems:
     yield from _check_late_subscriber(case, run)
 
 
-def _check_late_subscriber(case: CheckedPlugin, run: Run) -> Problems:
+def _check_late_subscriber(case: CheckedPlugin, run: ObservedRun) -> Problems:
     """The messages to a late subscriber are those of a run with subscribers from the start."""
     transport = run.transport
     subscribed = case.load().go(SECONDS)
@@ -100,7 +100,9 @@ def _check_late_subscriber(case: CheckedPlugin, run: Run) -> Problems:
         yield f"expected a message on {topic} after it has got a subscriber, found none"
 
 
-def content_of(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int, str, bytes]]:
+def content_of(
+    run: ObservedRun, events: int = 0, transforms: int = 0
+) -> List[Tuple[int, str, bytes]]:
     """Everything that was sent, in order: the step, the topic or frame, and the content."""
     sent = [(e.step, e.topic, e.data) for e in run.transport.events[events:]]
     for step, _, transform in run.transport.sent_transforms[transforms:]:
@@ -108,7 +110,7 @@ def content_of(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int
     return sorted(sent, key=lambda each: each[:2])
 
 
-def state_of(run: Run) -> Tuple[Any, ...]:
+def state_of(run: ObservedRun) -> Tuple[Any, ...]:
     """The poses of all models, and the walls of all layers."""
     world = run.simulation.world
     poses = {name: model.pose for name, model in world.models.items()}
@@ -187,7 +189,7 @@ def check_end(case: CheckedPlugin) -> Problems:
         yield f"expected no warning while the robot is deleted and spawned, found: {warning}"
 
 
-def _check_nothing_left(run: Run, before: Names) -> Problems:
+def _check_nothing_left(run: ObservedRun, before: Names) -> Problems:
     transport = run.transport
     for topic in sorted(transport.topics):
         yield f"after its end: expected no publisher, found one of {topic}"
