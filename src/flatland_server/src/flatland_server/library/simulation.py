@@ -293,7 +293,7 @@ class Simulation(SimulatedTopics):
 
     def _bodies(self) -> _core.BodyGroup:
         """The first bodies of all models."""
-        models = tuple(self.world.models.values())
+        models = tuple(self.world.contents.models.values())
         if models != self._group_models:
             self._group = _core.BodyGroup([model.base.physics_body for model in models])
             self._group_models = models

@@ -84,6 +84,7 @@ class Run:
             self._settled == self.transport.activity
             and type(count) is int
             and count > 0
+            and not self.after_step
             and self._step_as_planned(count)
         ):
             return self

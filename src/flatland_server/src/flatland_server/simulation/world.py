@@ -183,10 +183,11 @@ class World:
         Raises:
             ModelError: there is no such model.
         """
-        if name not in self.models:
-            hint = suggestion(name, self.models)
+        models = self.contents.models
+        if name not in models:
+            hint = suggestion(name, models)
             raise ModelError(f'there is no model "{shortened(name)}"{hint}')
-        return self.models[name]
+        return models[name]
 
     # Changes of models and walls
 

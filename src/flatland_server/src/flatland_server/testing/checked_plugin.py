@@ -63,7 +63,8 @@ class ObservedRun(NamedTuple):
         """Sends a command to each topic that the plugin subscribes to, and advances the time."""
         for topic in sorted(self.transport.subscribed):
             self.simulation.send(topic, filled(self.transport.types[topic](), 0.2))
-        self.simulation.run(seconds)
+        for _ in range(round(seconds / self.simulation.step_size)):  # the transport counts them
+            self.simulation.run()
         return self
 
     @property
