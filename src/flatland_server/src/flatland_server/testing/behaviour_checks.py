@@ -55,7 +55,7 @@ def _check_period(run: ObservedRun, period: int, label: str) -> Problems:
     for step, now, transform in run.transport.sent_transforms:
         steps.setdefault((transform.parent, transform.child), []).append(step)
         stamps.append((transform.child, transform.nanoseconds, now))
-    expected = list(range(1, run.transport.step + 1, period))
+    expected = list(range(1, run.transport.step, period))
     for what, found in steps.items():
         gaps = {later - earlier for earlier, later in zip(found, found[1:])}
         is_steady = len(gaps) == 1 and len(found) > 2  # rather than published on events
@@ -134,7 +134,7 @@ def check_states(case: CheckedPlugin) -> Problems:
         yield f"expected no failure after its state was loaded, found {failure.reason}"
     yield from _check_same(ends[0], ends[1], "after its state was saved and loaded in a new world")
     run.simulation.reset()
-    run.transport.step = 0
+    run.transport.step = 1
     sent = len(run.transport.events), len(run.transport.sent_transforms)
     again = content_of(run.go(SECONDS), *sent), state_of(run)
     yield from _check_same((first, began_with), again, "after a reset")

@@ -63,8 +63,7 @@ class ObservedRun(NamedTuple):
         """Sends a command to each topic that the plugin subscribes to, and advances the time."""
         for topic in sorted(self.transport.subscribed):
             self.simulation.send(topic, filled(self.transport.types[topic](), 0.2))
-        for _ in range(round(seconds / self.simulation.step_size)):  # the transport counts them
-            self.simulation.run()
+        self.simulation.run(seconds)
         return self
 
     @property
@@ -161,6 +160,7 @@ class CheckedPlugin:
         world = World.from_file(path, transport, seed=seed, loader=loader)
         simulation = Harness(world)
         transport.timekeeper = simulation.timekeeper
+        simulation.after_step.append(transport.count_step)
         return ObservedRun(simulation, transport, loader)
 
     def spawn(self, simulation: Harness) -> None:
