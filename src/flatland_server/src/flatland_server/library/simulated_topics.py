@@ -65,7 +65,7 @@ class SimulatedTopics(Run):
             self.subscribe(name)
             if self.world.is_between_steps:
                 with self.transport.without_delivery():
-                    self.world.publish_now(name, self.timekeeper)
+                    self.world.contents.plugins.publish_now(name, self.timekeeper)
                 self._raise_failures()
         return self.transport.last(name)
 

@@ -50,7 +50,7 @@ class Run:
         self._failures: List[Tuple[PluginFailure, BaseException]] = []
         self._is_closed = False
         if raise_failures:
-            world.on_failure = self._note_failure
+            world.contents.plugins.on_failure = self._note_failure
 
     @property
     def time(self) -> float:

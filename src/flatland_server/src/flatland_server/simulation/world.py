@@ -13,7 +13,6 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
-from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import (
@@ -33,11 +32,10 @@ from flatland_server.models.model import Model, ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.plugin_manager import FailureHandler, PluginFailure, PluginRevision
+from flatland_server.plugins.plugin_manager import PluginFailure, PluginRevision
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.world_config import ModelEntry, ModelSource, WorldConfig
 from flatland_server.simulation.world_contents import WorldContents
-from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport
@@ -466,28 +464,6 @@ class World:
     def plugins_without_state_hooks(self) -> List[str]:
         """The running plugins of which a saved state has no attributes, as `model/plugin`."""
         return plugin_state.without_hooks(self.contents.plugins)
-
-    @property
-    def on_failure(self) -> Optional[FailureHandler]:
-        """Called with the failure of a plugin and its exception; None: failures are logged."""
-        return self.contents.plugins.on_failure
-
-    @on_failure.setter
-    def on_failure(self, handler: Optional[FailureHandler]) -> None:
-        self.contents.plugins.on_failure = handler
-
-    def draw_plugins(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
-        """Has all running plugins draw what they show in pictures; see `Plugin.draw`."""
-        self.contents.plugins.draw(canvas, timekeeper)
-
-    def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
-        """Has plugins publish to a topic, which has just got its first subscriber.
-
-        Args:
-            topic: its absolute name.
-            timekeeper: has the present time.
-        """
-        self.contents.plugins.publish_now(topic, timekeeper)
 
 
 class WorldPlugin(Plugin):
