@@ -148,11 +148,12 @@ class Run:
             Whether it has made them: all or none.
         """
         contents, timekeeper = self.world.contents, self.timekeeper
-        end = timekeeper.nanoseconds + count * timekeeper.step_nanoseconds
-        if end - timekeeper.step_nanoseconds >= contents.plan.until or count > _MAX_STEPS_PER_CALL:
+        step = timekeeper.step_nanoseconds
+        last = timekeeper.nanoseconds + (count - 1) * step
+        if last >= contents.plan.until or count > _MAX_STEPS_PER_CALL:
             return False
         contents.physics.step_until_contact(timekeeper.step_size, count)
-        timekeeper.nanoseconds = end
+        timekeeper.nanoseconds = last + step
         return True
 
     def _step_until_contact(self, limit: int) -> int:
