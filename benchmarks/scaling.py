@@ -23,12 +23,11 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional
 import numpy as np
 
 from flatland_gym import SCENARIOS, NavigationVectorEnv, Policy
-from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.local_pool import LocalPool
 from flatland_server.sweep.ray_pool import LOCAL, RayPool
-from flatland_server.sweep.scenario import scenarios_of
+from flatland_server.sweep.runner import ScenarioRunner
 from flatland_server.sweep.scenario_file import read_scenario_file
-from flatland_server.sweep.settings import SweepSettings
+from flatland_server.sweep.settings import SweepSettings, scenarios_of
 
 POLICY = (
     Path(__file__).resolve().parents[1] / "src/flatland_gym/src/flatland_gym/policies/discs.npz"
@@ -77,14 +76,14 @@ def sweep_settings(folder: Path, count: int) -> SweepSettings:
 
 def measure_sweep(settings: SweepSettings, workers: int, on_ray: bool) -> Figures:
     """Runs all scenarios on workers that have run some before."""
-    jobs = [Job(scenario) for scenario in scenarios_of(settings)]
+    scenarios = scenarios_of(settings)
     pool: Any = RayPool(settings, LOCAL, workers) if on_ray else LocalPool(settings, workers)
     try:
-        for _ in pool.map(jobs[: 4 * workers]):
+        for _ in pool.map(ScenarioRunner.run, scenarios[: 4 * workers]):
             pass
         pids = [] if on_ray else children()
         begin, begin_cpu = time.perf_counter(), cpu_of(pids)
-        done = list(pool.map(jobs))
+        done = list(pool.map(ScenarioRunner.run, scenarios))
         seconds, cpu = time.perf_counter() - begin, cpu_of(pids) - begin_cpu
     finally:
         pool.close()
@@ -93,7 +92,7 @@ def measure_sweep(settings: SweepSettings, workers: int, on_ray: bool) -> Figure
         seconds,
         None if on_ray else cpu,
         round(simulated / settings.control_period),
-        sum(len(pickle.dumps(job)) for job in jobs),
+        sum(len(pickle.dumps((ScenarioRunner.run, each))) for each in scenarios),
         sum(len(pickle.dumps(each.answer)) for each in done),
     )
 

@@ -9,11 +9,11 @@ from PIL import Image
 
 from flatland_server.rendering.image_canvas import ImageCanvas
 from flatland_server.rendering.renderer import Renderer
-from flatland_server.sweep.pictures import draw_goal
+from flatland_server.sweep.report import draw_goal
 from flatland_server.sweep.run import RunObserver
 from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario import scenario_of
 from flatland_server.sweep.scenario_file import read_scenario_file
+from flatland_server.sweep.settings import scenario_of
 
 MOVING = Path(__file__).resolve().parents[1] / "docs" / "images" / "flatland.gif"
 PICTURES = {  # the arguments of the launch file, the time [s], and what is drawn

@@ -1,6 +1,9 @@
 # What the scripts share. Sourced by them, not run.
 # shellcheck shell=bash
 
+# With a user's CDPATH, `cd` would go elsewhere, and print where: here, and in the setup.sh files of catkin.
+unset CDPATH
+
 # The workspace: the folder that holds src/.
 root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 

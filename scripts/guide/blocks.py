@@ -1,15 +1,19 @@
-"""The code blocks of a Markdown page, and what the comments before them say of them.
+"""The code blocks of a Markdown page, and what the page says of them.
+
+A reader pastes a block as it is: a file's block, which begins with a comment `file: NAME`, into
+that file; a `bash` block into a shell. An `output` block after it is what its commands print.
+
+The line **Needs** below a page's title says with which installation it runs: see `Needs`. Comments
+before a block, which readers do not see, are for tests:
 
     <!-- not run: needs a screen -->      it is shown, and not run; with the reason
     <!-- part of: FILE -->                it is an excerpt, word for word
     <!-- runs on -->                      its last program goes on until the page ends
     <!-- prints then -->                  what that program prints later
-    <!-- ends with 1 -->                  the exit code of a console's last command
-    <!-- with the files of: PAGE -->      that page's files are there
-    <!-- instead: COMMAND -->             what tests run in place of a console's command
+    <!-- ends with 1 -->                  the exit code of its last command
+    <!-- instead: COMMAND -->             what tests run in place of its first command
 
-A Python block may begin with `# needs: MODULE`; a file's block begins with `# file: NAME`, or with
-`# in NAME` if it is added to the end of a file.
+A block with the comment `# needs: MODULE` is left out where that module is not installed.
 
 usage: blocks.py PAGE    prints the Python of a page as one program, for type checks
 """
@@ -17,14 +21,21 @@ usage: blocks.py PAGE    prints the Python of a page as one program, for type ch
 import re
 import sys
 from pathlib import Path
-from typing import List, NamedTuple, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 FENCE = re.compile(
     r"(?P<notes>(?:^<!-- [^\n]* -->\n+)*)"
     r"^(?P<indent> *)```(?P<language>\w*)[^\n]*\n(?P<text>.*?)^(?P=indent)```$",
     re.DOTALL | re.MULTILINE,
 )
-FILE = re.compile(r"\A(?:#|//|<!--) (?P<how>file:|in) (?P<name>\S+)(?: -->)?\n")
+FILE = re.compile(r"\A(?:#|<!--) file: (?P<name>\S+)(?: -->)?\n")
+NEEDS = re.compile(
+    r"^\*\*Needs\*\* \[(?P<installation>ROS or pip|ROS|pip)(?: with the extra `(?P<extra>\w+)`)?\]"
+    r"\([\w./]*install\.md\)(?P<has_ros_parts> \(ROS for the `ros...` commands\))?"
+    r"(?:, and the files of \[[^]]+\]\((?P<files>[^)]+)\))?\.$",
+    re.MULTILINE,
+)
+ROS = re.compile(r"\bros(?:bag|launch|node|pack|param|run|service|topic)\b")
 
 
 class Block(NamedTuple):
@@ -46,20 +57,29 @@ class Block(NamedTuple):
 
     @property
     def file(self) -> str:
-        """The name of the file that it is, or is added to; or ""."""
+        """The name of the file that it is, or ""."""
         match = FILE.match(self.text)
         return match["name"] if match else ""
 
     @property
-    def is_addition(self) -> bool:
-        """Whether it is added to the end of its file."""
-        match = FILE.match(self.text)
-        return match is not None and match["how"] == "in"
+    def uses_ros(self) -> bool:
+        """Whether its commands are ROS's."""
+        return self.language == "bash" and ROS.search(self.text) is not None
+
+    @property
+    def is_output(self) -> bool:
+        """Whether it is what the block before it prints."""
+        return self.language == "output" and not self.note("prints then")
+
+    @property
+    def exit_code(self) -> int:
+        """Of its last command."""
+        return int(self.note("ends with") or 0)
 
     @property
     def need(self) -> str:
-        """The module without which it cannot run, or ""."""
-        match = re.match(r"# needs: (\w+)", self.text)
+        """The module that it needs, or ""."""
+        match = re.search(r"^# needs: (\w+)", self.text, re.MULTILINE)
         return match[1] if match else ""
 
 
@@ -74,6 +94,35 @@ def blocks_of(page: Path) -> List[Block]:
         line = text.count("\n", 0, match.start("text")) + 1
         blocks.append(Block(match["language"], "".join(lines), line, tuple(notes)))
     return blocks
+
+
+class Needs(NamedTuple):
+    """The installation and the files that a page begins with, as its line **Needs** says."""
+
+    ros: bool
+    """Whether it runs with ROS."""
+    pip: bool
+    """Whether it runs by pip alone."""
+    extra: str
+    """Of pip's installation, or ""."""
+    has_ros_parts: bool
+    """Whether it has parts that do not run by pip alone."""
+    files: str
+    """The page, from its folder, of which all files are there; or ""."""
+
+
+def needs_of(page: Path) -> Optional[Needs]:
+    """The line **Needs** of a page."""
+    match = NEEDS.search(page.read_text(encoding="utf-8"))
+    if match is None:
+        return None
+    return Needs(
+        ros="ROS" in match["installation"] or match["has_ros_parts"] is not None,
+        pip="pip" in match["installation"],
+        extra=match["extra"] or "",
+        has_ros_parts=match["has_ros_parts"] is not None,
+        files=match["files"] or "",
+    )
 
 
 def program_of(page: Path) -> str:

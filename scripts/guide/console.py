@@ -1,12 +1,13 @@
-"""Shell sessions as pages show them: commands after `$ `, and below each what it prints."""
+"""A shell in which the commands of pages run, and expressions for what they print."""
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 import time
 from pathlib import Path
-from typing import List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import List, Mapping, Optional, Tuple, Union
 
 from forks import Forks, Program, python_words
 
@@ -15,27 +16,15 @@ LIMIT = 60.0
 _KILLED = 5.0  # s: until a program that was killed has ended
 
 
-class Command(NamedTuple):
-    """A command, and what it prints; `...` stands for anything."""
-
-    text: str
-    output: str
-
-
-def commands_of(block: str) -> List[Command]:
+def commands_of(block: str) -> List[str]:
     """The commands of a block; one goes on in the next line after a backslash or a quote."""
-    commands: List[Command] = []
-    text, output = "", []
+    commands: List[str] = []
     for line in block.splitlines():
-        if line.startswith("$ "):
-            if text:
-                commands.append(Command(text, "\n".join(output)))
-            text, output = line[2:], []
-        elif not output and _goes_on(text):
-            text += f"\n{line}"
+        if commands and _goes_on(commands[-1]):
+            commands[-1] += f"\n{line}"
         else:
-            output.append(line)
-    return [*commands, Command(text, "\n".join(output))]
+            commands.append(line)
+    return commands
 
 
 def _goes_on(text: str) -> bool:
@@ -89,7 +78,7 @@ class Shell:
         """
         output = self._folder / ".output"
         state = self._folder / ".shell"
-        keep = f"env -0 > {state}.env; pwd > {state}.pwd"
+        keep = f"env -0 > {shlex.quote(f'{state}.env')}; pwd > {shlex.quote(f'{state}.pwd')}"
         program = self._start(command, f"{command}\n_code=$?; {keep}; exit $_code", output)
         try:
             code = program.wait(LIMIT)

@@ -75,14 +75,14 @@ def architecture() -> Svg:
     x, y, width = places["flatland_viz"]
     left, top, _ = places["flatland_server.ros"]
     drawing.line([(x + width / 2, y + HEIGHT), (left + width / 2, top)], dashed=True, arrow=True)
-    drawing.text(x + width / 2 + 10, top - 14, "topics and services alone", 11, GREY, "start")
+    drawing.text(x + width / 2 + 10, top - 14, "topics and services alone", 13, GREY, "start")
     for name, text, row, left, wide in PACKAGES:
         top = TOP + ROW * row
         color = ORANGE if name.endswith("_core") else BLUE if name == "flatland_server" else TEAL
         drawing.box(left, top, wide, HEIGHT, color)
-        drawing.text(left + wide / 2, top + 22, name, 14, bold=True)
-        drawing.text(left + wide / 2, top + 40, text, 11, GREY)
-    drawing.text(20, 18, "An arrow leads to what is imported; none leads up.", 11, GREY, "start")
+        drawing.text(left + wide / 2, top + 22, name, 16, bold=True)
+        drawing.text(left + wide / 2, top + 42, text, 13, GREY)
+    drawing.text(20, 18, "An arrow leads to what is imported; none leads up.", 13, GREY, "start")
     return drawing
 
 
@@ -91,34 +91,40 @@ def step() -> Svg:
     prepare, before, after = STEP_HOOKS
     contacts = list(CONTACT_HOOKS)
     phases = [
-        ("callbacks", ["commands, services:", "what has arrived"], GREY, "between steps"),
-        ("prepare", [f"{prepare}:", "lidars scan together"], BLUE, "t"),
-        ("before", [f"{before}:", "sensors publish"], BLUE, "t"),
-        ("physics", ["the core moves", "drives, tweens, bodies"], ORANGE, "t to t + dt"),
-        ("after", [f"{after}:", "what the step did"], BLUE, "t + dt"),
-        ("deferred", ["spawns, moves,", "deletions"], GREY, "t + dt"),
-        ("flush", ["one /tf message", "of all transforms"], GREY, "t + dt"),
+        (["callbacks", "commands and services", "between steps"], GREY, 0, 1),
+        ([prepare, "lidars scan together", "t"], BLUE, 1, 1),
+        ([before, "sensors publish", "t"], BLUE, 2, 1),
+        (["physics", "drives, tweens, bodies", "t to t + dt"], ORANGE, 3, 1),
+        ([after, "what the step did", "t + dt"], BLUE, 3, 2),
+        (["deferred actions", "spawns, moves, deletions", "t + dt"], GREY, 2, 2),
+        (["flush", "all transforms on /tf", "t + dt"], GREY, 1, 2),
     ]
-    width = 142
-    drawing = Svg(width * len(phases) + 16, 240, "The life of a step")
-    for index, (_, lines, color, time) in enumerate(phases):
-        x = 12 + width * index
-        drawing.box(x, 40, width - 16, 62, color)
-        drawing.text(x + (width - 16) / 2, 66, lines[0], 11, bold=color == BLUE)
-        drawing.text(x + (width - 16) / 2, 86, lines[1], 11, GREY)
-        drawing.text(x + (width - 16) / 2, 30, time, 11, GREY)
-        if index:
-            drawing.line([(x - 16, 71), (x - 2, 71)], arrow=True)
-    x = 12 + width * 3
-    drawing.line([(x + 63, 102), (x + 63, 140)], arrow=True)
-    drawing.box(x - 110, 140, 346, 56, RED)
-    drawing.text(x + 63, 163, ", ".join(contacts), 12, bold=True)
-    drawing.text(x + 63, 183, "called by the solver, for contacts that a plugin asks for", 11, GREY)
+    column, row, width, height = 192, 106, 172, 72
+    drawing = Svg(4 * column + 4, 3 * row - 4, "The life of a step")
+    places = [(12 + column * x, 14 + row * y) for _, _, x, y in phases]
+    for (lines, color, _, _), (x, y) in zip(phases, places):
+        drawing.box(x, y, width, height, color)
+        drawing.text(x + width / 2, y + 23, lines[0], 14, bold=True)
+        drawing.text(x + width / 2, y + 43, lines[1], 13)
+        drawing.text(x + width / 2, y + 61, lines[2], 12, GREY)
+    for (x, y), (other, below) in zip(places, places[1:]):
+        if y != below:  # down
+            drawing.line([(x + width / 2, y + height), (x + width / 2, below)], arrow=True)
+        else:
+            side = width if x < other else 0
+            drawing.line(
+                [(x + side, y + height / 2), (other + width - side, y + height / 2)], arrow=True
+            )
+    (first, top), (last, bottom) = places[0], places[-1]
     drawing.line(
-        [(width * len(phases) - 6, 112), (width * len(phases) - 6, 224), (75, 224), (75, 108)],
-        arrow=True,
+        [(last, bottom + 36), (first + 86, bottom + 36), (first + 86, top + height)], arrow=True
     )
-    drawing.text(300, 218, "the next step: dt later", 11, GREY)
+    drawing.text(first + 92, bottom + 56, "the next step", 12, GREY, "start")
+    left, right = places[2][0] - 80, places[3][0] + width
+    drawing.box(left, 8, right - left, 60, RED)
+    drawing.text((left + right) / 2, 32, ", ".join(contacts), 14, bold=True)
+    drawing.text((left + right) / 2, 53, "of contacts, called by the solver", 13)
+    drawing.line([(places[3][0] + 86, top), (places[3][0] + 86, 68)], arrow=True)
     return drawing
 
 
@@ -159,18 +165,19 @@ def lidar() -> Svg:
         size[1] - 18,
         f"{len(ranges)} beams end on {met.sum()} of {len(walls)} walls; "
         "the others are passed over, most of them by boxes at a time",
-        14,
+        20,
         anchor="start",
     )
     return drawing
 
 
 def schedule() -> Svg:
-    """When plugins of several rates are called, at steps of 5 ms."""
-    rates = [("no rate", float("inf")), ("50 Hz", 50.0), ("30 Hz", 30.0), ("10 Hz", 10.0)]
+    """When plugins of several rates are called, at steps of 5 ms, and one that is idle at first."""
+    rates = [("no rate", float("inf")), ("50 Hz", 50.0), ("30 Hz", 30.0), ("30 Hz", 30.0)]
     steps, dt = 41, 5_000_000
     drawing = Svg(860, 196, "Which plugins are called in which step")
-    drawing.text(12, 20, "steps of 5 ms; a dot is a call", 12, GREY, "start")
+    legend = "steps of 5 ms; a dot is a call; grey: due, but idle until 80 ms, so not called"
+    drawing.text(12, 20, legend, 12, GREY, "start")
     for row, (name, rate) in enumerate(rates):
         y = 50 + 34 * row
         timer = UpdateTimer(rate)
@@ -178,7 +185,9 @@ def schedule() -> Svg:
         drawing.line([(90, y), (840, y)], "#bdbdbd")
         for number in range(steps):
             if timer.check_update_at(number * dt):
-                drawing.dot(90 + 18.5 * number, y, 4, (BLUE, TEAL, ORANGE, RED)[row])
+                is_idle = row == len(rates) - 1 and number < 16
+                color = "#bdbdbd" if is_idle else (BLUE, TEAL, ORANGE, RED)[row]
+                drawing.dot(90 + 18.5 * number, y, 4, color)
     for number in range(0, steps, 10):
         drawing.text(90 + 18.5 * number, 184, f"{number * 5} ms", 11, GREY)
     return drawing
@@ -245,9 +254,7 @@ def render_tutorials() -> None:
         ):
             for block in blocks_of(page / f"{tutorial}.md"):
                 if block.file:
-                    lines = block.text.splitlines(keepends=True)
-                    is_data = block.file.endswith(".dat")
-                    (folder / block.file).write_text("".join(lines[is_data:]))
+                    (folder / block.file).write_text(block.text)
                 elif block.language == "python" and tutorial == "world":
                     exec(block.text.replace('"map.png"', f'"{folder}/map.png"'))
             with Simulation(folder / f"{world}.yaml", seed=2) as simulation:

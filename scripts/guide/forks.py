@@ -23,7 +23,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import List, Mapping, Optional, Sequence
+from typing import Iterator, List, Mapping, Optional, Sequence
 
 IMPORTED = (
     "encodings.idna",
@@ -109,19 +109,17 @@ class Program:
 
 
 class Forks:
-    """Starts programs in forks."""
+    """Starts programs in forks.
 
-    def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory()
-        self._socket = str(Path(self._folder.name, "socket"))
-        self._process = subprocess.Popen(
-            [sys.executable, __file__, self._socket],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C is for those that it runs
-        )
-        assert self._process.stdout is not None
-        self._process.stdout.readline()
+    Args:
+        socket: of the process that forks; see `running_forks`.
+
+    Attributes:
+        socket: the same.
+    """
+
+    def __init__(self, socket: str) -> None:
+        self.socket = socket
 
     def start(
         self, words: Sequence[str], folder: Path, environment: Mapping[str, str], output: Path
@@ -136,16 +134,38 @@ class Forks:
         """
         request = [list(words), str(folder), dict(environment), str(output)]
         connection = socket.socket(*_KIND)
-        connection.connect(self._socket)
+        connection.connect(self.socket)
         connection.send(json.dumps(request).encode())
         return Program(connection)
 
-    def close(self) -> None:
-        """Ends the process that forks; programs that still run go on."""
-        assert self._process.stdin is not None
-        self._process.stdin.close()
-        self._process.wait()
-        self._folder.cleanup()
+
+@contextlib.contextmanager
+def running_forks(
+    *command: str, environment: Optional[Mapping[str, str]] = None
+) -> Iterator[Forks]:
+    """Runs a process that forks; programs that still run at the end go on.
+
+    Args:
+        command: which starts it, and gets its socket; by default this module.
+        environment: its variables, by default those of this process.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        socket = str(Path(folder, "socket"))
+        process = subprocess.Popen(
+            [*(command or (sys.executable, __file__)), socket],
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,  # Ctrl-C is for those that it runs
+        )
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdout.readline()
+        try:
+            yield Forks(socket)
+        finally:
+            process.stdin.close()
+            process.wait()
 
 
 def _serve(path: str) -> List[str]:

@@ -1,7 +1,9 @@
 """Does what a page says, in the order of its blocks, in a folder of its own.
 
-Files are written, Python runs as one program, shell commands run, and what they print is compared.
-At the end, each world, model and map file that the page has written is loaded.
+Files are written as they are pasted, Python runs as one program, commands run, and what they print
+is compared. At the end, each world, model and map file that the page has written is loaded.
+
+usage: page_run.py PAGE FOLDER SOCKET    without ROS, by the process that forks at this socket
 """
 
 import contextlib
@@ -14,8 +16,8 @@ import traceback
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence
 
-from blocks import FILE, Block, blocks_of
-from console import Command, Shell, commands_of, pattern_of, without_colors
+from blocks import Block, Needs, blocks_of, needs_of
+from console import Shell, commands_of, pattern_of, without_colors
 from forks import Forks
 
 from flatland_server import FlatlandError
@@ -41,6 +43,7 @@ class PageRun:
         folder: an empty one.
         environment: for its shell.
         forks: start Python programs; see `Shell`.
+        has_ros: whether ROS is installed; if not, parts that need it are left out.
     """
 
     def __init__(
@@ -49,8 +52,11 @@ class PageRun:
         folder: Path,
         environment: Mapping[str, str],
         forks: Optional[Forks] = None,
+        has_ros: bool = True,
     ) -> None:
         self._page = page
+        self._needs = needs_of(page)
+        self._has_ros = has_ros
         self._folder = folder
         self._shell = Shell(folder, environment, forks)
         self._names: Dict[str, Any] = {"__name__": "__main__"}
@@ -64,20 +70,36 @@ class PageRun:
         """
         try:
             with _inside(self._folder):
-                for block in blocks_of(self._page):
-                    self._run_block(block)
+                self._write_files(self._needs)
+                blocks = blocks_of(self._page)
+                for block, following in zip(blocks, [*blocks[1:], None]):
+                    is_shown = following is not None and following.is_output
+                    self._run_block(block, following.text if following and is_shown else "")
             self._load_files()
         finally:
             self._shell.close()
 
-    def _run_block(self, block: Block) -> None:
-        other = block.note("with the files of:")
-        if other:
-            for each in blocks_of(self._page.parent / other):
-                if each.file:
-                    self._write(each)
+    def _write_files(self, needs: Optional[Needs]) -> None:
+        """Writes the files of the page that is to be read before."""
+        if needs and needs.files:
+            for block in blocks_of(self._page.parent / needs.files):
+                if block.file:
+                    self._write(block)
+
+    def _run_block(self, block: Block, output: str) -> None:
+        """Runs a block.
+
+        Args:
+            block: the block.
+            output: shown after it: what it prints.
+        """
         need = block.need
-        if block.note("not run:") or (need and importlib.util.find_spec(need) is None):
+        is_missing = need and importlib.util.find_spec(need) is None
+        if block.is_output or block.note("not run:") or is_missing:
+            return
+        if block.uses_ros and not self._has_ros:
+            if not (self._needs and self._needs.has_ros_parts):
+                raise self._error(block, "the page says that it runs by pip, and this needs ROS")
             return
         source = block.note("part of:")
         if source:
@@ -86,8 +108,14 @@ class PageRun:
             self._write(block)
         elif block.language == "python":
             self._run_python(block)
+        elif block.language == "bash":
+            self._run_commands(block, output)
+        elif block.language == "output":  # with `prints then`
+            found = self._shell.wait_for(block.text)
+            if found is not None:
+                raise self._difference(block, "the last program", block.text, found)
         elif block.language == "console":
-            self._run_console(block)
+            raise self._error(block, 'expected commands as "bash", and "output" after them')
         elif block.language != SHOWN:
             message = f'a reason to leave this "{block.language}" block out'
             raise self._error(block, f"expected the name of a file, or {message}")
@@ -95,11 +123,7 @@ class PageRun:
     def _write(self, block: Block) -> None:
         path = self._folder / block.file
         path.parent.mkdir(parents=True, exist_ok=True)
-        if block.is_addition and block.file not in self._written:
-            raise self._error(block, f"the page has no file {block.file} yet")
-        text = block.text if path.suffix in (".py", ".yaml") else FILE.sub("", block.text)
-        with path.open("a" if block.is_addition else "w", encoding="utf-8") as file:
-            file.write(text)
+        path.write_text(block.text, encoding="utf-8")
         self._written.append(block.file)
 
     def _compare(self, block: Block, source: str) -> None:
@@ -114,40 +138,31 @@ class PageRun:
         except (Exception, SystemExit):
             raise self._error(block, traceback.format_exc()) from None
 
-    def _run_console(self, block: Block) -> None:
-        if block.note("prints then"):
-            found = self._shell.wait_for(block.text)
-            if found is not None:
-                raise self._difference(block, Command("the last program", block.text), found)
-            return
+    def _run_commands(self, block: Block, output: str) -> None:
         commands = commands_of(block.text)
-        instead = block.note("instead:")
-        if instead:
-            commands = [commands[0]._replace(text=instead), *commands[1:]]
-        for command in commands[:-1]:
-            self._run_command(block, command, 0)
-        last = commands[-1]
+        commands[0] = block.note("instead:") or commands[0]
         if block.note("runs on"):
-            found = self._shell.start(last.text, last.output)
+            last = commands.pop()
+        printed = [self._run_command(block, each) for each in commands[:-1]]
+        printed += [self._run_command(block, each, block.exit_code) for each in commands[-1:]]
+        if block.note("runs on"):
+            found = self._shell.start(last, output)
             if found is not None:
-                raise self._difference(block, last, found)
-        else:
-            self._run_command(block, last, int(block.note("ends with") or 0))
+                raise self._difference(block, f"$ {last}", output, found)
+        elif not pattern_of(output).match("".join(printed)):
+            shown = "".join(f"$ {each}\n{found}" for each, found in zip(commands, printed))
+            raise self._difference(block, "commands", output, shown)
 
-    def _run_command(self, block: Block, command: Command, code: int) -> None:
+    def _run_command(self, block: Block, command: str, code: int = 0) -> str:
+        """Runs a command that ends with this exit code, and returns what it prints."""
         try:
-            printed, ended_with = self._shell.run(command.text)
+            printed, ended_with = self._shell.run(command)
         except subprocess.TimeoutExpired as error:
-            raise self._error(
-                block, f"$ {command.text}\ntook more than {error.timeout} s"
-            ) from None
+            raise self._error(block, f"$ {command}\ntook more than {error.timeout} s") from None
         found = without_colors(printed)
         if ended_with != code:
-            raise self._error(
-                block, f"$ {command.text}\nended with {ended_with}, not {code}:\n{found}"
-            )
-        if not pattern_of(command.output).match(found if found.endswith("\n") else f"{found}\n"):
-            raise self._difference(block, command, found)
+            raise self._error(block, f"$ {command}\nended with {ended_with}, not {code}:\n{found}")
+        return f"{found.rstrip()}\n" if found.strip() else ""
 
     def _load_files(self) -> None:
         """Loads what is a world, a model or a map; but not with plugins that are the page's own."""
@@ -164,9 +179,9 @@ class PageRun:
     def _text(self) -> str:
         return "".join(path.read_text() for path in self._folder.rglob("*.py"))
 
-    def _difference(self, block: Block, command: Command, found: str) -> PageError:
-        shown = command.output or "nothing"
-        return self._error(block, f"$ {command.text}\nthe page shows\n{shown}\nand it is\n{found}")
+    def _difference(self, block: Block, of: str, shown: str, found: str) -> PageError:
+        text = f"{of}:\nthe page shows\n{shown or 'nothing'}\nand it is\n{found}"
+        return self._error(block, text)
 
     def _error(self, block: Block, message: str) -> PageError:
         return PageError(f"{self._page}:{block.line}: {message}")
@@ -193,3 +208,8 @@ def _inside(folder: Path) -> Iterator[None]:
         for name in set(sys.modules) - modules:
             if str(getattr(sys.modules[name], "__file__", "")).startswith(str(folder)):
                 del sys.modules[name]
+
+
+if __name__ == "__main__":
+    _page, _folder, _socket = sys.argv[1:]
+    PageRun(Path(_page), Path(_folder), os.environ, Forks(_socket), has_ros=False).run()

@@ -12,6 +12,9 @@ setup(
         # flatland2d has a folder of its own: in the devel space, importing a package puts the
         # folder around it first on sys.path, and there flatland_server has no extension module.
         package_dir={"": "src", "flatland2d": "src/short_name/flatland2d"},
-        package_data={"flatland_server": ["py.typed", "*.pyi", "messages/definitions/*/*.msg"]},
+        package_data={
+            "flatland2d": ["py.typed"],
+            "flatland_server": ["py.typed", "*.pyi", "messages/definitions/*/*.msg"],
+        },
     )
 )

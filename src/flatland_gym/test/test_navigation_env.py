@@ -222,12 +222,12 @@ def test_the_lidar_gets_another_number_of_beams():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda c: c["models"][0]["model"]["plugins"].pop(0), "robot has Laser"),
-        (lambda c: c["models"][0]["model"]["plugins"].pop(1), "robot has DiffDrive"),
-        (lambda c: c["models"].clear(), "found: no models"),
+        (lambda c: c["models"][0]["model"]["plugins"].pop(0), r"found robot \(no drive\)"),
+        (lambda c: c["models"][0]["model"]["plugins"].pop(1), r"found robot \(no lidar\)"),
+        (lambda c: c["models"].clear(), "a drive and a lidar, found none"),
         (
             lambda c: c["models"].append({**c["models"][0], "name": "other", "pose": [2, 2, 0]}),
-            "expected the argument robot, one of: robot, other",
+            "expected one robot, found robot, other",
         ),
         (lambda c: c["models"][0].update(pose="here"), r"expected \[x, y, yaw\]"),
     ],
@@ -244,7 +244,7 @@ def test_a_world_that_cannot_be_used_is_named(change, message):
     [
         ({"world": "ofice"}, 'no world is named "ofice"'),
         ({"world": "test_room", "robot": "r2d2"}, 'no model "r2d2"; there are: turtlebot'),
-        ({"world": "test_room", "lidar": "radar"}, "lidar, one of: laser; found 'radar'"),
+        ({"world": "test_room", "lidar": "radar"}, 'no lidar "radar"; it has: laser'),
         ({"world": "discs", "scatter": ["box_*"]}, r"expected scatter to match models"),
         ({"world": ("discs", "office")}, "robots are alike: beams is 64 in discs, 1081 in office"),
         ({"step_size": 0}, "expected step_size to be a number above 0, found 0"),

@@ -6,8 +6,8 @@ import pytest
 
 from flatland_gym import SCENARIOS
 from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario import scenarios_of
 from flatland_server.sweep.scenario_file import read_scenario_file
+from flatland_server.sweep.settings import scenarios_of
 
 POLICY = "package://flatland_gym/policies/discs.npz"
 

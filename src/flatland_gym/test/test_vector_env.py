@@ -16,6 +16,7 @@ from flatland_gym.fleet import SimulationFleet
 from flatland_gym.multi_world_fleet import MultiWorldFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_server import DistanceGrid, UsageError, world_content
+from flatland_server.library.world_source import exported_plugins
 
 pytestmark = pytest.mark.slow
 
@@ -153,6 +154,60 @@ def test_a_plugin_that_acts_at_steps_has_simulations(world, fleet):
     vector = make_vector(3, threads=2, autoreset_mode="SameStep", **arguments)
     assert type(vector.unwrapped.navigation.fleet) is fleet
     assert_same(drive(single, "SameStep", 25)[0], drive(vector.unwrapped, "SameStep", 25)[0])
+
+
+CRAB = """
+from flatland_server import BatchRole, CoreDrive, ModelPlugin
+
+class Crab(ModelPlugin):
+    def on_initialize(self, config):
+        body = self.get_body(config)
+        config.finish()
+        self._drive = body.physics_body.add_drive((0.0, 0.0, 0.7))
+
+    @property
+    def batch_role(self):
+        return BatchRole(drive=CoreDrive(self._drive, (1, 2), (0.7, 0.0)))
+
+    def command(self, sideways, yaw_rate):
+        self._drive.command(0.0, sideways, yaw_rate)
+"""
+ENTRY_POINT = "[flatland_server.plugins]\nCrab = crab_of_a_user:Crab\n"
+
+
+@pytest.fixture
+def crab(tmp_path, monkeypatch):
+    """A package of a user, installed as pip does it."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    info = tmp_path / "crab-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: crab\n")
+    (info / "entry_points.txt").write_text(ENTRY_POINT)
+    (tmp_path / "crab_of_a_user.py").write_text(CRAB)
+    exported_plugins.cache_clear()  # looked up once in a process
+    yield
+    exported_plugins.cache_clear()
+
+
+@pytest.mark.usefixtures("crab")
+def test_a_drive_of_a_user_is_trained_as_it_is_driven_in_a_batch():
+    """It goes sideways, and has no limit for turning."""
+    room = world_content(SCENARIOS["empty_room"].world)
+    robot = room["models"][0]["model"]
+    [drive_of_room] = [each for each in robot["plugins"] if each["type"] == "DiffDrive"]
+    crab = {"type": "Crab", "name": "legs", "body": drive_of_room["body"]}
+    robot["plugins"][robot["plugins"].index(drive_of_room)] = crab
+    arguments = {**CROWDED, "world": room, "time_limit": 0.5}
+
+    single = SyncVectorEnv([lambda: make(**arguments)] * 2, autoreset_mode="SameStep")
+    vector = make_vector(2, autoreset_mode="SameStep", **arguments).unwrapped
+
+    assert type(vector.navigation.fleet) is BatchFleet
+    assert vector.single_action_space.high == pytest.approx([0.7, 2.0])
+    vector.reset(seed=1, options={"start": [0, 0, 0], "goal": [2, 0]})
+    pose = vector.step(np.array([[0.7, 0.0]] * 2))[4]["pose"][0]
+    assert (pose[0], pose[1] > 0.0) == (pytest.approx(0.0, abs=1e-6), True)
+    assert_same(drive(single, "SameStep", 15)[0], drive(vector, "SameStep", 15)[0])
 
 
 def test_a_batch_is_made_when_an_episode_is_in_its_world(monkeypatch):

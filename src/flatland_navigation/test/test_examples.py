@@ -10,8 +10,8 @@ import pytest
 
 from flatland_server.sweep.fingerprints import Fingerprints
 from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario import scenarios_of
 from flatland_server.sweep.scenario_file import read_scenario_file
+from flatland_server.sweep.settings import scenarios_of
 
 pytestmark = pytest.mark.slow
 

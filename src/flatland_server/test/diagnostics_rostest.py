@@ -1,6 +1,5 @@
 """/diagnostics over a real master, with plugins that fail."""
 
-import time
 from pathlib import Path
 
 import rospy
@@ -32,14 +31,11 @@ class Diagnostics(RecordingCase):
 
         return by_name(self.diagnostics.next(holds=lambda m: holds(by_name(m))))
 
-    def test_a_running_simulation_is_ok_once_a_second(self):
-        self.diagnostics.next()
-        begin = time.monotonic()
+    def test_a_running_simulation_is_ok(self):
+        """test_real_time_timer.py has a message each second, test_pacer.py the figures."""
         first = self.diagnostics.next()
-        last = self.diagnostics.next(3)
-        self.assertAlmostEqual((time.monotonic() - begin) / 4, 1.0, delta=0.1)
-        elapsed = (last.header.stamp - first.header.stamp).to_sec()
-        self.assertAlmostEqual(elapsed / 3, 1.0, delta=0.1)
+        last = self.diagnostics.next()
+        self.assertGreater(last.header.stamp, first.header.stamp)
 
         (status,) = last.status
         self.assertEqual(status.name, f"{SERVER[1:]}: simulation")
@@ -47,9 +43,10 @@ class Diagnostics(RecordingCase):
         values = {value.key: value.value for value in status.values}
         now = last.header.stamp.to_sec()
         self.assertAlmostEqual(float(values["simulated time [s]"]), now, delta=0.006)
-        self.assertAlmostEqual(float(values["times real time"]), 1.0, delta=0.05)
-        self.assertAlmostEqual(float(values["step period, median [ms]"]), 5.0, delta=0.5)
-        self.assertGreater(float(values["step period, 99th percentile [ms]"]), 4.9)
+        self.assertGreater(float(values["times real time"]), 0.0)
+        median = float(values["step period, median [ms]"])
+        self.assertGreater(median, 0.0)
+        self.assertGreaterEqual(float(values["step period, 99th percentile [ms]"]), median)
         self.assertEqual(values["models"], "1")
         self.assertEqual(values["plugins"], "3")
         self.assertEqual(values["plugins that failed"], "0")

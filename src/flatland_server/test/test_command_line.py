@@ -330,7 +330,7 @@ def test_a_closed_pipe_is_no_traceback(folder):
 
 def page_views():
     """The commands that the page shows and that open a window, without the word "flatland"."""
-    return re.findall(r"^\$ flatland (view .*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    return re.findall(r"^flatland (view .*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def page_options(command):

@@ -10,6 +10,7 @@ import re
 import shutil
 import signal
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -32,7 +33,7 @@ COPIES = ("flatland_example_plugins", "my_plugins")
 FOLDERS = {"devel": "src", "install": "install/share"}
 LAUNCH_FILES = {
     "devel": "flatland_server server.launch "
-    "world_path:=$(rospack find my_plugins)/worlds/conveyor/world.yaml",
+    '"world_path:=$(rospack find my_plugins)/worlds/conveyor/world.yaml"',
     "install": "my_plugins conveyor.launch",
 }
 
@@ -103,9 +104,9 @@ def flatland(tmp_path_factory):
     [prefix] = re.findall(r"^CMAKE_INSTALL_PREFIX:PATH=/(.*)$", cache, flags=re.MULTILINE)
     packages = ("flatland_msgs", "flatland_plugins", "flatland_server", PACKAGE.name)
     Shell(folder).run(
-        f"export DESTDIR={folder}",
-        f"cmake -DCMAKE_INSTALL_LOCAL_ONLY=1 -P {BUILD}/cmake_install.cmake",  # setup.bash etc.
-        *(f"cmake -P {BUILD}/src/{package}/cmake_install.cmake" for package in packages),
+        f"export DESTDIR='{folder}'",
+        f"cmake -DCMAKE_INSTALL_LOCAL_ONLY=1 -P '{BUILD}/cmake_install.cmake'",  # setup.bash etc.
+        *(f"cmake -P '{BUILD}/src/{package}/cmake_install.cmake'" for package in packages),
     )
     return folder / prefix
 
@@ -119,35 +120,45 @@ def rename(copy):
 
 
 @pytest.fixture(scope="module")
-def workspace(tmp_path_factory, flatland):
-    """A catkin workspace with the copies alone, built and installed."""
-    folder = tmp_path_factory.mktemp("workspace")
+def workspace(flatland):
+    """A catkin workspace with the copies alone, built and installed.
+
+    It is always below /tmp: catkin cannot install Python packages from a folder with a space.
+    """
+    folder = Path(tempfile.mkdtemp(dir="/tmp", prefix="workspace_"))
     shell = Shell(folder)
     ignored = shutil.ignore_patterns("__pycache__")
     for name in COPIES:
         shutil.copytree(PACKAGE, folder / "src" / name, ignore=ignored)
     rename(folder / "src" / "my_plugins")
     shell.run(
-        f"source {flatland}/setup.bash",
-        f"cd {folder}",
+        f"source '{flatland}/setup.bash'",
+        f"cd '{folder}'",
         f"catkin_make {CONFIGURE} install",
     )
-    return folder
+    yield folder
+    shutil.rmtree(folder)
 
 
 def test_an_install_space_within_a_source_space_is_not_crawled(flatland, shell):
     """As in the clone itself, after `catkin_make --source . install`."""
-    within = shell.run(f"ROS_PACKAGE_PATH={flatland.parent} rospack list-names")
-    itself = shell.run(f"source {flatland}/setup.bash", "rospack list-names").split()
+    within = shell.run(f"ROS_PACKAGE_PATH='{flatland.parent}' rospack list-names")
+    itself = shell.run(f"source '{flatland}/setup.bash'", "rospack list-names").split()
 
     assert "flatland" not in within
     assert find_packages(str(flatland.parent)) == {}
     assert {"flatland_msgs", "flatland_plugins", "flatland_server"} <= set(itself)
 
 
+def test_type_checkers_see_the_installed_packages(flatland):
+    for package in ("flatland2d", "flatland_plugins", "flatland_server"):
+        [marker] = (flatland / "lib").glob(f"python3*/*-packages/{package}/py.typed")
+    assert (marker.parent / "_core.pyi").is_file()
+
+
 @pytest.mark.parametrize("space", ["devel", "install"])
 def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
-    setup = f"source {workspace}/{space}/setup.bash"
+    setup = f"source '{workspace}/{space}/setup.bash'"
 
     plugins = shell.run(setup, "rospack plugins --attrib=plugin flatland_server").splitlines()
     server = shell.run(setup, "rospack find flatland_server").strip()
@@ -165,7 +176,7 @@ def test_rospack_lists_its_plugins(workspace, flatland, shell, space):
 
 @pytest.mark.parametrize("space", ["devel", "install"])
 def test_a_copy_hides_the_original_by_another_name_and_by_the_same(workspace, shell, space):
-    found = shell.run(f"source {workspace}/{space}/setup.bash", f"python3 -c '{WHERE_FOUND}'")
+    found = shell.run(f"source '{workspace}/{space}/setup.bash'", f"python3 -c '{WHERE_FOUND}'")
 
     (renamed, renamed_file), (same, same_file) = (line.split() for line in found.splitlines())
     assert (renamed, same) == ("my_plugins.simple", "flatland_example_plugins.simple")
@@ -174,10 +185,10 @@ def test_a_copy_hides_the_original_by_another_name_and_by_the_same(workspace, sh
 
 def test_its_own_tests_pass(workspace, shell):
     output = shell.run(
-        f"source {workspace}/devel/setup.bash",
+        f"source '{workspace}/devel/setup.bash'",
         # Without the same settings, it would configure the workspace again.
-        f"catkin_make -C {workspace} {CONFIGURE} run_tests_my_plugins",
-        f"catkin_test_results {workspace}/build/test_results",
+        f"catkin_make -C '{workspace}' {CONFIGURE} run_tests_my_plugins",
+        f"catkin_test_results '{workspace}/build/test_results'",
     )
 
     assert "0 errors, 0 failures" in output
@@ -186,7 +197,7 @@ def test_its_own_tests_pass(workspace, shell):
 @pytest.mark.parametrize("space", ["devel", "install"])
 def test_the_installed_server_runs_its_world(workspace, master, tmp_path, space):
     shell = Shell(tmp_path, master.uri)
-    setup = f"source {workspace}/{space}/setup.bash"
+    setup = f"source '{workspace}/{space}/setup.bash'"
     log = tmp_path / "launch.log"
     launch = f"roslaunch {LAUNCH_FILES[space]} show_viz:=false update_rate:=2000"
 

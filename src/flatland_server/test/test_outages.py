@@ -2,7 +2,6 @@
 
 import contextlib
 import signal
-import time
 import xmlrpc.client
 from pathlib import Path
 
@@ -10,10 +9,17 @@ import pytest
 import tcpros_client
 from flatland_msgs.srv import OpenWorld
 from rosgraph_msgs.msg import Clock
-from running_server import NODE, USUAL_FILES, WORLDS, simulated_time
+from running_server import NODE, USUAL_FILES, WORLDS
 from waiting import wait_until
 
 pytestmark = pytest.mark.slow
+
+
+def wait_for_simulated_time(clock, seconds):
+    """Waits until some time has passed in the simulation [s], on a connection to /clock."""
+    begin = tcpros_client.next_message(clock, Clock).clock
+    while (tcpros_client.next_message(clock, Clock).clock - begin).to_sec() < seconds:
+        pass
 
 
 def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_server):
@@ -30,10 +36,10 @@ def test_a_master_that_is_stopped_then_dies_does_not_stop_time(master, start_ser
     assert server.call("/open_world", OpenWorld, path=room).success
     assert "~world_path is not set" in server.log
     spawning = [server.spawn("while_stopped")]
-    assert simulated_time(clock, 0.5) > 0.25
+    wait_for_simulated_time(clock, 0.25)
     master.kill()
     spawning.append(server.spawn("while_dead"))
-    assert simulated_time(clock, 0.5) > 0.25
+    wait_for_simulated_time(clock, 0.25)
 
     assert all(answer.success for answer in spawning)
     assert all("master" in answer.message for answer in spawning)
@@ -62,11 +68,8 @@ def stopped(master):
 def test_a_signal_ends_the_server_while_the_master_is_stopped(master, start_server, number):
     server = start_server()
     with stopped(master):
-        begin = time.monotonic()
         server.process.send_signal(number)
-        assert server.process.wait(10) == 0
-
-        assert time.monotonic() - begin < 4.0
+        assert server.process.wait(60) == 0
     assert "Traceback" not in server.log
 
 
@@ -106,7 +109,7 @@ def test_the_master_knows_nothing_of_a_server_that_has_ended(master, start_serve
         assert server.spawn(f"r{number}").success
 
     end(server)
-    assert server.process.wait(10) == 0
+    assert server.process.wait(60) == 0
 
     state = master.ask("getSystemState")
     left = [name for part in state for name, nodes in part if NODE in nodes]

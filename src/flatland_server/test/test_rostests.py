@@ -4,6 +4,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -52,14 +53,21 @@ def count(results):
     return totals
 
 
+@pytest.fixture
+def results():
+    """A folder for results, always below /tmp: rostest splits its path at spaces."""
+    with tempfile.TemporaryDirectory(dir="/tmp", prefix="rostest_") as folder:
+        yield Path(folder)
+
+
 @pytest.mark.parametrize(
     "path", [pytest.param(path, id=f"{path.parts[-3]}/{path.stem}") for path in ROSTESTS]
 )
-def test_rostest(path, tmp_path):
-    code, output = run_rostest(path, tmp_path)
+def test_rostest(path, results):
+    code, output = run_rostest(path, results)
 
     # The exit code alone says little: a rostest without a single test ends with 0.
-    totals = count(tmp_path)
+    totals = count(results)
     if code != 0 or not totals["tests"] or totals["failures"] or totals["errors"]:
         ended = f"no end after {TIME_LIMIT:g} s" if code is None else f"exit code {code}"
         pytest.fail(f"{ended}, {totals}\n{output}", pytrace=False)

@@ -3,6 +3,7 @@
 import os
 import re
 import subprocess
+import sys
 import time
 
 import numpy as np
@@ -16,6 +17,16 @@ OFFICE_COLORS = (  # of the world's files and our rviz configuration; least numb
     ((194, 145, 87), 60),  # boxes
     ((204, 0, 0), 150),  # scan
 )
+CLIPBOARD = """
+import sys
+from PyQt5.QtWidgets import QApplication
+application = QApplication([])
+application.clipboard().setText(sys.argv[1])
+application.processEvents()
+print(flush=True)
+application.exec_()
+"""
+"""A program with a text in the clipboard, which is there as long as the program."""
 DARK_SETTINGS = "[switches]\naction_background_dark=true\n"
 
 
@@ -46,6 +57,7 @@ class Screen:
         if kind.is_dark:
             (settings / "flatland").mkdir(parents=True)
             (settings / "flatland" / "window.conf").write_text(DARK_SETTINGS)
+        self._clipboard = None
         self._screenshots = Screenshots(display, f"gui_{name}")
         self.picture = self._screenshots.take
         self.save_pictures = self._screenshots.save
@@ -158,7 +170,21 @@ class Screen:
         self.xdotool("key", "--delay", 40, *keys)
 
     def type(self, text):
-        self.xdotool("type", "--delay", 3, "--", text)
+        """By keys; other letters by the clipboard, as xdotool lends them a key for too short."""
+        if str(text).isascii():
+            self.xdotool("type", "--delay", 3, "--", text)
+            return
+        if self._clipboard:
+            self._clipboard.terminate()
+            self._clipboard.communicate()
+        self._clipboard = subprocess.Popen(  # until the next text, or the end of the display
+            [sys.executable, "-c", CLIPBOARD, str(text)],
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+        self._clipboard.stdout.readline()
+        self.key("ctrl+v")
 
     def click(self, pixel, button=1):
         self.move(pixel)

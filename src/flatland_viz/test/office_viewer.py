@@ -163,13 +163,13 @@ class Viewer:
             self.move_beside()
             return np.array_equal(self.hint(frames), self._no_handle)
 
-        self.waiting(is_beside, "no hint of a handle", 20)
+        self.waiting(is_beside, "no hint of a handle")
 
         def is_found():
             self.screen.move(pixel)
             return not np.array_equal(self.hint(frames), self._no_handle)
 
-        self.waiting(is_found, "the handle under the mouse", 20)
+        self.waiting(is_found, "the handle under the mouse")
 
     def drag(self, pixels, while_held=lambda: None):
         """A handle, along some pixels."""
@@ -209,7 +209,7 @@ class Viewer:
             # It has zoomed all the way.
             return view if abs(view.scale / scale - 1.0) < 0.03 else None
 
-        return self.waiting(near_view, "the view to zoom", limit=20)
+        return self.waiting(near_view, "the view to zoom")
 
     def shows_box(self, name, x, y):
         """Whether more than half of a box's face is visible at a point in the world [m]."""
@@ -265,6 +265,4 @@ class Viewer:
         self.screen.wait_until_closed("Spawn Model")
 
     def wait_until_paused(self, is_paused):
-        self.waiting(
-            lambda: self.ros.state()["paused"] == is_paused, f"paused: {is_paused}", limit=15
-        )
+        self.waiting(lambda: self.ros.state()["paused"] == is_paused, f"paused: {is_paused}")

@@ -71,7 +71,7 @@ class RoomWindow:
             state = self.ros.state()
             return all(state[name] == value for name, value in values.items())
 
-        self.waiting(holds, str(values), 20)
+        self.waiting(holds, str(values))
 
     def status_line(self, name):
         """A screenshot of the status line, and where its left end and its top are."""
@@ -125,16 +125,16 @@ class RoomWindow:
             twist = odometry["twist"]["twist"]
             return abs(twist["linear"]["x"]) + abs(twist["angular"]["z"]) < 1e-3
 
-        self.waiting(rests, "the robot to stop", 20)
+        self.waiting(rests, "the robot to stop")
 
     def wait_for_models(self, *names):
-        self.waiting(lambda: self.ros.models() == [*names], f"the models {names}", 20)
+        self.waiting(lambda: self.ros.models() == [*names], f"the models {names}")
 
     def open_problems(self, kind, name):
         """Opens the list by a click on the badge."""
         self.screen.click(self.waiting(lambda: self.badge(kind), "the badge", 30))
         dialog = self.wait_for_dialog("Problems")
-        self.waiting(lambda: self.is_drawn(dialog, name), "the list", 20)
+        self.waiting(lambda: self.is_drawn(dialog, name), "the list")
 
     def is_drawn(self, dialog, name):
         """Whether a dialog with a white list is drawn."""

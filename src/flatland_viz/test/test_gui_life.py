@@ -91,8 +91,8 @@ def test_an_unchanged_view_costs_little_and_is_intact_after_another_window(shown
     qt = [length // shown.screen.kind.scale for length in (left, top, width // 2, height // 2)]
     cover = shown.ros.start(sys.executable, "-c", COVER.format(*qt))
     waiting(lambda: (shown.view("light_covered") != before).any(), "the other window")
-    cover.wait(20)
-    waiting(lambda: (shown.view("light_after") == before).all(), "the view", limit=5)
+    cover.wait(60)
+    waiting(lambda: (shown.view("light_after") == before).all(), "the view")
 
     assert "media_export" not in shown.ros.log(shown.window)
     shown.ros.call("/resume")
@@ -102,14 +102,14 @@ def test_an_unchanged_view_costs_little_and_is_intact_after_another_window(shown
     )
     waiting(lambda: (shown.view("light_drive") != before).any(), "the robot to drive")
     share = processor_share(shown.window)
-    assert 0.1 < share < 0.8, share
+    assert share < 0.8, share  # of its own processor time: a busy machine lowers it
     shown.ros.end(drive)
 
 
 def test_a_window_outlives_servers_and_a_server_windows(shown, ros, office, waiting):
     screen = shown.screen
     ros.end(shown.server, signal.SIGKILL)
-    waiting(lambda: shown.says_no_server("life_no_server"), '"no server"', limit=20)
+    waiting(lambda: shown.says_no_server("life_no_server"), '"no server"')
     assert shown.window.poll() is None
 
     # A new run: time starts at 0, and the world is as in its file.
@@ -126,6 +126,6 @@ def test_a_window_outlives_servers_and_a_server_windows(shown, ros, office, wait
 
     ros.end(shown.window, signal.SIGKILL)
     before = ros.clock()
-    waiting(lambda: ros.clock() > before + 0.5, "simulated time to go on", limit=20)
+    waiting(lambda: ros.clock() > before + 0.5, "simulated time to go on")
     assert shown.server.poll() is None
     assert not ros.state()["paused"]

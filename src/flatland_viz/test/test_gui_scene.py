@@ -86,13 +86,13 @@ def test_the_window_publishes_map_to_odom_until_a_localiser_does(window):
         lambda: window.transforms().get("r2_odom") == "map", "the window's transform", 20
     )
     localiser = window.ros.publish_transform("map", "r2_odom")
-    window.waiting(lambda: "r2_odom" not in window.transforms(), "the window to give way", 20)
+    window.waiting(lambda: "r2_odom" not in window.transforms(), "the window to give way")
     window.waiting(
         lambda: window.transforms().get("r10_odom") == "map", "the other robot's transform", 20
     )
     window.screen.key("alt+s")
     window.screen.key("m")
-    window.waiting(lambda: "r10_odom" not in window.transforms(), "the end of it", 20)
+    window.waiting(lambda: "r10_odom" not in window.transforms(), "the end of it")
     window.ros.end(localiser)
 
 
@@ -146,14 +146,14 @@ def test_tools_for_navigation_come_with_their_subscribers(window):
 
     before = toolbar()
     subscriber = window.ros.start("/usr/bin/python3", "-c", GOALS)
-    window.waiting(lambda: (toolbar() != before).any(), "the tool", 20)
+    window.waiting(lambda: (toolbar() != before).any(), "the tool")
     window.screen.focus(window.id)
     window.screen.move(window.map.pixel(0.0, 1.0))
     window.screen.key("g")
     window.drag(window.map.pixel(1.0, 0.0), window.map.pixel(2.0, 0.0))
-    window.waiting(lambda: "position" in window.ros.log(subscriber), "a goal", 20)
+    window.waiting(lambda: "position" in window.ros.log(subscriber), "a goal")
     window.ros.end(subscriber)
-    window.waiting(lambda: (toolbar() == before).all(), "the tool to go", 20)
+    window.waiting(lambda: (toolbar() == before).all(), "the tool to go")
 
 
 def plate(window, name, x, y):
@@ -166,19 +166,19 @@ def test_robots_have_names_and_headings_that_switches_hide(window):
     at_robot = window.map.around(-3.0, 0.0, 0.15)
     red = lambda: near(window.picture("marks")[at_robot], (204, 0, 0), 20).sum()  # noqa: E731
     window.screen.move(window.map.pixel(4.0, -2.5))
-    window.waiting(lambda: plate(window, "marks", -3.0, 0.0) > 100, "its name", 20)
+    window.waiting(lambda: plate(window, "marks", -3.0, 0.0) > 100, "its name")
     assert red() > 40
     assert plate(window, "marks", *CRATE) < 20  # names of what is no robot would be too many
 
     for key in ("n", "e"):  # View > Names, Headings
         window.screen.key("alt+v")
         window.screen.key(key)
-    window.waiting(lambda: plate(window, "no_marks", -3.0, 0.0) < 50, "no name", 20)
-    window.waiting(lambda: red() == 0, "no heading", 20)
+    window.waiting(lambda: plate(window, "no_marks", -3.0, 0.0) < 50, "no name")
+    window.waiting(lambda: red() == 0, "no heading")
     for key in ("n", "e"):
         window.screen.key("alt+v")
         window.screen.key(key)
-    window.waiting(lambda: red() > 40, "the heading", 20)
+    window.waiting(lambda: red() > 40, "the heading")
 
 
 def test_robots_are_seen_from_afar(window):
@@ -208,12 +208,12 @@ def test_what_is_under_the_mouse_has_a_ring_and_tells_its_state(window):
     window.waiting(lambda: not tip("away"), "no tooltip")
     before = ring("away")
     window.screen.move(window.map.pixel(*CRATE))
-    window.waiting(lambda: ring("hover") > before + 60, "the ring", 20)
-    window.waiting(lambda: tip("hover"), "pose and speed", 20)
+    window.waiting(lambda: ring("hover") > before + 60, "the ring")
+    window.waiting(lambda: tip("hover"), "pose and speed")
     window.ros.call("/move_model", name="crate", pose={"x": 3.0, "y": -1.0, "theta": 0.0})
-    window.waiting(lambda: not tip("left"), "the crate to leave the mouse", 20)
+    window.waiting(lambda: not tip("left"), "the crate to leave the mouse")
     put_back(window)
-    begin = window.waiting(lambda: tip("back"), "the crate to be under it again", 20)
+    begin = window.waiting(lambda: tip("back"), "the crate to be under it again")
     # The mouse acts through the tooltip: a drag that begins on it moves the map.
     by = (-40, 20)
     end, expected = np.add(begin, by), np.add(window.map.pixel(*CRATE), by)
@@ -223,16 +223,16 @@ def test_what_is_under_the_mouse_has_a_ring_and_tells_its_state(window):
     )
     window.show_all()
     window.screen.move(window.map.pixel(4.0, -2.5))
-    window.waiting(lambda: ring("away") < before + 20, "its end", 20)
+    window.waiting(lambda: ring("away") < before + 20, "its end")
 
 
 def test_a_click_selects_and_the_panel_reads_topics(window):
     window.click(0.0, -1.5)
-    window.waiting(lambda: "/r2/odometry/filtered" in window.subscriptions(), "the panel", 20)
+    window.waiting(lambda: "/r2/odometry/filtered" in window.subscriptions(), "the panel")
     assert "/r10/odometry/filtered" not in window.subscriptions()
     window.picture("selected")
     window.click(4.0, 0.5)
-    window.waiting(lambda: "/r2/odometry/filtered" not in window.subscriptions(), "no model", 20)
+    window.waiting(lambda: "/r2/odometry/filtered" not in window.subscriptions(), "no model")
 
 
 def is_at(window, model, x, y, yaw=None):
@@ -283,14 +283,14 @@ def test_the_view_follows(window):
     window.click(*CRATE)
     window.screen.key("f")
     follows = lambda: math.dist(window.place_of_crate("follow"), middle) < 6  # noqa: E731
-    window.waiting(follows, "the crate in the middle", 20)
+    window.waiting(follows, "the crate in the middle")
     window.ros.call("/move_model", name="crate", pose={"x": -2.0, "y": -2.0, "theta": 0.0})
     window.waiting(lambda: is_at(window, "crate", -2.0, -2.0), "the move")
-    window.waiting(follows, "the view to follow", 20)
+    window.waiting(follows, "the view to follow")
     # Under the mouse the view rests: otherwise the crate would be carried on and on.
     by = np.multiply(window.map.scale, (1.5, -1.0))
     window.drag(middle, np.add(middle, by))
-    window.waiting(lambda: is_at(window, "crate", -0.5, -1.0), "the crate where it was dragged", 20)
+    window.waiting(lambda: is_at(window, "crate", -0.5, -1.0), "the crate where it was dragged")
     window.screen.key("f")
     window.show_all()
     put_back(window)
@@ -298,13 +298,13 @@ def test_the_view_follows(window):
 
 def test_home_shows_a_model_outside_the_walls(window):
     window.ros.call("/move_model", name="crate", pose={"x": 9.0, "y": 0.0, "theta": 0.0})
-    window.waiting(lambda: window.place_of_crate("gone") is None, "the crate to leave the view", 20)
+    window.waiting(lambda: window.place_of_crate("gone") is None, "the crate to leave the view")
 
     def is_seen():
         window.screen.key("Home")
         return window.place_of_crate("outside")
 
-    window.waiting(is_seen, "the crate", 20)
+    window.waiting(is_seen, "the crate")
     put_back(window)
     window.waiting(lambda: is_at(window, "crate", *CRATE), "the crate within the walls")
     window.show_all()

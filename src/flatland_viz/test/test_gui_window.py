@@ -43,7 +43,7 @@ def paused(window):
     yield window
     window.ros.call("/resume")
     window.wait_for_state(paused=False)
-    window.waiting(lambda: not window.says("paused"), "the status line to say so", 20)
+    window.waiting(lambda: not window.says("paused"), "the status line to say so")
 
 
 def test_reset_starts_again(paused):
@@ -57,7 +57,7 @@ def test_reset_starts_again(paused):
 
 def test_single_steps_and_several(paused):
     before = paused.ros.state()["stamp"]
-    paused.waiting(lambda: paused.says("paused"), '"paused" in the status line', 20)
+    paused.waiting(lambda: paused.says("paused"), '"paused" in the status line')
     paused.key("F10")
     paused.wait_for_state(stamp=pytest.approx(before + 0.02))
     paused.key("shift+F10")
@@ -92,7 +92,7 @@ def test_another_world_is_opened_and_the_first_one_again(window):
     other = WORLDS / "test_room" / "world.yaml"
     window.key("ctrl+o")
     dialog = window.wait_for_dialog("Open a World")
-    window.waiting(lambda: window.is_drawn(dialog, "window_open"), "the dialog to be drawn", 20)
+    window.waiting(lambda: window.is_drawn(dialog, "window_open"), "the dialog to be drawn")
     window.screen.type(str(other))
     window.screen.picture("window_open")
 
@@ -101,7 +101,7 @@ def test_another_world_is_opened_and_the_first_one_again(window):
             window.screen.key("Return")  # or it takes a completion of the name, and closes that
         return not window.screen.windows("Open a World")
 
-    window.waiting(is_closed, "the dialog to close", 20)
+    window.waiting(is_closed, "the dialog to close")
     window.screen.wait_for_window("Flatland - test_room/world.yaml")
     topics = "/flatland_server/debug/topics"
     assert "layer/hall" in window.ros.message(topics, "flatland_msgs/DebugTopicList")["topics"]
@@ -161,23 +161,23 @@ def drive(window):
     """The window with the Drive panel, and the robot at rest."""
     window.ros.call("/reset", keep_time=False)
     window.key("F4")
-    window.waiting(window.find_knob, "the pad", 20)
+    window.waiting(window.find_knob, "the pad")
     yield window
     window.screen.xdotool("keyup", "Up", "keyup", "a")
     window.key("F4")
-    window.waiting(lambda: not window.find_knob(), "the panel to close", 20)
+    window.waiting(lambda: not window.find_knob(), "the panel to close")
 
 
 def test_a_robot_is_driven_by_keys_and_stops_when_they_are_released(drive):
     x, _, yaw = drive.ros.pose("turtlebot")
     with drive.held("Up"):
         assert drive.command() == (0.5, 0.0)
-        drive.waiting(lambda: drive.ros.pose("turtlebot")[0] > x + 0.1, "the robot to move", 20)
+        drive.waiting(lambda: drive.ros.pose("turtlebot")[0] > x + 0.1, "the robot to move")
         drive.screen.picture("window_drive")
     drive.wait_for_rest()
     with drive.held("a"):  # elsewhere the key of Spawn Model
         assert drive.command() == (0.0, 1.0)
-        drive.waiting(lambda: drive.ros.pose("turtlebot")[2] > yaw + 0.02, "the robot to turn", 20)
+        drive.waiting(lambda: drive.ros.pose("turtlebot")[2] > yaw + 0.02, "the robot to turn")
     drive.wait_for_rest()
     assert not drive.screen.windows("Spawn Model")
 
@@ -195,7 +195,7 @@ def test_a_robot_stops_when_the_window_loses_the_keyboard_or_the_panel_is_closed
         drive.screen.key("F4")
         drive.wait_for_rest()
     drive.key("F4")
-    drive.waiting(drive.find_knob, "the pad", 20)
+    drive.waiting(drive.find_knob, "the pad")
 
 
 def test_a_robot_is_driven_by_dragging_the_pad(drive):
@@ -219,15 +219,15 @@ def test_another_node_that_drives_the_same_robot_is_named(drive):
     def warns():
         return near(drive.screen.picture("window_others"), amber, 2).sum() > 500
 
-    drive.waiting(warns, "the warning", 20)
+    drive.waiting(warns, "the warning")
     drive.ros.end(other)
-    drive.waiting(lambda: not warns(), "the warning to go", 20)
+    drive.waiting(lambda: not warns(), "the warning to go")
 
 
 def clear_problems(window, kind):
     window.screen.key("alt+l", "Escape")
     window.screen.wait_until_closed("Problems")
-    window.waiting(lambda: not window.badge(kind), "the badge to go", 20)
+    window.waiting(lambda: not window.badge(kind), "the badge to go")
 
 
 def test_warnings_of_the_server_are_counted_and_listed(window):
@@ -271,14 +271,14 @@ def test_a_frame_of_two_nodes_is_a_problem(window):
 def test_hints_go_when_they_no_longer_apply(window):
     window.press("a")
     window.wait_for_dialog("Spawn Model")
-    window.waiting(lambda: window.has_hint(), "the hint", 20)
+    window.waiting(lambda: window.has_hint(), "the hint")
     window.screen.key("Escape")
     window.screen.wait_until_closed("Spawn Model")
-    window.waiting(lambda: not window.has_hint(), "the hint to go", 20)
+    window.waiting(lambda: not window.has_hint(), "the hint to go")
     window.press("space")
-    window.waiting(lambda: window.has_hint(), "the message", 20)
+    window.waiting(lambda: window.has_hint(), "the message")
     window.press("space")
-    window.waiting(lambda: not window.has_hint(), "the message to go", 20)
+    window.waiting(lambda: not window.has_hint(), "the message to go")
 
 
 def test_a_held_space_bar_pauses_once_and_other_keys_do_nothing(window):
@@ -300,7 +300,7 @@ def test_the_keys_are_shown(window):
     def shows_text():
         return (window.screen.picture_of(dialog, "window_keys").max(axis=2) < 60).sum() > 2000
 
-    window.waiting(shows_text, "the keys", 20)
+    window.waiting(shows_text, "the keys")
     window.screen.key("Escape")
     window.screen.wait_until_closed("Keys and Mouse")
 
@@ -321,8 +321,8 @@ def test_after_a_crash_of_the_window_the_simulation_goes_on(window):
     assert "exit code -11" in line
     window.screen.wait_until_closed(TITLE)
     before = window.ros.clock()
-    window.waiting(lambda: window.ros.clock() > before + 0.2, "simulated time to go on", 20)
+    window.waiting(lambda: window.ros.clock() > before + 0.2, "simulated time to go on")
     assert launch.process.poll() is None
 
     launch.press_ctrl_c()
-    assert launch.process.wait(20) == 0
+    assert launch.process.wait(60) == 0

@@ -21,7 +21,7 @@ PAGE = Path(__file__).resolve().parents[4] / "docs/speed.md"
 SRC = Path(__file__).resolve().parents[3]
 LAUNCH_FILES = [
     SRC / "flatland_benchmark/launch/benchmark.launch",
-    SRC / "flatland_server/launch/benchmark.launch",  # its former place
+    SRC / "flatland_server/launch/benchmark.launch",  # for users of the C++ Flatland
 ]
 SCHEMA = SRC / "flatland_benchmark/benchmark.schema.json"
 MACHINE = Machine("Linux", "a processor", 2, 0.5)
@@ -199,7 +199,7 @@ def test_another_clone_runs_in_turn_in_its_own_workspace(tmp_path, monkeypatch, 
         "import sys\nassert sys.argv[1:3] == ['--one', 'parts_1'], sys.argv\n"
         "print('{\"step [us]\": 8.0}')\n"
     )
-    (tmp_path / "devel/setup.bash").write_text(f"export PYTHONPATH={tmp_path / 'lib'}\n")
+    (tmp_path / "devel/setup.bash").write_text(f"export PYTHONPATH='{tmp_path / 'lib'}'\n")
     (tmp_path / "src/flatland_server/package.xml").write_text(
         "<package format='3'><name>flatland_server</name><version>0.0.7</version>"
         "<description>x</description><maintainer email='a@b.cd'>a</maintainer>"
@@ -261,7 +261,7 @@ def test_the_page_has_all_cases_and_no_others():
 
 
 def test_the_commands_of_the_page_are_understood():
-    lines = re.findall(r"^\$ scripts/bench(.*)$", PAGE.read_text(), flags=re.MULTILINE)
+    lines = re.findall(r"^scripts/bench(.*)$", PAGE.read_text(), flags=re.MULTILINE)
 
     assert len(lines) > 3
     for line in lines:
@@ -293,11 +293,11 @@ def options_of(launch, *arguments):
 @pytest.mark.slow
 @pytest.mark.parametrize("launch", LAUNCH_FILES, ids=lambda path: path.parts[-3])
 def test_the_launch_file_hands_its_arguments_on(launch):
-    options = options_of(launch, "cases:=scan_* spawn", "runs:=2", "json:=/tmp/now.json")
+    options = options_of(launch, "cases:=scan_* spawn", "runs:=2", "json:=/my figures/now.json")
 
     assert options.cases == ["scan_*", "spawn"]
     assert options.runs == 2
-    assert options.json == Path("/tmp/now.json")
+    assert options.json == Path("/my figures/now.json")
     assert options.plots is None
     assert not options.world
     assert options.launch_files == LAUNCH_FILES

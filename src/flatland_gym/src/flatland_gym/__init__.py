@@ -11,7 +11,7 @@ without Gymnasium.
 """
 
 import importlib.util
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
@@ -31,7 +31,7 @@ __all__ = [
     "navigation_reward",
 ]
 
-if importlib.util.find_spec("gymnasium") is not None:
+if TYPE_CHECKING or importlib.util.find_spec("gymnasium") is not None:
     import gymnasium
 
     from flatland_gym.navigation_env import NavigationEnv

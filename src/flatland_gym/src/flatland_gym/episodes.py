@@ -13,7 +13,7 @@ import numpy as np
 
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FloatArray, FreeSpace, Point, Pose, Segments, UsageError
+from flatland_server import FreeSpace, Point, Pose, Segments, UsageError, from_segments
 
 _TRIES = 500
 _TRIES_OF_MODELS = 60
@@ -48,7 +48,8 @@ class Episode:
         if not len(walls):
             return False
         places = [*(start[:2] for start in self.starts), *self.goals]
-        return bool(_distances(np.array(places), walls).min() < distance)
+        away = from_segments(np.array(places), walls)
+        return bool(np.hypot(away[..., 0], away[..., 1]).min() < distance)
 
 
 class EpisodeSampler:
@@ -257,13 +258,3 @@ def _checked(options: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
             raise UsageError(f"expected the option {name} as {form}, found {value!r}")
         chosen[name] = numbers
     return chosen
-
-
-def _distances(places: FloatArray, walls: Segments) -> FloatArray:
-    """The distances of places (n, 2) from walls (m, 4): shape (n, m)."""
-    way = walls[:, 2:] - walls[:, :2]
-    offset = places[:, None] - walls[:, :2]
-    squares = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)  # a wall may be a point
-    part = ((offset * way).sum(axis=2) / squares).clip(0.0, 1.0)
-    distances: FloatArray = np.linalg.norm(offset - part[..., None] * way, axis=2)
-    return distances

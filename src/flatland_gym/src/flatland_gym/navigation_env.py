@@ -1,9 +1,10 @@
 """`flatland/Navigation-v0` for one robot: Gymnasium's Env."""
 
-from typing import Any, ClassVar, Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import gymnasium
 import numpy as np
+from gymnasium import spaces
 
 from flatland_gym.navigation import Navigation
 from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode, picture, status_line
@@ -26,17 +27,17 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         FlatlandError: an argument is wrong, or the world cannot be used.
     """
 
-    metadata: ClassVar[Dict[str, Any]] = {"render_modes": list(RENDER_MODES)}  # and render_fps
+    metadata: Dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 (Gymnasium's)
     _np_random: Optional[np.random.Generator] = None  # Gymnasium's, kept here where a reset fails
     _np_random_seed: Optional[int] = None
 
     def __init__(self, render_mode: Optional[str] = None, **arguments: Any) -> None:
         check_render_mode(render_mode)
         settings = NavigationSettings.of(arguments)
-        self.metadata = metadata(settings)  # type: ignore[misc]
+        self.metadata = metadata(settings)
         self.render_mode = render_mode
         self.navigation = Navigation(settings, 1, in_python=True)
-        self.action_space = self.navigation.action_space
+        self.action_space: spaces.Box = self.navigation.action_space
         self.observation_space = self.navigation.observation_space
         self._window: Optional[Window] = None
         self._is_running = False

@@ -8,6 +8,7 @@ import sys
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
+from gymnasium import spaces
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
@@ -17,7 +18,7 @@ from flatland_gym.navigation import Navigation
 from flatland_gym.navigation_env import metadata, picture_of, status_of
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
-from flatland_server import BoolArray, UsageError
+from flatland_server import BoolArray, FloatArray, UsageError
 
 Seeds = Union[None, int, Sequence[Optional[int]]]
 
@@ -69,7 +70,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._most_steps = sys.maxsize if max_episode_steps is None else int(max_episode_steps)
         self._shown = min(int(shown), self.num_envs)
         self.navigation = Navigation(settings, self.num_envs, int(threads))
-        self.single_action_space = self.navigation.action_space
+        self.single_action_space: spaces.Box = self.navigation.action_space
         self.single_observation_space = self.navigation.observation_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -106,7 +107,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._is_running = True
         return self._observations(), self._infos(chosen)
 
-    def step(self, actions: Any) -> Tuple[Any, Any, BoolArray, BoolArray, Dict[str, Any]]:
+    def step(self, actions: Any) -> Tuple[Any, FloatArray, BoolArray, BoolArray, Dict[str, Any]]:
         """Drives all robots for `frame_skip` steps.
 
         With "NextStep", an environment is reset instead after its episode has ended, with a reward
@@ -156,7 +157,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         blank: Any = "" if self.render_mode == "ansi" else np.zeros_like(frames[0])
         return (*frames, *[blank] * (self.num_envs - self._shown))
 
-    @property
+    @property  # type: ignore[misc] # Gymnasium's may be set
     def np_random(self) -> Any:
         """The random numbers of each environment."""
         return tuple(self._generator(index) for index in range(self.num_envs))
@@ -168,8 +169,12 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             self._generator(index)
         return tuple(self._seeds)
 
-    def close_extras(self, **_: Any) -> None:
-        """Ends all simulations."""
+    def close_extras(self, **kwargs: Any) -> None:
+        """Ends all simulations.
+
+        Args:
+            kwargs: of `close`; without effect.
+        """
         self._is_running = False
         self.navigation.close()
 

@@ -3,19 +3,11 @@
 import itertools
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import lru_cache
 from typing import Any, Dict, List, Sequence, Set, Tuple
 
 import numpy as np
 
-from flatland_gym.robot import (
-    Content,
-    Robot,
-    describe_robot,
-    find_robot,
-    scale_footprints,
-    set_beams,
-)
+from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
 from flatland_gym.scenarios import SCENARIOS
 from flatland_gym.settings import NavigationSettings, WorldName
 from flatland_server import (
@@ -24,6 +16,7 @@ from flatland_server import (
     Simulation,
     UsageError,
     WorldConfig,
+    find_robot,
     world_content,
 )
 
@@ -33,7 +26,7 @@ PARKING = 5000.0
 _PARKING_SPACE = 10.0  # m
 _OBSTACLE = "obstacle_"
 _OPEN = 10.0
-"""How far the space reaches around the robot in a world without walls [m]."""
+"""Reach of the space around the robot in a world without walls [m]."""
 
 
 @dataclass(frozen=True)
@@ -98,9 +91,8 @@ class NavigationWorld:
         """
         scenario = SCENARIOS.get(world) if isinstance(world, str) else None
         content = world_content(scenario.world if scenario else world, params=settings.params)
-        robot = _prepared(content, settings, scale)
+        inside, lidar = _prepared(content, settings, scale)
         added = _add_obstacles(content, settings)
-        inside = next(entry for entry in content["models"] if entry["name"] == robot.name)
         names = _multiplied(content, inside, robots)
         config = WorldConfig.from_content(content)
         with Simulation(config, params=settings.params) as simulation:
@@ -109,13 +101,15 @@ class NavigationWorld:
                 patterns = scenario.scatter if scenario else ()
             discs = _discs(simulation)
             _require_matches(patterns, discs)
+            robot = Robot.of(simulation.world, names[0], lidar, settings)
             driven = [discs.pop(name) for name in names].pop()
             walls = [config.walls_of(layer) for layer in config.layers]
             largest = max([driven.radius, *(disc.radius for disc in discs.values())])
-            space = _distance_grid(
-                np.concatenate([np.empty((0, 4)), *walls]).tobytes(),
+            space = DistanceGrid.shared(
+                np.concatenate([np.empty((0, 4)), *walls]),
                 tuple(inside.get("pose") or (0.0, 0.0))[:2],
                 largest + 2 * (driven.radius + settings.margin),
+                open_reach=_OPEN,
             )
         moved = {n for n in discs if any(fnmatchcase(n, pattern) for pattern in patterns)} - added
         return cls(
@@ -131,29 +125,29 @@ class NavigationWorld:
         )
 
 
-@lru_cache(maxsize=4)
-def _distance_grid(walls: bytes, start: Tuple[float, float], farthest: float) -> DistanceGrid:
-    """The distances from walls (n, 4) of float64, which environments of equal worlds share."""
-    segments = np.frombuffer(walls).reshape(-1, 4)
-    return DistanceGrid(segments, start, farthest, open_reach=_OPEN)
-
-
 def parking_place(index: int) -> Pose:
     """Where the model of this index is while it does not take part."""
     return Pose(PARKING + _PARKING_SPACE * index, PARKING, 0.0)
 
 
-def _prepared(content: Content, settings: NavigationSettings, scale: float) -> Robot:
-    """Changes a world as the settings say, and returns the facts of its robot."""
-    WorldConfig.from_content(content)  # names what is wrong in the world, before it is changed
-    entry, drive, lidar = find_robot(content, settings)
+def _prepared(content: Content, settings: NavigationSettings, scale: float) -> Tuple[Content, str]:
+    """Changes a world as the settings say; returns the robot's entry and its lidar's name."""
+    with Simulation(WorldConfig.from_content(content), params=settings.params) as simulation:
+        robot = find_robot(simulation.world, settings.robot, settings.lidar)
+        entry = _named(content["models"], robot.model.name)
+        lidar = _named(entry["model"]["plugins"], robot.lidar.name)
     if settings.beams is not None:
         set_beams(lidar, settings.beams)
     if settings.lidar_noise is not None:
         lidar["noise_std_dev"] = settings.lidar_noise
     if scale != 1.0:
         scale_footprints(entry, scale)
-    return describe_robot(entry, drive, lidar, settings)
+    return entry, lidar["name"]
+
+
+def _named(entries: Sequence[Content], name: str) -> Content:
+    """The entry of this name."""
+    return next(entry for entry in entries if entry["name"] == name)
 
 
 def _add_obstacles(content: Content, settings: NavigationSettings) -> Set[str]:

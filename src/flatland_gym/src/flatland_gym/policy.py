@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Tuple, Union
 import numpy as np
 
 from flatland_gym.observations import observe
-from flatland_server import FlatlandError, Float32Array, FloatArray, UsageError
+from flatland_server import FlatlandError, Float32Array, FloatArray, PoseLike, UsageError
 
 _FORMAT = "flatland policy 1"
 
@@ -43,6 +43,9 @@ class Policy:
     def act(self, observations: Float32Array) -> Float32Array:
         """The actions for flat observations: shape (n, size of an action), within the limits.
 
+        Args:
+            observations: shape (n, size of an observation).
+
         Raises:
             UsageError: the observations have another size.
         """
@@ -60,7 +63,7 @@ class Policy:
         actions: Float32Array = np.clip(values, -1.0, 1.0) * limits
         return actions
 
-    def drive(self, ranges: Any, pose: Any, velocity: Any, goal: Any) -> List[float]:
+    def drive(self, ranges: Any, pose: PoseLike, velocity: Any, goal: Any) -> List[float]:
         """The action for the measurements of a robot that runs outside of an environment.
 
         Args:
@@ -85,7 +88,11 @@ class Policy:
         return action
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
-        """Writes it into a file of NumPy's (.npz)."""
+        """Writes the policy into a file of NumPy's.
+
+        Args:
+            path: of the file, which ends in .npz.
+        """
         layers: Dict[str, Any] = {}
         for number, (weight, bias) in enumerate(zip(self.weights, self.biases)):
             layers[f"weight_{number}"], layers[f"bias_{number}"] = weight, bias

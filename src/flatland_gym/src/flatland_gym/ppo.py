@@ -102,7 +102,7 @@ class Ppo:
         self._env = env
         self._settings = settings
         self._rng = np.random.default_rng(seed)
-        size = env.single_observation_space.shape[0]
+        (size,) = env.single_observation_space.shape or ()
         self._limits = env.single_action_space.high
         sizes = (size, *settings.hidden)
         self._actor = Network((*sizes, len(self._limits)), 0.01, self._rng)

@@ -52,7 +52,12 @@ class RewardWeights:
 
 
 def navigation_reward(step: Transition, weights: RewardWeights) -> FloatArray:
-    """The reward of a step: progress, success, collision and time; shape (n,)."""
+    """The reward of a step: progress, success, collision and time; shape (n,).
+
+    Args:
+        step: of n environments.
+        weights: of these parts.
+    """
     progress = weights.progress * (step.previous_distance - step.distance)
     events = weights.success * step.success + weights.collision * step.collision
     reward: FloatArray = progress + events + weights.time * step.period

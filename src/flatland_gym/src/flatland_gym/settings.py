@@ -142,7 +142,10 @@ class NavigationSettings:
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any]) -> "NavigationSettings":
-        """The settings out of keyword arguments.
+        """Settings out of keyword arguments.
+
+        Args:
+            arguments: attributes of this class, by their names.
 
         Raises:
             UsageError: one is unknown or wrong.

@@ -3,7 +3,7 @@
 from typing import Dict
 
 from flatland_gym.policy import Policy
-from flatland_server import SensorHandle, SweepRun, UsageError
+from flatland_server import Float32Array, SensorHandle, SweepRun, UsageError
 
 
 def drive(run: SweepRun, file: str) -> None:
@@ -27,9 +27,11 @@ def drive(run: SweepRun, file: str) -> None:
         run.step(policy.period)
 
 
-def _lidar_of(run: SweepRun, beams: int) -> SensorHandle:
+def _lidar_of(run: SweepRun, beams: int) -> SensorHandle[Float32Array]:
     """The lidar with so many beams."""
-    lidars = [each for each in run.robot.sensors.values() if each.type.endswith("Laser")]
+    robot = run.robot
+    roles = {name: robot.plugin(name).batch_role for name in robot.sensors}
+    lidars = [robot.sensors[name] for name, role in roles.items() if role and role.lidar]
     counts = [len(each.read()) for each in lidars]
     if counts.count(beams) != 1:
         found = ", ".join(map(str, counts)) or "no lidar"

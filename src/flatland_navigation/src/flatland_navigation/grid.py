@@ -5,7 +5,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from flatland_server import BoolArray, FloatArray, Point, Segments
+from flatland_server import BoolArray, FloatArray, Point, Segments, from_segments, squared_distances
 
 Cell = Tuple[int, int]
 """Row and column; the bottom left cell is (0, 0)."""
@@ -132,8 +132,8 @@ class Grid:
 
     def distance_to_wall(self, point: Point) -> float:
         """Distance of a point to the nearest wall [m]."""
-        x, y = (np.full(len(self.walls), value) for value in point)
-        return float(_distances(x, y, self.walls.T).min())
+        away = from_segments(np.array([point]), self.walls)
+        return float(np.hypot(away[..., 0], away[..., 1]).min())
 
     def _block(self, segments: Segments) -> None:
         """Blocks the cells with points nearer to a segment than the clearance."""
@@ -150,15 +150,7 @@ class Grid:
                 continue
             x = self.origin[0] + (np.arange(left, right) + 0.5) * self.resolution
             y = self.origin[1] + (np.arange(bottom, top) + 0.5) * self.resolution
-            near = _distances(x[np.newaxis, :], y[:, np.newaxis], segment) < reach
+            x1, y1, x2, y2 = segment.tolist()
+            squares = squared_distances(x - x1, (y - y1)[:, np.newaxis], (x2 - x1, y2 - y1))
+            near = squares < reach**2
             self.free[bottom:top, left:right] &= ~near
-
-
-def _distances(x: FloatArray, y: FloatArray, segment: FloatArray) -> FloatArray:
-    """Distances of points to a segment x1, y1, x2, y2, or of each point to its own [m]."""
-    x1, y1, x2, y2 = segment
-    dx, dy = x2 - x1, y2 - y1
-    squared = dx * dx + dy * dy
-    along = ((x - x1) * dx + (y - y1) * dy) / np.where(squared > 0.0, squared, 1.0)
-    t = np.clip(along, 0.0, 1.0)
-    return np.asarray(np.hypot(x - x1 - t * dx, y - y1 - t * dy))

@@ -4,6 +4,7 @@ import math
 from typing import Any, Dict, Set, Tuple
 
 from flatland_server import (
+    BatchRole,
     Contact,
     Fixture,
     ModelPlugin,
@@ -23,7 +24,7 @@ class BoolSensor(ModelPlugin):
     or a sensor. Only solid footprints of other models, and walls, count as touching it.
     """
 
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""

@@ -6,6 +6,7 @@ from itertools import zip_longest
 from typing import Any, Dict, List, NamedTuple, Tuple
 
 from flatland_server import (
+    BatchRole,
     Contact,
     ContactImpulse,
     ContactSides,
@@ -72,7 +73,7 @@ class Bumper(ModelPlugin):
     points: Box2D computes none.
     """
 
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""

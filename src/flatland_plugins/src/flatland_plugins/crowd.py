@@ -10,6 +10,7 @@ from flatland_plugins.obstacles import Bodies, Outline, Walls, seen_from
 from flatland_plugins.pedestrian import Pedestrian, model_of
 from flatland_plugins.social_force import Others, discs_apart
 from flatland_server import (
+    BatchRole,
     Body,
     FloatArray,
     ModelEntry,
@@ -67,7 +68,7 @@ class Crowd(WorldPlugin):
         except BaseException:
             self.on_shutdown()
             raise
-        self._motion = self.make_batch_motion(1)
+        self._motion = self._make_motion(1)
         self._motion.begin(0, self.rng, None)
 
     def _tight_places(self) -> Iterator[Tuple[int, str]]:
@@ -102,8 +103,12 @@ class Crowd(WorldPlugin):
             for body, velocity in zip(motion.moved, new[0].tolist()):
                 body.velocity = tuple(velocity)
 
-    def make_batch_motion(self, count: int) -> CrowdMotion:
-        """The people's motion in so many environments of a batch."""
+    @property
+    def batch_role(self) -> BatchRole:
+        """The people's motion."""
+        return BatchRole(make_motion=self._make_motion)
+
+    def _make_motion(self, count: int) -> CrowdMotion:
         others = self._find_others()
         return CrowdMotion(self._config, self._walls, self._see_walls, self._people, others, count)
 

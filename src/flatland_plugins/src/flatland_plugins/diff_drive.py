@@ -9,11 +9,11 @@ from flatland_server import CoreDrive, ModelBody, YamlReader
 class DiffDrive(TwistDrive):
     """Two wheels on an axle, or anything else that cannot move sideways."""
 
-    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
+    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
         limits = read_dynamics(config)
         config.finish()
         self._drive = body.physics_body.add_drive(*limits)
-        self.core_drive = CoreDrive(self._drive, (0, 2), velocity_limits(limits))
+        return CoreDrive(self._drive, (0, 2), velocity_limits(limits))
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

@@ -1,12 +1,12 @@
 """DummyModelPlugin: a plugin of a model that does nothing."""
 
-from flatland_server import ModelPlugin, YamlReader
+from flatland_server import BatchRole, ModelPlugin, YamlReader
 
 
 class DummyModelPlugin(ModelPlugin):
     """Accepts any keys: a placeholder, as for a plugin that is not there yet."""
 
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
         config.accept_other_keys()

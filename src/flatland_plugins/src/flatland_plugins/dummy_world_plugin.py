@@ -1,12 +1,12 @@
 """DummyWorldPlugin: a plugin of the world that does nothing."""
 
-from flatland_server import WorldPlugin, YamlReader
+from flatland_server import BatchRole, WorldPlugin, YamlReader
 
 
 class DummyWorldPlugin(WorldPlugin):
     """Accepts any keys: a placeholder, as for a plugin that is not there yet."""
 
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
         config.accept_other_keys()

@@ -5,6 +5,7 @@ from typing import Any
 from flatland_plugins.geodesy import Geodetic, TangentPlane
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_server import (
+    BatchRole,
     ModelPlugin,
     Pose,
     Timekeeper,
@@ -26,8 +27,7 @@ class Gps(ModelPlugin):
     zeros by a variance of 1e-9.
     """
 
-    only_publishes = True
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys and opens the topic."""

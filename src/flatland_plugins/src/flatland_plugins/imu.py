@@ -9,6 +9,7 @@ from flatland_plugins.imu_config import QUANTITIES, ImuConfig
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import TimedNoise
 from flatland_server import (
+    BatchRole,
     FloatArray,
     ModelPlugin,
     Timekeeper,
@@ -61,8 +62,7 @@ class Imu(ModelPlugin):
     145).
     """
 
-    only_publishes = True
-    is_passive = True
+    batch_role = BatchRole()
 
     quantities = ("ground_truth",)
 

@@ -11,6 +11,7 @@ from flatland_plugins.scan_writer import ScanWriter
 from flatland_plugins.sensor_frame import SensorFrame
 from flatland_plugins.timed_noise import draw_key
 from flatland_server import (
+    BatchRole,
     BeamFan,
     Canvas,
     CoreLidar,
@@ -31,9 +32,6 @@ _RETURNS = (0.8, 0.0, 0.0, 1.0)
 
 class Laser(ModelPlugin):
     """Publishes sensor_msgs/LaserScan; scans only if the topic has a subscriber."""
-
-    only_publishes = True
-    is_passive = True
 
     quantities = ("intensities",)
 
@@ -56,9 +54,6 @@ class Laser(ModelPlugin):
         self._lidar = body.physics_body.add_lidar(
             fan, laser.origin, laser.range, layers, reflectance
         )
-        self.core_lidar = CoreLidar(
-            self._lidar, laser.range, self._make_noise if self._is_noisy else None
-        )
         roll = math.pi if laser.upside_down else 0.0
         self._frame = SensorFrame(self, body, laser.frame, laser.broadcast_tf, laser.origin, roll)
         self.update_timer = UpdateTimer(laser.update_rate)
@@ -75,6 +70,12 @@ class Laser(ModelPlugin):
 
     def _make_noise(self, rng: np.random.Generator) -> RangeNoise:
         return RangeNoise(draw_key(rng), self._config.noise_std_dev, self._config.range)
+
+    @property
+    def batch_role(self) -> BatchRole:
+        """The lidar, with its noise."""
+        make_noise = self._make_noise if self._is_noisy else None
+        return BatchRole(lidar=CoreLidar(self._lidar, self._config.range, make_noise))
 
     def has_work(self) -> bool:
         """Whether to scan, or to publish the lidar's frame."""

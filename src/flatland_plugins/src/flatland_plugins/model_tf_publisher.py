@@ -2,14 +2,20 @@
 
 import math
 
-from flatland_server import ModelPlugin, RelativePoses, Timekeeper, UpdateTimer, YamlReader
+from flatland_server import (
+    BatchRole,
+    ModelPlugin,
+    RelativePoses,
+    Timekeeper,
+    UpdateTimer,
+    YamlReader,
+)
 
 
 class ModelTfPublisher(ModelPlugin):
     """Publishes reference -> body for each body, and world -> reference if asked to."""
 
-    only_publishes = True
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys."""

@@ -13,12 +13,12 @@ class OmniDrive(TwistDrive):
     its components.
     """
 
-    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
+    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
         limits = read_dynamics(config)
         config.finish()
         self._drive = body.physics_body.add_drive(*limits)
         planar, angular = velocity_limits(limits)
-        self.core_drive = CoreDrive(self._drive, (0, 1, 2), (planar, planar, angular))
+        return CoreDrive(self._drive, (0, 1, 2), (planar, planar, angular))
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.linear.y, twist.angular.z)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from flatland_plugins.wall_grid import nearest
-from flatland_server import FlatlandError, FloatArray, Segments, WorldPlugin, YamlReader
+from flatland_server import BatchRole, FlatlandError, FloatArray, Segments, WorldPlugin, YamlReader
 
 
 class RandomWall(WorldPlugin):
@@ -14,7 +14,7 @@ class RandomWall(WorldPlugin):
     too. No copy is placed where the robot stands.
     """
 
-    acts_when_loaded = True
+    batch_role = BatchRole(varies_by_seed=True)
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the keys and adds the walls."""

@@ -34,7 +34,7 @@ class TricycleDrive(TwistDrive):
     publishes_twist = False
     publishes_transform = False
 
-    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
+    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
         front = self._get_wheel(config, "front_wheel_joint", body, "revolute")
         left = self._get_wheel(config, "rear_left_wheel_joint", body, "weld")
         right = self._get_wheel(config, "rear_right_wheel_joint", body, "weld")
@@ -56,7 +56,7 @@ class TricycleDrive(TwistDrive):
             front[0].physics_joint, axle, max_steer_angle, linear, angular
         )
         limits = (linear.velocity_limit, max_steer_angle)
-        self.core_drive = CoreDrive(self._tricycle, (0, 1), limits)
+        return CoreDrive(self._tricycle, (0, 1), limits)
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from flatland_server import EASINGS, TWEEN_MODES, ModelPlugin, YamlReader
+from flatland_server import EASINGS, TWEEN_MODES, BatchRole, ModelPlugin, YamlReader
 
 
 class Tween(ModelPlugin):
@@ -11,7 +11,7 @@ class Tween(ModelPlugin):
     In mode trigger, std_msgs/Bool says whether towards the end (true) or the start.
     """
 
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
         """Reads the documented keys; opens the topic if the mode needs it."""

@@ -10,6 +10,8 @@ from flatland_plugins.dynamics_limits import DynamicsLimits
 from flatland_plugins.odometry import Odometry, OdometryPublisher
 from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
 from flatland_server import (
+    BatchRole,
+    CoreDrive,
     GoneError,
     ModelBody,
     ModelPlugin,
@@ -34,9 +36,7 @@ class TwistDrive(ModelPlugin, ABC):
         publishes_transform: the default of `enable_odom_tf_pub`.
     """
 
-    only_publishes = True
     quantities = ("ground_truth",)
-    is_passive = True
     publishes_twist: ClassVar[bool] = True
     publishes_transform: ClassVar[bool] = True
 
@@ -51,7 +51,7 @@ class TwistDrive(ModelPlugin, ABC):
             enable_twist_pub=self.publishes_twist,
             enable_odom_tf_pub=self.publishes_transform,
         )
-        self.add_drive(config, body)
+        self._core_drive = self.add_drive(config, body)
 
         self._topic = self.node.resolve(twist_sub)
         self._odometry = OdometryPublisher(self, body, frames, odometry)
@@ -60,8 +60,13 @@ class TwistDrive(ModelPlugin, ABC):
         self.node.subscribe(twist_sub, "geometry_msgs/Twist", self._receive)
 
     @abstractmethod
-    def add_drive(self, config: YamlReader, body: ModelBody) -> None:
+    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
         """Reads the other keys, finishes the configuration, and adds a drive of the core."""
+
+    @property
+    def batch_role(self) -> BatchRole:
+        """The drive."""
+        return BatchRole(drive=self._core_drive)
 
     @abstractmethod
     def on_twist(self, twist: Any) -> None:

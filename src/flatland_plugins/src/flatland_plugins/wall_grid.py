@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from flatland_plugins.social_force import Others, directions
-from flatland_server import FloatArray, IntArray, Segments
+from flatland_server import FloatArray, IntArray, Segments, from_segments
 
 _FAR_AWAY = 1e9
 """Position of padding walls [m]: far enough to have no effect."""
@@ -78,13 +78,7 @@ def cut(segments: Segments, longest: float) -> Segments:
 
 def nearest(points: FloatArray, segments: FloatArray) -> Others:
     """How points (n, 2) lie to the nearest point of segments, (n, m, 4) or (m, 4) for all."""
-    starts = segments[..., :2]
-    steps = segments[..., 2:] - starts
-    to_point = points[:, np.newaxis] - starts
-    squares = np.einsum("...i,...i->...", steps, steps)
-    along = np.einsum("...i,...i->...", to_point, steps) / np.where(squares > 0.0, squares, 1.0)
-    along = np.minimum(np.maximum(along, 0.0), 1.0)  # quicker than clip
-    away, distances = directions(to_point - along[..., np.newaxis] * steps)
+    away, distances = directions(from_segments(points, segments))
     return Others(distances, away)
 
 

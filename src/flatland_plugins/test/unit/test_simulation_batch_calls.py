@@ -8,6 +8,7 @@ from batch_world import WALLS, WORLD
 
 from flatland_server import (
     BatchObservation,
+    BatchRole,
     ModelError,
     ModelPlugin,
     PluginError,
@@ -89,7 +90,7 @@ def unusable():
         (lambda b: b.step([[1, 2]]), "shape (2, 2): speed, yaw_rate, found shape (1, 2)"),
         (lambda b: b.step([[1, 2], [3]]), "actions of"),
         (lambda b: b.step("forwards"), "found shape ()"),
-        (lambda b: b.step(ones * [1, math.nan]), "found [1.0, nan] for environment 0"),
+        (lambda b: b.step(ones * [1, math.nan]), "found [1, nan] for environment 0"),
         (lambda b: b.step(ones * [[1], [math.inf]]), "for environment 1"),
         (lambda b: b.step(ones.astype(complex)), "complex128"),
         (lambda b: b.step(ones.astype(bool)), "found bool"),
@@ -158,7 +159,7 @@ def test_worlds_that_have_no_robot_are_refused(world_of):
 
 
 class Observer(ModelPlugin):
-    is_passive = True
+    batch_role = BatchRole()
 
     def on_initialize(self, config):
         pass
@@ -167,24 +168,47 @@ class Observer(ModelPlugin):
         pass
 
 
+class Quiet(Observer):
+    pass
+
+
 class Actor(Observer):
     def after_physics_step(self, timekeeper):
         pass
 
 
+class Hooks:
+    def begin_contact(self, contact):
+        pass
+
+
+class MixedActor(Hooks, Observer):
+    pass
+
+
+class Refused(Observer):
+    batch_role = None
+
+
+LOCAL = {each.__name__: each for each in (Observer, Quiet, Actor, MixedActor, Refused)}
+
+
 class Loader(PluginLoader):
     def load(self, type, base):
-        return {"Actor": Actor, "Observer": Observer}.get(type) or super().load(type, base)
+        return LOCAL.get(type) or super().load(type, base)
 
 
-def test_plugins_that_act_by_themselves_are_refused_by_name(world_of):
-    """A class that overrides a hook has to say again that it is passive."""
-    batch = SimulationBatch(
-        world_of(others="\n  - {type: Observer, name: eye}"), 1, loader=Loader()
-    )
-    batch.close()
-    with pytest.raises(PluginError, match=r'"robot/hand" \(Actor\) acts in Python'):
-        SimulationBatch(world_of(others="\n  - {type: Actor, name: hand}"), 1, loader=Loader())
+@pytest.mark.parametrize("name", ["Observer", "Quiet"])
+def test_plugins_with_a_role_are_accepted(world_of, name):
+    others = f"\n  - {{type: {name}, name: eye}}"
+    SimulationBatch(world_of(others=others), 1, loader=Loader()).close()
+
+
+@pytest.mark.parametrize("name", ["Actor", "MixedActor", "Refused"])
+def test_plugins_without_a_role_are_refused_by_name(world_of, name):
+    """A class that overrides a hook has to declare its role again."""
+    with pytest.raises(PluginError, match=rf'"robot/hand" \({name}\) acts in Python'):
+        SimulationBatch(world_of(others=f"\n  - {{type: {name}, name: hand}}"), 1, loader=Loader())
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -32,6 +33,11 @@ struct Box {
   bool Meets(const Box& other) const {
     return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
            other.low.y <= high.y;
+  }
+  /// The distance between the two [m], 0 if they meet.
+  double Distance(const Box& other) const {
+    return std::hypot(std::max({low.x - other.high.x, other.low.x - high.x, 0.0}),
+                      std::max({low.y - other.high.y, other.low.y - high.y, 0.0}));
   }
   double half_perimeter() const { return high.x - low.x + high.y - low.y; }
   /// Square of the distance of a point [m^2], 0 within.
@@ -117,6 +123,12 @@ class SegmentTree {
   void ForEachLeafAt(const Box& box, Visit visit) const {
     if (!segments_.empty()) ForEachLeafAt(root_, box, visit);
   }
+  /// The least `distance(index)` of a wall, with an index in segments(), or `limit` if none is
+  /// below. Walls with boxes farther than that from this box are left out.
+  template <class Distance>
+  double Least(const Box& box, double limit, Distance distance) const {
+    return segments_.empty() ? limit : Least(root_, box, limit, distance);
+  }
 
  private:
   using Iterator = std::vector<uint32_t>::iterator;
@@ -140,6 +152,21 @@ class SegmentTree {
       return;
     }
     for (const Child& each : node(child).children) ForEachLeafAt(each, box, visit);
+  }
+  template <class Distance>
+  double Least(const Child& child, const Box& box, double least, Distance& distance) const {
+    if (child.box.Distance(box) >= least) return least;
+    if (child.is_leaf()) {
+      ForEachWall(~child.index, [&](uint32_t index) {
+        least = std::min(least, static_cast<double>(distance(index)));
+        return true;
+      });
+      return least;
+    }
+    const auto& children = node(child).children;
+    const bool second_first = children[1].box.Distance(box) < children[0].box.Distance(box);
+    least = Least(children[second_first], box, least, distance);
+    return Least(children[!second_first], box, least, distance);
   }
 
   std::vector<Segment> segments_;

@@ -190,6 +190,9 @@ class World : private b2DestructionListener, private b2ContactListener {
   /// of it: both collide, share a layer and are no sensors, and one of the bodies is dynamic. Each
   /// body once; shapes that touch overlap.
   std::vector<Body> GetOverlappingBodies(Body body) const;
+  /// The distance of these bodies from the nearest wall or other body that a fixture of them can
+  /// touch [m], or `limit` if none is nearer: both collide, share a layer and are no sensors.
+  double GetClearance(const std::vector<Body>& bodies, double limit) const;
 
   // ---- Joints ----
 
@@ -358,6 +361,9 @@ class World : private b2DestructionListener, private b2ContactListener {
   void ForgetHeldWalls();
   /// Whether a fixture of a dynamic body overlaps a wall of a large layer that it collides with.
   bool OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) const;
+  /// `GetClearance` of one fixture; `own` are the bodies that are left out.
+  double ClearanceOf(const b2Fixture& fixture, const std::vector<const b2Body*>& own,
+                     double limit) const;
 
   // Joints.
 

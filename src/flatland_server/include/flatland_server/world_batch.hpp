@@ -61,6 +61,8 @@ class WorldBatch {
   const BatchRobot& robot() const { return robot_; }
   int model_count() const { return static_cast<int>(models_.size()); }
 
+  /// Throws std::invalid_argument, with the row, unless all actions that `mask` chooses are finite.
+  void RequireActions(const double* actions, const bool* mask = nullptr) const;
   /// In each environment that `mask` chooses (null: all): commands the drive with its row of
   /// `actions` (count x action_size), makes `substeps` steps of `dt` [s], and writes its row. If it
   /// `goes_on`, a collision in the steps of the last call of Advance counts, too. The actions of

@@ -75,11 +75,18 @@ void BindBodyGroup(py::module_& m) {
                return Triple{pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
              });
            })
-      .def("velocities", [](const BodyGroup& self) {
-        return Rows(self, [](const World& world, World::Body body) {
-          return ToTuple(world.GetVelocity(body));
-        });
-      });
+      .def("velocities",
+           [](const BodyGroup& self) {
+             return Rows(self, [](const World& world, World::Body body) {
+               return ToTuple(world.GetVelocity(body));
+             });
+           })
+      .def(
+          "clearance",
+          [](const BodyGroup& self, double limit) {
+            return self.world ? self.world->GetClearance(self.bodies, limit) : limit;
+          },
+          py::arg("limit"));
   py::class_<RelativePoses>(m, "RelativePoses")
       .def(py::init<const PyBody&, const std::vector<PyBody>&>(), py::arg("reference"),
            py::arg("bodies"))

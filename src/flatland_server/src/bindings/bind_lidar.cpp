@@ -73,19 +73,8 @@ void BindLidarsOf(py::class_<PyBody>& body) {
 }
 
 void BindScansOf(py::class_<PyWorld>& world) {
-  world
-      .def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
-           py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0)
-      .def(
-          "scan",
-          [](PyWorld&, PyLidar& lidar) {
-            if (PyErr_WarnEx(PyExc_DeprecationWarning,
-                             "World.scan(lidar) is deprecated; use lidar.scan()", 1) != 0) {
-              throw py::error_already_set();
-            }
-            return ScanLidar(lidar);
-          },
-          py::arg("lidar"));
+  world.def("scan", &Scan, py::arg("fan"), py::arg("pose"), py::arg("range"),
+            py::arg("layers") = kAllLayers, py::arg("reflectance_layers") = 0);
 }
 
 }  // namespace flatland

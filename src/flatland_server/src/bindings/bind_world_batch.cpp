@@ -60,6 +60,13 @@ BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
           rows(5, "steps", 0, int64_t())};
 }
 
+void RequireActions(const PyWorldBatch& self, const Array<double>& actions,
+                    const std::optional<Array<bool>>& mask) {
+  RequireShape(actions, "actions", self.batch.count(), self.batch.robot().action_size);
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  self.batch.RequireActions(actions.data(), mask ? mask->data() : nullptr);
+}
+
 void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double dt,
           const std::optional<py::tuple>& out, bool goes_on,
           const std::optional<Array<bool>>& mask) {
@@ -183,6 +190,8 @@ void BindWorldBatch(py::module_& m) {
            py::arg("columns"), py::arg("lidar"), py::arg("count"), py::arg("threads"),
            py::arg("models"))
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
+      .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
+           py::arg("mask").noconvert().none(true))
       .def("step", &Step, py::arg("actions").noconvert(), py::arg("substeps"), py::arg("dt"),
            py::arg("out").none(true), py::arg("goes_on") = false,
            py::arg("mask").noconvert().none(true) = py::none())

@@ -128,7 +128,7 @@ void RequireNumPy() {
 
 PYBIND11_MODULE(_core, m) {
   RequireNumPy();
-  m.doc() = "Flatland's physics and ray casting on Box2D.";
+  m.attr("__version__") = FLATLAND_VERSION;
   m.attr("supports_numpy_2") = kSupportsNumPy2;
   py::register_exception<GoneError>(m, "GoneError", PyExc_ReferenceError);
 
@@ -148,6 +148,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);
   BindRangeNoise(m);
+  if (!SetDocs(m.ptr())) throw py::error_already_set();
 }
 
 }  // namespace flatland

@@ -107,4 +107,8 @@ void BindPriorityGuard(py::module_& m);
 void BindRangeNoise(py::module_& m);
 void BindWorldBatch(py::module_& m);
 
+/// Gives everything in the module its docstring. Returns false, with Python's error set, if the
+/// stub has something that the module has not.
+bool SetDocs(PyObject* module);
+
 }  // namespace flatland

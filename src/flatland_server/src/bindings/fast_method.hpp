@@ -129,17 +129,11 @@ void DefineFast(Class& cls, const char* name, Names... arguments) {
   using Fast = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t, PyObject*);
   constexpr Fast kCall = &Method::Call;
   static_assert(sizeof...(arguments) == Method::kCount, "each argument needs a name");
-  // One of each for a method; Python keeps their addresses.
-  static PyMethodDef definition{};
-  static std::string signature;
+  static PyMethodDef definition{};  // one for a method; Python keeps its address
   Method::names = {arguments...};
-  signature = name + std::string("($self");
-  for (const char* each : Method::names) signature += std::string(", ") + each;
-  signature += ")\n--\n\n";
   definition.ml_name = name;
   definition.ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(kCall));
   definition.ml_flags = METH_FASTCALL | METH_KEYWORDS;
-  definition.ml_doc = signature.c_str();
   auto* const type = reinterpret_cast<PyTypeObject*>(cls.ptr());
   cls.attr(name) = py::reinterpret_steal<py::object>(PyDescr_NewMethod(type, &definition));
 }

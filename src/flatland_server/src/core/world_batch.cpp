@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <stdexcept>
 
 #include "box2d_limits.hpp"
 
@@ -89,17 +91,26 @@ void WorldBatch::ForEach(const bool* mask, Visit visit) {
   });
 }
 
+void WorldBatch::RequireActions(const double* actions, const bool* mask) const {
+  const int64_t width = robot_.action_size;
+  for (int row = 0; row < count(); ++row) {
+    if (mask != nullptr && !mask[row]) continue;
+    const double* const begin = actions + width * row;
+    if (std::all_of(begin, begin + width, [](double value) { return IsUsable(value); })) continue;
+    std::ostringstream message;
+    message << "expected actions of finite numbers, found [";
+    for (int64_t i = 0; i < width; ++i) message << (i > 0 ? ", " : "") << begin[i];
+    message << "] for environment " << row;
+    throw std::invalid_argument(message.str());
+  }
+}
+
 void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, double dt,
                          const BatchRows* rows, bool goes_on) {
   Require(substeps >= 1, "expected 1 step or more");
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
+  RequireActions(actions, mask);
   const int64_t width = robot_.action_size;
-  for (int row = 0; row < count(); ++row) {
-    if (mask != nullptr && !mask[row]) continue;
-    for (int64_t i = width * row; i < width * (row + 1); ++i) {
-      Require(IsUsable(actions[i]), "a commanded velocity must be finite");
-    }
-  }
   ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
     World& world = shared.Enter(*environment.state);
     Command(world, actions + width * row);

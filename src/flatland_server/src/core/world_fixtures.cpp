@@ -12,12 +12,17 @@
 namespace flatland {
 namespace {
 
-/// Whether two shapes overlap or touch, without the skin of a centimetre that Box2D puts around
-/// polygons and edges.
-bool Overlap(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_of_b) {
-  const auto radius = [](const b2Shape& shape) {
-    return shape.GetType() == b2Shape::e_circle ? shape.m_radius : 0.0f;
-  };
+/// Boxes are compared with this tolerance [m]: far above the rounding of distances.
+constexpr float kTolerance = 0.01f;
+
+/// The radius of a circle. Polygons and edges have none: Box2D puts a skin of a centimetre around
+/// them.
+float RadiusOf(const b2Shape& shape) {
+  return shape.GetType() == b2Shape::e_circle ? shape.m_radius : 0.0f;
+}
+
+/// The distance of two shapes, without their radii.
+float DistanceOfCores(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_of_b) {
   b2DistanceInput input;
   input.proxyA.Set(a.GetShape(), 0);
   input.proxyB.Set(&b, 0);
@@ -28,7 +33,33 @@ bool Overlap(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_
   cache.count = 0;
   b2DistanceOutput output;
   b2Distance(&output, &cache, &input);
-  return output.distance <= radius(*a.GetShape()) + radius(b) + 10.0f * b2_epsilon;
+  return output.distance;
+}
+
+/// Whether two shapes overlap or touch.
+bool Overlap(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_of_b) {
+  return DistanceOfCores(a, b, transform_of_b) <=
+         RadiusOf(*a.GetShape()) + RadiusOf(b) + 10.0f * b2_epsilon;
+}
+
+double Distance(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_of_b) {
+  const float cores = DistanceOfCores(a, b, transform_of_b);
+  return std::max(0.0f, cores - RadiusOf(*a.GetShape()) - RadiusOf(b));
+}
+
+/// A box around a fixture, with a margin [m].
+Box BoxOf(const b2Fixture& fixture, float margin = 0.0f) {
+  b2AABB bounds;
+  fixture.GetShape()->ComputeAABB(&bounds, fixture.GetBody()->GetTransform(), 0);
+  return {{bounds.lowerBound.x - margin, bounds.lowerBound.y - margin},
+          {bounds.upperBound.x + margin, bounds.upperBound.y + margin}};
+}
+
+bool CanTouch(const b2Fixture& a, const b2Fixture& b) {
+  const b2Filter& first = a.GetFilterData();
+  const b2Filter& second = b.GetFilterData();
+  return !a.IsSensor() && !b.IsSensor() && (first.maskBits & second.categoryBits) != 0 &&
+         (second.maskBits & first.categoryBits) != 0;
 }
 
 }  // namespace
@@ -154,12 +185,9 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
       return true;
     }
     bool PushesOut(b2Fixture& other) const {
-      const b2Filter& a = own->GetFilterData();
-      const b2Filter& b = other.GetFilterData();
       const bool is_dynamic = own->GetBody()->GetType() == b2_dynamicBody ||
                               other.GetBody()->GetType() == b2_dynamicBody;
-      return is_dynamic && !other.IsSensor() && (a.maskBits & b.categoryBits) != 0 &&
-             (b.maskBits & a.categoryBits) != 0 &&
+      return is_dynamic && CanTouch(*own, other) &&
              Overlap(*own, *other.GetShape(), other.GetBody()->GetTransform());
     }
     const World* world = nullptr;
@@ -187,6 +215,45 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
     bodies.push_back(HandleOf(*other));
   }
   return bodies;
+}
+
+double World::GetClearance(const std::vector<Body>& bodies, double limit) const {
+  std::vector<const b2Body*> own;
+  for (const Body& each : bodies) own.push_back(&Find(each));
+  const AccessGuard guard(*this);
+  double least = limit;
+  for (const b2Body* body : own) {
+    for (const b2Fixture* f = body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
+      if (!f->IsSensor()) least = ClearanceOf(*f, own, least);
+    }
+  }
+  return least;
+}
+
+double World::ClearanceOf(const b2Fixture& fixture, const std::vector<const b2Body*>& own,
+                          double limit) const {
+  const Box box = BoxOf(fixture, kTolerance);
+  double least = limit;
+  bodies_.ForEach([&](Body, const BodyRecord& record) {
+    const bool is_own = std::find(own.begin(), own.end(), record.body) != own.end();
+    if (record.is_layer || is_own) return;
+    for (const auto& each : record.fixtures) {
+      const b2Fixture& other = *each.fixture;
+      if (!CanTouch(fixture, other) || box.Distance(BoxOf(other)) >= least) continue;
+      const b2Transform& pose = other.GetBody()->GetTransform();
+      least = std::min(least, Distance(fixture, *other.GetShape(), pose));
+    }
+  });
+  b2Transform origin;
+  origin.SetIdentity();
+  for (const Layer& layer : layers_) {
+    if ((fixture.GetFilterData().maskBits & layer.bits) == 0) continue;
+    const SegmentTree& walls = layer.walls->all();
+    least = walls.Least(box, least, [&](uint32_t index) {
+      return Distance(fixture, EdgeOf(walls.segments()[index]), origin);
+    });
+  }
+  return least;
 }
 
 bool World::OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) const {

@@ -14,7 +14,7 @@ import pkgutil as _pkgutil
 # folder before it in sys.path, since the package there has put it there.
 __path__ = _pkgutil.extend_path(__path__, __name__)
 
-from flatland_server import _deprecated, messages
+from flatland_server import messages
 from flatland_server._core import (
     EASINGS,
     TWEEN_MODES,
@@ -32,8 +32,9 @@ from flatland_server._core import (
     Tricycle,
     Tween,
 )
-from flatland_server.array_math import cos_sin, headings
-from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server._core import __version__ as __version__
+from flatland_server.array_math import cos_sin, from_segments, headings, squared_distances
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.simulation_batch import SimulationBatch
 from flatland_server.canvas import Canvas
@@ -57,6 +58,7 @@ from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternio
 from flatland_server.library.free_space import DistanceGrid, FreeSpace
 from flatland_server.library.handles import DriveHandle, ModelHandle, SensorHandle
 from flatland_server.library.recorder import Recorder
+from flatland_server.library.robot import find_robot
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.touch import Touch
 from flatland_server.library.world_content import world_content
@@ -68,8 +70,7 @@ from flatland_server.models.joint import Joint
 from flatland_server.models.layer import Layer
 from flatland_server.models.model import Model, ModelConfig
 from flatland_server.models.model_body import BodyConfig, ModelBody
-from flatland_server.plugins.batch_motion import BatchMotion
-from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
+from flatland_server.plugins.batch_role import BatchMotion, BatchRole, CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.simulation.run import Run
@@ -89,6 +90,7 @@ __all__ = [
     "TWEEN_MODES",
     "BatchMotion",
     "BatchObservation",
+    "BatchRole",
     "BeamFan",
     "Body",
     "BodyConfig",
@@ -138,6 +140,7 @@ __all__ = [
     "Point",
     "Polygon",
     "Pose",
+    "PoseLike",
     "Problem",
     "Publisher",
     "RangeNoise",
@@ -172,14 +175,15 @@ __all__ = [
     "cos_sin",
     "fill_pose",
     "fill_twist",
+    "find_robot",
+    "from_segments",
     "header",
     "headings",
     "messages",
     "quaternion",
     "ros_time",
+    "squared_distances",
     "world_content",
     "wrap_angle",
     "yaw_of",
 ]
-
-_deprecated.install_moved_modules(__name__)

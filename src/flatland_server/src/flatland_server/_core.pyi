@@ -13,15 +13,17 @@ properties raise, unless it is said otherwise:
         something.
 """
 
-from typing import Any, Callable, NoReturn, Sequence, overload
+from typing import Any, Callable, NoReturn, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Segments
+from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, Numbers, Segments
 
 _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
+_PairLike = Numbers
+_TripleLike = Numbers
 
 class _Metaclass(type):
     """The metaclass of pybind11."""
@@ -63,7 +65,7 @@ class World(metaclass=_Metaclass):
     def add_body(
         self,
         type: str,
-        pose: _Triple,
+        pose: _TripleLike,
         linear_damping: float = 0.0,
         angular_damping: float = 0.0,
     ) -> Body:
@@ -102,11 +104,10 @@ class World(metaclass=_Metaclass):
 
         In the contact listener, those before the step that is being made.
         """
-    @overload
     def scan(
         self,
         fan: BeamFan,
-        pose: _Triple,
+        pose: _TripleLike,
         range: float,
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
@@ -125,9 +126,6 @@ class World(metaclass=_Metaclass):
             (REP 117). Intensities, shape (n,): 255 for what reflects, 0 for the rest. A shape that
             contains the pose is not seen.
         """
-    @overload
-    def scan(self, lidar: Lidar) -> tuple[Float32Array, Float32Array]:
-        """Deprecated alias of `lidar.scan()`."""
     def save_state(self) -> bytes:
         """The state of all that moves: poses, velocities, contacts, joints, drives and tweens.
 
@@ -190,7 +188,7 @@ class WorldBatch(metaclass=_Metaclass):
         world: World,
         *,
         bodies: Sequence[Body],
-        base: _Triple,
+        base: _TripleLike,
         drive: Drive | Tricycle,
         columns: Sequence[int],
         lidar: Lidar,
@@ -201,6 +199,12 @@ class WorldBatch(metaclass=_Metaclass):
     @property
     def beams(self) -> int:
         """The number of beams of the lidar."""
+    def require_actions(self, actions: FloatArray, mask: BoolArray | None) -> None:
+        """Checks actions as `step` does.
+
+        Raises:
+            ValueError: an array does not fit, or a number is not finite; names the environment.
+        """
     def step(
         self,
         actions: FloatArray,
@@ -276,7 +280,7 @@ class Body(_WithoutConstructor):
         """
     def add_circle(
         self,
-        center: _Pair,
+        center: _PairLike,
         radius: float,
         *,
         density: float,
@@ -302,7 +306,7 @@ class Body(_WithoutConstructor):
         """
     def add_polygon(
         self,
-        vertices: Sequence[_Pair],
+        vertices: Sequence[_PairLike] | FloatArray,
         *,
         density: float,
         friction: float = 0.0,
@@ -312,9 +316,17 @@ class Body(_WithoutConstructor):
         visible: bool = True,
         layers: int = 0xFFFF,
     ) -> Fixture:
-        """Adds the convex hull of 3 to 8 vertices, in the body's frame [m].
+        """Adds the convex hull of some vertices.
 
-        The other arguments are those of `add_circle`.
+        Args:
+            vertices: 3 to 8, in the body's frame [m].
+            density: 0, or 1e-6 or more [kg/m^2].
+            friction: Box2D's coefficient, 0 or more.
+            restitution: Box2D's coefficient, 0 or more.
+            sensor: whether it reports contacts, but passes through everything.
+            collides: whether it has contacts at all.
+            visible: whether lidars see it.
+            layers: bits of its collision layers.
         """
     @property
     def fixtures(self) -> list[Fixture]:
@@ -322,6 +334,9 @@ class Body(_WithoutConstructor):
 
     def fixture(self, index: int) -> Fixture:
         """One of its fixtures, without a list of all: a layer may have millions of walls.
+
+        Args:
+            index: from 0, in the order of `fixtures`.
 
         Raises:
             IndexError: it has no such fixture.
@@ -336,11 +351,11 @@ class Body(_WithoutConstructor):
     def add_revolute(
         self,
         other: Body,
-        anchor: _Pair,
-        other_anchor: _Pair,
+        anchor: _PairLike,
+        other_anchor: _PairLike,
         *,
         collide_connected: bool = False,
-        limits: _Pair | None = None,
+        limits: _PairLike | None = None,
     ) -> Joint:
         """Connects this body and another one by a hinge.
 
@@ -354,8 +369,8 @@ class Body(_WithoutConstructor):
     def add_weld(
         self,
         other: Body,
-        anchor: _Pair,
-        other_anchor: _Pair,
+        anchor: _PairLike,
+        other_anchor: _PairLike,
         *,
         collide_connected: bool = False,
         angle: float = 0.0,
@@ -375,8 +390,8 @@ class Body(_WithoutConstructor):
         """
     def add_drive(
         self,
-        linear_limits: _Triple = (0.0, 0.0, 0.0),
-        angular_limits: _Triple = (0.0, 0.0, 0.0),
+        linear_limits: _TripleLike = (0.0, 0.0, 0.0),
+        angular_limits: _TripleLike = (0.0, 0.0, 0.0),
     ) -> Drive:
         """Adds a drive, which moves the body at commanded velocities.
 
@@ -389,10 +404,10 @@ class Body(_WithoutConstructor):
     def add_tricycle(
         self,
         front_wheel: Joint,
-        rear_axle: _Pair,
+        rear_axle: _PairLike,
         max_steer_angle: float = 0.0,
-        linear_limits: _Triple = (0.0, 0.0, 0.0),
-        steering_limits: _Triple = (0.0, 0.0, 0.0),
+        linear_limits: _TripleLike = (0.0, 0.0, 0.0),
+        steering_limits: _TripleLike = (0.0, 0.0, 0.0),
     ) -> Tricycle:
         """Adds the drive of a tricycle, the front wheel of which is at the body's origin.
 
@@ -407,7 +422,7 @@ class Body(_WithoutConstructor):
             steering_limits: of the steering rate [rad/s^2, rad/s^2, rad/s].
         """
     def add_tween(
-        self, delta: _Triple, duration: float, mode: str = "yoyo", easing: str = "linear"
+        self, delta: _TripleLike, duration: float, mode: str = "yoyo", easing: str = "linear"
     ) -> Tween:
         """Adds a tween, which moves the body along a straight line as a function of time.
 
@@ -420,14 +435,19 @@ class Body(_WithoutConstructor):
     def add_lidar(
         self,
         fan: BeamFan,
-        pose: _Triple,
+        pose: _TripleLike,
         range: float,
         layers: int = 0xFFFF,
         reflectance_layers: int = 0,
     ) -> Lidar:
-        """Adds a lidar at a pose in the body's frame [m, m, rad].
+        """Adds a lidar.
 
-        The other arguments are those of `World.scan`.
+        Args:
+            fan: directions of its beams.
+            pose: in the body's frame [m, m, rad].
+            range: largest distance that is measured [m].
+            layers: bits of the collision layers that are seen.
+            reflectance_layers: bits of those layers that return an intensity of 255.
         """
     @property
     def pose(self) -> _Triple:
@@ -436,42 +456,75 @@ class Body(_WithoutConstructor):
         Setting it wakes the body, and keeps its velocity. Not possible in a contact listener.
         """
     @pose.setter
-    def pose(self, pose: _Triple) -> None: ...
+    def pose(self, pose: _TripleLike) -> None: ...
     @property
     def velocity(self) -> _Triple:
         """Velocity of its origin, in the world's frame [m/s, m/s, rad/s]."""
     @velocity.setter
-    def velocity(self, velocity: _Triple) -> None: ...
+    def velocity(self, velocity: _TripleLike) -> None: ...
     @property
     def local_velocity(self) -> _Triple:
         """Velocity of its origin, in its own frame [m/s, m/s, rad/s]."""
-    def velocity_at(self, point: _Pair) -> _Pair:
-        """Velocity of the body at a point of the world [m], in the world's frame [m/s]."""
+    def velocity_at(self, point: _PairLike) -> _Pair:
+        """Velocity of the body at a point, in the world's frame [m/s].
+
+        Args:
+            point: in the world [m].
+        """
     def halt(self) -> None:
         """Sets the velocities of the body and its drives, and their commands, to zero."""
-    def apply_force(self, force: _Pair, point: _Pair | None = None) -> None:
-        """Applies a force, in the world's frame, during the next step [N].
+    def apply_force(self, force: _PairLike, point: _PairLike | None = None) -> None:
+        """Applies a force during the next step.
 
-        At a point of the world [m], by default at the centre of mass. A force applied by a contact
-        listener acts in the step after the present one.
+        A force applied by a contact listener acts in the step after the present one.
+
+        Args:
+            force: in the world's frame [N].
+            point: in the world [m]; None is the centre of mass.
         """
     def apply_torque(self, torque: float) -> None:
-        """Applies a torque during the next step [N m]; by a contact listener, the one after."""
-    def apply_linear_impulse(self, impulse: _Pair, point: _Pair | None = None) -> None:
-        """Changes the momentum immediately, in the world's frame [N s].
+        """Applies a torque during the next step; by a contact listener, during the one after.
 
-        At a point of the world [m], by default at the centre of mass.
+        Args:
+            torque: counter-clockwise [N m].
+        """
+    def apply_linear_impulse(self, impulse: _PairLike, point: _PairLike | None = None) -> None:
+        """Changes the momentum immediately.
+
+        Args:
+            impulse: in the world's frame [N s].
+            point: in the world [m]; None is the centre of mass.
         """
     def apply_angular_impulse(self, impulse: float) -> None:
-        """Changes the angular momentum immediately [N m s]."""
-    def world_point(self, point: _Pair) -> _Pair:
-        """A point of the body's frame, in the world's frame [m]."""
-    def local_point(self, point: _Pair) -> _Pair:
-        """A point of the world, in the body's frame [m]."""
-    def world_vector(self, vector: _Pair) -> _Pair:
-        """A vector of the body's frame, in the world's frame."""
-    def local_vector(self, vector: _Pair) -> _Pair:
-        """A vector of the world's frame, in the body's frame."""
+        """Changes the angular momentum immediately.
+
+        Args:
+            impulse: counter-clockwise [N m s].
+        """
+    def world_point(self, point: _PairLike) -> _Pair:
+        """A point of the body's frame, in the world's frame.
+
+        Args:
+            point: in the body's frame [m].
+        """
+    def local_point(self, point: _PairLike) -> _Pair:
+        """A point of the world, in the body's frame.
+
+        Args:
+            point: in the world's frame [m].
+        """
+    def world_vector(self, vector: _PairLike) -> _Pair:
+        """A vector of the body's frame, in the world's frame.
+
+        Args:
+            vector: in the body's frame.
+        """
+    def local_vector(self, vector: _PairLike) -> _Pair:
+        """A vector of the world's frame, in the body's frame.
+
+        Args:
+            vector: in the world's frame.
+        """
     @property
     def type(self) -> str:
         """Static, kinematic or dynamic, in lower case."""
@@ -521,6 +574,15 @@ class BodyGroup(metaclass=_Metaclass):
         """A new array of shape (n, 3): x, y [m] and yaw in [-pi, pi] [rad] in the world."""
     def velocities(self) -> FloatArray:
         """A new array of shape (n, 3): vx, vy [m/s] and omega [rad/s], in the world's frame."""
+    def clearance(self, limit: float) -> float:
+        """The distance from the nearest wall or other body that one of them can touch [m].
+
+        Footprints count that collide, are no sensors, and share a layer. Overlapping ones have a
+        distance of 0.
+
+        Args:
+            limit: the result if nothing is nearer than this [m]; the search goes no farther.
+        """
 
 class Fixture(_WithoutConstructor):
     """A handle of a shape of a body, or of a wall of a layer. Handles of the same one are equal."""
@@ -558,8 +620,12 @@ class Fixture(_WithoutConstructor):
     @property
     def layers(self) -> int:
         """Bits of its collision layers."""
-    def test_point(self, point: _Pair) -> bool:
-        """Whether a point of the world [m] is within the shape; always False for a wall."""
+    def test_point(self, point: _PairLike) -> bool:
+        """Whether a point is within the shape; always False for a wall.
+
+        Args:
+            point: in the world [m].
+        """
 
 class FixtureChecker(metaclass=_Metaclass):
     """Checks the fixtures of a body without a world.
@@ -575,7 +641,7 @@ class FixtureChecker(metaclass=_Metaclass):
     def __init__(self, body_type: str) -> None: ...
     def add_circle(
         self,
-        center: _Pair,
+        center: _PairLike,
         radius: float,
         *,
         density: float,
@@ -589,7 +655,7 @@ class FixtureChecker(metaclass=_Metaclass):
         """Checks a disc; see `Body.add_circle`."""
     def add_polygon(
         self,
-        vertices: Sequence[_Pair],
+        vertices: Sequence[_PairLike] | FloatArray,
         *,
         density: float,
         friction: float = 0.0,
@@ -618,7 +684,13 @@ class Drive(_WithoutConstructor):
     """A handle of a body's drive. Velocities are those of the body's origin, in its frame."""
 
     def command(self, vx: float, vy: float, omega: float) -> None:
-        """Sets the velocity to reach [m/s, m/s, rad/s]."""
+        """Sets the velocity to reach.
+
+        Args:
+            vx: forwards [m/s].
+            vy: to the left [m/s].
+            omega: counter-clockwise [rad/s].
+        """
     @property
     def target(self) -> _Triple:
         """The commanded velocity [m/s, m/s, rad/s]."""
@@ -630,7 +702,12 @@ class Tricycle(_WithoutConstructor):
     """A handle of a tricycle's drive."""
 
     def command(self, speed: float, steer_angle: float) -> None:
-        """Sets the speed [m/s] and the angle [rad] of the front wheel to reach."""
+        """Sets the motion of the front wheel to reach.
+
+        Args:
+            speed: [m/s].
+            steer_angle: positive to the left [rad].
+        """
     @property
     def speed(self) -> float:
         """Present speed of the front wheel [m/s]."""
@@ -647,7 +724,11 @@ class Tween(_WithoutConstructor):
     """A handle of a body's tween."""
 
     def trigger(self, forward: bool) -> None:
-        """In mode trigger: moves towards the end, or back towards the start. Else no effect."""
+        """Starts a motion in mode trigger; in other modes, it has no effect.
+
+        Args:
+            forward: whether it moves towards the end, or back towards the start.
+        """
     @property
     def progress(self) -> float:
         """Elapsed fraction of the duration, 0 at the start and 1 at the end; before easing."""
@@ -665,11 +746,16 @@ class RangeNoise(metaclass=_Metaclass):
 
     def __init__(self, key: int, std_dev: float, max_range: float) -> None: ...
     @property
-    def key(self) -> int: ...
+    def key(self) -> int:
+        """The key, from 0 to 2^64 - 1."""
     def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
-        """A new array of ranges with the noise of a time [ns].
+        """A new array of ranges with the noise of a time.
 
         Ranges stay within [0, max_range]; no return stays +inf.
+
+        Args:
+            ranges: of one scan [m], shape (n,).
+            nanoseconds: the time of the scan [ns].
         """
     def add_to_rows(
         self,
@@ -678,10 +764,15 @@ class RangeNoise(metaclass=_Metaclass):
         nanoseconds: IntArray,
         mask: BoolArray | None,
     ) -> None:
-        """Adds the noise of these keys (n,) and times (n,) to ranges (n, beams), in place.
+        """Adds noise to the ranges of several scans, in place. Releases the GIL.
 
-        With a mask (n,), only to the rows that it chooses. The noise's own key is not used.
-        Releases the GIL.
+        The noise's own key is not used.
+
+        Args:
+            ranges: shape (n, beams) [m].
+            keys: a key for each scan, shape (n,).
+            nanoseconds: the time of each scan [ns], shape (n,).
+            mask: which scans, shape (n,); None is all.
         """
 
 class BeamFan(metaclass=_Metaclass):
@@ -750,6 +841,9 @@ class Contact(_WithoutConstructor):
     def set_enabled(self, enabled: bool) -> None:
         """At PRE_SOLVE: sets whether the two push each other apart in this step.
 
+        Args:
+            enabled: whether they do.
+
         Raises:
             RuntimeError: it is another event.
         """
@@ -791,6 +885,9 @@ class Manifold(ContactImpulse):
     @property
     def local_points(self) -> list[_Pair]:
         """In the frame of the reference body that Box2D chose [m]; see b2Manifold."""
+
+__version__: str
+"""The version in flatland_server's package.xml when this was built."""
 
 supports_numpy_2: bool
 """Whether this was built with a pybind11 that supports NumPy 2, from 2.12 on.

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Sequence, TypeVar, Union
 
 from flatland_server.exceptions import UsageError, shortened
-from flatland_server.geometry import Pose
 
 T = TypeVar("T")
 
@@ -29,22 +28,6 @@ def whole_number(value: Any, what: str, minimum: int) -> int:
             f"expected {what} that is a whole number of {minimum} or more, found {shown(value)}"
         )
     return number
-
-
-def pose_of(value: Any) -> Pose:
-    """A pose out of three numbers: x, y [m] and yaw [rad].
-
-    Raises:
-        UsageError: it is something else, or not finite.
-    """
-    try:
-        x, y, yaw = value
-        pose = Pose(float(x), float(y), float(yaw))
-    except (TypeError, ValueError):
-        raise UsageError(f"expected a pose [x, y, yaw], found {shown(value)}") from None
-    if not pose.is_finite():
-        raise UsageError(f"expected a pose of finite numbers, found {shown(value)}")
-    return pose
 
 
 def params_of(params: Any) -> Dict[str, Any]:

@@ -1,9 +1,10 @@
-"""Trigonometry that gives the same bits for the same numbers, wherever they lie in memory.
+"""Trigonometry and distances of many points.
 
 NumPy computes sines and the like with SIMD instructions, or without them if it takes the result's
 memory for a part of the argument's. For an argument with gaps, such as a column of a larger array,
 it looks too far: a result that happens to lie right behind it is computed without, and differs in
-its last bits. These functions close the gaps first.
+its last bits. `cos_sin` and `headings` close the gaps first, so that the same numbers give the same
+bits wherever they lie in memory.
 """
 
 from typing import Tuple
@@ -11,15 +12,61 @@ from typing import Tuple
 import numpy as np
 
 from flatland_server.arrays import FloatArray
+from flatland_server.geometry import Point
 
 
 def cos_sin(angles: FloatArray) -> Tuple[FloatArray, FloatArray]:
-    """The cosines and sines of angles [rad], of the shape of these."""
+    """The cosines and sines of angles, of the shape of these.
+
+    Args:
+        angles: [rad].
+    """
     angles = np.ascontiguousarray(angles)
     return np.cos(angles), np.sin(angles)
 
 
 def headings(vectors: FloatArray) -> FloatArray:
-    """The angles of vectors (..., 2), in [-pi, pi] [rad]; 0 for the vector (0, 0)."""
+    """The angles of vectors, in [-pi, pi] [rad]; 0 for the vector (0, 0).
+
+    Args:
+        vectors: shape (..., 2).
+    """
     x, y = np.ascontiguousarray(np.moveaxis(vectors, -1, 0))
     return np.asarray(np.arctan2(y, x))
+
+
+def from_segments(points: FloatArray, segments: FloatArray) -> FloatArray:
+    """The vectors from the nearest points of segments to points [m]: shape (n, m, 2).
+
+    Args:
+        points: shape (n, 2).
+        segments: x1, y1, x2, y2, shape (m, 4), or (n, m, 4) for other ones at each point. They may
+            be of no length.
+    """
+    starts = segments[..., :2]
+    steps = segments[..., 2:] - starts
+    to_point = points[:, np.newaxis] - starts
+    squares = np.einsum("...i,...i->...", steps, steps)
+    along = np.einsum("...i,...i->...", to_point, steps) / np.where(squares > 0.0, squares, 1.0)
+    along = np.minimum(np.maximum(along, 0.0), 1.0)  # quicker than clip
+    return np.asarray(to_point - along[..., np.newaxis] * steps)
+
+
+def squared_distances(xs: FloatArray, ys: FloatArray, end: Point) -> FloatArray:
+    """The squared distances of points from a segment [m^2], for all squares of a grid at a time.
+
+    Args:
+        xs: x of the points [m], relative to one end of the segment: shape (columns,).
+        ys: y of the points [m], relative to that end: shape (rows, 1).
+        end: the other end, relative to the first one [m]; it may be the same.
+
+    Returns:
+        Shape (rows, columns).
+    """
+    along_x, along_y = end
+    square = along_x**2 + along_y**2
+    if square == 0.0:
+        return np.asarray(xs**2 + ys**2)
+    part = (along_x / square) * xs + (along_y / square) * ys
+    part = np.minimum(np.maximum(part, 0.0), 1.0)
+    return np.asarray((xs - part * along_x) ** 2 + (ys - part * along_y) ** 2)

@@ -46,20 +46,52 @@ class Canvas(ABC):
         outline: Optional[Rgba] = None,
         width: float = 1.0,
     ) -> None:
-        """Draws a disc; the other arguments are those of `area`."""
+        """Draws a disc.
+
+        Args:
+            center: of the disc.
+            radius: of the disc.
+            fill: colour of the inside; None leaves it as it is.
+            outline: colour of the outline; None draws none.
+            width: of the outline.
+        """
 
     @abstractmethod
     def lines(self, segments: Segments, color: Rgba, width: float = 1.0) -> None:
-        """Draws line segments: shape (n, 4), x1, y1, x2, y2."""
+        """Draws line segments.
+
+        Args:
+            segments: shape (n, 4), x1, y1, x2, y2.
+            color: of the lines.
+            width: of the lines.
+        """
 
     @abstractmethod
     def path(self, points: Points, color: Rgba, width: float = 1.0) -> None:
-        """Draws a line from each point to the next."""
+        """Draws a line from each point to the next.
+
+        Args:
+            points: the corners of the line.
+            color: of the line.
+            width: of the line.
+        """
 
     @abstractmethod
     def dots(self, points: Points, color: Rgba, size: float = 3.0) -> None:
-        """Draws round dots of this diameter."""
+        """Draws round dots.
+
+        Args:
+            points: their centres.
+            color: of the dots.
+            size: their diameter.
+        """
 
     @abstractmethod
     def label(self, point: Point, text: str, color: Rgba) -> None:
-        """Writes a short text to the right of a point, and below it."""
+        """Writes a short text to the right of a point, and below it.
+
+        Args:
+            point: the top left corner of the text.
+            text: one line.
+            color: of the text.
+        """

@@ -72,6 +72,12 @@ class YamlError(FlatlandError):
     problems. Its text has a line for each of the first 50 problems, and one with the number of the
     others.
 
+    Args:
+        file: that has the problem.
+        message: the place within the document, what was expected and what was found.
+        line: of the wrong value, from 1; None if it is not known.
+        column: of the wrong value, from 1; None if it is not known.
+
     Attributes:
         problems: all problems, in the order in which they were found; at least one.
     """
@@ -84,7 +90,11 @@ class YamlError(FlatlandError):
 
     @classmethod
     def of(cls, problems: Iterable[Problem]) -> "YamlError":
-        """An error of several problems, without duplicates. There must be one at least."""
+        """An error of several problems.
+
+        Args:
+            problems: one at least; duplicates are left out.
+        """
         unique = tuple(dict.fromkeys(problems))
         error = cls(unique[0].file, unique[0].message, unique[0].line, unique[0].column)
         error.problems = unique
@@ -94,7 +104,11 @@ class YamlError(FlatlandError):
         return "\n".join(self.lines(str))
 
     def lines(self, line_of: Callable[[Problem], str]) -> List[str]:
-        """A line for each of the first 50 problems, and one with the number of the others."""
+        """A line for each of the first 50 problems, and one with the number of the others.
+
+        Args:
+            line_of: makes the line of a problem.
+        """
         lines = [line_of(problem) for problem in self.problems[:MAX_SHOWN]]
         rest = len(self.problems) - len(lines)
         if rest:
@@ -148,8 +162,12 @@ class StateError(FlatlandError):
 class TopicError(FlatlandError):
     """A topic or frame has a name that ROS cannot have, or a topic another type already.
 
-    Attributes:
+    Args:
+        message: the text of the error.
         name: of the topic or frame, as the plugin has given it.
+
+    Attributes:
+        name: of the topic or frame.
     """
 
     def __init__(self, message: str, name: str) -> None:

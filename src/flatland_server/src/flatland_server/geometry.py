@@ -15,7 +15,12 @@ class Pose(NamedTuple):
     yaw: float = 0.0
 
     def apply(self, x: float, y: float) -> Tuple[float, float]:
-        """Transforms a point [m] from the inner frame to the outer one."""
+        """Transforms a point from the inner frame to the outer one.
+
+        Args:
+            x: in the inner frame [m].
+            y: in the inner frame [m].
+        """
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return self.x + cos * x - sin * y, self.y + sin * x + cos * y
 
@@ -24,6 +29,9 @@ class Pose(NamedTuple):
 
         The yaw of the result is not wrapped: a joint compares the angles of its bodies, including
         whole revolutions.
+
+        Args:
+            inner: relative to the inner frame.
         """
         x, y = self.apply(inner.x, inner.y)
         return Pose(x, y, self.yaw + inner.yaw)
@@ -72,16 +80,23 @@ class Transform(NamedTuple):
 
 
 def wrap_angle(angle: float) -> float:
-    """The same angle within [-pi, pi]."""
+    """The same angle within [-pi, pi].
+
+    Args:
+        angle: [rad].
+    """
     return math.remainder(angle, math.tau)
 
 
 def quaternion(
     yaw: float, roll: float = 0.0, pitch: float = 0.0
 ) -> Tuple[float, float, float, float]:
-    """The quaternion (x, y, z, w) of rotations about fixed axes [rad].
+    """The quaternion (x, y, z, w) of rotations about fixed axes (REP 103).
 
-    First by roll about x, then by pitch about y, then by yaw about z (REP 103).
+    Args:
+        yaw: about z, after pitch [rad].
+        roll: about x, first [rad].
+        pitch: about y, after roll [rad].
     """
     cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
     if roll == pitch == 0.0:

@@ -40,9 +40,17 @@ class Timekeeper:
         return self.nanoseconds * 1e-9
 
     def step(self, count: int = 1) -> None:
-        """Advances simulated time by one step, or by several."""
+        """Advances simulated time.
+
+        Args:
+            count: number of steps.
+        """
         self.nanoseconds += count * self.step_nanoseconds
 
     def jump_to(self, nanoseconds: int) -> None:
-        """Sets simulated time [ns]: to 0 at a reset, to another time when a state is loaded."""
+        """Sets simulated time.
+
+        Args:
+            nanoseconds: 0 at a reset, another time when a state is loaded [ns].
+        """
         self.nanoseconds = nanoseconds

@@ -36,13 +36,20 @@ class UpdateTimer:
         return self._period * 1e-9
 
     def check_update(self, timekeeper: Timekeeper) -> bool:
-        """Whether an update is due now; true once for each update."""
+        """Whether an update is due now; true once for each update.
+
+        Args:
+            timekeeper: has the time.
+        """
         return self.check_update_at(timekeeper.nanoseconds)
 
     def check_update_at(self, now: int) -> bool:
-        """Whether an update is due at a simulated time [ns]; see `check_update`.
+        """Whether an update is due at a time; see `check_update`.
 
         The next one is due as if the steps since the last check had all been checked.
+
+        Args:
+            now: simulated time [ns].
         """
         if now < self.due:
             return False
@@ -63,7 +70,11 @@ class UpdateTimer:
         return {"period": self._period, "start": self._start, "due": self.due}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state.
+
+        Args:
+            state: of `get_state`.
+        """
         self._period, self._start, self.due = state["period"], state["start"], state["due"]
 
 

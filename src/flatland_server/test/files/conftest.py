@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.plugins.declarations import read_declarations
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.ros_exports import read_declarations
 from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
 

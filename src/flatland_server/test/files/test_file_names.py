@@ -222,7 +222,7 @@ def test_a_spawned_model_is_looked_up_there_too(fleet, monkeypatch):
 def test_a_name_that_says_where_it_is_is_not_looked_up(fleet, name):
     with pytest.raises(FlatlandError, match=r"is not there$"):
         load(fleet, name)
-    with pytest.raises(ModelError, match=r"there is no file \S+$"):
+    with pytest.raises(ModelError, match=r"there is no file .+/b\.yaml$"):
         load(fleet).spawn_model(name, "b", "", Pose())
 
 

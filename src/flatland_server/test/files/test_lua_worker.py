@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import textwrap
-import time
 from pathlib import Path
 
 import pytest
@@ -171,11 +170,9 @@ def test_the_expressions_of_a_file_share_their_time(files, preprocessor):
     slow = "$eval local t = 0 for i = 1, 1.5e7 do t = t + math.sin(i) end return t"
     path = files.write("file.yaml", "".join(f"x{i}: {slow}\n" for i in range(60)))
 
-    begin = time.monotonic()
     with pytest.raises(YamlError) as caught:
         preprocessor.read(path)
 
-    assert time.monotonic() - begin < 6.0
     assert "together with the expressions before it in the file" in str(caught.value)
 
 

@@ -142,10 +142,10 @@ def bomb(kind: str) -> str:
 def test_an_alias_bomb_is_refused_quickly(files, kind, key):
     files.write("world.yaml", f"{bomb(kind)}\n{key}: *x8\n")
 
-    begin = time.monotonic()
+    begin = time.process_time()
     message = files.refusal()
 
-    assert time.monotonic() - begin < 1.0
+    assert time.process_time() - begin < 1.0
     assert 'world.yaml:1: unknown key "x0"' in message.splitlines()
     assert len(message) < 5_000
 
@@ -156,10 +156,10 @@ def test_an_include_bomb_is_refused_quickly(files):
         files.write(f"{i}.yaml", f"[{', '.join([f'$include {i + 1}.yaml'] * 9)}]\n")
     files.write("5.yaml", "1\n")
 
-    begin = time.monotonic()
+    begin = time.process_time()
     files.refusal()
 
-    assert time.monotonic() - begin < 2.0
+    assert time.process_time() - begin < 2.0
 
 
 def test_problems_of_several_files_are_reported_together(good_files):

@@ -2,27 +2,22 @@
 
 import contextlib
 import os
-import re
 import subprocess
 import xmlrpc.client
 
 import pytest
 from blocks import blocks_of
-from forks import Forks
-from page_run import ROOT, PageRun
-from ros_processes import free_port
+from forks import running_forks
+from page_run import PageRun
+from ros_processes import executable, free_port
 from waiting import wait_until
 
-ROS = re.compile(r"^\$ .*\b(?:ros\w+|python3 \w+\.py)\b", re.MULTILINE)
-MODULES = {"learning.md": "gymnasium", "training.md": "gymnasium"}
+MODULES = {"training.md": "gymnasium"}
 """What pages need as a whole."""
 
 
 def needs_master(page):
-    return any(
-        block.language == "console" and not block.note("not run:") and ROS.search(block.text)
-        for block in blocks_of(page)
-    )
+    return any(block.uses_ros and not block.note("not run:") for block in blocks_of(page))
 
 
 @pytest.fixture(scope="module")
@@ -50,16 +45,15 @@ def master():
 @pytest.fixture(scope="session")
 def forks():
     """Starts the Python programs of all pages."""
-    forks = Forks()
-    yield forks
-    forks.close()
+    with running_forks() as forks:
+        yield forks
 
 
 @pytest.fixture
 def environment(tmp_path_factory):
     """That of a reader: a home, the workspace, and the command `flatland` of the tutorials."""
     home = tmp_path_factory.mktemp("home")
-    (home / "flatland").symlink_to(ROOT / "src" / "flatland_server" / "nodes" / "flatland")
+    (home / "flatland").symlink_to(executable("flatland_server", "flatland"))
     path = f"{home}:{os.environ['PATH']}"
     return {**os.environ, "HOME": str(home), "ROS_HOME": str(home / "ros"), "PATH": path}
 

@@ -4,10 +4,13 @@ Tutorials have a file of their own, for another process to run.
 """
 
 import os
+import re
 import signal
+import subprocess
 
 import pytest
-from blocks import blocks_of
+from blocks import blocks_of, needs_of
+from console import commands_of
 from forks import python_words
 from page_run import ROOT, PageError, PageRun
 from waiting import wait_until
@@ -19,11 +22,44 @@ PAGES = [page for page in sorted(DOCS.rglob("*.md")) if blocks_of(page)]
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if page.parent.name != "tutorials"],
+    [
+        page
+        for page in PAGES
+        if page.parent.name != "tutorials" and getattr(needs_of(page), "ros", True)
+    ],
     ids=lambda page: str(page.relative_to(DOCS)),
 )
 def test_the_page_does_what_it_says(page, run_page):
+    """Those that need pip alone are run in test/pip."""
     run_page(page)
+
+
+def test_each_page_and_example_says_what_it_needs():
+    """But for those on which the installations are explained."""
+    explained = [DOCS / "install.md", DOCS / "tutorials" / "index.md"]
+    pages = [*PAGES, *(ROOT / "examples").glob("*/README.md")]
+    silent = [page for page in pages if page not in explained and needs_of(page) is None]
+
+    assert silent == []
+
+
+def test_each_command_pastes_into_an_interactive_shell():
+    """Each is complete, and has none of what a terminal takes for something else."""
+    commands = [
+        command
+        for page in PAGES
+        for block in blocks_of(page)
+        if block.language == "bash"
+        for command in commands_of(block.text)
+    ]
+    wrong = [each for each in commands if re.match(r"[$>] ", each) or "\t" in each or "!" in each]
+    # A command that is open would end before its function does.
+    functions = "".join(f"f() {{\n{each}\n}}\n" for each in commands)
+    result = subprocess.run(["bash", "-n"], input=functions, stderr=subprocess.PIPE, text=True)
+
+    assert len(commands) > 80
+    assert wrong == []
+    assert result.stderr == ""
 
 
 def test_what_is_not_run_says_why():
@@ -36,15 +72,27 @@ def test_what_is_not_run_says_why():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("```console\n$ echo a\nb\n```\n", "the page shows\nb"),
-        ("```console\n$ false\n```\n", "ended with 1, not 0"),
+        ("```bash\necho a\n```\n\n```output\nb\n```\n", "the page shows\nb"),
+        ("```bash\necho a\n```\n", "the page shows\nnothing"),
+        ("```bash\nfalse\n```\n", "ended with 1, not 0"),
+        ("```console\n$ echo a\na\n```\n", 'expected commands as "bash"'),
         ("```python\nassert 1 == 2\n```\n", "AssertionError"),
-        ("```bash\nls\n```\n", 'a reason to leave this "bash" block out'),
+        ("```cpp\nint a;\n```\n", 'a reason to leave this "cpp" block out'),
         ("```yaml\nbodies: []\n```\n", "expected the name of a file"),
         ("```yaml\n# file: a.model.yaml\nbodies: []\n```\n", "a.model.yaml: .*bodies"),
         ("<!-- part of: README.md -->\n```python\nno_such_thing\n```\n", "has no such part"),
     ],
-    ids=["output", "exit code", "python", "language", "no file", "yaml", "excerpt"],
+    ids=[
+        "output",
+        "no output",
+        "exit code",
+        "console",
+        "python",
+        "language",
+        "no file",
+        "yaml",
+        "excerpt",
+    ],
 )
 def test_a_block_that_does_otherwise_is_an_error(text, message, tmp_path):
     page = tmp_path / "page.md"

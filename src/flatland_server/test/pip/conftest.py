@@ -15,6 +15,7 @@ from email.parser import BytesParser
 from pathlib import Path
 
 import pytest
+from forks import running_forks
 
 ROOT = Path(__file__).resolve().parents[4]
 FOLDER = ROOT / "build" / "test" / "pip"
@@ -30,6 +31,12 @@ BUILD_REQUIREMENTS = (
 )
 
 LIMIT = 600.0  # s, for each command
+
+FLATLAND = """#!/usr/bin/env python3
+import sys
+from flatland_server.cli import main
+sys.exit(main())
+"""
 
 
 def run(*command, **variables):
@@ -132,6 +139,49 @@ def library_with_ray(wheel):
         return with_wheel("ray", wheel, "ray==2.60.0", "pyarrow==26.0.1")
     except pytest.fail.Exception as error:
         pytest.skip(f"Ray cannot be installed: {error}")
+
+
+class Reader:
+    """A Python with the wheel, in which ROS is blocked, for a reader who has the library by pip.
+
+    It has the tests' packages from PyPI, which costs less than an environment with all extras.
+    """
+
+    def __init__(self, forks, command, variables):
+        self.forks = forks
+        self.command = command
+        self._variables = variables
+
+    def run(self, folder, *words):
+        """What a Python program prints; if it fails, so does the test."""
+        output = folder.with_suffix(".log")
+        words = [str(word) for word in words]
+        code = self.forks.start(words, folder, self._variables, output).wait(LIMIT)
+        if code != 0:
+            pytest.fail(f"{' '.join(words)}: exit code {code}\n{output.read_text()}", False)
+        return output.read_text()
+
+
+@pytest.fixture(scope="session")
+def reader(wheel, tmp_path_factory):
+    """A reader of the guide without ROS."""
+    folder = tmp_path_factory.mktemp("unpacked")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(folder)
+    command = folder / "bin" / "flatland"
+    command.parent.mkdir()
+    command.write_text(FLATLAND)
+    command.chmod(0o755)
+    of_tests = [path for path in sys.path if path.startswith(f"{ROOT}/build/test/")]
+    variables = {
+        **environment(),
+        "HOME": str(folder),
+        "PATH": f"{command.parent}:{os.environ['PATH']}",
+        "PYTHONPATH": os.pathsep.join([str(folder), *of_tests]),
+    }
+    program = Path(__file__).with_name("forks_without_ros.py")
+    with running_forks(sys.executable, str(program), environment=variables) as forks:
+        yield Reader(forks, command, variables)
 
 
 def with_wheel(name, wheel, *more):

@@ -10,7 +10,9 @@ import xml.etree.ElementTree as ElementTree
 import zipfile
 from pathlib import Path
 
+import page_run
 import pytest
+from blocks import blocks_of, needs_of
 
 ROOT = Path(__file__).resolve().parents[4]
 EXAMPLE = ROOT / "src" / "flatland_example_plugins"
@@ -20,8 +22,8 @@ pytestmark = pytest.mark.slow
 
 IMPORT_ALL = """
 import importlib, pkgutil, sys
-import flatland2d, flatland_plugins, flatland_server
-for package in (flatland_server, flatland_plugins):
+import flatland2d, flatland_navigation, flatland_plugins, flatland_server
+for package in (flatland_navigation, flatland_server, flatland_plugins):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
         if module.name.startswith("flatland_server.ros") or module.name.endswith("__main__"):
             continue
@@ -95,13 +97,16 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
     assert {name.partition("/")[0].partition("-")[0] for name in names} == {
         "flatland2d",
         "flatland_gym",
+        "flatland_navigation",
         "flatland_plugins",
         "flatland_server",
     }
     assert not [name for name in names if "__pycache__" in name or "/test/" in name]
     server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}
     assert {"py.typed", "_core.pyi", "worlds/office/office.png"} <= server
-    assert "flatland_gym/worlds/discs.yaml" in names
+    packages = {name.partition("/")[0] for name in names if name.endswith("/__init__.py")}
+    assert {f"{package}/py.typed" for package in packages} <= set(names)
+    assert {"flatland_gym/worlds/discs.yaml", "flatland_gym/policies/discs.npz"} <= set(names)
 
 
 def test_the_script_of_the_guide_drives_and_scans(library):
@@ -190,8 +195,8 @@ def test_expressions_are_evaluated_and_environments_say_which_extra_they_need(li
     assert message == "NavigationEnv needs Gymnasium: pip install 'flatland2d[gym]'"
 
 
-def test_the_command_is_there(library):
-    assert "usage: flatland" in library.command("flatland", "--help")
+def test_the_command_tells_the_version_of_the_wheel(library, wheel):
+    assert library.command("flatland", "--version") == f"flatland {wheel.name.split('-')[1]}\n"
 
 
 SWEEP = """
@@ -265,3 +270,34 @@ def test_a_sweep_is_the_same_to_the_bit_in_processes_and_on_ray(library_with_ray
         "turns:int64",
         "yaw:double",
     } <= set(fields)
+
+
+# What pages and examples say that they need
+
+PAGES = [
+    page
+    for page in sorted((ROOT / "docs").rglob("*.md"))
+    if blocks_of(page) and getattr(needs_of(page), "pip", False)
+]
+EXAMPLES = (ROOT / "examples" / "README.md").read_text(encoding="utf-8")
+VIEWED = EXAMPLES.partition("shows the worlds of ")[2].partition(", and the")[0].replace(" and", "")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT / "docs")))
+def test_a_page_that_pip_is_enough_for_does_what_it_says(page, reader, tmp_path):
+    reader.run(tmp_path, page_run.__file__, page, tmp_path, reader.forks.socket)
+
+
+@pytest.mark.parametrize("number", [1, 21, 41], ids=["gaps", "planner", "trained"])
+def test_the_example_of_a_sweep_has_all_that_its_controllers_need(number, reader, tmp_path):
+    scenarios = ROOT / "examples" / "sweep" / "scenarios.yaml"
+    words = ["sweep", scenarios, "--replay", number, "--out", tmp_path]
+
+    assert "outcome: goal" in reader.run(tmp_path, reader.command, *words)
+
+
+@pytest.mark.parametrize("name", re.findall(r"\w+", VIEWED))
+def test_the_world_of_an_example_that_can_be_viewed_runs(name, reader, tmp_path):
+    world = ROOT / "examples" / name / "world.yaml"
+
+    reader.run(tmp_path, reader.command, "run", world, "--seconds", 0.1)

@@ -10,7 +10,7 @@ from flatland_server.ros.launch_arguments import check_launch_arguments, parent_
 SRC = Path(__file__).resolve().parents[3]
 SERVER = SRC / "flatland_server/launch/server.launch"
 BENCHMARK = SRC / "flatland_benchmark/launch/benchmark.launch"
-FORMER_BENCHMARK = SRC / "flatland_server/launch/benchmark.launch"
+SERVERS_BENCHMARK = SRC / "flatland_server/launch/benchmark.launch"
 ROSLAUNCH = ["/usr/bin/python3", "/usr/bin/roslaunch", "-p", "11322"]
 
 
@@ -31,7 +31,7 @@ def test_an_unknown_argument_is_named_with_the_nearest_and_all_known_ones(starte
 
 @pytest.mark.parametrize("package", ["flatland_benchmark", "flatland_server"])
 def test_a_launch_file_that_hands_arguments_on_has_those_of_the_other(package):
-    files = [BENCHMARK, FORMER_BENCHMARK]
+    files = [BENCHMARK, SERVERS_BENCHMARK]
     started = (package, "benchmark.launch")
 
     check_launch_arguments(files, [*ROSLAUNCH, *started, "world_path:=/a.yaml"])

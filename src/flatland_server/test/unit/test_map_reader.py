@@ -91,6 +91,13 @@ def test_line_segments_may_begin_with_a_byte_order_mark_and_end_lines_as_on_wind
     assert read_map(path).tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
 
 
+def test_comments_in_a_file_of_line_segments_are_skipped(files):
+    files.write("wall.dat", "# file: wall.dat\n0 0 1 1  # a wall\n  # indented\n2 3 -1 2#\n")
+    path = files.write("wall.yaml", segment_map())
+
+    assert read_map(path).tolist() == [[0, 0, 1, 1], [2, 3, -1, 2]]
+
+
 def test_the_yaml_file_is_read_without_the_image_that_it_names(maps):
     maps.write("map.png", "not an image")
 

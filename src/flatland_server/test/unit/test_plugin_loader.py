@@ -2,13 +2,10 @@
 
 import logging
 import sys
-import warnings as python_warnings
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Iterator, List
 
 import pytest
-from waiting import wait_until
 
 from flatland_server.exceptions import PluginError
 from flatland_server.plugins.model_plugin import ModelPlugin
@@ -293,77 +290,3 @@ def test_a_faulty_manifest_of_another_package_does_not_hide_other_plugins(packag
     packages.add_plugin("your_plugins", "Good", "loader_manifest")
 
     assert PluginLoader().load("Good", ModelPlugin).__name__ == "Good"
-
-
-FORMER = """
-import warnings
-from flatland_server.model_plugin import ContactSides, ModelPlugin
-from flatland_server.node import Node
-warnings.warn("of no interest", DeprecationWarning)
-class {name}(ModelPlugin):
-    pass
-"""
-
-
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # as Python does by default
-def test_the_lines_that_use_former_names_are_logged_with_their_package_and_the_new_import(
-    packages, caplog
-):
-    for package, name in (("my_plugins", "Mine"), ("your_plugins", "Yours")):
-        xml = f'<library><class name="{name}" type="loader_{package}.{name}"/></library>'
-        packages.add(package, xml, **{f"loader_{package}": FORMER.format(name=name)})
-    loader = PluginLoader()
-
-    for name in ("Mine", "Yours", "Mine"):
-        assert loader.load(name, ModelPlugin).__name__ == name
-
-    assert warnings(caplog) == [
-        f"the plugin package {package} should be updated: {packages.folder}/loader_{package}.py:"
-        f"{line}: the module flatland_server.{former} has moved: import from flatland_server, "
-        f"or from flatland_server.{new} what that does not export"
-        for package in ("my_plugins", "your_plugins")
-        for line, former, new in (
-            (3, "model_plugin", "plugins.model_plugin"),
-            (4, "node", "transport.node"),
-        )
-    ]
-
-
-def test_first_imports_at_the_same_time_leave_the_warnings_of_others_as_they_were(packages):
-    """`warnings.catch_warnings` restores what all threads use; the first to begin ends first."""
-    events = "from threading import Event\nhas_begun, has_ended = Event(), Event()\n"
-    packages.add("helper", "<library/>", loader_events=events)
-    for name, text in (
-        ("First", "import loader_events as e\ne.has_begun.wait(0.3)\n"),
-        ("Second", "import loader_events as e\ne.has_begun.set()\ne.has_ended.wait(0.3)\n"),
-    ):
-        xml = f'<library><class name="{name}" type="loader_{name}.{name}"/></library>'
-        packages.add(name.lower(), xml, **{f"loader_{name}": text + MODULE.format(name=name)})
-    loader, before = PluginLoader(), (python_warnings.showwarning, list(python_warnings.filters))
-
-    with ThreadPoolExecutor(2) as threads:
-        first = threads.submit(loader.load, "First", ModelPlugin)
-        wait_until(lambda: "loader_First" in sys.modules, "the first import to begin")
-        second = threads.submit(loader.load, "Second", ModelPlugin)
-        first.result()
-        sys.modules["loader_events"].has_ended.set()
-        second.result()
-
-    assert (python_warnings.showwarning, list(python_warnings.filters)) == before
-
-
-def test_a_plugin_that_uses_only_present_names_causes_no_warning(packages, caplog):
-    packages.add_plugin("my_plugins", "Good", "loader_present")
-
-    PluginLoader().load("Good", ModelPlugin)
-
-    assert warnings(caplog) == []
-
-
-def test_other_warnings_of_an_imported_plugin_are_shown_as_usual(packages):
-    text = f"import warnings\nwarnings.warn('mind the step')\n{MODULE.format(name='Good')}"
-    xml = '<library><class name="Good" type="loader_warning.Good"/></library>'
-    packages.add("my_plugins", xml, loader_warning=text)
-
-    with pytest.warns(UserWarning, match="mind the step"):
-        PluginLoader().load("Good", ModelPlugin)

@@ -1,31 +1,19 @@
-"""The public interface: what `from flatland_server import ...` offers, and its former names."""
+"""The public interface: what `from flatland_server import ...` offers."""
 
 import ast
-import importlib
 import inspect
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 
 import pytest
+import yaml
+from catkin_pkg.packages import find_packages
 
+import flatland2d
 import flatland_server
-from flatland_server import LocalTransport, Node, _deprecated
 
 SRC = Path(__file__).resolve().parents[3]
-FORMER = {  # as earlier versions documented them
-    "flatland_server.contact": ("Body", "Contact", "ContactImpulse", "Fixture", "GoneError"),
-    "flatland_server.local_transport": ("LocalTransport",),
-    "flatland_server.model": ("Model",),
-    "flatland_server.model_plugin": ("ContactSides", "ModelPlugin"),
-    "flatland_server.node": ("Node", "Publisher"),
-    "flatland_server.plugin_loader": ("PluginLoader",),
-    "flatland_server.simulation_manager": ("SimulationManager",),
-    "flatland_server.world": ("World",),
-    "flatland_server.world_plugin": ("WorldPlugin",),
-    "flatland_server.yaml_reader": ("Color", "YamlReader"),
-}
 
 
 def test_all_names_exist_are_sorted_and_public():
@@ -62,6 +50,15 @@ def test_nothing_public_is_imported_besides_all():
     assert imported == set(flatland_server.__all__)
 
 
+def test_packages_and_citation_have_the_version_that_the_library_tells():
+    packages = find_packages(str(SRC)).values()
+
+    assert len(packages) > 5
+    assert {package.version for package in packages} == {flatland2d.__version__}
+    citation = yaml.safe_load((SRC.parent / "CITATION.cff").read_text())
+    assert citation["version"] == flatland2d.__version__
+
+
 def test_the_types_are_declared():
     assert any(Path(folder, "py.typed").exists() for folder in flatland_server.__path__)
 
@@ -76,37 +73,6 @@ def test_plugins_import_from_the_front_alone(package):
     }
 
     assert modules == set()
-
-
-@pytest.mark.parametrize(
-    ("module", "name"), [(module, name) for module, names in FORMER.items() for name in names]
-)
-def test_a_former_module_still_works_and_says_where_to_import_from(module, name):
-    with pytest.warns(DeprecationWarning, match=f"{module} has moved: import from flatland_server"):
-        former = getattr(importlib.import_module(module), name)
-
-    expected = getattr(flatland_server, name, None)
-    assert expected is not None
-    assert former is expected
-
-
-@pytest.mark.parametrize("file", ["plugin.py", "another_plugin.py"])
-def test_the_warning_points_at_each_import(file):
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        exec(compile("from flatland_server.world import World", file, "exec"), {})
-
-    assert [warning.filename for warning in caught] == [file]
-
-
-def test_every_former_module_leads_to_one_that_exists():
-    for new in _deprecated._MOVED.values():
-        importlib.import_module(f"flatland_server.{new}")
-
-
-def test_an_unknown_module_is_still_unknown():
-    with pytest.raises(ModuleNotFoundError):
-        importlib.import_module("flatland_server.no_such_module")
 
 
 def test_the_lua_worker_loads_neither_numpy_nor_the_core(tmp_path):
@@ -126,26 +92,3 @@ finally:
     )
 
     assert (result.stdout.strip(), result.stderr) == ("[]", "")
-
-
-@pytest.mark.parametrize(
-    ("old", "use"),
-    [
-        ("Publisher.is_watched", lambda node: node.advertise("topic", None).is_watched),
-        ("Node.transforms_are_watched", lambda node: node.transforms_are_watched),
-        ("Node.listeners_version", lambda node: node.listeners_version == 0),
-        (
-            "watched=",
-            lambda _: flatland_server.LocalTransport(watched=["/a"]).has_subscribers("/a"),
-        ),
-        ("LocalTransport.watch", lambda _: LocalTransport().watch([]) is None),
-    ],
-)
-def test_a_former_attribute_still_works_with_a_warning(old, use):
-    node = Node(LocalTransport())
-
-    with pytest.warns(DeprecationWarning, match=f"{old}.* is deprecated; use") as caught:
-        result = use(node)
-
-    assert result is True
-    assert {warning.filename for warning in caught} == {__file__}

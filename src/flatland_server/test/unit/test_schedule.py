@@ -1,9 +1,10 @@
 """Plugins are called in their order when they are due and have work."""
 
-from typing import Any, List
+from typing import Any, Callable, List, Optional
 
 import pytest
 
+from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -29,15 +30,13 @@ class Periodic(ModelPlugin):
 
 
 class Speaker(Periodic):
-    """Has work only if its topic has a subscriber; counts how often it is asked."""
+    """Has work only if its topic has a subscriber."""
 
     def on_initialize(self, config):
         super().on_initialize(config)
         self.publisher = self.node.advertise("speech", str)
-        self.asked = 0
 
     def has_work(self):
-        self.asked += 1
         return self.publisher.has_subscribers
 
 
@@ -55,28 +54,25 @@ class Preparing(Periodic):
         calls.append((timekeeper.nanoseconds // 5_000_000, f"{self.name} prepares"))
 
 
-class ChangingRateWhenAsked(Periodic):
-    """Changes its update rate when it is asked for work for the first time."""
+class Asked(Periodic):
+    """Counts how often it is asked for work, and acts when it is asked next."""
+
+    asked = 0
+    on_ask: Optional[Callable[[], None]] = None
 
     def has_work(self):
-        if self.update_timer is None:
-            self.update_timer = UpdateTimer(100.0)
+        self.asked += 1
+        action, self.on_ask = self.on_ask, None
+        if action is not None:
+            action()
         return True
-
-
-class FailingWhenAsked(Periodic):
-    def has_work(self):
-        raise RuntimeError("no luck")
 
 
 @pytest.fixture
 def load(files):
     """Loads a model with plugins, given as "type name, key: value"."""
     calls.clear()
-    classes = (
-        *(Periodic, Speaker, Preparing),
-        *(ChangingRate, ChangingRateWhenAsked, FailingWhenAsked),
-    )
+    classes = (Periodic, Speaker, Preparing, ChangingRate, Asked)
     loader = PluginLoader(map(PluginDeclaration.of, classes))
 
     def load(*plugins: str, subscribed_topics=None):
@@ -91,6 +87,16 @@ def load(files):
         return SimulationManager(world, Timekeeper(0.005)), transport
 
     return load
+
+
+def plugins_of(manager) -> Any:
+    """The plugins of the model, by name."""
+    return manager.world.plugins_of("robot")
+
+
+def spawn(manager, name: str) -> None:
+    """Adds another model of the same file."""
+    manager.world.spawn_model("robot.yaml", name, "", Pose())
 
 
 def run(manager, steps: int) -> List[Any]:
@@ -138,13 +144,69 @@ def test_the_update_timer_goes_on_while_there_is_no_work(load):
     assert run(manager, 6) == [(8, "slow"), (12, "slow")]
 
 
-def test_a_plugin_is_not_asked_for_work_at_each_step(load):
-    manager, _ = load("type: Speaker, name: always")
-    [plugin] = manager.world.plugins_of("robot").values()
+@pytest.mark.parametrize("rate", ["", ", rate: 50"])
+def test_a_plugin_is_asked_again_only_when_something_has_changed(load, rate):
+    manager, transport = load(f"type: Asked, name: asked{rate}", subscribed_topics=())
+    asked = plugins_of(manager)["asked"]
+    run(manager, 50)
+    assert asked.asked == 1
 
-    run(manager, 100)
+    transport.set_subscribed_topics({"/speech"})
+    run(manager, 50)
+    assert asked.asked == 2
 
-    assert plugin.asked == 1
+    spawn(manager, "other")
+    run(manager, 50)
+    assert asked.asked == 3
+
+    manager.world.delete_model("other")
+    run(manager, 50)
+    assert asked.asked == 4
+
+
+@pytest.mark.parametrize("rate", ["", ", rate: 100"])
+def test_a_plugin_that_is_stopped_while_plugins_are_asked_is_not_called(load, rate):
+    manager, _ = load(f"type: Asked, name: asked{rate}", f"type: Periodic, name: other{rate}")
+    world = manager.world
+    spawn(manager, "late")
+    late = world.plugins_of("late")["asked"]
+    plugins_of(manager)["asked"].on_ask = lambda: world.delete_model("late")
+
+    assert run(manager, 1) == [(0, "asked"), (0, "other")]
+    assert late.asked == 0
+
+
+def test_all_plugins_are_asked_again_after_an_interrupt(load):
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    manager, _ = load("type: Periodic, name: other", "type: Asked, name: asked")
+    asked = plugins_of(manager)["asked"]
+    asked.on_ask = interrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        manager.step()
+
+    assert run(manager, 1) == [(0, "other"), (0, "asked")]
+
+
+def test_a_plugin_that_has_asked_its_timer_itself_is_due_later(load):
+    manager, _ = load("type: Periodic, name: slow, rate: 50")
+    run(manager, 4)
+
+    assert plugins_of(manager)["slow"].update_timer.check_update(manager.timekeeper)
+
+    assert run(manager, 5) == [(0, "slow"), (8, "slow")]
+
+
+def test_a_timer_that_is_set_again_goes_on(load):
+    manager, transport = load("type: Speaker, name: slow, rate: 50", subscribed_topics=())
+    run(manager, 7)
+    speaker = plugins_of(manager)["slow"]
+    transport.set_subscribed_topics({"/speech"})
+    speaker.update_timer = speaker.update_timer
+
+    assert run(manager, 6) == [(8, "slow"), (12, "slow")]
 
 
 def test_a_plugin_may_change_its_update_rate(load):
@@ -154,14 +216,17 @@ def test_a_plugin_may_change_its_update_rate(load):
 
 
 def test_a_plugin_that_changes_its_rate_when_it_is_asked_for_work_is_called_once_a_step(load):
-    manager, _ = load("type: ChangingRateWhenAsked, name: changing")
+    manager, _ = load("type: Asked, name: asked")
+    asked = plugins_of(manager)["asked"]
+    asked.on_ask = lambda: setattr(asked, "update_timer", UpdateTimer(100.0))
 
     assert [step for step, _ in run(manager, 5)] == [0, 2, 4]
 
 
 @pytest.mark.parametrize("rate", ["", ", rate: 50"])
 def test_a_plugin_that_fails_in_has_work_is_switched_off(load, rate):
-    manager, _ = load(f"type: FailingWhenAsked, name: failing{rate}", "type: Periodic, name: other")
+    manager, _ = load(f"type: Asked, name: failing{rate}", "type: Periodic, name: other")
+    plugins_of(manager)["failing"].on_ask = lambda: 1 / 0
 
     assert run(manager, 2) == [(0, "other"), (1, "other")]
     assert [failure.name for failure in manager.world.plugin_failures] == ["failing"]

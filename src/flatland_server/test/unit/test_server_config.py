@@ -59,7 +59,8 @@ def test_a_relative_world_has_to_be_in_the_nodes_working_directory(read, tmp_pat
         read(world_path="sub/world.yaml")
     assert str(refusal.value) == (
         f"~world_path: there is no file {tmp_path}/sub/world.yaml; a relative path begins in the "
-        "node's working directory, which is not that of roslaunch: write $PWD/sub/world.yaml for it"
+        "node's working directory, which is not that of roslaunch: write "
+        '"$PWD/sub/world.yaml" for it'
     )
 
     (tmp_path / "sub").mkdir()

@@ -258,14 +258,3 @@ def test_no_step_follows_a_callback_that_ends_the_run(make_manager, transport):
     manager.run(lambda: not ended)
 
     assert steps(manager) == 0
-
-
-def test_the_former_name_of_on_tick_still_works(make_manager):
-    manager = make_manager()
-    happened: List[str] = []
-
-    with pytest.warns(DeprecationWarning, match="SimulationManager.each_turn .* use on_tick"):
-        manager.each_turn.append(lambda: happened.append("tick"))
-    manager.run(rounds(1))
-
-    assert happened == ["tick"]

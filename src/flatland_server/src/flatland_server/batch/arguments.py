@@ -8,9 +8,6 @@ from flatland_server.arguments import shown, whole_number
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import UsageError
 
-MAX_COMMAND = 1e9
-"""The greatest magnitude of a number of an action."""
-
 MAX_COORDINATE = 5e4
 """The greatest distance of a pose from the origin along x and y [m]."""
 
@@ -20,7 +17,7 @@ _MAX_SEED = 2**63 - 1
 def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> FloatArray:
     """Actions out of an array of float32 or float64, or of nested lists of numbers.
 
-    The core checks whether they are finite; then see `require_finite`.
+    The core checks whether they are finite.
 
     Args:
         value: what a program has passed.
@@ -34,24 +31,6 @@ def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> Floa
     if array.dtype.kind not in "fiu":
         raise UsageError(f"expected actions of float32 or float64, found {array.dtype}")
     return np.ascontiguousarray(array, dtype=np.float64)
-
-
-def require_finite(actions: FloatArray, mask: Optional[BoolArray]) -> None:
-    """Checks that actions are finite, and not beyond MAX_COMMAND, which is the core's limit.
-
-    Args:
-        actions: a row for each environment.
-        mask: which of them matter; None: all.
-
-    Raises:
-        UsageError: one is not.
-    """
-    row = _row_beyond(MAX_COMMAND, actions, mask)
-    if row is not None:
-        raise UsageError(
-            f"expected actions of finite numbers, found {actions[row].tolist()} for "
-            f"environment {row}"
-        )
 
 
 def poses_of(value: Any, count: int, mask: Optional[BoolArray]) -> FloatArray:
@@ -70,8 +49,11 @@ def poses_of(value: Any, count: int, mask: Optional[BoolArray]) -> FloatArray:
     if array.dtype.kind not in "fiu":
         raise UsageError(f"expected poses of float64, found {array.dtype}")
     poses = np.ascontiguousarray(array, dtype=np.float64)
-    row = _row_beyond(MAX_COORDINATE, poses, mask)
-    if row is not None:
+    wrong = ~(np.abs(poses) <= MAX_COORDINATE).all(axis=1)  # <= is False for NaN
+    if mask is not None:
+        wrong &= mask
+    if wrong.any():
+        row = int(wrong.argmax())
         raise UsageError(
             f"expected poses of finite numbers up to {MAX_COORDINATE:g}, found "
             f"{poses[row].tolist()} for environment {row}"
@@ -125,14 +107,6 @@ def seeds_of(value: Any, count: int) -> IntArray:
     if array.dtype.kind not in "iu" or (array < 0).any() or (array > _MAX_SEED).any():
         raise UsageError(f"expected seeds of 0 to 2^63 - 1, found {shown(array)}")
     return np.array(array, np.intp)
-
-
-def _row_beyond(limit: float, rows: FloatArray, mask: Optional[BoolArray]) -> Optional[int]:
-    """The first row, of those that matter, with a number that is beyond a limit or not finite."""
-    wrong = ~(np.abs(rows) <= limit).all(axis=1)  # <= is False for NaN
-    if mask is not None:
-        wrong &= mask
-    return int(wrong.argmax()) if wrong.any() else None
 
 
 def _array(value: Any, what: str, form: str, shape: Tuple[int, ...]) -> Any:

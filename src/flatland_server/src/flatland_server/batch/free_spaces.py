@@ -7,9 +7,9 @@ import numpy as np
 
 from flatland_server.arguments import shown
 from flatland_server.arrays import FloatArray
-from flatland_server.batch.robot import BatchRobot
 from flatland_server.exceptions import UsageError
 from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
+from flatland_server.library.robot import Robot
 from flatland_server.simulation.world import World
 
 
@@ -21,7 +21,7 @@ class FreeSpaces:
         robot: its model; the other models are obstacles.
     """
 
-    def __init__(self, world: World, robot: BatchRobot) -> None:
+    def __init__(self, world: World, robot: Robot) -> None:
         self._world = world
         self._robot = robot.model
         self._spaces: Dict[float, FreeSpace] = {}

@@ -6,10 +6,9 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
-from flatland_server.batch.robot import has_batch_motion
-from flatland_server.plugins.batch_motion import BatchMotion
+from flatland_server.batch.robot import PluginRole
+from flatland_server.plugins.batch_role import BatchMotion
 from flatland_server.plugins.plugin_factory import plugin_rng
-from flatland_server.simulation.world import World
 from flatland_server.update_timer import due_after
 
 
@@ -25,25 +24,22 @@ class _Entry(NamedTuple):
 
 
 class BatchMotions:
-    """The motions of all plugins of a world, in the environments of a batch.
+    """The motions of all plugins, in the environments of a batch.
 
     Args:
-        world: that they belong to.
+        roles: of the plugins.
         count: number of environments, n.
         step_nanoseconds: length of a step.
     """
 
-    def __init__(self, world: World, count: int, step_nanoseconds: int) -> None:
+    def __init__(self, roles: Sequence[PluginRole], count: int, step_nanoseconds: int) -> None:
         self._step = step_nanoseconds
         self._entries: List[_Entry] = []
-        for owner in ["", *world.models]:
-            for plugin in world.plugins_of(owner).values():
-                motion = plugin.make_batch_motion(count) if has_batch_motion(plugin) else None
-                if motion is not None and motion.moved:
-                    parts = list(motion.bodies), list(motion.moved)
-                    self._entries.append(
-                        _Entry(owner, plugin.name, motion, *parts, np.zeros(count))
-                    )
+        for owner, name, role in roles:
+            motion = role.make_motion(count) if role.make_motion is not None else None
+            if motion is not None and motion.moved:
+                parts = list(motion.bodies), list(motion.moved)
+                self._entries.append(_Entry(owner, name, motion, *parts, np.zeros(count)))
 
     def __bool__(self) -> bool:
         return bool(self._entries)

@@ -6,8 +6,8 @@ import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, Float32Array, IntArray
-from flatland_server.batch.robot import BatchRobot
-from flatland_server.plugins.core_parts import AddNoise
+from flatland_server.library.robot import Robot
+from flatland_server.plugins.batch_role import AddNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
 
 
@@ -19,7 +19,7 @@ class BatchNoise:
         count: number of environments, n.
     """
 
-    def __init__(self, robot: BatchRobot, count: int) -> None:
+    def __init__(self, robot: Robot, count: int) -> None:
         self._robot = robot
         self._make_noise = robot.core_lidar.make_noise
         self._noises: List[Optional[AddNoise]] = [None] * count

@@ -27,7 +27,12 @@ class BatchObservation(NamedTuple):
 
     @classmethod
     def empty(cls, count: int, beams: int) -> "BatchObservation":
-        """New arrays, with any content, for `count` environments."""
+        """New arrays, with any content.
+
+        Args:
+            count: number of environments, n.
+            beams: number of beams of the lidar.
+        """
         return cls._make(np.empty(shape, dtype) for shape, dtype in _forms(count, beams))
 
     def copy(self) -> "BatchObservation":
@@ -35,7 +40,11 @@ class BatchObservation(NamedTuple):
         return BatchObservation._make(array.copy() for array in self)
 
     def check(self, count: int, beams: int) -> None:
-        """Checks that a batch of `count` environments can write to the arrays.
+        """Checks that a batch can write to the arrays.
+
+        Args:
+            count: its number of environments.
+            beams: number of beams of its lidar.
 
         Raises:
             UsageError: one has another shape or type, or cannot be written to in place.

@@ -1,35 +1,42 @@
 """The effects of plugins in a batch: worlds that they change at random, bodies that they move."""
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
-from flatland_server.batch.arguments import require_finite
 from flatland_server.batch.motions import BatchMotions
+from flatland_server.batch.robot import PluginRole
 from flatland_server.batch.worlds import BatchWorlds
 from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
 
 
 class BatchPlugins:
-    """The plugins of a batch that are not passive.
+    """The plugins of a batch that change its worlds.
 
     Args:
-        world: that the environments begin as.
+        config: of the world that the environments begin as.
+        roles: of its plugins.
         count: number of environments, n.
         step_nanoseconds: length of a step.
         open: loads the world with another seed.
     """
 
     def __init__(
-        self, world: World, count: int, step_nanoseconds: int, open: Callable[[int], World]
+        self,
+        config: WorldConfig,
+        roles: Sequence[PluginRole],
+        count: int,
+        step_nanoseconds: int,
+        open: Callable[[int], World],
     ) -> None:
-        self._config = world.config
+        self._config = config
         self._count = count
         self._step = step_nanoseconds
-        self._worlds = BatchWorlds(world, count, open)
-        self._motions = BatchMotions(world, count, step_nanoseconds)
+        self._worlds = BatchWorlds(roles, count, open)
+        self._motions = BatchMotions(roles, count, step_nanoseconds)
 
     def load(
         self,
@@ -81,7 +88,7 @@ class BatchPlugins:
         """
         made, step_size = 0, self._step * 1e-9
         if self._motions:
-            require_finite(commands, chosen)  # before anything is moved
+            core.require_actions(commands, chosen)  # before anything is moved
         while self._motions:
             now = self._motions.update(core, chosen, (steps + made) * self._step, count - made)
             if now == count - made:

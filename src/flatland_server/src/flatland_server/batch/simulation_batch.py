@@ -1,6 +1,5 @@
 """Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
 
-import inspect
 import os
 from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
@@ -14,24 +13,24 @@ from flatland_server.arguments import (
     shown,
     whole_number,
 )
-from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from flatland_server.batch.arguments import (
     actions_of,
     index_of,
     mask_of,
     model_poses_of,
     poses_of,
-    require_finite,
     seeds_of,
 )
 from flatland_server.batch.free_spaces import FreeSpaces
 from flatland_server.batch.noise import BatchNoise
 from flatland_server.batch.observation import BatchObservation
 from flatland_server.batch.plugins import BatchPlugins
-from flatland_server.batch.robot import find_robot, require_passive
+from flatland_server.batch.robot import roles_of
 from flatland_server.batch.view import BatchView
 from flatland_server.exceptions import UsageError
 from flatland_server.library.free_space import FreeSpace
+from flatland_server.library.robot import find_robot
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_source import WorldSource, exported_plugins, open_world
 from flatland_server.plugins.plugin_loader import PluginLoader
@@ -73,8 +72,8 @@ class SimulationBatch:
             a lidar.
         lidar: name of the plugin that is read; None: the robot's only lidar.
         threads: of the processor, that share the environments in equal parts.
-        step_size: length of a step [s].
         moved: names of other models that `reset` may put elsewhere.
+        step_size: length of a step [s].
         seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
         params: parameters by absolute name, for expressions in the files and for plugins.
         simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
@@ -83,7 +82,7 @@ class SimulationBatch:
 
     Raises:
         FlatlandError: there is no such world, something in its files is wrong, it has no such robot
-            or lidar, or a plugin that acts by itself (`Plugin.is_passive`).
+            or lidar, or a plugin that acts by itself (`Plugin.batch_role`).
     """
 
     def __init__(
@@ -115,14 +114,14 @@ class SimulationBatch:
             model_folders=folders_of(model_folders),
             loader=loader,
         )
-        require_passive(self._world)
+        roles = roles_of(self._world)
         self._robot = find_robot(self._world, robot, lidar)
         self._view = BatchView(self._world, self.step_size, self._params, loader)
         self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
         if self._robot.model in self._moved:
             raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
         core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
-        self._action_names = tuple(inspect.signature(self._robot.drive.command).parameters)
+        self._action_names = self._robot.action_names
         self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
             self._world.physics,
             bodies=self._robot.model.physics_bodies,
@@ -137,7 +136,7 @@ class SimulationBatch:
         self._beams = self._core.beams
         self._steps = np.zeros(self._num_envs, np.int64)
         self._plugins = BatchPlugins(
-            self._world, self._num_envs, self._step_nanoseconds, self._open
+            self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open
         )
         self._plugins.begin(None, self._seeds)
         self._noise = BatchNoise(self._robot, self._num_envs)
@@ -198,10 +197,10 @@ class SimulationBatch:
 
     def step(
         self,
-        actions: Any,
+        actions: ArrayLike,
         substeps: int = 20,
         out: Optional[BatchObservation] = None,
-        mask: Optional[Any] = None,
+        mask: Optional[ArrayLike] = None,
     ) -> BatchObservation:
         """Commands robots, makes steps in their environments, and observes.
 
@@ -234,19 +233,18 @@ class SimulationBatch:
         self._plugins.load(core, chosen, self._seeds, self._steps)
         try:
             self._plugins.step(core, chosen, commands, substeps, self._steps, arrays)
-        except ValueError:
-            require_finite(commands, chosen)
-            raise
+        except ValueError as error:  # an action is not finite
+            raise UsageError(str(error)) from None
         self._finish(observation, chosen, is_new=out is None)
         return observation
 
     def reset(
         self,
-        mask: Optional[Any] = None,
+        mask: Optional[ArrayLike] = None,
         seeds: Union[int, Sequence[int], IntArray, None] = None,
-        poses: Optional[Any] = None,
+        poses: Optional[ArrayLike] = None,
         out: Optional[BatchObservation] = None,
-        model_poses: Optional[Any] = None,
+        model_poses: Optional[ArrayLike] = None,
     ) -> BatchObservation:
         """Puts environments back to the beginning of the world, at time 0, and observes.
 

@@ -1,12 +1,12 @@
 """The worlds of a batch with plugins that act at random when loaded, such as RandomWall."""
 
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional, Sequence
 
 import numpy as np
 
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, IntArray, Segments
-from flatland_server.batch.robot import acts_when_loaded
+from flatland_server.batch.robot import PluginRole
 from flatland_server.simulation.world import World
 
 
@@ -14,16 +14,15 @@ class BatchWorlds:
     """Loads a world for each environment, with its seed, where worlds differ by their seeds.
 
     Args:
-        world: shared by the environments if their worlds do not differ.
+        roles: of the plugins of the world, which is shared unless one varies by the seed.
         count: number of environments, n.
         open: loads the world with a seed.
     """
 
-    def __init__(self, world: World, count: int, open: Callable[[int], World]) -> None:
-        plugins = [
-            each for owner in ["", *world.models] for each in world.plugins_of(owner).values()
-        ]
-        self._differ = any(acts_when_loaded(each) for each in plugins)
+    def __init__(
+        self, roles: Sequence[PluginRole], count: int, open: Callable[[int], World]
+    ) -> None:
+        self._differ = any(each.role.varies_by_seed for each in roles)
         self._open = open
         self._last: Optional[World] = None
         self._loaded = np.full(count, -1, np.int64)

@@ -8,6 +8,7 @@ import os
 import sys
 from typing import List, Optional
 
+from flatland_server._core import __version__
 from flatland_server.cli import check, map_to_lines, render, run, sweep, view, worlds
 from flatland_server.exceptions import FlatlandError, YamlError
 
@@ -31,6 +32,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     parser = argparse.ArgumentParser(
         prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."
     )
+    parser.add_argument("--version", action="version", version=f"flatland {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for subcommand in SUBCOMMANDS:
         subcommand.add_parser(commands)

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from flatland_server.cli.arguments import Subparsers, not_negative
+from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError
 from flatland_server.maps.line_map import LineMap
 from flatland_server.rendering.line_map_picture import save_line_map_picture
@@ -18,7 +19,7 @@ def add_parser(commands: Subparsers) -> None:
         "layer of a world. Reads image, resolution, origin, occupied_thresh, negate and mode as "
         "map_server does.",
     )
-    parser.add_argument("map", metavar="MAP", type=Path, help="the YAML file of map_server")
+    parser.add_argument("map", metavar="MAP", help="the YAML file of map_server")
     parser.add_argument(
         "-o",
         "--output",
@@ -39,7 +40,7 @@ def add_parser(commands: Subparsers) -> None:
 
 
 def _execute(options: argparse.Namespace) -> int:
-    source: Path = options.map
+    source = to_path(options.map)
     output: Path = options.output or source.with_name(f"{source.stem}_lines.yaml")
     if output.exists() and output.samefile(source):
         raise FlatlandError(f"{output}: is the map itself; choose another file for the lines")

@@ -6,7 +6,7 @@ import signal
 import sys
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
-from typing import Callable, Iterator, Union
+from typing import Callable, Iterator
 
 from flatland_server.cli.arguments import Subparsers, whole_from
 from flatland_server.cli.sweep_progress import show_progress
@@ -15,7 +15,7 @@ from flatland_server.sweep.local_pool import LocalPool
 from flatland_server.sweep.ray_pool import RayPool
 from flatland_server.sweep.report import summary_cells, text_table
 from flatland_server.sweep.scenario_file import read_scenario_file
-from flatland_server.sweep.sweep import JOURNAL, Sweep
+from flatland_server.sweep.sweep import JOURNAL, Pool, Sweep
 
 _INTERRUPTED = 130
 
@@ -89,7 +89,7 @@ def _execute(options: argparse.Namespace) -> int:
         (folder / JOURNAL).unlink()
     with ExitStack() as stack:
         stack.enter_context(_interrupts())
-        sweep = stack.enter_context(Sweep(settings, folder))
+        sweep = stack.enter_context(closing(Sweep(settings, folder)))
         try:
             return _run(sweep, options, stack)
         except KeyboardInterrupt:
@@ -139,10 +139,8 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
     return 1 if written.failed else 0
 
 
-def _pool(
-    sweep: Sweep, options: argparse.Namespace, report: Callable[[str], None]
-) -> Union[LocalPool, RayPool]:
-    """What runs the scenarios."""
+def _pool(sweep: Sweep, options: argparse.Namespace, report: Callable[[str], None]) -> Pool:
+    """The workers that run the scenarios."""
     if options.ray is not None:
         return RayPool(sweep.settings, options.ray, options.jobs, report, sweep.folder)
     return LocalPool(sweep.settings, options.jobs or len(os.sched_getaffinity(0)), report)

@@ -9,13 +9,11 @@ from PIL import Image
 
 from flatland_server.rendering.image_canvas import ImageCanvas
 from flatland_server.sweep.fingerprints import Fingerprints
-from flatland_server.sweep.journal import read_entries
-from flatland_server.sweep.pictures import draw_goal
+from flatland_server.sweep.report import draw_goal
 from flatland_server.sweep.run import RunObserver, SweepRun
 from flatland_server.sweep.runner import Result, ScenarioRunner
-from flatland_server.sweep.scenario import scenario_of
-from flatland_server.sweep.settings import SweepSettings
-from flatland_server.sweep.sweep import JOURNAL
+from flatland_server.sweep.settings import SweepSettings, scenario_of
+from flatland_server.sweep.sweep import JOURNAL, read_entries
 from flatland_server.viewer.keyboard_drive import KeyboardDrive
 from flatland_server.viewer.viewer import Viewer
 
@@ -52,7 +50,7 @@ def replay(
         if view:
             parts.append(_Show(str(scenario), stack))
         try:
-            result = runner.run(scenario, _All(parts))
+            result = runner.run(scenario, *parts)
         except _WindowClosed:
             return 0
     print(scenario)
@@ -77,25 +75,6 @@ def _comparison(now: Result, before: Result, folder: Path) -> str:
         return f"the same as in {folder}"
     values = ", ".join(f"{name} is {old.get(name)}" for name in different)
     return f"not the same as in {folder}, where {values}"
-
-
-class _All(RunObserver):
-    """Several observers."""
-
-    def __init__(self, parts: List[RunObserver]) -> None:
-        self._parts = parts
-
-    def on_begin(self, run: SweepRun) -> None:
-        for part in self._parts:
-            part.on_begin(run)
-
-    def on_step(self, run: SweepRun) -> None:
-        for part in self._parts:
-            part.on_step(run)
-
-    def on_end(self, run: SweepRun) -> None:
-        for part in self._parts:
-            part.on_end(run)
 
 
 class _Recording(RunObserver):

@@ -56,15 +56,27 @@ class YamlMap:
             self._keys[key.value], self._values[key.value] = key, value
 
     def has(self, key: str) -> bool:
-        """Whether the key is given; a `null` counts as not given."""
+        """Whether the key is given; a `null` counts as not given.
+
+        Args:
+            key: to look for.
+        """
         return key in self._values and not is_null(self._values[key])
 
     def is_list(self, key: str) -> bool:
-        """Whether the value of a key is a list, for keys that take a list or something else."""
+        """Whether a value is a list, for keys that take a list or something else.
+
+        Args:
+            key: of the value.
+        """
         return isinstance(self._values.get(key), yaml.SequenceNode)
 
     def is_map(self, key: str) -> bool:
-        """Whether the value of a key is a map, for keys that take a map or something else."""
+        """Whether a value is a map, for keys that take a map or something else.
+
+        Args:
+            key: of the value.
+        """
         return isinstance(self._values.get(key), yaml.MappingNode)
 
     def content(self) -> Dict[str, Any]:
@@ -73,7 +85,11 @@ class YamlMap:
         return content
 
     def key_of(self, value: str) -> Optional[str]:
-        """The first key with this scalar as its value, or None."""
+        """The first key with a certain value, or None.
+
+        Args:
+            value: a scalar.
+        """
         for key, node in self._values.items():
             if isinstance(node, yaml.ScalarNode) and node.value == value:
                 return key
@@ -85,15 +101,29 @@ class YamlMap:
         return self._problems.is_empty
 
     def problem(self, message: str, key: Optional[str] = None) -> None:
-        """Notes a problem at a key's value, or with this map; `finish` raises it."""
+        """Notes a problem at a key's value, or with this map; `finish` raises it.
+
+        Args:
+            message: the text of the problem, without the place.
+            key: of the value; None for this map.
+        """
         self.note(self.error(message, key))
 
     def note(self, error: YamlError) -> None:
-        """Notes the problems of an error, such as those of a file that this map refers to."""
+        """Notes the problems of an error, such as those of a file that this map refers to.
+
+        Args:
+            error: its problems are noted.
+        """
         self._problems.note(error)
 
     def error(self, message: str, key: Optional[str] = None) -> YamlError:
-        """An error at a key's value, or at this map, to be raised at once."""
+        """An error at a key's value, or at this map, to be raised at once.
+
+        Args:
+            message: the text of the error, without the place.
+            key: of the value; None for this map.
+        """
         if key is None or key not in self._values:
             return error_at(self._node, message, self._label())
         return error_at(self._values[key], message, self._path_of(key))
@@ -102,6 +132,9 @@ class YamlMap:
         """Notes keys that look like a misspelling of one that is missing.
 
         For a map of which some keys are read later, so that `finish` cannot be called yet.
+
+        Args:
+            missing: the key that is missing.
         """
         for key in self._unread():
             hint = self.suggestion(key, [missing])
@@ -112,6 +145,10 @@ class YamlMap:
         """A hint for a misspelt word; see `flatland_server.exceptions.suggestion`.
 
         It takes time, and is empty if the problem will not be shown because of those before it.
+
+        Args:
+            word: as it was found.
+            known: the words that would be right.
         """
         return "" if self._problems.is_full else suggestion(word, known)
 

@@ -96,15 +96,30 @@ class YamlReader(YamlMap):
     # Values
 
     def get_string(self, key: str, default: Any = REQUIRED) -> str:
-        """A string; may be empty."""
+        """A string; may be empty.
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         return cast(str, self._get(key, default, to_string, ""))
 
     def get_topic(self, key: str, default: Any = REQUIRED) -> str:
-        """The name of a topic that ROS can have, relative or absolute."""
+        """The name of a topic that ROS can have, relative or absolute.
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         return cast(str, self._get(key, default, to_topic, ""))
 
     def get_frame(self, key: str, default: Any = REQUIRED) -> str:
-        """The name of a frame that TF can have; may begin with "/"."""
+        """The name of a frame that TF can have; may begin with "/".
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         return cast(str, self._get(key, default, to_frame, ""))
 
     def get_float(
@@ -116,13 +131,26 @@ class YamlReader(YamlMap):
         above: float = -math.inf,
         allow_infinity: bool = False,
     ) -> float:
-        """A number, at least `minimum` and larger than `above`; never NaN."""
+        """A number; never NaN.
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+            minimum: the least value that is allowed.
+            above: the value must be greater.
+            allow_infinity: whether it may be infinite.
+        """
         placeholder = 1.0 if minimum <= 1.0 and above < 1.0 else max(minimum, above + 1.0)
         converter = float_from(minimum, above, allow_infinity)
         return cast(float, self._get(key, default, converter, placeholder))
 
     def get_rate(self, key: str, default: Any = REQUIRED) -> float:
-        """A rate [Hz] above zero; `inf` is as often as possible."""
+        """A rate above zero; `inf` is as often as possible [Hz].
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         return self.get_float(key, default, above=0.0, allow_infinity=True)
 
     def get_int(
@@ -133,15 +161,32 @@ class YamlReader(YamlMap):
         minimum: Optional[int] = None,
         maximum: Optional[int] = None,
     ) -> int:
-        """A whole number, at least `minimum` and at most `maximum`."""
+        """A whole number.
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+            minimum: the least value that is allowed.
+            maximum: the greatest value that is allowed.
+        """
         return cast(int, self._get(key, default, int_between(minimum, maximum), minimum or 0))
 
     def get_bool(self, key: str, default: Any = REQUIRED) -> bool:
-        """True or false, in any of YAML's spellings."""
+        """True or false, in any of YAML's spellings.
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         return cast(bool, self._get(key, default, to_bool, True))
 
     def get_choice(self, key: str, choices: Sequence[str], default: Any = REQUIRED) -> str:
         """One of some words.
+
+        Args:
+            key: of the value.
+            choices: the words.
+            default: the value if the key is missing; without it, the key is required.
 
         Raises:
             YamlError: at once, with all that was noted before: which other keys are expected
@@ -157,7 +202,14 @@ class YamlReader(YamlMap):
     def get_floats(
         self, key: str, length: int, default: Any = REQUIRED, *, minimum: float = -math.inf
     ) -> Tuple[float, ...]:
-        """A list of `length` finite numbers, each at least `minimum`."""
+        """A list of finite numbers.
+
+        Args:
+            key: of the list.
+            length: number of its entries.
+            default: the value if the key is missing; without it, the key is required.
+            minimum: the least number that is allowed.
+        """
         expected = f"a list of {length} numbers"
         if minimum > -math.inf:
             expected += f" of {minimum:g} or more"
@@ -166,30 +218,57 @@ class YamlReader(YamlMap):
         return cast(Tuple[float, ...], self._get(key, default, converter, placeholder))
 
     def get_pose(self, key: str, default: Any = REQUIRED) -> Pose:
-        """`[x, y, yaw]` [m, m, rad]."""
+        """`[x, y, yaw]` [m, m, rad].
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         return Pose(*self._get(key, default, floats_between(3, "[x, y, yaw]"), Pose()))
 
     def get_point(self, key: str, default: Any = REQUIRED) -> Tuple[float, float]:
-        """`[x, y]` [m]."""
+        """`[x, y]` [m].
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         point = self._get(key, default, floats_between(2, "[x, y]"), (0.0, 0.0))
         return cast(Tuple[float, float], point)
 
     def get_points(
         self, key: str, minimum: int, maximum: int, default: Any = REQUIRED
     ) -> List[Tuple[float, float]]:
-        """A list of `minimum` to `maximum` points `[x, y]` [m]."""
+        """A list of points `[x, y]` [m].
+
+        Args:
+            key: of the list.
+            minimum: the least number of points.
+            maximum: the greatest number of points.
+            default: the value if the key is missing; without it, the key is required.
+        """
         # Points of a parabola are the corners of a convex polygon, however many they are.
         placeholder = [(float(i), float(i * i)) for i in range(minimum)]
         found = self._get(key, default, points(minimum, maximum), placeholder)
         return cast(List[Tuple[float, float]], found)
 
     def get_color(self, key: str, default: Any = REQUIRED) -> Color:
-        """`[r, g, b, alpha]`, each 0 to 1."""
+        """`[r, g, b, alpha]`, each 0 to 1.
+
+        Args:
+            key: of the value.
+            default: the value if the key is missing; without it, the key is required.
+        """
         converter = floats_between(4, "[r, g, b, alpha]", 0.0, 1.0)
         return cast(Color, self._get(key, default, converter, (0.0,) * 4))
 
     def get_strings(self, key: str, default: Any = REQUIRED) -> Tuple[str, ...]:
-        """A list of strings; a single string is a list of one."""
+        """A list of strings; a single string is a list of one.
+
+        Args:
+            key: of the list.
+            default: the value if the key is missing; without it, the key is required.
+        """
         node = self._values.get(key)
         if isinstance(node, yaml.SequenceNode) and self._has_too_many_entries(key, node.value):
             return ()
@@ -233,6 +312,10 @@ class YamlReader(YamlMap):
 
         Its problems are noted with this map's: its own `finish` notes unknown keys, and leaves it
         to this map's `finish` to raise.
+
+        Args:
+            key: of the map.
+            required: whether it must be given.
         """
         self._read.add(key)
         path = self._path_of(key)
@@ -251,9 +334,14 @@ class YamlReader(YamlMap):
     def get_sections(
         self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False
     ) -> List[T]:
-        """What `read` returns for each map of a list; an empty list if it is not given.
+        """Reads each map of a list; an empty list if it is not given.
 
         An entry for which `read` raises a YamlError is left out, and its problems are noted.
+
+        Args:
+            key: of the list.
+            read: reads an entry.
+            required: whether the list must be given.
         """
         entries: List[T] = []
         path = self._path_of(key)
@@ -280,6 +368,11 @@ class YamlReader(YamlMap):
         """Like `get_sections`, for entries with a `name` of their own and an `enabled` flag.
 
         An entry with `enabled: false` is left out, whatever else is in it.
+
+        Args:
+            key: of the list.
+            read: reads an entry.
+            required: whether the list must be given.
         """
         names: Set[str] = set()
         enabled: List[T] = []

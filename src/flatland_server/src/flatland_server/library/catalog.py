@@ -1,10 +1,11 @@
 """Lookup by name, with errors that list the existing names."""
 
-from typing import Any, Callable, Collection, Iterator, Mapping, TypeVar
+from typing import Any, Callable, Collection, Iterator, Mapping, Optional, TypeVar, Union, overload
 
 from flatland_server.exceptions import FlatlandError
 
 T = TypeVar("T")
+Default = TypeVar("Default")
 
 
 class Catalog(Mapping[str, T]):
@@ -44,6 +45,12 @@ class Catalog(Mapping[str, T]):
 
     def __len__(self) -> int:
         return len(self._names())
+
+    @overload
+    def get(self, name: str) -> Optional[T]: ...
+
+    @overload
+    def get(self, name: str, default: Default) -> Union[T, Default]: ...
 
     def get(self, name: str, default: Any = None) -> Any:
         """The thing of this name, or the default."""

@@ -1,11 +1,13 @@
 """Free space: the floor that a robot can reach without touching a wall."""
 
 import math
+from functools import lru_cache
 from typing import Dict, Iterable, Tuple
 
 import numpy as np
 
 from flatland_server.arguments import shown, whole_number
+from flatland_server.array_math import squared_distances
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
@@ -49,7 +51,14 @@ class FreeSpace:
         return len(self._rows) * self.resolution**2
 
     def contains(self, points: FloatArray) -> BoolArray:
-        """Whether points, shape (n, 2) or more columns, are in reachable squares: shape (n,)."""
+        """Whether points are in reachable squares: shape (n,).
+
+        Args:
+            points: shape (n, 2), or with more columns: x, y [m].
+
+        Raises:
+            UsageError: they have another shape.
+        """
         if np.ndim(points) != 2 or np.shape(points)[1] < 2:
             raise UsageError(f"expected points of shape (n, 2), found {np.shape(points)}")
         columns, rows = np.floor((points[:, :2] - self._origin) / self.resolution).T.astype(int)
@@ -59,14 +68,23 @@ class FreeSpace:
         return np.asarray(is_inside & found)
 
     def contains_point(self, x: float, y: float) -> bool:
-        """Whether a point [m] is in a reachable square; quicker than `contains` for one."""
+        """Whether a point is in a reachable square; quicker than `contains` for one.
+
+        Args:
+            x: of the point [m].
+            y: of the point [m].
+        """
         column = math.floor((x - self._x) / self.resolution)
         row = math.floor((y - self._y) / self.resolution)
         height, width = self._reachable.shape
         return 0 <= row < height and 0 <= column < width and bool(self._reachable[row, column])
 
     def point(self, rng: np.random.Generator) -> Tuple[float, float]:
-        """A random point in a reachable square, of which there must be one: x, y [m]."""
+        """A random point in a reachable square, of which there must be one: x, y [m].
+
+        Args:
+            rng: the random numbers.
+        """
         chosen = rng.integers(len(self._rows))
         along_x, along_y = rng.random(2).tolist()
         x = self._x + (int(self._columns[chosen]) + along_x) * self.resolution
@@ -151,13 +169,39 @@ class DistanceGrid:
             np.minimum(window, np.sqrt(distances) - radius, out=window)
         self._spaces: Dict[float, FreeSpace] = {}
 
+    @staticmethod
+    def shared(
+        walls: Segments,
+        start: Tuple[float, float],
+        farthest: float,
+        *,
+        discs: FloatArray = np.empty((0, 3)),  # noqa: B008 (only read)
+        open_reach: float = 0.0,
+    ) -> "DistanceGrid":
+        """A new grid, or one that was made of equal arguments before.
+
+        Args:
+            walls: as for the class.
+            start: as for the class.
+            farthest: as for the class.
+            discs: as for the class.
+            open_reach: as for the class.
+        """
+        arrays = (np.ascontiguousarray(each, np.float64).tobytes() for each in (walls, discs))
+        return _shared_grid(*arrays, (start[0], start[1]), farthest, open_reach)
+
     @property
     def diagonal(self) -> float:
         """No two places are farther apart than this [m]."""
         return math.hypot(*self._distances.shape) * self.resolution
 
     def distance(self, x: float, y: float) -> float:
-        """A lower bound of a place's distance from obstacles [m]; 0 outside of the grid."""
+        """A lower bound of a place's distance from obstacles [m]; 0 outside of the grid.
+
+        Args:
+            x: of the place [m].
+            y: of the place [m].
+        """
         column, row = np.floor((np.array([x, y]) - self._origin) / self.resolution).astype(int)
         rows, columns = self._distances.shape
         if not (0 <= row < rows and 0 <= column < columns):
@@ -210,13 +254,7 @@ class DistanceGrid:
         height, width = window.shape
         ys = (rows.start + 0.5 + np.arange(height))[:, None] * self.resolution + (y - a[1])
         xs = (columns.start + 0.5 + np.arange(width)) * self.resolution + (x - a[0])
-        along_x, along_y = b[0] - a[0], b[1] - a[1]
-        square = along_x**2 + along_y**2
-        if square == 0.0:
-            return window, xs**2 + ys**2
-        part = (along_x / square) * xs + (along_y / square) * ys
-        part = np.minimum(np.maximum(part, 0.0), 1.0)  # quicker than clip
-        return window, (xs - part * along_x) ** 2 + (ys - part * along_y) ** 2
+        return window, squared_distances(xs, ys, (b[0] - a[0], b[1] - a[1]))
 
     def _nearest(self, free: BoolArray) -> Tuple[int, int]:
         """The row and column of the free square that is nearest to the start."""
@@ -224,6 +262,14 @@ class DistanceGrid:
         squares = self._origin + (np.column_stack([columns, rows]) + 0.5) * self.resolution
         nearest = int(((squares - self._start) ** 2).sum(axis=1).argmin())
         return int(rows[nearest]), int(columns[nearest])
+
+
+@lru_cache(maxsize=4)
+def _shared_grid(
+    walls: bytes, discs: bytes, start: Tuple[float, float], farthest: float, open_reach: float
+) -> DistanceGrid:
+    segments, circles = np.frombuffer(walls).reshape(-1, 4), np.frombuffer(discs).reshape(-1, 3)
+    return DistanceGrid(segments, start, farthest, discs=circles, open_reach=open_reach)
 
 
 def _span(a: float, b: float, reach: float, resolution: float) -> slice:

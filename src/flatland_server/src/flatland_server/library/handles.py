@@ -1,7 +1,7 @@
 """The handles of a simulation's models and of their plugins."""
 
 import inspect
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
 
 from flatland_server.arguments import finite, shown
 from flatland_server.exceptions import (
@@ -14,11 +14,14 @@ from flatland_server.exceptions import (
 )
 from flatland_server.geometry import Pose, Velocity
 from flatland_server.library.catalog import Catalog
+from flatland_server.library.robot import plugins_with
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.simulation.run import Run
 from flatland_server.timekeeper import Timekeeper
+
+Reading = TypeVar("Reading")
 
 
 class ModelHandle:
@@ -26,6 +29,10 @@ class ModelHandle:
 
     It stays valid when the simulation is reset or a state is loaded: it then refers to the new
     model of this name. Once the model has been deleted, everything but `name` raises a ModelError.
+
+    Args:
+        simulation: has the model.
+        name: of the model.
 
     Attributes:
         name: of the model.
@@ -42,9 +49,9 @@ class ModelHandle:
         self._revision = -1  # of the plugins that are kept here
         self._running: Dict[str, Plugin] = {}
         self._names: Dict[str, List[str]] = {}
-        self._sensors: Dict[str, SensorHandle] = {}
+        self._sensors: Dict[str, SensorHandle[Any]] = {}
         self._drives: Dict[str, DriveHandle] = {}
-        self.sensors: Catalog[SensorHandle] = Catalog(
+        self.sensors: Catalog[SensorHandle[Any]] = Catalog(
             lambda: self._plugins_with("read"),
             self._sensor,
             lambda plugin: self._unknown("sensor", plugin, self._plugins_with("read")),
@@ -83,9 +90,12 @@ class ModelHandle:
     def command(self, *values: Any) -> None:
         """Commands its drive; takes effect at the next step, and until the next command.
 
-        A DiffDrive takes a velocity and a yaw rate [m/s, rad/s], an OmniDrive vx, vy [m/s] and the
-        yaw rate, a TricycleDrive the speed of its front wheel [m/s] and its angle [rad]. A model
-        with several drives has one each in `drives`.
+        A model with several drives has one each in `drives`.
+
+        Args:
+            values: for a DiffDrive, a velocity and a yaw rate [m/s, rad/s]; for an OmniDrive, vx,
+                vy [m/s] and the yaw rate; for a TricycleDrive, the speed [m/s] and the angle [rad]
+                of its front wheel.
 
         Raises:
             UsageError: these are not as many values as the drive takes, or they are not finite.
@@ -101,6 +111,9 @@ class ModelHandle:
 
     def plugin(self, name: str) -> ModelPlugin:
         """A running plugin; another object after each reset.
+
+        Args:
+            name: of the plugin.
 
         Raises:
             ModelError: the model is gone, or has no plugin of this name.
@@ -132,12 +145,7 @@ class ModelHandle:
         """The names of the plugins that override a hook, in their order."""
         plugins = self._plugins()
         if hook not in self._names:
-            original = getattr(ModelPlugin, hook)
-            self._names[hook] = [
-                name
-                for name, plugin in plugins.items()
-                if getattr(type(plugin), hook) is not original
-            ]
+            self._names[hook] = plugins_with(plugins, hook)
         return self._names[hook]
 
     def _only_drive(self) -> "DriveHandle":
@@ -148,7 +156,7 @@ class ModelHandle:
             raise ModelError(f'expected a model with one drive, "{self.name}" {found}')
         return self._drive(names[0])
 
-    def _sensor(self, name: str) -> "SensorHandle":
+    def _sensor(self, name: str) -> "SensorHandle[Any]":
         if name not in self._sensors:
             self._sensors[name] = SensorHandle(self, name)
         return self._sensors[name]
@@ -166,8 +174,16 @@ class ModelHandle:
         )
 
 
-class SensorHandle:
+class SensorHandle(Generic[Reading]):
     """A plugin that measures something, by its name; see `ModelPlugin.read`.
+
+    Only the world's files say what kind of sensor has a name. A program can tell type checkers:
+
+        laser: SensorHandle[Float32Array] = robot.sensors["laser"]
+
+    Args:
+        model: has the plugin.
+        name: of the plugin.
 
     Attributes:
         name: of the plugin.
@@ -191,8 +207,14 @@ class SensorHandle:
         """What `read` may be asked for besides what it gives by default."""
         return self._model.plugin(self.name).quantities
 
+    @overload
+    def read(self) -> Reading: ...
+
+    @overload
+    def read(self, quantity: str) -> Any: ...
+
     def read(self, quantity: str = "") -> Any:
-        """What it measures now, at the time of the simulation; computed in this call.
+        """Measures now, at the time of the simulation.
 
         Equals what a message of this time says, its noise included, and changes nothing in the run.
         docs/library.md says what the built-in ones return: a new object each time.
@@ -226,6 +248,10 @@ class SensorHandle:
 class DriveHandle:
     """A plugin that takes commands, by its name; see `ModelPlugin.command`.
 
+    Args:
+        model: has the plugin.
+        name: of the plugin.
+
     Attributes:
         name: of the plugin.
     """
@@ -244,6 +270,9 @@ class DriveHandle:
 
     def command(self, *values: Any) -> None:
         """Commands it; takes effect at the next step. See `ModelHandle.command`.
+
+        Args:
+            values: those that the drive takes; see `ModelHandle.command`.
 
         Raises:
             UsageError: these are not as many values as it takes, or they are not finite.

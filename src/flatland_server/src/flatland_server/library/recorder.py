@@ -113,7 +113,11 @@ class Recorder(Tap):
         return wanted
 
     def unmatched(self, names: Collection[str]) -> List[str]:
-        """Those of the topics to record that match none of these names."""
+        """The topics to record that are not there.
+
+        Args:
+            names: of the topics that are there.
+        """
         known = {*names, *_ALWAYS}
         return [
             pattern.pattern

@@ -54,6 +54,9 @@ class SimulatedTopics(Run):
         `poses`; what a Bumper, a BoolSensor and an Imu publish is of the end of a step. A sensor's
         `read` is always of now.
 
+        Args:
+            topic: its name.
+
         Raises:
             TopicError: no plugin publishes to this topic.
             UsageError: the simulation is closed.

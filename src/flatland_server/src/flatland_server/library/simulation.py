@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
-from flatland_server.arguments import folders_of, params_of, pose_of, shown, whole_number
-from flatland_server.arrays import FloatArray, UInt8Array
+from flatland_server.arguments import folders_of, params_of, shown, whole_number
+from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
 from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
-from flatland_server.geometry import Pose
 from flatland_server.library.catalog import Catalog
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.recorder import Recorder
@@ -127,7 +126,7 @@ class Simulation(SimulatedTopics):
         self,
         model: Union[str, "os.PathLike[str]", Mapping[str, Any]],
         name: str,
-        pose: Sequence[float] = Pose(),
+        pose: PoseLike = (0.0, 0.0, 0.0),
         namespace: str = "",
     ) -> ModelHandle:
         """Adds a model: completely, or not at all.
@@ -145,10 +144,10 @@ class Simulation(SimulatedTopics):
         source = model if isinstance(model, (str, Mapping)) else Path(model)
         if not isinstance(name, str):
             raise UsageError(f"expected the model's name as a string, found {shown(name)}")
-        self.world.spawn_model(source, name, namespace, pose_of(pose))
+        self.world.spawn_model(source, name, namespace, pose)
         return self.models[name]
 
-    def move(self, name: str, pose: Sequence[float]) -> None:
+    def move(self, name: str, pose: PoseLike) -> None:
         """Puts a model at another pose, at rest.
 
         Args:
@@ -159,10 +158,13 @@ class Simulation(SimulatedTopics):
             FlatlandError: there is no such model, or the pose is not usable.
         """
         self.require_open()
-        self.world.move_model(name, pose_of(pose))
+        self.world.move_model(name, pose)
 
     def delete(self, name: str) -> None:
         """Removes a model, with its topics.
+
+        Args:
+            name: of the model.
 
         Raises:
             ModelError: there is no such model.
@@ -236,9 +238,15 @@ class Simulation(SimulatedTopics):
         sensors: bool = False,
         names: bool = False,
     ) -> None:
-        """Writes a picture into a file: SVG if its name ends in .svg, or else PNG, JPEG ...
+        """Writes a picture into a file.
 
-        Args: the path, and those of `render`.
+        Args:
+            path: of the file: SVG if it ends in .svg, or else PNG, JPEG ...
+            size: as for `render`.
+            follow: as for `render`.
+            width: as for `render`.
+            sensors: as for `render`.
+            names: as for `render`.
 
         Raises:
             FlatlandError: as for `render`; or the file cannot be written, or its kind is not known.

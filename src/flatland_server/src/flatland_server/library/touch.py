@@ -29,7 +29,11 @@ class Touch:
     normal: Point
 
     def of(self, model: str) -> bool:
-        """Whether a model or layer takes part."""
+        """Whether a model or layer takes part.
+
+        Args:
+            model: its name.
+        """
         return model in (self.model_a, self.model_b)
 
 

@@ -152,6 +152,8 @@ def read_image(path: Path, is_bright: Callable[[Image.Image], BoolArray]) -> Seg
 def _read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
     """The segments of a text file with a line `x1 y1 x2 y2` for each, in the file's unit.
 
+    `#` begins a comment.
+
     Returns:
         Segments: shape (n, 4). The numbers of their lines, from 1: shape (n,).
     """
@@ -162,7 +164,8 @@ def _read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
     values = array("d")
     numbers = array("q")
     for number, line in enumerate(lines, start=1):
-        if not line.strip():
+        line = line.partition("#")[0].strip()
+        if not line:
             continue
         try:
             row = [float(word) for word in line.split()]

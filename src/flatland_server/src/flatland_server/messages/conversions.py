@@ -11,31 +11,55 @@ _Time = message_types.Time
 
 
 def ros_time(nanoseconds: int) -> Any:
-    """Simulated time as a ROS time."""
+    """Simulated time as a ROS time.
+
+    Args:
+        nanoseconds: simulated time [ns].
+    """
     return _Time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
 
 
 def header(nanoseconds: int, frame_id: str) -> Any:
-    """A header with stamp and frame."""
+    """A header with stamp and frame.
+
+    Args:
+        nanoseconds: simulated time [ns].
+        frame_id: name of the frame.
+    """
     return _Header(stamp=ros_time(nanoseconds), frame_id=frame_id)
 
 
 def fill_pose(message: Any, pose: Pose) -> None:
-    """Writes a pose [m, rad] into a geometry_msgs/Pose."""
+    """Writes a pose into a message.
+
+    Args:
+        message: a geometry_msgs/Pose.
+        pose: [m, m, rad].
+    """
     message.position.x, message.position.y = pose.x, pose.y
     orientation = message.orientation
     orientation.x, orientation.y, orientation.z, orientation.w = quaternion(pose.yaw)
 
 
 def yaw_of(orientation: Any) -> float:
-    """The yaw within [-pi, pi] of a geometry_msgs/Quaternion of length 1.
+    """The yaw of a quaternion, within [-pi, pi] [rad].
 
     The angle of the turned x axis: atan2 of the entries (2, 1) and (1, 1) of the rotation matrix.
+
+    Args:
+        orientation: a geometry_msgs/Quaternion of length 1.
     """
     q = orientation
     return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
 
 
 def fill_twist(message: Any, vx: float, vy: float, omega: float) -> None:
-    """Writes a planar velocity [m/s, m/s, rad/s] into a geometry_msgs/Twist."""
+    """Writes a planar velocity into a message.
+
+    Args:
+        message: a geometry_msgs/Twist.
+        vx: [m/s].
+        vy: [m/s].
+        omega: [rad/s].
+    """
     message.linear.x, message.linear.y, message.angular.z = vx, vy, omega

@@ -23,7 +23,10 @@ class CollisionFilterRegistry:
         return list(self._bits)
 
     def register(self, name: str) -> int:
-        """Assigns a bit to a new name, and returns it.
+        """Assigns a bit to a new name.
+
+        Args:
+            name: of a collision layer.
 
         Raises:
             ValueError: the name is taken or reserved, or all 16 bits are.
@@ -38,7 +41,10 @@ class CollisionFilterRegistry:
         return self._bits[name]
 
     def bits(self, names: Iterable[str]) -> int:
-        """The bits of some names together. `all` has all bits; no names have none.
+        """The bits of some names together; none without a name.
+
+        Args:
+            names: of collision layers; `all` has all bits.
 
         Raises:
             ValueError: a name is unknown.

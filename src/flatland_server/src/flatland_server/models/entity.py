@@ -23,7 +23,14 @@ class Entity(ABC):
 
     @abstractmethod
     def body_name(self, fixture: _core.Fixture) -> str:
-        """The name of the body of a fixture of this entity; for a layer, the name of the layer."""
+        """The name of the body that a fixture belongs to; for a layer, the name of the layer.
+
+        Args:
+            fixture: of this entity.
+
+        Raises:
+            ModelError: it is not of this entity, or the model has been deleted.
+        """
 
 
 class Entities:

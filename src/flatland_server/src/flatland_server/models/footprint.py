@@ -14,7 +14,12 @@ _CIRCLE_SIDES = 36
 
 @dataclass(frozen=True)
 class Circle:
-    """A disc: center and radius [m], in the body's frame."""
+    """A disc.
+
+    Attributes:
+        center: in the body's frame [m].
+        radius: [m].
+    """
 
     center: Point
     radius: float
@@ -28,7 +33,11 @@ class Circle:
 
 @dataclass(frozen=True)
 class Polygon:
-    """A convex polygon of 3 to 8 vertices [m], in the body's frame and in either order."""
+    """A convex polygon.
+
+    Attributes:
+        vertices: 3 to 8, in the body's frame and in either order [m].
+    """
 
     vertices: Tuple[Point, ...]
 
@@ -112,6 +121,9 @@ class Footprint:
 
     def attach(self, body: Union[_core.Body, _core.FixtureChecker]) -> None:
         """Adds this shape, with its material, to a body, or checks whether a body can have it.
+
+        Args:
+            body: gets the shape, or checks it.
 
         Raises:
             ValueError: Box2D cannot represent the shape.

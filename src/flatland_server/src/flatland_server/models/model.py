@@ -79,7 +79,12 @@ class ModelConfig:
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":
-        """Reads a model from a file that is open in a reader; see `from_file`."""
+        """Reads a model from a file that is open in a reader; see `from_file`.
+
+        Args:
+            reader: has the file.
+            registry: the layers that footprints may name.
+        """
         # In order, and also those of bodies that cannot be read: joints may name them.
         names: Dict[str, None] = {}
 
@@ -174,7 +179,10 @@ class Model(Entity):
             raise ModelError(f'the model "{self.name}" has been deleted')
 
     def get_body(self, name: str) -> ModelBody:
-        """The body of that name.
+        """A body by its name.
+
+        Args:
+            name: of the body.
 
         Raises:
             ModelError: there is none, or the model has been deleted.
@@ -186,7 +194,10 @@ class Model(Entity):
         return self.bodies[name]
 
     def get_joint(self, name: str) -> Joint:
-        """The joint of that name.
+        """A joint by its name.
+
+        Args:
+            name: of the joint.
 
         Raises:
             ModelError: there is none, or the model has been deleted.

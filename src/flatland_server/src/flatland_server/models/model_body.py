@@ -38,6 +38,10 @@ class BodyConfig:
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "BodyConfig":
         """Reads an entry; its `enabled` has been read.
 
+        Args:
+            reader: has the entry.
+            registry: the layers that footprints may name.
+
         Raises:
             YamlError: something in it is wrong.
         """

@@ -11,7 +11,6 @@ from flatland_server.models.entity import Entity
 from flatland_server.models.joint import Joint
 from flatland_server.models.model import Model
 from flatland_server.models.model_body import ModelBody
-from flatland_server.plugins.core_parts import CoreDrive, CoreLidar
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
@@ -29,22 +28,22 @@ class ContactSides(NamedTuple):
 
 
 class ModelPlugin(Plugin):
-    """A plugin of one model; `self.model` is the model, `self.node` is in its namespace.
+    """A plugin of one model.
 
     `flatland_server.plugins.plugin` describes the life of a plugin.
 
     Attributes:
+        type: its type, as in its configuration.
+        name: unique among the plugins of its model.
+        node: its access to topics, transforms and parameters, in the namespace of its model.
+        rng: its random numbers, which depend only on the seed of the world and on the names of the
+            model and the plugin.
+        model: its model, with bodies and joints.
         quantities: names of further quantities that it measures: for each there is a method
             `read_<quantity>` with the same argument as `read`.
-        core_drive: the drive of the core that `command` controls; set by `on_initialize`. A
-            `SimulationBatch` commands it without calling `command`: a subclass that changes the
-            effect of commands sets it to None, and is refused by batches.
-        core_lidar: the lidar of the core that `read` reads; likewise.
     """
 
     quantities: ClassVar[Tuple[str, ...]] = ()
-    core_drive: Optional[CoreDrive] = None
-    core_lidar: Optional[CoreLidar] = None
 
     def __init__(
         self, type: str, name: str, node: Node, rng: np.random.Generator, model: Model
@@ -53,7 +52,7 @@ class ModelPlugin(Plugin):
         self.model = model
 
     def read(self, timekeeper: Timekeeper) -> Any:
-        """What the plugin measures now: `simulation.models["robot"].sensors["name"].read()`.
+        """Measures now: `simulation.models["robot"].sensors["name"].read()`.
 
         To be overridden by sensors. Called between steps, whether topics have subscribers or not.
         It changes nothing that the plugin publishes later, and has the errors that a message of
@@ -71,6 +70,10 @@ class ModelPlugin(Plugin):
         """Obeys a command, as from a message: `simulation.models["robot"].command(0.5, 0.2)`.
 
         To be overridden by drives, with parameters of their own. Called between steps.
+
+        Args:
+            values: as the drive defines them, by their places.
+            named_values: the same, by their names.
 
         Raises:
             ValueError: it cannot be obeyed; nothing has changed.
@@ -101,6 +104,10 @@ class ModelPlugin(Plugin):
         """The names of bodies in a list of the configuration, which is empty by default.
 
         A name that no body has is noted as a problem, which `config.finish()` raises.
+
+        Args:
+            config: the plugin's configuration.
+            key: has the list.
         """
         names = config.get_strings(key, ())
         for name in names:
@@ -112,6 +119,10 @@ class ModelPlugin(Plugin):
 
     def get_joint(self, config: YamlReader, key: str) -> Optional[Joint]:
         """The joint with the name that is the value of a key of the configuration.
+
+        Args:
+            config: the plugin's configuration.
+            key: has the joint's name.
 
         Returns:
             The joint. None if there is none of this name; the problem is then noted and raised by
@@ -127,6 +138,9 @@ class ModelPlugin(Plugin):
 
     def filter_contact(self, contact: _core.Contact) -> Optional[ContactSides]:
         """A contact as seen from this model.
+
+        Args:
+            contact: as a hook has got it.
 
         Returns:
             None if the model is not part of the contact, or the other body belongs neither to a
@@ -147,5 +161,9 @@ class ModelPlugin(Plugin):
         return ContactSides(owner_a, b, a) if owner_b is self.model else None
 
     def name_space_tf(self, frame_id: str) -> str:
-        """The name of a frame with the namespace of the model; see `Model.name_space_tf`."""
+        """The name of one of the model's frames, with its namespace; see `Model.name_space_tf`.
+
+        Args:
+            frame_id: without the namespace.
+        """
         return self.model.name_space_tf(frame_id)

@@ -43,7 +43,7 @@ effect at its end. Contact hooks may set velocities and apply forces and impulse
 add or remove bodies.
 """
 
-from typing import Any, Callable, ClassVar, Optional
+from typing import Any, Callable, Optional
 
 import numpy as np
 
@@ -51,7 +51,7 @@ from flatland_server import _core
 from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
-from flatland_server.plugins.batch_motion import BatchMotion
+from flatland_server.plugins.batch_role import BatchRole
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
 from flatland_server.update_timer import UpdateTimer
@@ -74,29 +74,24 @@ HOOKS = (*STEP_HOOKS, *CONTACT_HOOKS)
 class Plugin:
     """The base class of `ModelPlugin` and `WorldPlugin`; plugins derive from one of these.
 
-    Args:
+    Attributes:
         type: its type, as in its configuration.
         name: unique among the plugins of its model, or of the world.
         node: its access to topics, transforms and parameters.
         rng: its random numbers, which depend only on the seed of the world and on the names of the
             model and the plugin.
-
-    Attributes:
-        only_publishes: whether the step hooks only publish, so that `has_work` depends only on
-            subscribers. With an `update_timer`, `has_work` is then not called each time the timer
-            is due, and while the plugin has no work, the world makes many steps at once.
-        is_passive: whether the plugin changes nothing in the world by itself: all of its hooks only
-            observe, and the parts that it adds to the core when it starts are not random. It may
-            obey messages and commands. A derived class that overrides a hook has to set it again.
-        acts_when_loaded: the same, except that the parts that `on_initialize` adds to the core,
-            such as walls, are random: each environment of a `SimulationBatch` then has its own
-            world, loaded with its seed. A batch runs only plugins of these two kinds, and those
-            with `make_batch_motion`.
     """
 
-    only_publishes: ClassVar[bool] = False
-    is_passive: ClassVar[bool] = False
-    acts_when_loaded: ClassVar[bool] = False
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        """Gives a class that overrides a hook no inherited `batch_role`."""
+        super().__init_subclass__(**arguments)
+        if "batch_role" not in vars(cls) and not any(
+            cls.batch_role is base.batch_role
+            and all(getattr(cls, hook) is getattr(base, hook) for hook in HOOKS)
+            for base in cls.__bases__
+            if issubclass(base, Plugin)
+        ):
+            cls.batch_role = Plugin.batch_role  # type: ignore[method-assign]
 
     def __init__(self, type: str, name: str, node: Node, rng: np.random.Generator) -> None:
         self.type = type
@@ -131,6 +126,15 @@ class Plugin:
         """
         raise TypeError(f"{type(self).__name__} does not override on_initialize")
 
+    @property
+    def batch_role(self) -> Optional[BatchRole]:
+        """The plugin's part in a `SimulationBatch`; None: batches refuse it.
+
+        To be overridden by a property, or by an attribute of the class, such as `BatchRole()` for a
+        plugin that only observes. A derived class that overrides a hook has to do so again.
+        """
+        return None
+
     def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:
         """The frame that is the value of a key of the configuration, such as `odom_frame_id`.
 
@@ -156,9 +160,9 @@ class Plugin:
         """Whether the step hooks need to be called now.
 
         To be overridden by plugins that only publish, which have no work while their topics have no
-        subscribers. A plugin with an `update_timer` is asked whenever this is due, unless it is one
-        that `only_publishes`; any other only after a topic has got or lost a subscriber, or plugins
-        were started or stopped: its answer may depend on nothing else.
+        subscribers. Called again only after a topic has got or lost a subscriber, plugins were
+        started or stopped, or one has set its `update_timer`: the answer may depend on nothing
+        else.
         """
         return True
 
@@ -167,19 +171,38 @@ class Plugin:
 
         For work that is faster if it is done for several plugins together: here each of them can
         request it; see `Lidar.expect_scan`.
+
+        Args:
+            timekeeper: has the time, t.
         """
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Called before the physics; the time is t."""
+        """Called before the physics.
+
+        Args:
+            timekeeper: has the time, t.
+        """
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Called after the physics; the time is t + dt."""
+        """Called after the physics.
+
+        Args:
+            timekeeper: has the time, t + dt.
+        """
 
     def begin_contact(self, contact: _core.Contact) -> None:
-        """Called when two fixtures have started to touch."""
+        """Called when two fixtures have started to touch.
+
+        Args:
+            contact: of these fixtures.
+        """
 
     def end_contact(self, contact: _core.Contact) -> None:
-        """Called when two fixtures have ceased to touch, or one that touches is deleted."""
+        """Called when two fixtures have ceased to touch, or one that touches is deleted.
+
+        Args:
+            contact: of these fixtures.
+        """
 
     def pre_solve(self, contact: _core.Contact, old_manifold: _core.Manifold) -> None:
         """Called before a contact is solved, possibly several times in a step; not for sensors.
@@ -198,23 +221,15 @@ class Plugin:
             impulse: what was applied at each of these points to keep the fixtures apart [N s].
         """
 
-    def make_batch_motion(self, count: int) -> Optional[BatchMotion]:
-        """What the plugin does in so many environments of a `SimulationBatch`.
-
-        To be overridden by plugins that do nothing else than to set velocities of bodies at their
-        updates, so that batches can run them. A derived class that overrides a hook has to override
-        this, too. Called after all models and plugins of the world were made.
-
-        Returns:
-            None: it cannot be run in a batch, unless it `is_passive` or `acts_when_loaded`.
-        """
-        return None
-
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
         """Draws what the plugin shows in a picture of the world, such as a lidar's returns.
 
         Called between steps, when a picture with sensors is asked for. It must not change anything:
         a run is the same with pictures and without.
+
+        Args:
+            canvas: the picture.
+            timekeeper: has the time.
         """
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
@@ -222,13 +237,16 @@ class Plugin:
 
         To be overridden by sensors. Called between steps, when one of its topics is read for the
         first time (`Simulation.last`). It changes nothing that the plugin publishes later.
+
+        Args:
+            timekeeper: has the time.
         """
 
     def on_shutdown(self) -> None:
         """Called once, at the end of the plugin; its topics are still open."""
 
     def get_state(self) -> Any:
-        """What the plugin keeps from step to step, for a saved state; see `set_state`.
+        """The attributes that the plugin keeps from step to step; see `set_state`.
 
         To be overridden by plugins with attributes that change after `on_initialize`. The framework
         itself keeps `rng`, `update_timer`, and what the core moves: bodies, drives and tweens. A
@@ -243,9 +261,12 @@ class Plugin:
         return None
 
     def set_state(self, state: Any) -> None:
-        """Sets what `get_state` has returned: here, or of the same plugin in another process.
+        """Restores a state: of this plugin, or of the same plugin in another process.
 
         Called between steps on a plugin that has just been initialized, when all models and bodies
         are there, in their places. What it publishes from now on must not depend on whether it has
         lived since the beginning or was restored.
+
+        Args:
+            state: as `get_state` has returned it.
         """

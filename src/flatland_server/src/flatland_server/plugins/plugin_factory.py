@@ -1,7 +1,7 @@
 """Makes plugins out of their configuration."""
 
 import zlib
-from typing import Any, Callable, Dict, List, Set, Type, TypeVar
+from typing import Any, Callable, Type, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from flatland_server.models.plugin_config import PluginConfig
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.transport.node import Node
-from flatland_server.transport.transport import Transport
 
 P = TypeVar("P", bound=Plugin)
 
@@ -25,33 +24,15 @@ class PluginFactory:
     """Makes plugins, each with a node and a random number generator of its own.
 
     Args:
-        transport: carries the topics, transforms and parameters of the plugins.
+        root_node: of which theirs are parts.
         loader: finds plugin classes.
         seed: the world's seed.
     """
 
-    def __init__(self, transport: Transport, loader: PluginLoader, seed: int) -> None:
-        self._root_node = Node(transport)
+    def __init__(self, root_node: Node, loader: PluginLoader, seed: int) -> None:
+        self._root_node = root_node
         self._loader = loader
         self._seed = seed
-
-    def take_over_warnings(self, former: "PluginFactory") -> None:
-        """See `PluginManager.take_over_warnings`."""
-        self._root_node.take_over_warnings(former._root_node)
-
-    @property
-    def odometry_frames(self) -> Set[str]:
-        """The frames of odometry that the plugins have claimed."""
-        return self._root_node.odometry_frames
-
-    @property
-    def topics(self) -> Dict[str, str]:
-        """The types of the topics of the plugins, by their absolute names."""
-        return self._root_node.topic_types
-
-    def owners_of(self, topic: str) -> List[str]:
-        """The plugins that have a topic, as `model/plugin`."""
-        return self._root_node.owners_of(topic)
 
     def make(
         self,

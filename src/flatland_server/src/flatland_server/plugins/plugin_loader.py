@@ -1,10 +1,5 @@
 """Finds plugins by their type, as pluginlib does.
 
-Packages declare their plugins in two ways: a ROS package by an XML file that its package.xml
-exports (`ros_exports`), a Python package that pip installs by entry points (`entry_points`). A
-package may do both, with the same files under catkin and under pip: a class that is found twice
-counts once.
-
 A C++ class, with `::` in its `type` in the XML file, cannot be loaded: only a file that names it
 gets an error. Plugins of `EXAMPLE_PACKAGE`, which is there to be copied, are hidden by others of
 the same name.
@@ -14,18 +9,11 @@ import importlib
 import inspect
 import logging
 import os
-import sys
-import threading
-import warnings
-from contextlib import contextmanager
-from typing import Iterable, Iterator, List, Optional, Set, TextIO, Tuple, Type, TypeVar, Union
+from typing import Iterable, Optional, Type, TypeVar
 
-from flatland_server._deprecated import FormerNameWarning
 from flatland_server.exceptions import PluginError, shortened, suggestion
-from flatland_server.plugins.entry_points import entry_point_plugins
+from flatland_server.plugins.declarations import PluginDeclaration, discover
 from flatland_server.plugins.plugin import Plugin
-from flatland_server.plugins.plugin_declaration import PluginDeclaration
-from flatland_server.plugins.ros_exports import exported_plugins
 
 __all__ = ["EXAMPLE_PACKAGE", "PluginDeclaration", "PluginLoader", "discover"]
 
@@ -35,9 +23,6 @@ P = TypeVar("P", bound=Plugin)
 
 EXAMPLE_PACKAGE = "flatland_example_plugins"
 """The package that users copy under another name: a copy hides the plugins of the original."""
-
-_FIRST_IMPORTS = threading.RLock()
-"""One at a time: `warnings.catch_warnings` changes and restores what all threads use."""
 
 
 class PluginLoader:
@@ -52,7 +37,11 @@ class PluginLoader:
         self._declarations = None if declarations is None else list(declarations)
 
     def load(self, type: str, base: Type[P]) -> Type[P]:
-        """The class that the `type` in a YAML file means.
+        """The class that a type in a YAML file means.
+
+        Args:
+            type: such as `Laser` or `flatland_plugins::Laser`.
+            base: the class must derive from it: `ModelPlugin` or `WorldPlugin`.
 
         Raises:
             PluginError: there is no such plugin or more than one, it cannot be imported, or it is
@@ -99,11 +88,7 @@ def _cpp_error(type: str, declaration: PluginDeclaration) -> str:
 def _import(declaration: PluginDeclaration) -> object:
     module_name, _, class_name = declaration.class_path.rpartition(".")
     try:
-        if module_name in sys.modules:
-            module = importlib.import_module(module_name)  # another thread may be importing it
-        else:
-            with _FIRST_IMPORTS, _log_former_names(declaration.package):
-                module = importlib.import_module(module_name)
+        module = importlib.import_module(module_name)
     except Exception as error:
         raise PluginError(
             f'the plugin "{declaration.name}" of the package {declaration.package} cannot be '
@@ -114,46 +99,3 @@ def _import(declaration: PluginDeclaration) -> object:
             f'{module_name} has no class "{class_name}", though its package declares it'
         )
     return getattr(module, class_name)
-
-
-@contextmanager
-def _log_former_names(package: str) -> Iterator[None]:
-    """Logs each line that uses a former name of `flatland_server`, while a plugin is imported.
-
-    Python shows these warnings only for code in `__main__`, which plugins never are.
-    """
-    logged: Set[Tuple[str, int, str]] = set()
-
-    def show(
-        message: Union[Warning, str],
-        category: Type[Warning],
-        filename: str,
-        lineno: int,
-        file: Optional[TextIO] = None,
-        line: Optional[str] = None,
-    ) -> None:
-        use = (filename, lineno, str(message))
-        if not issubclass(category, FormerNameWarning):
-            show_others(message, category, filename, lineno, file, line)
-        elif use not in logged:
-            logged.add(use)
-            logger.warning("the plugin package %s should be updated: %s:%d: %s", package, *use)
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("always", FormerNameWarning)
-        show_others = warnings.showwarning
-        warnings.showwarning = show
-        yield
-
-
-def discover() -> List[PluginDeclaration]:
-    """The plugins that packages declare, each once; a faulty declaration is logged."""
-    declarations = exported_plugins()
-    known = {key for d in declarations if not d.is_cpp for key in _identities(d)}
-    return declarations + [d for d in entry_point_plugins() if known.isdisjoint(_identities(d))]
-
-
-def _identities(declaration: PluginDeclaration) -> Set[Tuple[str, str]]:
-    """What tells that two declarations mean the same plugin: one of these is equal."""
-    name = declaration.name
-    return {(name, declaration.package), (name, declaration.class_path)}

@@ -25,17 +25,15 @@ from flatland_server.plugins.contact_dispatcher import ContactDispatcher
 from flatland_server.plugins.plugin import HOOKS, STEP_HOOKS, Plugin
 from flatland_server.plugins.plugin_factory import PluginFactory
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.schedule import Schedule
-from flatland_server.plugins.scheduled_plugin import StepCalls
+from flatland_server.plugins.schedule import NO_CALLS, Schedule
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport
 
 logger = logging.getLogger(__name__)
 
 P = TypeVar("P", bound=Plugin)
 Hook = Callable[..., None]
-
-_NO_CALLS = StepCalls([])
 
 
 class PluginRevision:
@@ -96,13 +94,14 @@ class PluginManager:
         revision: PluginRevision,
     ) -> None:
         self._transport = transport
-        self._factory = PluginFactory(transport, loader, seed)
+        self._root_node = Node(transport)
+        self._factory = PluginFactory(self._root_node, loader, seed)
         self._plugins: Dict[str, List[Plugin]] = {}  # by the model's name; "" is the world
         self._failures: Dict[Plugin, PluginFailure] = {}
-        self._contacts = ContactDispatcher(physics, entities, self._call_contact_hook)
-        self._schedule = Schedule(self._has_work)
+        self._contacts = ContactDispatcher(physics, entities, self._call)
+        self._schedule = Schedule(self._has_work, lambda: self._contacts.is_listening)
         self.plan = self._schedule.plan
-        self._step_calls = _NO_CALLS
+        self._step_calls = NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
         """Called when a plugin has failed and is switched off; without it, that is logged."""
         self._revision = revision
@@ -110,7 +109,7 @@ class PluginManager:
 
     def take_over_warnings(self, former: "PluginManager") -> None:
         """Does not repeat warnings that were given before the world was reset."""
-        self._factory.take_over_warnings(former._factory)
+        self._root_node.take_over_warnings(former._root_node)
 
     @property
     def is_starting(self) -> bool:
@@ -139,12 +138,12 @@ class PluginManager:
     @property
     def odometry_frames(self) -> Set[str]:
         """The frames of odometry that running plugins have claimed."""
-        return self._factory.odometry_frames
+        return self._root_node.odometry_frames
 
     @property
     def topics(self) -> Dict[str, str]:
         """The types of the topics that running plugins have, by their absolute names."""
-        return self._factory.topics
+        return self._root_node.topic_types
 
     @property
     def failures(self) -> List[PluginFailure]:
@@ -219,7 +218,7 @@ class PluginManager:
         self._stop_calling([plugin for plugins in self._plugins.values() for plugin in plugins])
         for model_name in list(self._plugins):
             self.stop(model_name)
-        self._step_calls = _NO_CALLS
+        self._step_calls = NO_CALLS
 
     def steps_without_hooks(self, timekeeper: Timekeeper, limit: int) -> int:
         """The number of steps from now on, up to a limit, that need no calls of step hooks.
@@ -230,10 +229,8 @@ class PluginManager:
         if revision != self._transport.subscriber_revision:
             return 0
         steps = self._schedule.steps_without_calls(timekeeper, revision, limit)
-        if self._contacts.is_listening:
-            self.plan.until = 0  # each step may call a contact hook
         if steps > 0:
-            self._step_calls = _NO_CALLS  # or those of the last step would keep plugins alive
+            self._step_calls = NO_CALLS  # or those of the last step would keep plugins alive
         return steps
 
     def pass_over(self, nanoseconds: int) -> None:
@@ -260,17 +257,15 @@ class PluginManager:
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Calls `after_physics_step` of all plugins that were due before the step."""
-        if self._step_calls.hooks["after_physics_step"]:
+        if self._step_calls.plugins:
             self._call_step_hooks("after_physics_step", timekeeper)
+            self._schedule.renew_plan()
 
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
         """Has all running plugins draw what they show in pictures."""
         for _, plugin in self.all_plugins():
             if plugin not in self._failures:
-                try:
-                    plugin.draw(canvas, timekeeper)
-                except PLUGIN_ERRORS:
-                    self._fail(plugin, "draw")
+                self._call(plugin, "draw", plugin.draw, canvas, timekeeper)
 
     def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
         """Has the running plugins that have a topic publish to it; see `Plugin.publish_now`.
@@ -279,13 +274,17 @@ class PluginManager:
             topic: its absolute name.
             timekeeper: has the present time.
         """
-        owners = self._factory.owners_of(topic)
+        owners = self._root_node.owners_of(topic)
         for _, plugin in self.all_plugins():
             if plugin.node.owner in owners and plugin not in self._failures:
-                try:
-                    plugin.publish_now(timekeeper)
-                except PLUGIN_ERRORS:
-                    self._fail(plugin, "publish_now")
+                self._call(plugin, "publish_now", plugin.publish_now, timekeeper)
+
+    def _call(self, plugin: Plugin, name: str, hook: Hook, *arguments: Any) -> None:
+        """Calls a hook of a plugin, and switches the plugin off if it fails."""
+        try:
+            hook(*arguments)
+        except PLUGIN_ERRORS:
+            self._fail(plugin, name)
 
     def _call_step_hooks(self, name: str, timekeeper: Timekeeper) -> None:
         for scheduled, hook in self._step_calls.hooks[name]:
@@ -294,12 +293,6 @@ class PluginManager:
                     hook(timekeeper)
                 except PLUGIN_ERRORS:
                     self._fail(scheduled.plugin, name)
-
-    def _call_contact_hook(self, plugin: Plugin, name: str, hook: Hook, *arguments: Any) -> None:
-        try:
-            hook(*arguments)
-        except PLUGIN_ERRORS:
-            self._fail(plugin, name)
 
     def _has_work(self, plugin: Plugin) -> bool:
         try:
@@ -327,7 +320,6 @@ class PluginManager:
         self.switch_off(plugin, failure)
 
     def _stop_calling(self, plugins: Sequence[Plugin]) -> None:
-        self.plan.expire()
         self._schedule.remove(plugins)
         self._contacts.remove(plugins)
 

@@ -1,42 +1,113 @@
-"""Which plugins are to be called in a step."""
+"""The schedule: which plugins are called in a step, and how many steps call none.
+
+    state    a plugin                      its step hooks are called
+    steady   without a rate, with work     in every step
+    timed    with a rate and with work     when its `update_timer` is due
+    idle     without work                  never; its timer goes on
+
+A plugin has work if its `has_work` returns so. `Schedule._ask_all` calls it for all plugins, and
+finds their states: at the start of a step, if since the last time topics have got or lost
+subscribers, plugins were started or stopped, or one has set its `update_timer`. In other steps no
+plugin is asked anything; one in which none is due costs the same for any number of timed plugins.
+"""
 
 import math
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from operator import attrgetter
-from typing import Callable, Dict, Sequence
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from flatland_server.plugins.plugin import Plugin
-from flatland_server.plugins.scheduled_plugin import ScheduledPlugin, StepCalls, StepHook
-from flatland_server.plugins.step_plan import StepPlan
-from flatland_server.plugins.timer_queue import TimerQueue
-from flatland_server.plugins.work_cache import WorkCache
+from flatland_server.plugins.plugin import STEP_HOOKS, Plugin
 from flatland_server.timekeeper import Timekeeper
+from flatland_server.update_timer import UpdateTimer
+
+StepHook = Callable[[Timekeeper], None]
+
+_FOREVER = 2**63
+"""A time that is never reached [ns]; an int, since ints are compared faster with ints."""
+
+_EXPIRED = object()
+"""The subscriber revision of a plan that has expired."""
+
+
+class StepPlan:
+    """The simulated time before which no hook of a plugin is to be called.
+
+    Attributes:
+        until: the time [ns] of the next step that calls a hook; 0 if each step may call one.
+        subscriber_revision: of the transport when the plan was made; it is valid only as long as
+            the subscribers are the same.
+    """
+
+    __slots__ = ("subscriber_revision", "until")
+
+    def __init__(self) -> None:
+        self.expire()
+
+    def expire(self) -> None:
+        """Drops the plan: plugins, or their timers, have changed."""
+        self.until = 0
+        self.subscriber_revision: object = _EXPIRED
+
+
+@dataclass(eq=False)
+class ScheduledPlugin:
+    """A plugin with the step hooks that it overrides, by name."""
+
+    plugin: Plugin
+    hooks: Dict[str, StepHook]
+    order: int
+    """Unique; plugins are called in this order, in which they were started."""
+    timer: Optional[UpdateTimer] = None
+    """When it is due; None if that is at every step."""
+    is_idle: bool = False
+    is_removed: bool = False
+
+
+class StepCalls:
+    """The hooks to call in a step.
+
+    Args:
+        plugins: those that are called, in their order.
+
+    Attributes:
+        hooks: with their plugins, by the name of the hook.
+    """
+
+    def __init__(self, plugins: List[ScheduledPlugin]) -> None:
+        self.plugins = plugins
+        self.hooks: Dict[str, List[Tuple[ScheduledPlugin, StepHook]]] = {
+            name: [(each, each.hooks[name]) for each in plugins if name in each.hooks]
+            for name in STEP_HOOKS
+        }
+
+
+NO_CALLS = StepCalls([])
 
 
 class Schedule:
-    """Finds the plugins that are due and have work, without asking each of them at every step.
-
-    Plugins with an update rate are in a `TimerQueue`. Those without are due at every step; they are
-    in a `WorkCache`. When a `StepPlan` is made, plugins with an update rate that only publish, and
-    have no subscriber, are put into a queue of their own: their timers go on, but no step has to
-    wait for them.
+    """The plugins that have step hooks, each in one of the states above.
 
     Args:
-        has_work: calls `Plugin.has_work` of a plugin. It may remove plugins here.
+        has_work: calls `Plugin.has_work` of a plugin. It may add and remove plugins here.
+        has_contact_hooks: returns whether a plugin has a hook that any step may call.
 
     Attributes:
-        plan: the time until which no plugin is to be called, if known.
+        plan: must be made to expire when plugins with other hooks are started or stopped.
     """
 
-    def __init__(self, has_work: Callable[[Plugin], bool]) -> None:
+    def __init__(
+        self, has_work: Callable[[Plugin], bool], has_contact_hooks: Callable[[], bool]
+    ) -> None:
         self.plan = StepPlan()
         self._has_work = has_work
-        self._plugins: Dict[Plugin, ScheduledPlugin] = {}
+        self._has_contact_hooks = has_contact_hooks
+        self._plugins: Dict[Plugin, ScheduledPlugin] = {}  # in the order of their calls
         self._count = 0
-        self._timer_queue = TimerQueue()
-        self._idle_queue = TimerQueue()
-        self._idle_revision: object = None  # of the subscribers when it was filled
-        self._idle_is_stale = True  # a plugin may belong there that has come since
-        self._work_cache = WorkCache(has_work)
+        self._steady = NO_CALLS
+        self._timed: List[Tuple[float, int, ScheduledPlugin]] = []  # a heap: due [ns], order
+        self._next_due = math.inf  # the least of the heap
+        self._may_plan = False  # no plugin has to be called in every step
 
     def add(self, plugin: Plugin, hooks: Dict[str, StepHook]) -> None:
         """Adds a plugin behind all others.
@@ -46,23 +117,23 @@ class Schedule:
             hooks: the step hooks that it overrides, by name.
         """
         self._count += 1
-        scheduled = ScheduledPlugin(plugin, hooks, self._count)
-        self._plugins[plugin] = scheduled
-        self._insert(scheduled)
-        plugin.timer_observer = lambda: self._move(scheduled)
+        self._plugins[plugin] = ScheduledPlugin(plugin, hooks, self._count)
+        plugin.timer_observer = self.plan.expire
+        self.plan.expire()
 
     def remove(self, plugins: Sequence[Plugin]) -> None:
         """Removes plugins, and marks them as removed for the calls of the step that is being made.
 
         Plugins that are not there are ignored.
         """
-        removed = {self._plugins.pop(plugin) for plugin in plugins if plugin in self._plugins}
-        for each in removed:
-            each.is_removed = True
-            each.plugin.timer_observer = None
-        self._timer_queue.remove(removed)
-        self._idle_queue.remove(removed)
-        self._work_cache.remove(removed)
+        for plugin in plugins:
+            scheduled = self._plugins.pop(plugin, None)
+            if scheduled is not None:
+                scheduled.is_removed = True
+                plugin.timer_observer = None
+        # Found again in the next step; until then, they would keep plugins alive.
+        self._steady, self._timed, self._next_due = NO_CALLS, [], math.inf
+        self.plan.expire()
 
     def calls(self, timekeeper: Timekeeper, subscriber_revision: object) -> StepCalls:
         """The hooks to call in the step that begins now.
@@ -71,100 +142,85 @@ class Schedule:
             timekeeper: has the time of the step.
             subscriber_revision: differs from that of the last step if subscribers have changed.
         """
-        now = timekeeper.nanoseconds
-        idle = self._idle_queue
-        if now > idle.next_due:
-            idle.pass_over(now - timekeeper.step_nanoseconds)  # steps were made as planned
-        if subscriber_revision != self._idle_revision:
-            self._end_idleness()
-        if now >= idle.next_due:
-            idle.pass_over(now)
-        calls = self._work_cache.calls(subscriber_revision)
-        if now < self._timer_queue.next_due:
-            return calls
-        due = self._timer_queue.pop_due(timekeeper)
-        if self.plan.until > 0:
-            self.plan.extend(self._timer_queue.next_due)
-        with_work = [each for each in due if self._has_work(each.plugin) and not each.is_removed]
-        return StepCalls(sorted([*calls.plugins, *with_work], key=attrgetter("order")))
+        if subscriber_revision != self.plan.subscriber_revision:
+            self._ask_all(timekeeper, subscriber_revision)
+        if timekeeper.nanoseconds < self._next_due:
+            return self._steady
+        due = self._pop_due(timekeeper.nanoseconds)
+        return StepCalls(sorted([*self._steady.plugins, *due], key=attrgetter("order")))
 
     def steps_without_calls(
         self, timekeeper: Timekeeper, subscriber_revision: object, limit: int
     ) -> int:
-        """The number of steps from now on, up to a limit, in which no hook is to be called.
+        """The number of steps from now on, up to a limit, in which no step hook is to be called.
 
-        This holds until plugins, their timers or subscribers change. Renews the `plan`.
+        This holds until plugins, their timers or subscribers change.
 
         Args: those of `calls`, and the limit.
         """
-        self.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
-        plan = self.plan
-        plan.until, plan.subscriber_revision = 0, subscriber_revision  # plugins may let it expire
-        if self._work_cache.calls(subscriber_revision).plugins:
+        if subscriber_revision != self.plan.subscriber_revision:
+            self._ask_all(timekeeper, subscriber_revision)
+        if self._steady.plugins or self.plan.subscriber_revision is _EXPIRED:
             return 0
-        if self._idle_is_stale or subscriber_revision != self._idle_revision:
-            self._end_idleness()
-            self._idle_revision = subscriber_revision
-            self._find_idle()
-        next_due = self._timer_queue.next_due
-        if self._idle_is_stale:
-            plan.expire()  # a plugin may have no work once it has been due
-        elif plan.subscriber_revision is not None:
-            plan.extend(next_due)
-        if math.isinf(next_due):
+        if math.isinf(self._next_due):
             return limit
-        steps = -(int(timekeeper.nanoseconds - next_due) // timekeeper.step_nanoseconds)
+        steps = -(int(timekeeper.nanoseconds - self._next_due) // timekeeper.step_nanoseconds)
         return min(max(steps, 0), limit)
 
     def pass_over(self, nanoseconds: int) -> None:
         """Makes idle plugins due after this simulated time [ns], at which a step was made."""
-        self._idle_queue.pass_over(nanoseconds)
+        for each in self._plugins.values():
+            if each.is_idle and each.timer is not None:
+                each.timer.check_update_at(nanoseconds)
 
-    def _find_idle(self) -> None:
-        """Moves plugins that only publish, and have no work, to the queue of the idle ones."""
-        candidates = [each for each in self._timer_queue.plugins if _only_publishes(each.plugin)]
-        # The time of a plugin is counted from the step in which it is due first.
-        started = [each for each in candidates if each.timer and each.timer.due >= 0]
-        self._idle_is_stale = len(started) < len(candidates)
-        without_work = [each for each in started if not self._has_work(each.plugin)]
-        idle = {each for each in without_work if each.timer and not each.is_removed}
-        self._timer_queue.remove(idle)
-        for each in idle:
-            self._idle_queue.add(each)
+    def renew_plan(self) -> None:
+        """Plans until the next plugin is due; to be called after a step that has called hooks."""
+        if self._may_plan and self.plan.subscriber_revision is not _EXPIRED:
+            due = self._next_due
+            self.plan.until = math.ceil(due) if due < _FOREVER else _FOREVER
 
-    def _end_idleness(self) -> None:
-        """Moves all idle plugins back to the others."""
-        self._idle_is_stale = True
-        idle = self._idle_queue.plugins
-        if idle:
-            self._idle_queue.remove(set(idle))
-            for each in idle:
-                self._timer_queue.add(each)
+    def _ask_all(self, timekeeper: Timekeeper, subscriber_revision: object) -> None:
+        """Finds the state of each plugin at the start of a step, and makes a plan.
 
-    def _insert(self, scheduled: ScheduledPlugin) -> None:
-        timer = scheduled.plugin.update_timer
-        if timer is not None and timer.period > 0:
-            scheduled.timer = timer
-            self._timer_queue.add(scheduled)
-            self._idle_is_stale = True
-        else:
-            scheduled.timer = None
-            self._work_cache.add(scheduled)
-
-    def _move(self, scheduled: ScheduledPlugin) -> None:
-        """Moves a plugin to the place where it belongs with the timer that it has now."""
+        Plugins that are added meanwhile are called from the next step on.
+        """
+        now = timekeeper.nanoseconds
+        self.pass_over(now - timekeeper.step_nanoseconds)
         self.plan.expire()
-        self._timer_queue.remove({scheduled})
-        self._idle_queue.remove({scheduled})
-        self._work_cache.remove({scheduled})
-        self._insert(scheduled)
+        self.plan.subscriber_revision = subscriber_revision  # expires if plugins change meanwhile
+        steady: List[ScheduledPlugin] = []
+        timed: List[Tuple[float, int, ScheduledPlugin]] = []
+        try:
+            for each in list(self._plugins.values()):
+                each.is_idle = each.is_removed or not self._has_work(each.plugin)
+                timer = each.plugin.update_timer
+                timer = each.timer = timer if timer is not None and timer.period > 0 else None
+                if each.is_idle:
+                    if timer is not None and timer.due < 0:
+                        timer.check_update_at(now)  # a rate counts from the first step
+                elif timer is None:
+                    steady.append(each)
+                else:
+                    timed.append((timer.due, each.order, each))
+        except BaseException:
+            self.plan.expire()
+            raise
+        heapify(timed)
+        self._steady, self._timed = StepCalls(steady), timed
+        self._next_due = timed[0][0] if timed else math.inf
+        self._may_plan = not steady and not self._has_contact_hooks()
+        self.renew_plan()
 
-
-def _only_publishes(plugin: Plugin) -> bool:
-    """Whether the class that has the plugin's `has_work`, or one derived from it, says so."""
-    for each in type(plugin).__mro__:
-        if "only_publishes" in vars(each):
-            return plugin.only_publishes
-        if "has_work" in vars(each):
-            break
-    return False
+    def _pop_due(self, now: int) -> List[ScheduledPlugin]:
+        """The timed plugins that are due now [ns]; each is queued again for its next time."""
+        reached = []
+        while self._timed and self._timed[0][0] <= now:
+            reached.append(heappop(self._timed)[2])
+        due = []
+        for each in reached:
+            assert each.timer is not None
+            if each.timer.check_update_at(now):  # or the plugin has asked its timer itself
+                due.append(each)
+            heappush(self._timed, (each.timer.due, each.order, each))
+        self._next_due = self._timed[0][0]
+        return due

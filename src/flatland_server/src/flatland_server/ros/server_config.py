@@ -71,7 +71,8 @@ def _world_file(name: str) -> Path:
     if not path.is_absolute() and not path.exists():
         raise FlatlandError(
             f"~world_path: there is no file {path.absolute()}; a relative path begins in the "
-            f"node's working directory, which is not that of roslaunch: write $PWD/{path} for it"
+            "node's working directory, which is not that of roslaunch: write "
+            f'"$PWD/{path}" for it'
         )
     return path.absolute()
 

@@ -74,6 +74,9 @@ class Run:
 
         Messages that were sent are received before each of them.
 
+        Args:
+            count: number of steps, 1 or more.
+
         Raises:
             UsageError: the count is no whole number of 1 or more, or the simulation is closed.
             PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
@@ -257,6 +260,9 @@ class Run:
         Models and plugins are new objects, and the former ones are gone; topics stay connected.
         Files of models that were spawned are read again.
 
+        Args:
+            state: of `save_state`.
+
         Returns:
             This run.
 
@@ -291,7 +297,11 @@ class Run:
             raise PluginError(f'the plugin "{failure.label}" failed in {failure.reason}') from error
 
     def require_open(self) -> None:
-        """Raises a UsageError if the simulation is closed."""
+        """Checks that the simulation is open.
+
+        Raises:
+            UsageError: it is closed.
+        """
         if self._is_closed:
             raise UsageError("the simulation is closed")
 

@@ -4,7 +4,6 @@ import time
 from concurrent.futures import Future
 from typing import Callable, List, Optional, Sequence
 
-from flatland_server._deprecated import renamed
 from flatland_server.exceptions import FlatlandError
 from flatland_server.simulation.pacer import Pacer
 from flatland_server.simulation.run import Run
@@ -50,8 +49,6 @@ class SimulationManager(Run):
         self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
 
-    each_turn = renamed("each_turn", "on_tick")
-
     @property
     def rate(self) -> float:
         """The requested simulated seconds per second of real time; may be infinite."""
@@ -69,6 +66,10 @@ class SimulationManager(Run):
 
     def change_rate(self, rate: float) -> None:
         """Requests another `rate`: 1 is real time, infinity as fast as the machine can.
+
+        Args:
+            rate: simulated seconds per second of real time: 1 is real time, infinity as fast as the
+                machine can.
 
         Raises:
             ValueError: the rate is not above zero.
@@ -127,7 +128,11 @@ class SimulationManager(Run):
         return self._request.done
 
     def run(self, goes_on: Callable[[], bool]) -> None:
-        """Runs in real time until `goes_on()`, which is called before each step, is false."""
+        """Runs in real time until `goes_on()`, which is called before each step, is false.
+
+        Args:
+            goes_on: called before each step; the run ends when it returns False.
+        """
         pacer, transport = self._pacer, self.transport
         pacer.start(self.timekeeper.seconds)
         is_hurrying = ends_request = False  # makes the steps of a request; has made its last one

@@ -12,7 +12,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 import numpy as np
 
 from flatland_server import _core
-from flatland_server.arrays import Segments
+from flatland_server.arrays import PoseLike, Segments
 from flatland_server.config.ros_names import namespace_problem, topic_name_problem
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import (
@@ -20,6 +20,7 @@ from flatland_server.exceptions import (
     LayerError,
     ModelError,
     PluginError,
+    UsageError,
     listed,
     shortened,
     suggestion,
@@ -165,6 +166,9 @@ class World:
     def get_layer(self, name: str) -> Layer:
         """The layer that has this name, perhaps among others.
 
+        Args:
+            name: one of its names.
+
         Raises:
             LayerError: there is no such layer.
         """
@@ -178,6 +182,9 @@ class World:
     def get_model(self, name: str) -> Model:
         """The model of this name.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """
@@ -190,7 +197,7 @@ class World:
     # Changes of models and walls
 
     def spawn_model(
-        self, path: ModelSource, name: str, namespace: str, pose: Pose
+        self, path: ModelSource, name: str, namespace: str, pose: PoseLike
     ) -> Optional[Model]:
         """Adds a model, read from its file, to the world: completely, or not at all.
 
@@ -203,7 +210,7 @@ class World:
                 file, as a dict.
             name: unique in the world.
             namespace: of its topics and frames; may be empty.
-            pose: of its origin in the world.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
 
         Returns:
             The model; None if it is added later.
@@ -227,6 +234,9 @@ class World:
     def read_model(self, path: ModelSource) -> ModelConfig:
         """Reads a model file, or the content of one, for this world; may be called in any thread.
 
+        Args:
+            path: of the file, or the content of one as a dict.
+
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
@@ -234,14 +244,18 @@ class World:
             return self.config.read_model(path, preprocessor)
 
     def read_model_entry(
-        self, path: ModelSource, name: str, namespace: str, pose: Pose
+        self, path: ModelSource, name: str, namespace: str, pose: PoseLike
     ) -> ModelEntry:
         """Does all of `spawn_model` that does not change the world; any thread may call it.
 
         The result is for `add_model`, which checks again that the name is free. Plugin classes are
         imported here, so that `add_model` does not have to.
 
-        Args: those of `spawn_model`.
+        Args:
+            path: as for `spawn_model`.
+            name: as for `spawn_model`.
+            namespace: as for `spawn_model`.
+            pose: as for `spawn_model`.
 
         Raises:
             FlatlandError: the file, the name, the namespace or the pose is not usable.
@@ -250,15 +264,18 @@ class World:
         if problem:
             raise ModelError(problem)
         self.contents.check_name_is_free(name)
-        _check_pose(pose)
+        place = _pose_of(pose)
         model = self.read_model(path)
         for plugin in model.plugins:
             with suppress(PluginError):  # add_model reports it, with its line
                 self._loader.load(plugin.type, ModelPlugin)
-        return ModelEntry(name, namespace, pose, model)
+        return ModelEntry(name, namespace, place, model)
 
     def add_model(self, entry: ModelEntry) -> Model:
         """Adds a model that has been read already, or made without a file, to the world.
+
+        Args:
+            entry: of `read_model_entry`, or made by a program.
 
         Raises:
             FlatlandError: its name is taken, its bodies cannot be created, or one of its plugins
@@ -290,6 +307,9 @@ class World:
 
         In a plugin's hook, this happens at the end of the step.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """
@@ -300,18 +320,22 @@ class World:
             unless_changing=name,
         )
 
-    def move_model(self, name: str, pose: Pose) -> None:
+    def move_model(self, name: str, pose: PoseLike) -> None:
         """Puts a model at another pose, at rest.
 
         In a plugin's hook, this happens at the end of the step; a failure is then logged.
 
+        Args:
+            name: of the model.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
+
         Raises:
-            ModelError: there is no such model, or the pose is not usable.
+            FlatlandError: there is no such model, or the pose is not usable.
         """
         contents, model = self.contents, self.get_model(name)
-        _check_pose(pose)
+        place = _pose_of(pose)
         contents.deferred.run_or_defer(
-            lambda: model.move(pose) if contents.has(model) else None,
+            lambda: model.move(place) if contents.has(model) else None,
             f'the model "{name}" is not moved',
         )
 
@@ -467,9 +491,16 @@ class World:
 
 
 class WorldPlugin(Plugin):
-    """A plugin of the world; `self.world` is the world.
+    """A plugin of the world.
 
     `flatland_server.plugins.plugin` describes the life of a plugin.
+
+    Attributes:
+        type: its type, as in its configuration.
+        name: unique among the plugins of the world.
+        node: its access to topics, transforms and parameters.
+        rng: its random numbers, which depend only on the seed of the world and on its name.
+        world: its world, with layers and models.
     """
 
     def __init__(
@@ -479,6 +510,13 @@ class WorldPlugin(Plugin):
         self.world = world
 
 
-def _check_pose(pose: Pose) -> None:
+def _pose_of(value: PoseLike) -> Pose:
+    try:
+        x, y, yaw = value
+        pose = Pose(float(x), float(y), float(yaw))
+    except (TypeError, ValueError):
+        found = shortened(repr(value))
+        raise UsageError(f"expected a pose [x, y, yaw], found {found}") from None
     if not pose.is_finite():
         raise ModelError(f"expected a finite pose, found x={pose.x} y={pose.y} theta={pose.yaw}")
+    return pose

@@ -30,7 +30,14 @@ ModelSource = Union[str, Path, Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class ModelEntry:
-    """An entry of a world's `models`, with the model's file."""
+    """An entry of a world's `models`, with the model's file.
+
+    Attributes:
+        name: unique in the world.
+        namespace: of the model's topics and frames; may be empty.
+        pose: of the model's origin in the world.
+        model: the contents of its file.
+    """
 
     name: str
     namespace: str
@@ -40,7 +47,21 @@ class ModelEntry:
 
 @dataclass(frozen=True)
 class WorldConfig:
-    """A world file, with all the files that it refers to."""
+    """A world file, with all the files that it refers to.
+
+    Attributes:
+        velocity_iterations: of Box2D's solver in each step.
+        position_iterations: of Box2D's solver in each step.
+        registry: the collision layers.
+        layers: the entries of `layers`.
+        models: the entries of `models`.
+        plugins: the entries of `plugins`.
+        walls: of each map file, in the world [m].
+        model_folders: where the names of model files are looked up: the world's folder, and those
+            of models.
+        path: the world file, if it was read from one.
+        simplify_map: how much the outlines of map images were simplified; see `read_map`.
+    """
 
     velocity_iterations: int
     position_iterations: int
@@ -49,13 +70,9 @@ class WorldConfig:
     models: Tuple[ModelEntry, ...]
     plugins: Tuple[PluginConfig, ...]
     walls: Mapping[Path, Segments] = field(default_factory=dict, repr=False, compare=False)
-    """The walls of each map file, in the world [m]."""
     model_folders: Tuple[Path, ...] = ()
-    """Where the names of model files are looked up: the world's folder, and those of models."""
     path: Optional[Path] = field(default=None, compare=False)
-    """The world file, if it was read from one."""
     simplify_map: int = 0
-    """How much the outlines of map images were simplified; see `read_map`."""
 
     @classmethod
     def from_file(
@@ -115,7 +132,14 @@ class WorldConfig:
         simplify_map: int = 0,
         model_folders: Sequence[Path] = (),
     ) -> "WorldConfig":
-        """Like `from_file`, for a file that has been parsed already."""
+        """Like `from_file`, for a file that has been parsed already.
+
+        Args:
+            reader: has the file.
+            preprocessor: as for `from_file`.
+            simplify_map: as for `from_file`.
+            model_folders: as for `from_file`.
+        """
         properties = reader.get_section("properties", required=True)
         velocity_iterations = properties.get_int(
             "velocity_iterations", 10, minimum=1, maximum=_MAX_ITERATIONS
@@ -205,7 +229,11 @@ class WorldConfig:
         return ModelConfig.from_file(path, self.registry, preprocessor)
 
     def walls_of(self, layer: LayerConfig) -> Segments:
-        """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2."""
+        """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2.
+
+        Args:
+            layer: of this world.
+        """
         return self.walls[layer.map] if layer.map is not None else np.empty((0, 4))
 
 

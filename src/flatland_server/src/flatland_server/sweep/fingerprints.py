@@ -23,11 +23,14 @@ from flatland_server.sweep.controllers import (
     policy_file,
     python_file,
 )
-from flatland_server.sweep.parameters import is_for_controller, world_key, world_params
-from flatland_server.sweep.scenario import Scenario
-from flatland_server.sweep.scenario_file import world_source
-from flatland_server.sweep.settings import Controller, SweepSettings
-from flatland_server.sweep.sweep_worlds import SweepWorlds
+from flatland_server.sweep.parameters import (
+    SweepWorlds,
+    is_for_controller,
+    world_file,
+    world_key,
+    world_params,
+)
+from flatland_server.sweep.settings import Controller, Scenario, SweepSettings
 
 _LENGTH = 16
 
@@ -57,8 +60,8 @@ class Fingerprints:
         self._params_read: Set[str] = set()
         first = settings.parameters[0]
         for world in settings.worlds:
-            source = world_source(world.source, settings.folder)
-            with Simulation(source, params=world_params(first)) as simulation:
+            file = world_file(world.source, settings.folder)
+            with Simulation(file, params=world_params(first)) as simulation:
                 # It names what is wrong by its place in the files.
                 self._params_read |= simulation.transport.params_read
         self._worlds = self._fingerprints_of_worlds()

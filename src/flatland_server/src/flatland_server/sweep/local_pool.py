@@ -1,42 +1,81 @@
-"""Worker processes on this machine: distributes jobs, and replaces workers that die."""
+"""Runs scenarios in worker processes on this machine.
 
-from collections import deque
+A worker is
+
+    starting    until its first message has come
+    idle        ready, without a scenario
+    busy        running a scenario, until its answer has come
+    gone        it has died, or was stopped since its scenario took too long; another one is started
+
+Parent and worker send each other pickled messages over a socket. The worker gets the
+`SweepSettings`, then pairs of a function and a scenario; it sends READY, then what the functions
+return. It ends when the socket is closed, also in the middle of a scenario, so that no process
+outlives a parent that was killed.
+"""
+
+import logging
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter, deque
+from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing.connection import wait
-from typing import Callable, Deque, Dict, Iterable, Iterator, List, Optional
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from typing import Any, Callable, Deque, Generic, Iterable, Iterator, List, Optional, TypeVar
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.sweep.jobs import Answer, Job
-from flatland_server.sweep.runner import Result
-from flatland_server.sweep.settings import SweepSettings
-from flatland_server.sweep.worker import READY
-from flatland_server.sweep.worker_process import WorkerProcess
+from flatland_server.sweep.runner import ScenarioRunner
+from flatland_server.sweep.settings import Scenario, SweepSettings
+
+READY = "ready"
 
 _MAX_FAILED_STARTS = 5
-"""How many workers in a row may die before they are ready."""
+"""The number of workers in a row that may die before they are ready."""
+
+_PROGRAM = """
+import sys
+if sys.path[0] == "":  # imports nothing from the working directory
+    del sys.path[0]
+from flatland_server.sweep.local_pool import work
+work(int(sys.argv[1]))
+"""
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Number of threads of NumPy in a worker: 1, unless the user has set it. There are as many workers
+as CPUs; and several threads may round a matrix product in another way.
+"""
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Done:
-    """A job that is done.
+class Done(Generic[T]):
+    """A scenario that is done.
 
     Attributes:
-        job: the job.
-        answer: its result; the same wherever it was done.
+        scenario: the scenario.
+        answer: of the function that it was passed to; None if that could not be run to the end.
         seconds: of real time that the last attempt has taken.
         attempts: how often it was begun.
+        failure: why it could not be run to the end; empty if it was.
     """
 
-    job: Job
-    answer: Answer
+    scenario: Scenario
+    answer: Optional[T]
     seconds: float
     attempts: int
+    failure: str = ""
 
 
 class LocalPool:
-    """Worker processes; each does one job at a time.
+    """Worker processes; each runs one scenario at a time.
 
-    A job is run again if its worker has died. One that takes too long is stopped.
+    A scenario is run again if its worker has died. One that takes too long is stopped.
 
     Args:
         settings: of the sweep.
@@ -47,107 +86,209 @@ class LocalPool:
     def __init__(
         self, settings: SweepSettings, size: int, report: Callable[[str], None] = lambda _: None
     ) -> None:
+        self.report = report
         self._settings = settings
         self._size = size
-        self._report = report
-        self._workers: List[WorkerProcess] = []
+        self._workers: List[_Worker] = []
         self._failed_starts = 0
+        self._waiting: Deque[Scenario] = deque()
+        self._attempts: Counter[int] = Counter()
 
-    def map(self, jobs: Iterable[Job]) -> Iterator[Done]:
-        """Does jobs.
+    def map(
+        self, function: Callable[[ScenarioRunner, Scenario], T], scenarios: Iterable[Scenario]
+    ) -> Iterator[Done[T]]:
+        """Calls a function with each scenario.
+
+        Args:
+            function: of a module, so that it can be pickled.
+            scenarios: different ones.
 
         Yields:
-            Each job when it is done, in any order.
+            Each scenario when it is done, in any order.
 
         Raises:
             FlatlandError: a worker does not start.
         """
-        waiting: Deque[Job] = deque(jobs)
-        attempts: Dict[int, int] = {}
-        self._hand_out(waiting, attempts)
-        while waiting or any(worker.job for worker in self._workers):
-            found = [self._look_after(each, attempts, waiting) for each in self._wait()]
-            self._hand_out(waiting, attempts)  # before the caller processes the answer
-            for done in found:
-                if done is not None:
-                    yield done
-
-    def report_to(self, report: Callable[[str], None]) -> None:
-        """Reports to another function from now on."""
-        self._report = report
+        self._waiting = deque(scenarios)
+        self._attempts.clear()
+        self._hand_out(function)
+        while self._waiting or any(worker.scenario for worker in self._workers):
+            found = [self._look_after(each) for each in self._wait()]
+            self._hand_out(function)  # before the caller processes the answers
+            yield from (done for done in found if done is not None)
 
     def close(self) -> None:
         """Ends all workers, at once."""
         while self._workers:
             self._workers.pop().kill()
 
-    def _hand_out(self, waiting: Deque[Job], attempts: Dict[int, int]) -> None:
-        """Gives jobs to workers that have none, and starts workers."""
+    def _hand_out(self, function: Callable[[ScenarioRunner, Scenario], Any]) -> None:
+        """Gives scenarios to idle workers, and starts workers."""
         starting = sum(not worker.is_ready for worker in self._workers)
-        while len(self._workers) < self._size and starting < len(waiting):
-            self._workers.append(WorkerProcess(self._settings))
+        while len(self._workers) < self._size and starting < len(self._waiting):
+            self._workers.append(_Worker(self._settings))
             starting += 1
         for worker in self._workers:
-            if waiting and worker.is_ready and worker.job is None:
-                job = waiting.popleft()
-                number = job.scenario.number
-                attempts[number] = attempts.get(number, 0) + 1
-                worker.begin(job)
+            if self._waiting and worker.is_ready and worker.scenario is None:
+                scenario = self._waiting.popleft()
+                self._attempts[scenario.number] += 1
+                worker.begin(function, scenario)
 
-    def _wait(self) -> List[WorkerProcess]:
+    def _wait(self) -> List["_Worker"]:
         """Waits; returns workers that have sent a message, have died, or have taken too long."""
         limit = self._settings.real_time_limit
-        rest = [max(0.0, limit - worker.seconds) for worker in self._workers if worker.job]
+        rest = [max(0.0, limit - worker.seconds) for worker in self._workers if worker.scenario]
         ready = wait([worker.connection for worker in self._workers], min(rest, default=None))
         return [
             worker
             for worker in self._workers
-            if worker.connection in ready or (worker.job and worker.seconds >= limit)
+            if worker.connection in ready or (worker.scenario and worker.seconds >= limit)
         ]
 
-    def _look_after(
-        self, worker: WorkerProcess, attempts: Dict[int, int], waiting: Deque[Job]
-    ) -> Optional[Done]:
-        """Receives an answer; or replaces a worker that has died or takes too long."""
-        job = worker.job
-        if not worker.connection.poll():
-            assert job is not None
+    def _look_after(self, worker: "_Worker") -> Optional[Done[Any]]:
+        """Receives a message; or removes a worker that has died or takes too long."""
+        scenario = worker.scenario
+        if scenario is not None and not worker.connection.poll():
             self._remove(worker)
             limit = self._settings.real_time_limit
-            return self._give_up(job, f"it took more than {limit:g} s of real time", attempts)
+            return self._give_up(scenario, f"it took more than {limit:g} s of real time")
         try:
-            message = worker.receive()
+            answer = worker.receive()
         except EOFError:
             death = worker.death()
             self._remove(worker)
-            if job is None:
-                self._note_early_death(worker, death)
-                return None
-            if attempts[job.scenario.number] > self._settings.retries:
-                return self._give_up(job, f"its worker {death}, at each attempt", attempts)
-            self._report(f"{job.scenario}: its worker {death}; it is run again")
-            waiting.appendleft(job)
-            return None
-        if message == READY:
-            worker.is_ready = True
+            return self._note_death(worker, death)
+        if scenario is None:
             self._failed_starts = 0
             return None
-        assert job is not None
-        worker.job = None
-        return Done(job, message, worker.seconds, attempts[job.scenario.number])
+        return Done(scenario, answer, worker.seconds, self._attempts[scenario.number])
 
-    def _note_early_death(self, worker: WorkerProcess, death: str) -> None:
-        """Raises a FlatlandError if no worker gets ready."""
-        self._failed_starts += not worker.is_ready
-        if self._failed_starts > _MAX_FAILED_STARTS:
-            raise FlatlandError(f"worker processes do not start: each {death}")
+    def _note_death(self, worker: "_Worker", death: str) -> Optional[Done[Any]]:
+        """Has the scenario of a dead worker run again, or gives it up.
 
-    def _give_up(self, job: Job, reason: str, attempts: Dict[int, int]) -> Done:
-        """The answer to a job that could not be done."""
-        self._report(f"{job.scenario}: {reason}")
-        answer: Answer = b"" if job.is_picture else Result({}, {}, reason)
-        return Done(job, answer, self._settings.real_time_limit, attempts[job.scenario.number])
+        Raises:
+            FlatlandError: too many workers have died before they were ready.
+        """
+        scenario = worker.scenario
+        if scenario is None:
+            self._failed_starts += not worker.is_ready
+            if self._failed_starts > _MAX_FAILED_STARTS:
+                raise FlatlandError(f"worker processes do not start: each {death}")
+            return None
+        if self._attempts[scenario.number] > self._settings.retries:
+            return self._give_up(scenario, f"its worker {death}, at each attempt")
+        self.report(f"{scenario}: its worker {death}; it is run again")
+        self._waiting.appendleft(scenario)
+        return None
 
-    def _remove(self, worker: WorkerProcess) -> None:
+    def _give_up(self, scenario: Scenario, reason: str) -> Done[Any]:
+        self.report(f"{scenario}: {reason}")
+        limit = self._settings.real_time_limit
+        return Done(scenario, None, limit, self._attempts[scenario.number], reason)
+
+    def _remove(self, worker: "_Worker") -> None:
         self._workers.remove(worker)
         worker.kill()
+
+
+class _Worker:
+    """A worker as its parent sees it.
+
+    Args:
+        settings: of the sweep.
+
+    Attributes:
+        connection: its messages; at the end of the file, it has died.
+        is_ready: whether its first message has been received.
+        scenario: that it runs, or None.
+    """
+
+    def __init__(self, settings: SweepSettings) -> None:
+        self.connection: Connection[Any, Any]
+        self.connection, other = Pipe()
+        self.is_ready = False
+        self.scenario: Optional[Scenario] = None
+        self._start_time = 0.0
+        with other:
+            number = str(other.fileno())
+            self._process = subprocess.Popen(
+                [sys.executable or "/usr/bin/python3", "-c", _PROGRAM, number],
+                pass_fds=[other.fileno()],
+                stdin=subprocess.DEVNULL,
+                env={**dict.fromkeys(_THREADS, "1"), **os.environ},
+                start_new_session=True,  # Ctrl-C in a terminal does not reach it
+            )
+        self._send(settings)
+
+    @property
+    def seconds(self) -> float:
+        """Real time since its scenario began [s]."""
+        return time.monotonic() - self._start_time
+
+    def begin(
+        self, function: Callable[[ScenarioRunner, Scenario], Any], scenario: Scenario
+    ) -> None:
+        """Gives it a scenario."""
+        self.scenario = scenario
+        self._start_time = time.monotonic()
+        self._send((function, scenario))
+
+    def receive(self) -> Any:
+        """Its next message, after which it is idle.
+
+        Raises:
+            EOFError: it has died.
+        """
+        try:
+            message = self.connection.recv()
+        except OSError:
+            raise EOFError from None
+        self.is_ready, self.scenario = True, None
+        return message
+
+    def death(self) -> str:
+        """Waits for its end, and says what it was: "was killed by SIGKILL"."""
+        code = self._process.wait()
+        if code < 0:
+            return f"was killed by {signal.Signals(-code).name}"
+        return f"has ended with exit code {code}"
+
+    def kill(self) -> None:
+        """Ends it at once."""
+        self._process.kill()
+        self._process.wait()
+        self.connection.close()
+
+    def _send(self, message: object) -> None:
+        with suppress(OSError):  # it has died, as its connection says
+            self.connection.send(message)
+
+
+def work(descriptor: int) -> None:
+    """Runs what is sent: the program of a worker.
+
+    Args:
+        descriptor: of the socket.
+    """
+    os.dup2(2, 1)  # what controllers print does not mix with the results on standard output
+    logging.basicConfig(format="%(message)s", level=logging.WARNING)
+    connection: Connection[Any, Any] = Connection(descriptor)
+    received: queue.SimpleQueue[Any] = queue.SimpleQueue()
+
+    def receive() -> None:
+        try:
+            while True:
+                received.put(connection.recv())
+        except (EOFError, OSError):
+            os._exit(0)
+
+    threading.Thread(target=receive, daemon=True).start()
+    runner = ScenarioRunner(received.get())
+    connection.send(READY)
+    while True:
+        function, scenario = received.get()
+        answer = function(runner, scenario)
+        try:
+            connection.send(answer)
+        except OSError:
+            os._exit(0)  # the parent has ended

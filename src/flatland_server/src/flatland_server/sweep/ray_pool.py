@@ -1,21 +1,18 @@
-"""Workers on a Ray cluster. Ray hands out the jobs; each is done by a worker process beside it.
+"""Workers on a Ray cluster. Ray hands out scenarios; each is run by a worker process beside it.
 
 A scenario that crashes or hangs therefore costs one of our processes, and is treated as on one
-machine: the same attempts, limits and reasons. What Ray repeats by itself is what is lost with a
-machine.
+machine: the same attempts, limits and reasons. Ray itself repeats what is lost with a machine.
 """
 
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, TypeVar
 
 from flatland_server.exceptions import FlatlandError
-from flatland_server.sweep.extras import how_to_install
-from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.local_pool import Done, LocalPool
-from flatland_server.sweep.runner import Result
-from flatland_server.sweep.settings import SweepSettings
+from flatland_server.sweep.runner import ScenarioRunner
+from flatland_server.sweep.settings import Scenario, SweepSettings
 
 LOCAL = "local"
 """In place of an address: a Ray of its own on this machine."""
@@ -24,14 +21,16 @@ _RETRIES = 3  # of Ray, for machines that are lost
 
 _pools: Dict[str, LocalPool] = {}  # of this process, by the scenario file
 
+T = TypeVar("T")
+
 
 class RayPool:
-    """Does jobs on a Ray cluster.
+    """Runs scenarios on a Ray cluster.
 
     Args:
         settings: of the sweep.
         address: of the cluster, such as "auto" or "ray://head:10001"; "local" starts one.
-        size: how many jobs are done at a time; None: as many as the cluster has CPUs.
+        size: how many scenarios run at a time; None: as many as the cluster has CPUs.
         report: called with a sentence for each worker that has died or was stopped.
         excluded: a folder of results that is not sent to the workers.
 
@@ -52,10 +51,10 @@ class RayPool:
             import ray
         except ImportError as error:
             raise FlatlandError(
-                f"--ray needs Ray: {how_to_install('ray', 'ray')} ({error})"
+                "--ray needs Ray: pip install 'flatland2d[ray]', or in a ROS workspace as "
+                f"docs/sweeps.md says under Parquet and Ray ({error})"
             ) from None
         self._ray = ray
-        self._settings = settings
         self._report = report
         options: Dict[str, Any] = {"address": address}
         if address == LOCAL:
@@ -74,13 +73,15 @@ class RayPool:
         self._run = ray.remote(num_cpus=1, max_retries=_RETRIES)(_run_remotely)
         self._shared = ray.put(settings)
 
-    def map(self, jobs: Iterable[Job]) -> Iterator[Done]:
-        """Does jobs; yields each when it is done, in any order."""
-        waiting = iter(jobs)
-        running: Dict[Any, Job] = {}
+    def map(
+        self, function: Callable[[ScenarioRunner, Scenario], T], scenarios: Iterable[Scenario]
+    ) -> Iterator[Done[T]]:
+        """Calls a function with each scenario; see `LocalPool.map`."""
+        waiting = iter(scenarios)
+        running: Dict[Any, Scenario] = {}
         while True:
-            for job in waiting:
-                running[self._run.remote(self._shared, job)] = job
+            for scenario in waiting:
+                running[self._run.remote(self._shared, function, scenario)] = scenario
                 if len(running) >= self._size:
                     break
             if not running:
@@ -93,7 +94,7 @@ class RayPool:
         """Leaves the cluster; one that was started for this sweep ends."""
         self._ray.shutdown()
 
-    def _done(self, reference: Any, job: Job) -> Done:
+    def _done(self, reference: Any, scenario: Scenario) -> Done[Any]:
         try:
             done, messages = self._ray.get(reference)
         except self._ray.exceptions.RayTaskError as error:
@@ -101,23 +102,22 @@ class RayPool:
             raise FlatlandError(f"a worker of Ray: {cause}") from error
         except self._ray.exceptions.RayError as error:
             reason = f"Ray has lost its worker: {type(error).__name__}"
-            self._report(f"{job.scenario}: {reason}")
-            return Done(job, b"" if job.is_picture else Result({}, {}, reason), 0.0, 1 + _RETRIES)
+            self._report(f"{scenario}: {reason}")
+            return Done(scenario, None, 0.0, 1 + _RETRIES, reason)
         for message in messages:
             self._report(message)
-        found: Done = done
+        found: Done[Any] = done
         return found
 
 
-def _run_remotely(settings: SweepSettings, job: Job) -> Tuple[Done, List[str]]:
-    """Does a job in a worker process that stays for the next one. Called in a process of Ray."""
+def _run_remotely(
+    settings: SweepSettings, function: Callable[[ScenarioRunner, Scenario], T], scenario: Scenario
+) -> Tuple[Done[T], List[str]]:
+    """Runs a scenario in a worker that stays for the next one. Called in a process of Ray."""
     if not settings.folder.is_dir():  # another machine: Ray has put the folder here
         settings = replace(settings, file=Path.cwd() / settings.file.name)
-    key = str(settings.file)
+    pool = _pools.setdefault(str(settings.file), LocalPool(settings, 1))
     messages: List[str] = []
-    if key not in _pools:
-        _pools[key] = LocalPool(settings, 1)
-    pool = _pools[key]
-    pool.report_to(messages.append)
-    [done] = pool.map([job])
+    pool.report = messages.append
+    [done] = pool.map(function, [scenario])
     return done, messages

@@ -1,29 +1,46 @@
 """The run of a scenario, as its controller sees it: the simulation, the robot, the goal, time."""
 
 import math
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 
+from flatland_server import _core
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose, wrap_angle
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.simulation import Simulation
-from flatland_server.sweep.clearance import Clearance
 from flatland_server.sweep.settings import SweepSettings, Task, steps_in
+
+METRICS = (
+    "outcome",
+    "success",
+    "collision",
+    "time",
+    "time_to_goal",
+    "path_length",
+    "min_clearance",
+    "goal_distance",
+    "start_x",
+    "start_y",
+    "start_yaw",
+    "goal_x",
+    "goal_y",
+)
+"""The measured values of each scenario, in the order of the table's columns."""
 
 
 class RunObserver:
-    """The base of observers of runs; its methods do nothing."""
+    """The base of observers of runs; its methods do nothing, and must change nothing."""
 
     def on_begin(self, run: "SweepRun") -> None:
-        """Is called before the first step."""
+        """Called before the first step."""
 
     def on_step(self, run: "SweepRun") -> None:
-        """Is called after each step of the physics."""
+        """Called after each step of the physics."""
 
     def on_end(self, run: "SweepRun") -> None:
-        """Is called after the last step, before the simulation is closed."""
+        """Called after the last step, before the simulation is closed."""
 
 
 class RunOver(BaseException):
@@ -52,7 +69,7 @@ class SweepRun:
         goal: x, y [m]; None if there is none.
         seed: of the scenario.
         parameters: of the scenario, by name.
-        observer: called at each step.
+        observers: called at each step.
 
     Attributes:
         simulation: the world; see `Simulation`. Its time passes by `step` of the run.
@@ -76,7 +93,7 @@ class SweepRun:
         goal: Optional[Point] = None,
         seed: int = 0,
         parameters: Mapping[str, Any] = {},
-        observer: Optional[RunObserver] = None,
+        observers: Sequence[RunObserver] = (),
     ) -> None:
         self.simulation = simulation
         self.goal = goal
@@ -90,19 +107,19 @@ class SweepRun:
         self.goal_radius = task.goal_radius
         self._limit = steps_in(settings.time_limit, settings.step_size, "time_limit")
         self._steps = 0
-        self._observer = observer or RunObserver()
+        self._observers = observers
         self._has_collided = False
         self._has_arrived = False
         self._length = 0.0
-        self._clearance: Optional[Clearance] = None
+        self._clearance = math.inf
         self._start = Pose()
         if robot is not None:
             self._body = robot.model.base.physics_body
             self._start = robot.pose
             self._place = self._start[:2]
             self.path.append(self._place)
-            self._clearance = Clearance(simulation.world, robot.model)
-            self._clearance.measure()
+            self._bodies = _core.BodyGroup(robot.model.physics_bodies)
+            self._measure_clearance()
 
     @property
     def robot(self) -> ModelHandle:
@@ -161,12 +178,13 @@ class SweepRun:
         for _ in range(steps_in(duration, self.simulation.step_size, "the duration")):
             self.simulation.step()
             self._measure()
-            self._observer.on_step(self)
+            for observer in self._observers:
+                observer.on_step(self)
             if self.outcome:
                 break
-        if self._clearance is not None:
+        if self._robot is not None:
             self.path.append(self._place)
-            self._clearance.measure()
+            self._measure_clearance()
         return self.is_running
 
     def end(self) -> None:
@@ -174,30 +192,18 @@ class SweepRun:
         self.outcome = self.outcome or "returned"
 
     def metrics(self) -> Dict[str, Any]:
-        """What was measured so far, by the names of columns; docs/sweeps.md explains them."""
-        goal = self.goal or (None, None)
-        found: Dict[str, Any] = {
-            "outcome": self.outcome,
-            "success": None,
-            "collision": None,
-            "time": self.simulation.time,
-            "time_to_goal": None,
-            "path_length": None,
-            "min_clearance": None,
-            "goal_distance": None,
-            "start_x": None,
-            "start_y": None,
-            "start_yaw": None,
-            "goal_x": goal[0],
-            "goal_y": goal[1],
-        }
+        """The measured values so far, by the names in METRICS; docs/sweeps.md explains them."""
+        found: Dict[str, Any] = dict.fromkeys(METRICS)
+        found["outcome"] = self.outcome
+        found["time"] = self.simulation.time
+        found.update(zip(("goal_x", "goal_y"), self.goal or ()))
         if self._robot is None:
             return found
         found.update(zip(("start_x", "start_y", "start_yaw"), self._start))
         found["collision"] = self._has_collided
         found["path_length"] = self._length
-        if self._clearance is not None and math.isfinite(self._clearance.least):
-            found["min_clearance"] = self._clearance.least
+        if math.isfinite(self._clearance):
+            found["min_clearance"] = self._clearance
         if self.goal is not None:
             found["success"] = self._has_arrived
             found["goal_distance"] = math.dist(self._place, self.goal)
@@ -225,7 +231,10 @@ class SweepRun:
 
     def _collide(self) -> None:
         self._has_collided = True
-        if self._clearance is not None:
-            self._clearance.touch()
+        self._clearance = 0.0
         if self._settings.collision_ends:
             self.outcome = "collision"
+
+    def _measure_clearance(self) -> None:
+        """Notes how near the robot is to what it could hit, if it has not been nearer."""
+        self._clearance = self._bodies.clearance(self._clearance)

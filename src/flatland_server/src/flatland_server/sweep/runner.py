@@ -1,31 +1,36 @@
 """Runs scenarios in this process, one after the other."""
 
+import math
 import traceback
 from collections import OrderedDict
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Container, Dict, Mapping, Optional, Tuple
+from typing import Any, Container, Dict, List, Mapping, Optional, Tuple
 
+import numpy as np
+
+from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import FlatlandError, UsageError, shortened
-from flatland_server.library.free_space import FreeSpace
+from flatland_server.geometry import Point, Pose
+from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.handles import ModelHandle
+from flatland_server.library.robot import driven_models
 from flatland_server.library.simulation import Simulation
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.sweep.controllers import arguments_of, find_controller
-from flatland_server.sweep.parameters import world_key, world_params
+from flatland_server.sweep.parameters import SweepWorlds, world_key, world_params
 from flatland_server.sweep.run import RunObserver, RunOver, SweepRun
-from flatland_server.sweep.scenario import Scenario
-from flatland_server.sweep.settings import RANDOM, SweepSettings, SweepWorld
-from flatland_server.sweep.start_and_goal import draw_start_and_goal
-from flatland_server.sweep.sweep_worlds import SweepWorlds
+from flatland_server.sweep.settings import RANDOM, Scenario, SweepSettings, SweepWorld, Task
 
 _KEPT_WORLDS = 4
 """Worlds that stay loaded: scenarios come world by world."""
 
 _LONGEST_ERROR = 300
 
-_NO_OBSERVER = RunObserver()
+_TRIES = 200
+_DRAWN = 256
+"""Places that are drawn in each try."""
 
 Row = Dict[str, Any]
 """The result of a scenario: None, booleans, numbers and strings by the names of columns."""
@@ -48,15 +53,6 @@ class Result:
     traceback: str = ""
 
 
-@dataclass
-class _Loaded:
-    """A world as it was read, and where its robot can be."""
-
-    config: WorldConfig
-    params: Mapping[str, Any]
-    free_space: Dict[Tuple[str, float], FreeSpace]
-
-
 class ScenarioRunner:
     """Runs scenarios of a sweep, and keeps the worlds that it has read.
 
@@ -67,55 +63,60 @@ class ScenarioRunner:
     def __init__(self, settings: SweepSettings) -> None:
         self._settings = settings
         self._reader = SweepWorlds(settings.folder)
-        self._worlds: OrderedDict[str, _Loaded] = OrderedDict()
+        self._worlds: OrderedDict[str, WorldConfig] = OrderedDict()
 
-    def run(self, scenario: Scenario, observer: RunObserver = _NO_OBSERVER) -> Result:
+    def run(self, scenario: Scenario, *observers: RunObserver) -> Result:
         """Runs a scenario.
 
         Args:
             scenario: of the sweep.
-            observer: looks at the run; it changes nothing.
+            observers: of the run.
 
         Returns:
             The result; also if the controller raises an exception.
 
         Raises:
-            FlatlandError: the observer cannot begin.
+            FlatlandError: an observer cannot begin.
         """
         with ExitStack() as stack:
             try:
-                simulation = stack.enter_context(self.open(scenario))
-                run = self.prepare(scenario, simulation, observer)
+                simulation = stack.enter_context(self._open(scenario))
+                run = self._prepare(scenario, simulation, observers)
             except FlatlandError as error:
                 return _without_row(error)
-            observer.on_begin(run)
+            for observer in observers:
+                observer.on_begin(run)
             try:
                 result = self._drive(scenario, run)
             except FlatlandError as error:
                 return _without_row(error)
-            observer.on_end(run)
+            for observer in observers:
+                observer.on_end(run)
             return result
 
     def close(self) -> None:
         """Ends the process that evaluates expressions in the worlds' files."""
         self._reader.close()
 
-    def open(self, scenario: Scenario) -> Simulation:
+    def _open(self, scenario: Scenario) -> Simulation:
         """A simulation of the scenario's world.
 
         Raises:
             FlatlandError: something in its files is wrong.
         """
-        loaded = self._load(scenario)
-        return Simulation(
-            loaded.config,
-            seed=scenario.seed,
-            step_size=self._settings.step_size,
-            params=loaded.params,
-        )
+        source, params = scenario.world.source, world_params(scenario.parameters)
+        key = world_key(source, scenario.parameters)
+        if key not in self._worlds:
+            content = self._reader.content(source, scenario.parameters)
+            self._worlds[key] = WorldConfig.from_content(content)
+            if len(self._worlds) > _KEPT_WORLDS:
+                self._worlds.popitem(last=False)
+        self._worlds.move_to_end(key)
+        step_size = self._settings.step_size
+        return Simulation(self._worlds[key], seed=scenario.seed, step_size=step_size, params=params)
 
-    def prepare(
-        self, scenario: Scenario, simulation: Simulation, observer: RunObserver = _NO_OBSERVER
+    def _prepare(
+        self, scenario: Scenario, simulation: Simulation, observers: Tuple[RunObserver, ...]
     ) -> SweepRun:
         """Puts the robot to its start, and returns the run.
 
@@ -126,15 +127,7 @@ class ScenarioRunner:
         robot = _robot_of(simulation, scenario.world)
         goal = None
         if robot is not None:
-            kept = self._load(scenario).free_space
-            key = (robot.name, task.margin)
-
-            def free_space(make: Callable[[], FreeSpace]) -> FreeSpace:
-                if key not in kept:
-                    kept[key] = make()
-                return kept[key]
-
-            start, goal = draw_start_and_goal(simulation, robot, task, scenario.seed, free_space)
+            start, goal = _draw_start_and_goal(simulation, robot, task, scenario.seed)
             if task.start is not None:
                 simulation.move(robot.name, start)
         return SweepRun(
@@ -145,7 +138,7 @@ class ScenarioRunner:
             goal=goal,
             seed=scenario.seed,
             parameters=scenario.parameters,
-            observer=observer,
+            observers=observers,
         )
 
     def _drive(self, scenario: Scenario, run: SweepRun) -> Result:
@@ -158,10 +151,8 @@ class ScenarioRunner:
             returned = function(run, **arguments)
         except RunOver:
             pass
-        except FlatlandError as error:
-            return _failed(run, f"{type(error).__name__}: {error}", error)
         except (Exception, SystemExit) as error:
-            return _failed(run, f"{type(error).__name__}: {error}{_place_of(error)}", error)
+            return _failed(run, error)
         run.end()
         row = run.metrics()
         columns = _checked_columns(returned, {*row, *scenario.columns, "status", "error"})
@@ -169,60 +160,25 @@ class ScenarioRunner:
             row["success"] = columns.pop("success")
         return Result(row, columns)
 
-    def _load(self, scenario: Scenario) -> _Loaded:
-        """The scenario's world, read when it is needed first."""
-        key = world_key(scenario.world.source, scenario.parameters)
-        if key in self._worlds:
-            self._worlds.move_to_end(key)
-            return self._worlds[key]
-        content = self._reader.content(scenario.world.source, scenario.parameters)
-        params = world_params(scenario.parameters)
-        loaded = _Loaded(WorldConfig.from_content(content), params, {})
-        self._worlds[key] = loaded
-        while len(self._worlds) > _KEPT_WORLDS:
-            self._worlds.popitem(last=False)
-        return loaded
-
-
-def _robot_of(simulation: Simulation, world: SweepWorld) -> Optional[ModelHandle]:
-    """The robot of a world.
-
-    Raises:
-        UsageError: the task needs one, and there is none, or there are several.
-    """
-    task = world.task
-    if task.robot is not None:
-        return simulation.models[task.robot]
-    robots = [name for name, handle in simulation.models.items() if len(handle.drives)]
-    if len(robots) == 1:
-        return simulation.models[robots[0]]
-    if task.start == RANDOM or task.goal is not None:
-        found = ", ".join(robots) or "none"
-        raise UsageError(
-            f'expected a model with a drive in the world "{world.name}", or the key "robot" to '
-            f"name one of several; found {found}"
-        )
-    return None
-
 
 def _without_row(error: FlatlandError) -> Result:
     return Result({}, {}, shortened(str(error), _LONGEST_ERROR))
 
 
-def _failed(run: SweepRun, reason: str, error: BaseException) -> Result:
+def _failed(run: SweepRun, error: BaseException) -> Result:
+    """The result of a run that an exception has ended."""
     run.outcome = "error"
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
+    if isinstance(error, FlatlandError):  # it says itself what is wrong
+        place = ""
+    reason = f"{type(error).__name__}: {error}{place}"
     text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
     return Result(run.metrics(), {}, shortened(reason, _LONGEST_ERROR), text)
 
 
-def _place_of(error: BaseException) -> str:
-    """Where an exception was raised: the file and line of the innermost call."""
-    frames = traceback.extract_tb(error.__traceback__)
-    return f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
-
-
 def _checked_columns(returned: Any, taken: Container[str]) -> Row:
-    """What a controller has returned, as plain values by name.
+    """The values that a controller has returned, by name.
 
     Args:
         returned: by the controller.
@@ -242,16 +198,114 @@ def _checked_columns(returned: Any, taken: Container[str]) -> Row:
     for name, value in returned.items():
         if hasattr(value, "tolist"):  # of NumPy
             value = value.tolist()
-        if not isinstance(name, str) or not (
-            value is None or isinstance(value, (bool, int, float, str))
-        ):
+        kinds = (type(None), bool) if name == "success" else (type(None), bool, int, float, str)
+        if not isinstance(name, str) or not isinstance(value, kinds):
             raise UsageError(
-                "expected the controller to return numbers, booleans and strings by name, found "
-                f"{name!r}: {shortened(repr(value))}"
+                "expected the controller to return numbers, booleans and strings by name, and "
+                f"success as a boolean, found {name!r}: {shortened(repr(value))}"
             )
-        if name == "success" and not (value is None or isinstance(value, bool)):
-            raise UsageError(f'expected the controller to return "success" as a bool: {value!r}')
         if name in taken and name != "success":
             raise UsageError(f'the controller returns "{name}", which is a column already')
         columns[name] = value
     return columns
+
+
+# The robot, its start and its goal
+
+
+def _robot_of(simulation: Simulation, world: SweepWorld) -> Optional[ModelHandle]:
+    """The robot of a world.
+
+    Raises:
+        UsageError: the task needs one, and there is none, or there are several.
+    """
+    task = world.task
+    if task.robot is not None:
+        return simulation.models[task.robot]
+    robots = driven_models(simulation.world)
+    if len(robots) == 1:
+        return simulation.models[robots[0]]
+    if task.start == RANDOM or task.goal is not None:
+        found = ", ".join(robots) or "none"
+        raise UsageError(
+            f'expected a model with a drive in the world "{world.name}", or the key "robot" to '
+            f"name one of several; found {found}"
+        )
+    return None
+
+
+def _draw_start_and_goal(
+    simulation: Simulation, robot: ModelHandle, task: Task, seed: int
+) -> Tuple[Pose, Optional[Point]]:
+    """The start of a robot's origin and its goal: drawn where the task says random.
+
+    Args:
+        simulation: at time 0, with the robot where the world file puts it.
+        robot: what is driven.
+        task: what is to be done.
+        seed: of the scenario. Equal seeds give equal places, whatever the controller is.
+
+    Raises:
+        UsageError: there is no room.
+    """
+    given = task.start if isinstance(task.start, Pose) else robot.model.pose
+    goal = task.goal if isinstance(task.goal, tuple) else None
+    if RANDOM not in (task.start, task.goal):
+        return given, goal
+    rng = np.random.default_rng([seed, 0])
+    space = _free_space(simulation, robot, task.margin)
+    if space.area == 0.0:
+        raise _no_room(task)
+    if task.start != RANDOM:
+        goals = _at_distance(space.poses(_DRAWN * _TRIES, rng), given[:2], task)
+        return given, _first(goals, task)[:2]
+    if task.goal is None:
+        return Pose(*_first(space.poses(1, rng), task)), None
+    if goal is not None:
+        starts = _at_distance(space.poses(_DRAWN * _TRIES, rng), goal, task)
+        return Pose(*_first(starts, task)), goal
+    for _ in range(_TRIES):
+        start = Pose(*_first(space.poses(1, rng), task))
+        goals = _at_distance(space.poses(_DRAWN, rng), start[:2], task)
+        if len(goals):
+            return start, _first(goals, task)[:2]
+    raise _no_room(task)
+
+
+def _free_space(simulation: Simulation, robot: ModelHandle, margin: float) -> FreeSpace:
+    """Where the robot can be, with a margin [m]."""
+    walls = [layer.segments for layer in simulation.world.layers]
+    others = [each.model for each in simulation.models.values() if each.name != robot.name]
+    clearance = robot.model.radius + margin
+    return DistanceGrid.shared(
+        np.concatenate([np.empty((0, 4)), *walls]),
+        robot.model.pose[:2],
+        clearance,
+        discs=discs_of((model.pose, model.radius) for model in others),
+    ).free_space(clearance)
+
+
+def _at_distance(poses: FloatArray, middle: Point, task: Task) -> FloatArray:
+    """The poses that are as far from a point as start and goal may be."""
+    apart = np.hypot(poses[:, 0] - middle[0], poses[:, 1] - middle[1])
+    least, largest = task.goal_distance
+    return np.asarray(poses[(apart >= least) & (apart <= largest)])
+
+
+def _first(poses: FloatArray, task: Task) -> Tuple[float, float, float]:
+    """The first of some poses.
+
+    Raises:
+        UsageError: there is none.
+    """
+    if not len(poses):
+        raise _no_room(task)
+    chosen: List[float] = poses[0].tolist()
+    return chosen[0], chosen[1], math.remainder(chosen[2], math.tau)
+
+
+def _no_room(task: Task) -> UsageError:
+    least, largest = task.goal_distance
+    return UsageError(
+        f"no free start and goal were found that are {least:g} to {largest:g} m apart"
+    )

@@ -1,16 +1,13 @@
 """Reads scenario files; docs/sweeps.md describes them."""
 
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple, TypeVar, Union
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, TypeVar
 
-from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import is_file
-from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
-from flatland_server.geometry import Point, Pose
 from flatland_server.sweep.controllers import POLICY_DRIVER, python_file
-from flatland_server.sweep.parameters import combinations, count_combinations
+from flatland_server.sweep.parameters import combinations, count_combinations, world_file
 from flatland_server.sweep.settings import (
     RANDOM,
     Controller,
@@ -73,56 +70,27 @@ def _check_durations(reader: YamlReader, settings: SweepSettings) -> None:
             reader.problem(str(error), name)
 
 
-def world_source(source: str, folder: Path) -> Union[str, Path]:
-    """What `Simulation` takes for a world of a scenario file.
-
-    Args:
-        source: as it is written.
-        folder: of the scenario file.
-
-    Raises:
-        FlatlandError: there is neither a file nor a shipped world of this name.
-    """
-    path = folder / to_path(source)
-    if is_file(path):
-        return path
-    found = find_world(source)
-    if not is_file(folder / found):
-        raise FlatlandError(f"expected a world file, but {folder / found} is not there")
-    return source
-
-
 def _task(reader: YamlReader, default: Task) -> Task:
-    """What is said of the robot's task, at the top of the file or in an entry of `worlds`."""
+    """The task of the robot, from the top of the file or an entry of `worlds`."""
     least, largest = reader.get_floats("goal_distance", 2, default.goal_distance, minimum=0.0)
     if least > largest:
         reader.problem("expected the least and the largest distance [m]", "goal_distance")
     return Task(
         robot=reader.get_string("robot", default.robot),
-        start=_start(reader, default.start),
-        goal=_goal(reader, default.goal),
+        start=_place(reader, "start", reader.get_pose, "[x, y, yaw]", default.start),
+        goal=_place(reader, "goal", reader.get_point, "[x, y]", default.goal),
         goal_radius=reader.get_float("goal_radius", default.goal_radius, above=0.0),
         goal_distance=(least, largest),
         margin=reader.get_float("margin", default.margin, minimum=0.0),
     )
 
 
-def _start(reader: YamlReader, default: Any) -> Union[str, Pose, None]:
-    if reader.is_list("start"):
-        return reader.get_pose("start")
-    word: Union[str, Pose, None] = _random_or(reader, "start", "[x, y, yaw]", default)
-    return word
-
-
-def _goal(reader: YamlReader, default: Any) -> Union[str, Point, None]:
-    if reader.is_list("goal"):
-        return reader.get_point("goal")
-    word: Union[str, Point, None] = _random_or(reader, "goal", "[x, y]", default)
-    return word
-
-
-def _random_or(reader: YamlReader, key: str, expected: str, default: Any) -> Any:
-    """The word "random"; or the default, if the key is not given."""
+def _place(
+    reader: YamlReader, key: str, get: Callable[[str], Any], expected: str, default: Any
+) -> Any:
+    """A place, or the word "random"; or the default, if the key is not given."""
+    if reader.is_list(key):
+        return get(key)
     word = reader.get_string(key, default)
     if reader.has(key) and word not in ("", RANDOM):  # "": noted as no string
         reader.problem(f'expected {expected} or {RANDOM}, found "{shortened(str(word))}"', key)
@@ -158,7 +126,7 @@ def _check_world(reader: YamlReader, key: str, source: str) -> None:
     if not source:
         return  # noted by the getter, or empty
     try:
-        world_source(source, reader.file.parent)
+        world_file(source, reader.file.parent)
     except FlatlandError as error:
         reader.problem(str(error), key)
 

@@ -1,42 +1,68 @@
 """A sweep: runs the scenarios without a result, and writes tables, a summary and a report."""
 
+import fcntl
+import json
+import os
 import shlex
 from collections import Counter
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Protocol
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Protocol,
+    Tuple,
+    TypeVar,
+)
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.sweep.fingerprints import Fingerprints
-from flatland_server.sweep.jobs import Job
-from flatland_server.sweep.journal import Entry, Journal
 from flatland_server.sweep.local_pool import Done
-from flatland_server.sweep.report import report_html, unsuccessful
-from flatland_server.sweep.runner import Result
-from flatland_server.sweep.scenario import Scenario, scenarios_of
-from flatland_server.sweep.settings import SweepSettings
-from flatland_server.sweep.summary import rows_of, summary_rows, timing_table
-from flatland_server.sweep.table import table_of, write_csv, write_file, write_parquet
+from flatland_server.sweep.report import draw, report_html, unsuccessful
+from flatland_server.sweep.runner import Result, ScenarioRunner
+from flatland_server.sweep.settings import Scenario, SweepSettings, scenarios_of
+from flatland_server.sweep.tables import (
+    Entry,
+    rows_of,
+    summary_rows,
+    table_of,
+    timing_table,
+    write_csv,
+    write_file,
+    write_parquet,
+)
 
 JOURNAL = "journal.jsonl"
+
+_FORMAT = "flatland sweep 1"
+
+T = TypeVar("T")
 
 
 class Pool(Protocol):
     """The interface of `LocalPool` and `RayPool`."""
 
-    def map(self, jobs: Iterable[Job]) -> Iterator[Done]:
-        """Does jobs; yields each when it is done, in any order."""
+    def map(
+        self, function: Callable[[ScenarioRunner, Scenario], T], scenarios: Iterable[Scenario]
+    ) -> Iterator[Done[T]]:
+        """Calls a function with each scenario; yields each when it is done, in any order."""
 
     def close(self) -> None:
-        """Stops all jobs at once."""
+        """Stops all workers at once."""
 
 
 class Written(NamedTuple):
-    """What was written."""
+    """The outcome of writing the results."""
 
     summary: List[Dict[str, Any]]
     """See `summary_rows`."""
     failed: int
-    """How many scenarios could not be run to the end."""
+    """Number of scenarios that could not be run to the end."""
     example: Dict[str, Any]
     """The row of the first one with the most frequent reason; empty if there is none."""
     problem: str
@@ -75,42 +101,31 @@ class Sweep:
         """Closes the journal."""
         self._journal.close()
 
-    def __enter__(self) -> "Sweep":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def rest(self, with_failed: bool = False) -> List[Scenario]:
         """The scenarios that are not done yet.
 
         Args:
             with_failed: whether those are among them that could not be run to the end.
         """
+        entries = [(each, self._journal.entries.get(key)) for each, key in self._keys()]
         return [
             scenario
-            for scenario in self.scenarios
-            if self._entry(scenario) is None
-            or (with_failed and self._require_entry(scenario).result.error)
+            for scenario, entry in entries
+            if entry is None or (with_failed and entry.result.error)
         ]
 
     @property
     def other_count(self) -> int:
-        """How many results the folder has of scenarios that are not, or no longer, in the sweep."""
+        """Number of results in the folder of scenarios that are not, or no longer, in the sweep."""
         return len(set(self._journal.entries) - set(self._fingerprints.values()))
 
     def run(self, scenarios: Iterable[Scenario], pool: Pool) -> Iterator[Result]:
         """Runs scenarios; each result is in the journal before it is yielded."""
-        for done in pool.map(Job(scenario) for scenario in scenarios):
-            assert isinstance(done.answer, Result)
-            entry = Entry(done.answer, done.seconds, done.attempts)
-            self._journal.add(self._fingerprints[done.job.scenario.number], entry)
-            yield done.answer
-
-    def result(self, scenario: Scenario) -> Optional[Result]:
-        """The result of a scenario; None if it is not done yet."""
-        entry = self._entry(scenario)
-        return entry.result if entry is not None else None
+        for done in pool.map(ScenarioRunner.run, scenarios):
+            result = done.answer or Result({}, {}, done.failure)
+            entry = Entry(result, done.seconds, done.attempts)
+            self._journal.add(self._fingerprints[done.scenario.number], entry)
+            yield result
 
     def write(self, pool: Pool, pictures: int) -> Written:
         """Writes the tables, the summary and the report of all scenarios, which must be done.
@@ -122,7 +137,7 @@ class Sweep:
         Raises:
             FlatlandError: a file cannot be written.
         """
-        results = [(scenario, self._require_entry(scenario)) for scenario in self.scenarios]
+        results = [(each, self._journal.entries[key]) for each, key in self._keys()]
         rows = rows_of(results)
         summary = summary_rows(results)
         table = table_of(rows)
@@ -137,7 +152,8 @@ class Sweep:
             if (self.folder / "results.parquet").exists():  # of other results
                 (self.folder / "results.parquet").unlink()
         chosen = _evenly([row["scenario"] for row in unsuccessful(rows)], pictures)
-        drawn = self._draw(chosen, pool)
+        to_draw = [self.scenarios[number - 1] for number in chosen]
+        drawn = {done.scenario.number: done.answer or b"" for done in pool.map(draw, to_draw)}
         document = report_html(
             self.settings.file.name,
             f"flatland sweep {shlex.quote(self.settings.file.name)} --replay",
@@ -151,20 +167,9 @@ class Sweep:
         example = max(failed, key=lambda row: reasons[row["error"]], default={})
         return Written(summary, len(failed), example, problem)
 
-    def _draw(self, numbers: List[int], pool: Pool) -> Dict[int, bytes]:
-        """Pictures of scenarios, by number."""
-        jobs = [Job(self.scenarios[number - 1], is_picture=True) for number in numbers]
-        found: Dict[int, bytes] = {}
-        for done in pool.map(jobs):
-            assert isinstance(done.answer, bytes)
-            found[done.job.scenario.number] = done.answer
-        return found
-
-    def _entry(self, scenario: Scenario) -> Optional[Entry]:
-        return self._journal.entries.get(self._fingerprints[scenario.number])
-
-    def _require_entry(self, scenario: Scenario) -> Entry:
-        return self._journal.entries[self._fingerprints[scenario.number]]
+    def _keys(self) -> Iterator[Tuple[Scenario, str]]:
+        """The scenarios with their fingerprints."""
+        return ((each, self._fingerprints[each.number]) for each in self.scenarios)
 
 
 def _evenly(numbers: List[int], count: int) -> List[int]:
@@ -172,3 +177,86 @@ def _evenly(numbers: List[int], count: int) -> List[int]:
     if len(numbers) <= count:
         return numbers
     return [numbers[i * len(numbers) // count] for i in range(count)]
+
+
+# The journal
+
+
+class Journal:
+    """The results so far, by the fingerprints of their scenarios, and the file that they are in.
+
+    A line is written at once and in one piece when a scenario is done. The last one may be
+    incomplete after a crash; it is then cut off, and its scenario is run again.
+
+    Args:
+        path: of the file; created if it does not exist.
+
+    Attributes:
+        entries: by fingerprint.
+
+    Raises:
+        FlatlandError: the file cannot be written, is something else, or another sweep writes it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        try:
+            self._file = open(path, "a+b", buffering=0)  # noqa: SIM115
+        except OSError as error:
+            raise FlatlandError(f"{path}: cannot be written: {error.strerror}") from None
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self.entries, end = _read(path)
+            os.ftruncate(self._file.fileno(), end)
+            if end == 0:
+                self._write({"format": _FORMAT})
+        except BlockingIOError:
+            self.close()
+            raise FlatlandError(f"{path.parent}: another sweep writes its results there") from None
+        except BaseException:
+            self.close()
+            raise
+
+    def add(self, fingerprint: str, entry: Entry) -> None:
+        """Writes the result of a scenario."""
+        self.entries[fingerprint] = entry
+        times = {"seconds": entry.seconds, "attempts": entry.attempts}
+        self._write({"scenario": fingerprint, **asdict(entry.result), **times})
+
+    def close(self) -> None:
+        """Closes the file."""
+        self._file.close()
+
+    def _write(self, content: Dict[str, Any]) -> None:
+        line = json.dumps(content).encode() + b"\n"
+        try:
+            if self._file.write(line) != len(line):
+                raise OSError(0, "the disk is full")
+        except OSError as error:
+            raise FlatlandError(f"{self._path}: cannot be written: {error.strerror}") from None
+
+
+def read_entries(path: Path) -> Dict[str, Entry]:
+    """The results of a journal, by fingerprint; none if there is no such file.
+
+    Raises:
+        FlatlandError: it is no journal, or is damaged.
+    """
+    return _read(path)[0] if path.exists() else {}
+
+
+def _read(path: Path) -> Tuple[Dict[str, Entry], int]:
+    """The entries of a journal, and the size of its complete lines [bytes]."""
+    content = path.read_bytes()
+    end = content.rfind(b"\n") + 1
+    entries: Dict[str, Entry] = {}
+    try:
+        lines = [json.loads(line) for line in content[:end].splitlines()]
+        if lines and lines[0]["format"] != _FORMAT:
+            raise ValueError
+        for line in lines[1:]:
+            result = Result(line["row"], line["returned"], line["error"], line["traceback"])
+            entries[line["scenario"]] = Entry(result, line["seconds"], line["attempts"])
+    except (ValueError, KeyError, TypeError):
+        raise FlatlandError(f"{path}: is no journal of a sweep, or is damaged") from None
+    return entries, end

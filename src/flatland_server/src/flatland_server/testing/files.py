@@ -51,7 +51,12 @@ class WorldFiles:
         self.step_size = step_size
 
     def write(self, name: str, content: Union[str, Mapping[str, Any]]) -> Path:
-        """Writes a file: a dict as YAML, a string without its common indentation."""
+        """Writes a file.
+
+        Args:
+            name: of the file.
+            content: a dict is written as YAML, a string without its common indentation.
+        """
         if not isinstance(content, str):
             content = dump(content)
         path = self.folder / name
@@ -59,7 +64,12 @@ class WorldFiles:
         return path
 
     def walls(self, name: str, *segments: Segment) -> str:
-        """Writes a map of walls, and returns its file's name, for the `map` of a layer."""
+        """Writes a map of walls, and returns its file's name, for the `map` of a layer.
+
+        Args:
+            name: of the file, without ".yaml".
+            segments: the walls.
+        """
         lines = [each if isinstance(each, str) else " ".join(map(repr, each)) for each in segments]
         self.write(f"{name}.dat", "\n".join(lines))
         map_text = f"type: line_segments\ndata: {name}.dat\nscale: 1\norigin: [0, 0, 0]\n"
@@ -149,6 +159,10 @@ class WorldFiles:
     def refusal(self, world: Union[str, Mapping[str, Any]], **options: Any) -> str:
         """The message with which a world is refused, without the folder's path.
 
+        Args:
+            world: its file's content, as a dict or as YAML.
+            options: of `World.from_file`.
+
         Raises:
             AssertionError: it was loaded.
         """
@@ -156,6 +170,10 @@ class WorldFiles:
 
     def robot_refusal(self, *plugins: Entry, **options: Any) -> str:
         """The message with which a robot of these plugins is refused, without the folder's path.
+
+        Args:
+            plugins: the entries of its plugins.
+            options: of `WorldFiles.robot`.
 
         Raises:
             AssertionError: it was loaded.
@@ -171,17 +189,32 @@ class WorldFiles:
 
 
 def load(world: Union[str, Mapping[str, Any]], **options: Any) -> Harness:
-    """Loads a world in a folder of its own; see `WorldFiles.load`."""
+    """Loads a world in a folder of its own; see `WorldFiles.load`.
+
+    Args:
+        world: its file's content, as a dict or as YAML.
+        options: of `World.from_file`.
+    """
     return WorldFiles().load(world, **options)
 
 
 def robot(*plugins: Entry, **options: Any) -> Harness:
-    """A robot with these plugins in a world of its own; see `WorldFiles.robot`."""
+    """A robot with these plugins in a world of its own; see `WorldFiles.robot`.
+
+    Args:
+        plugins: the entries of its plugins.
+        options: of `WorldFiles.robot`.
+    """
     return WorldFiles().robot(*plugins, **options)
 
 
 def refusal(*plugins: Entry, **options: Any) -> str:
-    """The message with which a robot of these plugins is refused; see `WorldFiles.robot`."""
+    """The message with which a robot of these plugins is refused; see `WorldFiles.robot`.
+
+    Args:
+        plugins: the entries of its plugins.
+        options: of `WorldFiles.robot`.
+    """
     return WorldFiles().robot_refusal(*plugins, **options)
 
 

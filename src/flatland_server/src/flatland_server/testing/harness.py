@@ -43,15 +43,21 @@ class Harness(Run):
     def model(self, name: str = "robot") -> Model:
         """A model by its name.
 
+        Args:
+            name: of the model.
+
         Raises:
             ModelError: there is no such model.
         """
         return self.world.get_model(name)
 
     def run(self, seconds: Optional[float] = None) -> "Harness":
-        """Advances the time by some seconds, or by one step, and returns this harness.
+        """Advances the time, and returns this harness.
 
         Messages that were sent are received before the next step.
+
+        Args:
+            seconds: of simulated time; None is one step.
 
         Raises:
             AssertionError: a plugin has failed, and `allow_failures` is false.
@@ -67,24 +73,45 @@ class Harness(Run):
         return self
 
     def last(self, topic: str) -> Any:
-        """The newest message of a topic; None if there is none yet."""
+        """The newest message of a topic; None if there is none yet.
+
+        Args:
+            topic: its name.
+        """
         return self.transport.last(topic)
 
     def send(self, topic: str, message: Any) -> "Harness":
-        """Publishes a message, to be received before the next step."""
+        """Publishes a message, to be received before the next step.
+
+        Args:
+            topic: its name.
+            message: of the topic's type.
+        """
         self.transport.send(topic, message)
         return self
 
     def drive(
         self, forwards: float, turn: float = 0.0, *, left: float = 0.0, topic: str = "/cmd_vel"
     ) -> "Harness":
-        """Sends a `geometry_msgs/Twist` [m/s, rad/s]."""
+        """Sends a `geometry_msgs/Twist`.
+
+        Args:
+            forwards: velocity [m/s].
+            turn: yaw rate [rad/s].
+            left: velocity to the left [m/s].
+            topic: its name.
+        """
         twist = get("geometry_msgs/Twist")()
         twist.linear.x, twist.linear.y, twist.angular.z = forwards, left, turn
         return self.send(topic, twist)
 
     def record(self, topic: str, seconds: float) -> List[Any]:
-        """Advances the time, and returns the messages of a topic meanwhile, at most one a step."""
+        """Advances the time, and returns the messages of a topic meanwhile, at most one a step.
+
+        Args:
+            topic: its name.
+            seconds: of simulated time.
+        """
         messages: List[Any] = []
         before = self.last(topic)
         for _ in range(round(seconds / self.timekeeper.step_size)):

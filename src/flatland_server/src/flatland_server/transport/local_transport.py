@@ -14,7 +14,6 @@ from contextlib import contextmanager
 from typing import Any, Callable, Container, Deque, Dict, Iterator, List, Optional, Set, Tuple
 from typing import Counter as CounterType
 
-from flatland_server._deprecated import warn_renamed
 from flatland_server.geometry import Transform
 from flatland_server.transport.message_writer import MessageWriter
 from flatland_server.transport.tap import Tap
@@ -38,13 +37,7 @@ class LocalTransport(Transport):
         self,
         params: Dict[str, Any] = {},  # noqa: B006 (only read)
         subscribed_topics: Optional[Container[str]] = None,
-        **deprecated: Optional[Container[str]],
     ) -> None:
-        if "watched" in deprecated:
-            warn_renamed("LocalTransport(watched=...)", "subscribed_topics=...")
-            subscribed_topics = deprecated.pop("watched")
-        if deprecated:
-            raise TypeError(f"LocalTransport has no argument {', '.join(deprecated)}")
         super().__init__()
         self.transforms: Dict[str, Transform] = {}
         self.params_read: Set[str] = set()
@@ -61,7 +54,12 @@ class LocalTransport(Transport):
         self._taps: Tuple[Tap, ...] = ()
 
     def send(self, topic: str, message: Any) -> None:
-        """Sends a message to the subscribers of a topic; `process` runs their callbacks."""
+        """Sends a message to the subscribers of a topic; `process` runs their callbacks.
+
+        Args:
+            topic: its name.
+            message: of the topic's type.
+        """
         name = absolute_name(topic)
         self._inbox.append((name, message))
         self.activity += 1
@@ -69,7 +67,11 @@ class LocalTransport(Transport):
             self._pass_on(name, message, is_latched=False)
 
     def last(self, topic: str) -> Any:
-        """The last message published to a topic, or None."""
+        """The last message published to a topic, or None.
+
+        Args:
+            topic: its name.
+        """
         return self._last.get(absolute_name(topic), (None, None))[1]
 
     @property
@@ -99,24 +101,31 @@ class LocalTransport(Transport):
         return _LocalSubscription(self, topic, callbacks, callback)
 
     def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
-        """Changes the topics that count as having a subscriber; None is all of them."""
+        """Changes which topics count as having a subscriber.
+
+        Args:
+            topics: their absolute names; None is all topics.
+        """
         self._subscribed_topics = topics
         self._subscribers_change()
 
-    def watch(self, topics: Optional[Container[str]]) -> None:
-        """Deprecated alias of `set_subscribed_topics`."""
-        warn_renamed("LocalTransport.watch", "set_subscribed_topics")
-        self.set_subscribed_topics(topics)
-
     def has_subscribers(self, topic: str) -> bool:
-        """Whether a topic counts as having a subscriber."""
+        """Whether a topic counts as having a subscriber.
+
+        Args:
+            topic: its name.
+        """
         topics, name = self._subscribed_topics, absolute_name(topic)
         if topics is None or name in topics or self._callbacks.get(name):
             return True
         return bool(self._taps) and any(tap.wants(name) for tap in self._taps)
 
     def open_tap(self, tap: Tap) -> None:
-        """Passes on all messages from now on, and first the last ones of latched topics."""
+        """Passes on all messages from now on, and first the last ones of latched topics.
+
+        Args:
+            tap: receives them.
+        """
         self._taps = (*self._taps, tap)
         self._subscribers_change()
         for topic, (publisher, message) in self._last.items():
@@ -124,7 +133,11 @@ class LocalTransport(Transport):
                 tap.receive(topic, message, True)
 
     def close_tap(self, tap: Tap) -> None:
-        """Passes nothing on to it any more."""
+        """Ends what `open_tap` has begun.
+
+        Args:
+            tap: receives no further message.
+        """
         self._taps = tuple(each for each in self._taps if each is not tap)
         self._subscribers_change()
 
@@ -173,7 +186,7 @@ class LocalTransport(Transport):
 
     @contextmanager
     def without_delivery(self) -> Iterator[None]:
-        """What is published meanwhile is only there to be read: no callback gets it."""
+        """Meanwhile, published messages can be read by `last` but reach no callback."""
         self._is_delivering = False
         try:
             yield

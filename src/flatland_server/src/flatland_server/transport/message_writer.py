@@ -14,8 +14,16 @@ class MessageWriter(ABC):
 
     @abstractmethod
     def message(self, *values: Any) -> Any:
-        """The message as an object."""
+        """The message as an object.
+
+        Args:
+            values: as the writer defines them.
+        """
 
     @abstractmethod
     def data(self, *values: Any) -> bytes:
-        """The serialized message. Each call increments the sequence number of the header."""
+        """The serialized message. Each call increments the sequence number of the header.
+
+        Args:
+            values: the same as for `message`.
+        """

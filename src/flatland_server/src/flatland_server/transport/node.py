@@ -6,7 +6,6 @@ program without a ROS master. Callbacks run between steps, on the thread of the 
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
-from flatland_server._deprecated import renamed
 from flatland_server.exceptions import PLUGIN_ERRORS, TopicError
 from flatland_server.geometry import Transform
 from flatland_server.messages.message_types import get
@@ -64,12 +63,21 @@ class Node:
         callback. Without it, the exception is raised."""
 
     def scoped(self, namespace: str, owner: str) -> "Node":
-        """A node for another plugin, in a namespace within the one of this node."""
+        """A node for another plugin.
+
+        Args:
+            namespace: within the namespace of this node.
+            owner: name of that plugin, for warnings.
+        """
         joined = "/".join(part for part in (self.namespace, namespace.strip("/")) if part)
         return Node(self._transport, joined, owner, self._frames, self._topics)
 
     def resolve(self, name: str) -> str:
-        """The name of a topic or parameter with the namespace; absolute names stay as they are."""
+        """The name of a topic or parameter with the namespace.
+
+        Args:
+            name: stays as it is if it begins with "/".
+        """
         return name if name.startswith("/") or not self.namespace else f"{self.namespace}/{name}"
 
     def advertise(
@@ -158,11 +166,12 @@ class Node:
         """A value that changes whenever a topic gets or loses a subscriber."""
         return self._transport.subscriber_revision
 
-    transforms_are_watched = renamed("transforms_are_watched", "transforms_have_subscribers")
-    listeners_version = renamed("listeners_version", "subscriber_revision")
-
     def claim_frame(self, parent: str, child: str) -> None:
         """Announces that this node publishes a frame; warns if another one does already.
+
+        Args:
+            parent: the frame's parent.
+            child: the frame.
 
         Raises:
             TopicError: TF cannot have a frame of this name.
@@ -173,11 +182,18 @@ class Node:
         """Announces that this node publishes a model's transform from a frame of odometry.
 
         Such a frame is of one model alone; warns if a node of another model has announced it.
+
+        Args:
+            frame_id: of the frame of odometry.
         """
         self._frames.claim_odometry(frame_id, self.owner)
 
     def take_over_warnings(self, former: "Node") -> None:
-        """Does not repeat warnings about frames that were given before the world was reset."""
+        """Does not repeat warnings about frames that were given before the world was reset.
+
+        Args:
+            former: the node before the reset.
+        """
         self._frames.take_over_warnings(former._frames)
 
     @property
@@ -191,25 +207,41 @@ class Node:
         return self._topics.types
 
     def owners_of(self, topic: str) -> List[str]:
-        """The owners of the nodes that publish or subscribe to a topic, by its absolute name."""
+        """The owners of the nodes that publish or subscribe to a topic.
+
+        Args:
+            topic: its absolute name.
+        """
         return self._topics.owners_of(topic)
 
     def open_frames(self, *names: Tuple[str, str]) -> Frames:
-        """Claims frames, each given as (parent, child), and prepares to send their transforms.
+        """Claims frames, and prepares to send their transforms.
 
         Faster than `send_transform` for transforms that are sent at every step.
+
+        Args:
+            names: the parent and the child of each frame.
         """
         for parent, child in names:
             self.claim_frame(parent, child)
         return self._transport.open_frames(names)
 
     def send_transform(self, transform: Transform) -> None:
-        """Sends a transform, together with all others of the step."""
+        """Sends a transform, together with all others of the step.
+
+        Args:
+            transform: of one time.
+        """
         self._frames.claim(transform.parent, transform.child, self.owner)
         self._transport.send_transform(transform)
 
     def get_param(self, name: str, default: Any = None) -> Any:
-        """The value of a parameter within the namespace, or the default."""
+        """The value of a parameter.
+
+        Args:
+            name: within the namespace.
+            default: the value if there is no such parameter.
+        """
         return self._transport.get_param(self.resolve(name), default)
 
     def close(self) -> None:

@@ -14,12 +14,26 @@ class Tap(ABC):
 
     @abstractmethod
     def wants(self, topic: str) -> bool:
-        """Whether to receive the messages of a topic, given by its absolute name; "/tf" too."""
+        """Whether to receive the messages of a topic.
+
+        Args:
+            topic: its absolute name; "/tf" too.
+        """
 
     @abstractmethod
     def receive(self, topic: str, message: Any, is_latched: bool) -> None:
-        """Receives a message of a topic that it wants."""
+        """Receives a message of a topic that it wants.
+
+        Args:
+            topic: its absolute name.
+            message: of the topic.
+            is_latched: whether new subscribers get it, too.
+        """
 
     @abstractmethod
     def receive_transform(self, transform: Transform) -> None:
-        """Receives a transform, if it wants "/tf"."""
+        """Receives a transform, if it wants "/tf".
+
+        Args:
+            transform: of one time.
+        """

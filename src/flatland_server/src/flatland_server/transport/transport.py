@@ -9,7 +9,6 @@ import math
 from abc import ABC, abstractmethod
 from typing import Any, Callable, Iterable, Sequence, Tuple
 
-from flatland_server._deprecated import renamed
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.arrivals import Arrivals
 from flatland_server.transport.message_writer import MessageWriter
@@ -23,16 +22,22 @@ class Publisher(ABC):
     def has_subscribers(self) -> bool:
         """Whether the topic has a subscriber. Check it before computing a message."""
 
-    is_watched = renamed("is_watched", "has_subscribers")
-
     @abstractmethod
     def publish(self, message: Any) -> None:
-        """Publishes a message, which must not be changed afterwards."""
+        """Publishes a message.
+
+        Args:
+            message: of the topic's type; it must not be changed afterwards.
+        """
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
         """Publishes the message that a writer makes of values, in this transport's fastest form.
 
         A transport may skip it if the topic has no subscriber.
+
+        Args:
+            writer: makes the message.
+            values: passed to the writer.
         """
         self.publish(writer.message(*values))
 
@@ -95,20 +100,37 @@ class Transport(ABC):
         return "/flatland_server"
 
     def resolve(self, name: str) -> str:
-        """The absolute name of a topic."""
+        """The absolute name of a topic.
+
+        Args:
+            name: with or without "/" before it.
+        """
         return name if name.startswith("/") else f"/{name}"
 
     @abstractmethod
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool, queue_size: int
     ) -> Publisher:
-        """Opens a topic for publishing; see `Node.advertise`."""
+        """Opens a topic for publishing; see `Node.advertise`.
+
+        Args:
+            topic: its name.
+            message_type: the class of its messages.
+            latch: whether new subscribers get the last message.
+            queue_size: how many messages wait for a slow subscriber before the oldest is dropped.
+        """
 
     @abstractmethod
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        """Subscribes to a topic; `process` runs the callbacks."""
+        """Subscribes to a topic.
+
+        Args:
+            topic: its name.
+            message_type: the class of its messages.
+            callback: called by `process` with each message.
+        """
 
     @property
     @abstractmethod
@@ -130,19 +152,36 @@ class Transport(ABC):
 
     @abstractmethod
     def send_transform(self, transform: Transform) -> None:
-        """Adds a transform to those of the present step; `flush` sends them."""
+        """Adds a transform to those of the present step; `flush` sends them.
+
+        Args:
+            transform: of one time.
+        """
 
     def open_frames(self, names: Sequence[Tuple[str, str]]) -> Frames:
-        """Prepares to send the transforms of these frames, each given as (parent, child)."""
+        """Prepares to send the transforms of frames.
+
+        Args:
+            names: the parent and the child of each frame.
+        """
         return Frames(self, names)
 
     @abstractmethod
     def get_param(self, name: str, default: Any = None) -> Any:
-        """The value of a parameter, or the default."""
+        """The value of a parameter.
+
+        Args:
+            name: its absolute name.
+            default: the value if there is no such parameter.
+        """
 
     @abstractmethod
     def process(self, timeout: float = 0.0) -> None:
-        """Runs the callbacks of pending messages, and of those that arrive within `timeout` [s]."""
+        """Runs the callbacks of pending messages.
+
+        Args:
+            timeout: how long to wait for further ones [s].
+        """
 
     @abstractmethod
     def flush(self) -> None:

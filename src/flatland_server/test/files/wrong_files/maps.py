@@ -74,6 +74,8 @@ WRONG_MAPS: Dict[str, Case] = {
      'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 -1 2 5"'),
     "a word in a line": (DATA, "2 3 -1 2", "2 3 x 2",
      'lines.dat:2: expected "x1 y1 x2 y2", found "2 3 x 2"'),
+    "three numbers before a comment": (DATA, "2 3 -1 2", "# a wall\n2 3 -1 # 2",
+     'lines.dat:3: expected "x1 y1 x2 y2", found "2 3 -1"'),
     "commas in a line": (DATA, "2 3 -1 2", "2, 3, -1, 2",
      'lines.dat:2: expected "x1 y1 x2 y2", found "2, 3, -1, 2"'),
     "NaN in a line": (DATA, "2 3 -1 2", "2 3 nan 2",

@@ -54,7 +54,6 @@ class Clocked(ModelPlugin):
 class Announcer(Clocked):
     """Works for subscribers alone."""
 
-    only_publishes = True
     rate = 30.0
 
     def on_initialize(self, config):

@@ -6,11 +6,10 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from flatland_server import Pose, Simulation
-from flatland_server.sweep.clearance import Clearance
+from flatland_server import Pose, Simulation, _core
 from flatland_server.sweep.run import RunObserver
 from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario import scenarios_of
+from flatland_server.sweep.settings import scenarios_of
 
 
 def results_of(settings):
@@ -121,6 +120,7 @@ def test_parameters_change_the_world_and_the_controller(folder, settings_of):
         ("raise SystemExit(3)", "SystemExit: 3 (mine.py:2)"),
         ("return 5", "expected the controller to return None or a dict"),
         ("return {'a': object()}", "numbers, booleans and strings by name"),
+        ("return {'success': 1}", "success as a boolean, found 'success': 1"),
         ("return {'time': 5}", 'returns "time", which is a column already'),
         ("run.robot.command(1)", "UsageError: the drive"),
         ("run.step(0.003)", "to be a multiple of the step_size"),
@@ -192,6 +192,20 @@ def test_expressions_do_not_depend_on_scenarios_before(folder, settings_of):
         assert runner.run(second) == results[1]
 
 
+def test_starts_do_not_depend_on_the_walls_of_scenarios_before(folder, settings_of):
+    wall = "layer: walls, robot_name: robot, num_of_walls: 1, wall_wall_dist: 0.8"
+    plugin = f"plugins: [{{type: RandomWall, name: more, {wall}}}]\n"
+    (folder / "world.yaml").write_text((folder / "world.yaml").read_text() + plugin)
+    settings = settings_of(seeds=2, controllers=None, time_limit=0.05)
+    second = scenarios_of(settings)[1]
+
+    results = results_of(settings)
+
+    assert results[1].error == ""
+    with closing(ScenarioRunner(settings)) as runner:
+        assert runner.run(second) == results[1]
+
+
 def test_a_world_with_several_robots_needs_the_name_of_one(folder, settings_of):
     text = (folder / "world.yaml").read_text()
     second = "  - {name: other, model: robot.model.yaml, pose: [3, 0, 0], namespace: other}\n"
@@ -235,8 +249,8 @@ def test_the_clearance_is_the_distance_of_outlines(shape):
         for _ in range(25):
             pose = rng.uniform((-3, -3, -4), (3, 3, 4))
             simulation.move("robot", pose)
-            clearance = Clearance(simulation.world, simulation.models["robot"].model)
-            clearance.measure()
+            bodies = simulation.models["robot"].model.physics_bodies
+            clearance = _core.BodyGroup(bodies).clearance(math.inf)
 
             sides = np.hstack([np.array(square), np.roll(square, -1, axis=0)])
             if shape == "circle":
@@ -248,9 +262,9 @@ def test_the_clearance_is_the_distance_of_outlines(shape):
                 outline, radius = np.concatenate([a + along * (b - a) for a, b in pairs]), 0.0
             expected = max(0.0, brute_force(outline, sides) - radius)
             if simulation.models["robot"].model.overlapping():
-                assert clearance.least <= 0.02  # Box2D's polygons have a skin of 0.01 m
+                assert clearance <= 0.02  # Box2D's polygons have a skin of 0.01 m
             else:
-                assert clearance.least == pytest.approx(expected, abs=0.01)
+                assert clearance == pytest.approx(expected, abs=0.01)
 
 
 @pytest.mark.parametrize("without", ["", "box"])
@@ -260,15 +274,13 @@ def test_the_least_clearance_of_a_way_is_that_of_all_its_poses(folder, without):
         if without:
             simulation.delete(without)  # the walls are the nearest
         robot = simulation.models["robot"].model
-        on_the_way = Clearance(simulation.world, robot)
-        least = math.inf
+        group = _core.BodyGroup(robot.physics_bodies)
+        on_the_way = least = math.inf
         for number in range(150):
             angle, reach = number * 0.1, 0.3 + 0.02 * number
             x, y = reach * math.cos(angle), reach * math.sin(angle) - 0.2
             simulation.move("robot", [x, y, angle])
-            on_the_way.measure()
-            alone = Clearance(simulation.world, robot)
-            alone.measure()
-            least = min(least, alone.least)
-            assert on_the_way.least == least
+            on_the_way = group.clearance(on_the_way)
+            least = min(least, group.clearance(math.inf))
+            assert on_the_way == least
     assert (least == 0.0) == (not without)

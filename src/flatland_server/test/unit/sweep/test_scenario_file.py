@@ -9,7 +9,7 @@ from flatland_server.geometry import Pose
 from flatland_server.sweep.fingerprints import Fingerprints
 from flatland_server.sweep.parameters import combinations, set_value
 from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario import scenario_of, scenarios_of
+from flatland_server.sweep.settings import scenario_of, scenarios_of
 
 BOX_CHOSEN_BY_PARAMETER = (
     "{name: box, model: box.model.yaml, pose: [0, 2, 0.3]}",

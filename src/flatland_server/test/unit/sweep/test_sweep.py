@@ -2,7 +2,6 @@
 
 import base64
 import csv
-import importlib.metadata
 import importlib.util
 import itertools
 import json
@@ -20,10 +19,8 @@ from waiting import wait_until
 from flatland_server.cli import main
 from flatland_server.cli.sweep_replay import RunViewer
 from flatland_server.sweep import ray_pool
-from flatland_server.sweep.extras import how_to_install
-from flatland_server.sweep.jobs import Job
 from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario import scenarios_of
+from flatland_server.sweep.settings import scenarios_of
 
 pytestmark = pytest.mark.slow
 
@@ -121,7 +118,7 @@ def test_workers_import_nothing_from_the_working_directory(folder, settings_of, 
 
 def test_workers_that_do_not_start_are_an_error(settings_of, capsys, monkeypatch):
     settings_of()
-    monkeypatch.setattr("flatland_server.sweep.worker_process._PROGRAM", "import no_such_module")
+    monkeypatch.setattr("flatland_server.sweep.local_pool._PROGRAM", "import no_such_module")
 
     assert main(["sweep", "scenarios.yaml", "--jobs", "2"]) == 1
 
@@ -133,7 +130,7 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
     entries = ", ".join(f'{{name: {name}, call: "drivers.py:{name}"}}' for name in names)
     once = '{name: once, call: "drivers.py:dies_once", arguments: {mark: mark}}'
     keys = {"controllers": f"[{entries}, {once}]", "seeds": "[2]"}
-    settings_of(**QUICK, **keys, real_time_limit=2, retries=1)
+    settings_of(**QUICK, **keys, real_time_limit=6, retries=1)
 
     assert main(["sweep", "scenarios.yaml", "--jobs", "2", "--out", "out"]) == 1
 
@@ -141,7 +138,7 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
     reasons = {row["controller"]: row["error"] for row in rows()}
     assert reasons == {
         "dies": "its worker was killed by SIGSEGV, at each attempt",
-        "hangs": "it took more than 2 s of real time",
+        "hangs": "it took more than 6 s of real time",
         "fails": "ZeroDivisionError: division by zero (drivers.py:41)",
         "towards": "",
         "once": "",
@@ -312,28 +309,7 @@ def test_without_ray_it_is_told_what_to_install(settings_of, capsys):
     assert main(["sweep", "scenarios.yaml", "--ray", "local"]) == 1
 
     said = capsys.readouterr().err
-    assert f"flatland: --ray needs Ray: {how_to_install('ray', 'ray')}" in said
-
-
-def test_what_is_missing_is_installed_as_the_library_was(monkeypatch):
-    installed = {"flatland2d": "1.0"}
-    monkeypatch.setattr("importlib.metadata.version", lambda name: _version(installed, name))
-    monkeypatch.setattr("sys.base_prefix", "/usr")
-
-    assert how_to_install("sweep", "pyarrow") == "pip install 'flatland2d[sweep]'"
-    installed.clear()
-    monkeypatch.setattr("sys.prefix", "/home/anna/venv")
-    assert how_to_install("sweep", "pyarrow") == "pip install pyarrow"
-    monkeypatch.setattr("sys.prefix", "/usr")
-    assert how_to_install("sweep", "pyarrow").startswith(
-        "python3 -m venv --system-site-packages ~/flatland-venv; ~/flatland-venv/bin/pip install "
-    )
-
-
-def _version(installed, name):
-    if name not in installed:
-        raise importlib.metadata.PackageNotFoundError(name)
-    return installed[name]
+    assert "flatland: --ray needs Ray: pip install 'flatland2d[ray]'" in said
 
 
 def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_of):
@@ -342,14 +318,14 @@ def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_
     [scenario] = scenarios_of(settings)
     elsewhere = replace(settings, file=Path("/no/such/folder/scenarios.yaml"))
     try:
-        done, messages = ray_pool._run_remotely(elsewhere, Job(scenario))
+        done, messages = ray_pool._run_remotely(elsewhere, ScenarioRunner.run, scenario)
     finally:
         for pool in ray_pool._pools.values():
             pool.close()
         ray_pool._pools.clear()
 
     assert done.answer == ScenarioRunner(settings).run(scenario)
-    assert (done.answer.error, messages) == ("", [])
+    assert (done.failure, messages) == ("", [])
 
 
 def test_a_worker_ends_with_a_parent_that_was_killed(settings_of):

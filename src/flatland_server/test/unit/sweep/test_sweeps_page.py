@@ -8,17 +8,16 @@ from pathlib import Path
 import pytest
 
 from flatland_server.cli import main
-from flatland_server.sweep.run import SweepRun
-from flatland_server.sweep.summary import METRICS
+from flatland_server.sweep.run import METRICS, SweepRun
 
 ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 FILES = re.findall(r"```\w+\n# file: (\S+)\n(.*?)```", PAGE, re.DOTALL)
 COMMANDS = [
-    line[2:]
-    for block in re.findall(r"```console\n(.*?)```", PAGE, re.DOTALL)
+    line
+    for block in re.findall(r"```bash\n(.*?)```", PAGE, re.DOTALL)
     for line in block.splitlines()
-    if line.startswith("$ flatland ")
+    if line.startswith("flatland ")
 ]
 
 
@@ -75,7 +74,7 @@ def test_the_page_has_all_arguments(capsys):
 
 def test_the_page_has_all_keys_columns_and_attributes():
     reader = (ROOT / "src/flatland_server/src/flatland_server/sweep/scenario_file.py").read_text()
-    keys = set(re.findall(r'get_\w+\(\s*"(\w+)"|_random_or\(reader, "(\w+)"', reader))
+    keys = set(re.findall(r'get_\w+\(\s*"(\w+)"|_place\(reader, "(\w+)"', reader))
     names = {a or b for a, b in keys} | set(METRICS) | {"worlds", "controllers", "parameters"}
     attributes = [name for name in dir(SweepRun) if not name.startswith("_")]
     of_the_command = {"end", "metrics"}

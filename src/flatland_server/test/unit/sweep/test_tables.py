@@ -2,14 +2,15 @@
 
 import csv
 import math
+from contextlib import closing
 
 import pytest
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.sweep.intervals import mean, rate, t_quantile
-from flatland_server.sweep.journal import Entry, Journal, read_entries
 from flatland_server.sweep.runner import Result
-from flatland_server.sweep.table import column, table_of, write_csv
+from flatland_server.sweep.sweep import Journal, read_entries
+from flatland_server.sweep.tables import Entry, column, table_of, write_csv
 
 
 @pytest.mark.parametrize(
@@ -78,12 +79,12 @@ ENTRY = Entry(Result({"time": 0.1 + 0.2, "goal_x": math.nan}, {"n": 1}), 1.5, 1)
 
 def test_a_journal_goes_on_where_it_has_ended(tmp_path):
     path = tmp_path / "journal.jsonl"
-    with Journal(path) as journal:
+    with closing(Journal(path)) as journal:
         journal.add("a", ENTRY)
     complete = path.read_bytes()
     path.write_bytes(complete + complete.splitlines()[1][:30])  # a crash while it was written
 
-    with Journal(path) as journal:
+    with closing(Journal(path)) as journal:
         assert list(journal.entries) == ["a"]
         assert repr(journal.entries["a"]) == repr(ENTRY)
         journal.add("b", ENTRY)
@@ -93,7 +94,7 @@ def test_a_journal_goes_on_where_it_has_ended(tmp_path):
 
 def test_a_journal_is_written_by_one_sweep_at_a_time(tmp_path):
     path = tmp_path / "journal.jsonl"
-    with Journal(path), pytest.raises(FlatlandError, match="another sweep"):
+    with closing(Journal(path)), pytest.raises(FlatlandError, match="another sweep"):
         Journal(path)
 
 

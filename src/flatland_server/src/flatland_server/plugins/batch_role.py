@@ -1,0 +1,109 @@
+"""What a plugin declares for batches of environments: a `BatchRole`, and what it consists of."""
+
+from abc import ABC, abstractmethod
+from typing import Callable, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import Float32Array, FloatArray, IntArray, Segments
+
+AddNoise = Callable[[Float32Array, int], Float32Array]
+"""Ranges with noise, of ranges [m] without it and the simulated time [ns]: such as `RangeNoise`."""
+
+
+class CoreDrive(NamedTuple):
+    """A drive that the core moves at every step, and that obeys `ModelPlugin.command`."""
+
+    drive: Union[_core.Drive, _core.Tricycle]
+    columns: Tuple[int, ...]
+    """Which of the drive's numbers each value of a command is: of vx, vy and omega of a `Drive`, or
+    of the speed and the steering angle of a `Tricycle`. The others are 0."""
+    limits: Tuple[float, ...]
+    """The greatest magnitude of each value; 0 is no limit."""
+
+
+class CoreLidar(NamedTuple):
+    """A lidar of the core; `ModelPlugin.read` returns its ranges, perhaps with noise."""
+
+    lidar: _core.Lidar
+    range: float
+    """The largest distance that is measured [m]."""
+    make_noise: Optional[Callable[[np.random.Generator], AddNoise]]
+    """Makes the noise of a plugin out of its random numbers (`Plugin.rng`); None: no noise."""
+
+
+class BatchMotion(ABC):
+    """Bodies that a plugin moves in n environments: it sets their velocities at its updates.
+
+    It computes, bit for bit, the velocities that the plugin's `before_physics_step` sets, for many
+    environments in one call. That hook should call it for one.
+
+    Args:
+        rate: of the updates [Hz], due as with an `UpdateTimer`; infinity is each step.
+
+    Attributes:
+        bodies: the m bodies with poses and velocities passed to `update`; set by the derived class.
+        moved: the bodies that it moves; likewise.
+    """
+
+    bodies: Sequence[_core.Body]
+    moved: Sequence[_core.Body]
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+
+    @abstractmethod
+    def begin(
+        self,
+        environment: int,
+        rng: np.random.Generator,
+        walls: Optional[Sequence[Segments]],
+    ) -> None:
+        """Called when an environment is reset.
+
+        Args:
+            environment: its index.
+            rng: the random numbers of the plugin there (`Plugin.rng`).
+            walls: of each layer of its world (`World.layers`), where a plugin adds some by chance;
+                None: they are those of the plugin's world.
+        """
+
+    @abstractmethod
+    def update(
+        self,
+        environments: IntArray,
+        poses: FloatArray,
+        velocities: FloatArray,
+        step_size: float,
+    ) -> FloatArray:
+        """The velocities of the bodies that it moves until its next update.
+
+        Args:
+            environments: indices of those k that are updated, in increasing order.
+            poses: of `bodies` there, (k, m, 3): x, y [m] and yaw in [-pi, pi] [rad].
+            velocities: of their origins, in the world's frame [m/s, m/s, rad/s], (k, m, 3).
+            step_size: of the simulation [s].
+
+        Returns:
+            Those of the origins of `moved`, in the world's frame, (k, bodies, 3).
+        """
+
+
+class BatchRole(NamedTuple):
+    """A plugin's part in the environments of a `SimulationBatch`, which calls none of its hooks.
+
+    Without arguments: the plugin is left out, since it changes nothing in the world by itself. Its
+    hooks only observe; it may obey messages.
+    """
+
+    drive: Optional[CoreDrive] = None
+    """The drive that its `command` controls; the batch commands it directly."""
+    lidar: Optional[CoreLidar] = None
+    """The lidar that its `read` reads."""
+    make_motion: Optional[Callable[[int], BatchMotion]] = None
+    """Makes the motion of the bodies of which it sets the velocities at its updates, in so many
+    environments. Called when all models and plugins of the world have been made."""
+    varies_by_seed: bool = False
+    """Whether `on_initialize` changes the world at random, as by adding walls: each environment
+    then has its own world, loaded with its seed."""
