@@ -288,7 +288,10 @@ class World:
         return self.contents.add_model(entry)
 
     def overlap_warning(self, model: Model) -> str:
-        """What to tell the user about a model that was put within walls or other models.
+        """A warning for a model that was put within walls or other models.
+
+        Args:
+            model: of this world.
 
         Returns:
             A sentence that names what it overlaps; empty if it overlaps nothing.
@@ -465,7 +468,11 @@ class World:
         return len(self.contents.plugins.all_plugins())
 
     def plugins_of(self, model: str) -> Dict[str, Plugin]:
-        """The plugins of a model that run, by name; of the world for an empty name."""
+        """The plugins of a model that run, by name.
+
+        Args:
+            model: its name; empty for the plugins of the world.
+        """
         return {
             plugin.name: plugin
             for plugin, has_failed in self.all_plugins_of(model)
@@ -473,7 +480,11 @@ class World:
         }
 
     def all_plugins_of(self, model: str) -> List[Tuple[Plugin, bool]]:
-        """The plugins of a model, each with whether it was switched off because of an error."""
+        """The plugins of a model, each with whether it was switched off because of an error.
+
+        Args:
+            model: its name; empty for the plugins of the world.
+        """
         plugins = self.contents.plugins
         return [
             (plugin, plugins.failure_of(plugin) is not None) for plugin in plugins.plugins_of(model)
