@@ -8,7 +8,7 @@ from typing import Dict, List
 import pytest
 
 from flatland_server import Pose, World
-from flatland_server.testing import Simulation, WorldFiles, check_plugin, refusal
+from flatland_server.testing import Harness, WorldFiles, check_plugin, refusal
 
 PACKAGE = Path(__file__).resolve().parents[1]
 CONVEYOR = PACKAGE / "worlds" / "conveyor" / "world.yaml"
@@ -37,7 +37,7 @@ def test_it_keeps_the_contract_of_plugins(name):
 def simulate(tmp_path):
     """Makes a world of a wall at x = 3 m, a post at x = -3 m, and a robot with a plugin."""
 
-    def make(plugin: str, pose: str = "[0, 0, 0]") -> Simulation:
+    def make(plugin: str, pose: str = "[0, 0, 0]") -> Harness:
         files = WorldFiles(tmp_path)
         post = {"post": f"model: {files.model('post')}, pose: [-3, 0, 0]"}
         return files.robot(plugin, namespace="r1", pose=pose, walls=["3 -5 3 5"], others=post)
@@ -46,11 +46,11 @@ def simulate(tmp_path):
 
 
 @pytest.fixture
-def conveyor() -> Simulation:
-    return Simulation(World.from_file(CONVEYOR))
+def conveyor() -> Harness:
+    return Harness(World.from_file(CONVEYOR))
 
 
-def poses(simulation: Simulation) -> Dict[str, Pose]:
+def poses(simulation: Harness) -> Dict[str, Pose]:
     """Where the models are, by their names."""
     return {name: model.pose for name, model in simulation.world.models.items()}
 

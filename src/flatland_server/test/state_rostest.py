@@ -26,7 +26,7 @@ from visualization_msgs.msg import MarkerArray
 from waiting import wait_until
 
 from flatland_server import World
-from flatland_server.testing import Simulation
+from flatland_server.testing import Harness
 
 BOX = Path(rospkg.RosPack().get_path("flatland_server")) / "worlds" / "office" / "box.model.yaml"
 STEPS = 120
@@ -123,7 +123,7 @@ class State(unittest.TestCase):
 
     def test_the_same_commands_in_process_give_the_same_run(self):
         world = Path(rospy.get_param("/flatland_server/world_path"))
-        simulation = Simulation(World.from_file(world, seed=0))
+        simulation = Harness(World.from_file(world, seed=0))
         said = {}
         for index in range(STEPS):
             simulation.drive(*command(index)).run()

@@ -54,7 +54,7 @@ class Listener(LocalTransport):
         ("Configuration", [YamlReader]),
         ("Topics, transforms and parameters", [Node]),
         ("Bodies", [_core.Body]),
-        ("Testing a plugin", [testing, testing.Simulation]),
+        ("Testing a plugin", [testing, testing.Harness]),
         ("Contacts", [ModelPlugin, Entity, _core.Contact, _core.ContactImpulse]),
     ],
 )
@@ -62,7 +62,9 @@ def test_the_tables_name_what_there_is(heading, classes):
     cells = re.findall(r"^\| (`.*?) \|", sections()[heading], flags=re.MULTILINE)
     names = [name for cell in cells for name in re.findall(r"`(?:\w+\.)?(\w+)", cell)]
 
-    known = {"node", "old_manifold", "timekeeper", "world"}.union(*(dir(each) for each in classes))
+    known = {"node", "old_manifold", "timekeeper", "transport", "world"}.union(
+        *(dir(each) for each in classes)
+    )
     assert len(names) >= len(cells) > 5
     assert [name for name in names if name not in known] == []
 

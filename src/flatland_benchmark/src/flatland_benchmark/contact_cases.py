@@ -11,6 +11,7 @@ from flatland_server._core import Contact, ContactImpulse, Manifold
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
@@ -75,13 +76,13 @@ def _bounce(loader: PluginLoader, plugins: str) -> float:
     for model in world.models.values():
         vx, vy = rng.uniform(-2, 2, 2)
         model.base.physics_body.velocity = (vx, vy, 0.0)
-    timekeeper = Timekeeper(0.005)
+    run = Run(world, Timekeeper(0.005))
     steps = 2000
     begin = time.perf_counter()
     for _ in range(steps):
-        world.step(timekeeper)
+        run.step()
     seconds = time.perf_counter() - begin
-    world.close()
+    run.close()
     return seconds / steps * 1e6
 
 

@@ -12,6 +12,7 @@ from flatland_benchmark.case import Case, Figures
 from flatland_benchmark.figures import ROBOTS, durations, in_words, peak_memory
 from flatland_benchmark.robot_worlds import write_world
 from flatland_server.geometry import Pose
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
@@ -42,12 +43,11 @@ def run_office(worlds: Path) -> Figures:
 
 def run(world: World) -> Figures:
     """Steps a world for a while and returns the time per step."""
-    timekeeper = Timekeeper(_STEP_SIZE)
+    stepped = Run(world, Timekeeper(_STEP_SIZE))
 
     def steps(count: int) -> None:
         for _ in range(count):
-            world.transport.process()
-            world.step(timekeeper)
+            stepped.step()
 
     steps(_SCAN_PERIOD)  # with all that is done once
     count = 0

@@ -20,6 +20,7 @@ from flatland_server import _core
 from flatland_server.geometry import Transform
 from flatland_server.messages.model_markers import ModelMarkers
 from flatland_server.messages.serialized_markers import array_of
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
@@ -122,14 +123,13 @@ class _Run:
 
     def __init__(self, path: Path, is_subscribed: bool) -> None:
         self.transport = Serializing(is_subscribed)
-        self._world = World.from_file(path, self.transport)
-        self._timekeeper = Timekeeper(_STEP_SIZE)
-        self._markers = [ModelMarkers(model, "map") for model in self._world.models.values()]
+        world = World.from_file(path, self.transport)
+        self._run = Run(world, Timekeeper(_STEP_SIZE))
+        self._markers = [ModelMarkers(model, "map") for model in world.models.values()]
         self._is_subscribed = is_subscribed
 
     def step(self) -> None:
-        self.transport.process()
-        self._world.step(self._timekeeper)
+        self._run.step()
 
     def publish_markers(self) -> None:
         for markers in self._markers:

@@ -7,6 +7,7 @@ import pytest
 
 from flatland_benchmark.robot_worlds import RADIUS, free_places, write_world
 from flatland_server.maps.map_reader import read_map
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
@@ -63,9 +64,7 @@ def test_more_robots_than_places_are_refused():
 
 def test_robots_of_a_world_have_plugins_and_topics_of_their_own(tmp_path):
     world = World.from_file(write_world(tmp_path, WORLDS, 3))
-    timekeeper = Timekeeper(0.005)
-    for _ in range(20):
-        world.step(timekeeper)
+    Run(world, Timekeeper(0.005)).step(20)
 
     assert list(world.models) == ["robot_0", "robot_1", "robot_2"]
     scan = world.transport.last("robot_2/scan")
@@ -77,9 +76,7 @@ def test_robots_of_a_world_have_plugins_and_topics_of_their_own(tmp_path):
 def test_robots_stay_where_they_are_put(tmp_path):
     world = World.from_file(write_world(tmp_path, WORLDS, 50))
     before = [model.base.pose for model in world.models.values()]
-    timekeeper = Timekeeper(0.005)
-    for _ in range(20):
-        world.step(timekeeper)
+    Run(world, Timekeeper(0.005)).step(20)
 
     assert [model.base.pose for model in world.models.values()] == before
 

@@ -9,13 +9,13 @@ from flatland_navigation.grid import Grid
 from flatland_navigation.navigator import Navigator, NavigatorConfig, Status
 from flatland_navigation.obstacles import scan_points
 from flatland_server import Pose
-from flatland_server.testing import Simulation
+from flatland_server.testing import Harness
 
 LASER = Pose(0.05)
 """Where the office's robot has its laser."""
 
 
-def walls_of(simulation: Simulation) -> Any:
+def walls_of(simulation: Harness) -> Any:
     return np.concatenate([layer.segments for layer in simulation.world.layers])
 
 
@@ -24,7 +24,7 @@ class Driver:
 
     def __init__(
         self,
-        simulation: Simulation,
+        simulation: Harness,
         grid: Grid,
         namespace: str = "",
         config: Optional[NavigatorConfig] = None,
@@ -60,7 +60,7 @@ class Driver:
         self._simulation.drive(command.forwards, command.turn, topic=f"{self._prefix}/cmd_vel")
 
 
-def drive(simulation: Simulation, *drivers: Driver, limit: float = 120.0) -> float:
+def drive(simulation: Harness, *drivers: Driver, limit: float = 120.0) -> float:
     """Lets drivers drive until none has a goal, and returns the simulated time that it took [s]."""
     start = simulation.timekeeper.seconds
     while any(driver.navigator.status is Status.ACTIVE for driver in drivers):

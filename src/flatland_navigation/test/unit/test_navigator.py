@@ -11,7 +11,7 @@ from flatland_navigation.follower import FollowerConfig
 from flatland_navigation.grid import Grid
 from flatland_navigation.navigator import Navigator, NavigatorConfig, Status
 from flatland_server import Pose, World
-from flatland_server.testing import Simulation, WorldFiles
+from flatland_server.testing import Harness, WorldFiles
 
 pytestmark = pytest.mark.slow
 
@@ -46,7 +46,7 @@ def positions(simulation):
 
 def test_the_offices_robot_drives_to_three_goals():
     """Past a box in the corridor, through a door, and back; it pushes nothing."""
-    simulation = Simulation(World.from_file(OFFICE / "world.yaml"))
+    simulation = Harness(World.from_file(OFFICE / "world.yaml"))
     boxes = {n: p for n, p in positions(simulation).items() if n.startswith("box")}
     driver = Driver(simulation, grid_of(simulation))
 

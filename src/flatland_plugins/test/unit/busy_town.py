@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Container, Dict, List, Optional, Tuple
 
 from flatland_server import LocalTransport, Pose, World, messages
-from flatland_server.testing import Simulation, WorldFiles
+from flatland_server.testing import Harness, WorldFiles
 from flatland_server.testing.observation import serialized
 
 Bool = messages.get("std_msgs/Bool")
@@ -133,7 +133,7 @@ class Town:
         self.transport = Recorder(subscribed_topics)
         path = self.files.write("world.yaml", world)
         loaded = World.from_file(path, self.transport, seed=seed, loader=self.files.loader)
-        self.simulation = Simulation(loaded)
+        self.simulation = Harness(loaded)
         self.started: List[int] = []
 
     def run(self, seconds: float) -> "Town":

@@ -8,7 +8,7 @@ import pytest
 from batch_world import write_world
 
 from flatland_server import LocalTransport, PluginLoader, World
-from flatland_server.testing import Simulation, WorldFiles
+from flatland_server.testing import Harness, WorldFiles
 
 pytest.register_assert_rewrite("bumping", "forklift", "readings")
 
@@ -37,13 +37,13 @@ def no_subscribers() -> LocalTransport:
 
 
 @pytest.fixture
-def simulate() -> Type[Simulation]:
-    """Makes a `Simulation` of a world."""
-    return Simulation
+def simulate() -> Type[Harness]:
+    """Makes a `Harness` of a world."""
+    return Harness
 
 
 @pytest.fixture
-def town(files: WorldFiles) -> Callable[..., Simulation]:
+def town(files: WorldFiles) -> Callable[..., Harness]:
     """Makes a world of people, the first one on line 8 of its file."""
 
     def load(
@@ -52,7 +52,7 @@ def town(files: WorldFiles) -> Callable[..., Simulation]:
         walls: Tuple[str, ...] = (),
         robots: Dict[str, str] = {},  # noqa: B006 (only read)
         **options: Any,
-    ) -> Simulation:
+    ) -> Harness:
         layer = f"{{name: map, map: {files.walls('map', *walls)}}}" if walls else "{name: map}"
         lines = [
             "properties: {}",
@@ -71,15 +71,15 @@ def town(files: WorldFiles) -> Callable[..., Simulation]:
 
 
 @pytest.fixture
-def empty_room(loader: PluginLoader) -> Simulation:
+def empty_room(loader: PluginLoader) -> Harness:
     """The turtlebot in the middle of an empty room of 10 x 6 m."""
-    return Simulation(World.from_file(WORLDS / "test_room" / "world.yaml", loader=loader))
+    return Harness(World.from_file(WORLDS / "test_room" / "world.yaml", loader=loader))
 
 
 @pytest.fixture
-def office(loader: PluginLoader) -> Simulation:
+def office(loader: PluginLoader) -> Harness:
     """The default world."""
-    return Simulation(World.from_file(WORLDS / "office" / "world.yaml", loader=loader))
+    return Harness(World.from_file(WORLDS / "office" / "world.yaml", loader=loader))
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flatland_server.testing import Simulation, WorldFiles
+from flatland_server.testing import Harness, WorldFiles
 
 KEYS = "name: dummy, dummy_param_string: dummy_test_123456, dummy_param_float: 0.1, a: [{b: c}]"
 DISC = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]"
@@ -12,7 +12,7 @@ DISC = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 
 def test_they_take_any_keys_and_do_nothing(package, tmp_path):
     files = WorldFiles(tmp_path)
     files.write("disc.yaml", f"{DISC}\nplugins: [{{type: {package}DummyModelPlugin, {KEYS}}}]")
-    simulation: Simulation = files.load(
+    simulation: Harness = files.load(
         f"""
         properties: {{}}
         layers: []

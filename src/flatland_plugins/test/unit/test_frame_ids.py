@@ -8,7 +8,7 @@ import pytest
 from readings import warnings
 
 from flatland_server import Pose
-from flatland_server.testing import Simulation, check_plugin
+from flatland_server.testing import Harness, check_plugin
 from flatland_server.testing.observation import ObservingTransport
 
 OFFICE = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds" / "office"
@@ -17,7 +17,7 @@ TF = "type: ModelTfPublisher, name: tf, publish_tf_world: true"
 BUMPER = "type: Bumper, name: bumper"
 
 
-def frame_of(robot: Simulation, topic: str) -> str:
+def frame_of(robot: Harness, topic: str) -> str:
     return str(robot.last(topic).header.frame_id)
 
 
@@ -84,7 +84,7 @@ def test_the_contract_knows_frames_within_the_namespace():
 # Several robots
 
 
-def four_turtlebots(files, transport: Any) -> Simulation:
+def four_turtlebots(files, transport: Any) -> Harness:
     model = OFFICE / "turtlebot.model.yaml"
     models = {
         f"robot{i}": f"model: {model}, namespace: r{i}, pose: [0, {2 * i}, {i}]" for i in range(4)
@@ -125,7 +125,7 @@ def test_four_robots_from_one_file_have_four_trees_of_frames(files, caplog):
         assert twist.linear.x == pytest.approx(0.1 * (i + 1), abs=1e-3)
 
 
-def robots_in_one_frame(files, count: int, *plugins: str) -> Simulation:
+def robots_in_one_frame(files, count: int, *plugins: str) -> Harness:
     model = files.model("robot", *plugins)
     return files.load_models(
         {f"robot{i}": f"model: {model}, namespace: r{i}, pose: [0, {i}, 0]" for i in range(count)}

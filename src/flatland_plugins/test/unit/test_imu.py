@@ -383,7 +383,8 @@ def test_a_subscriber_that_comes_again_during_a_step_gets_the_next_message(files
     earlier = robot.run().last(GROUND_TRUTH)
     no_subscribers.set_subscribed_topics([])
     robot.run(0.5)
-    robot.world.physics = SubscribingPhysics(robot.world.physics, no_subscribers)
+    contents = robot.world.contents
+    contents.physics = SubscribingPhysics(contents.physics, no_subscribers)
 
     in_the_middle = robot.run().last(GROUND_TRUTH)
     afterwards = robot.run().last(GROUND_TRUTH)

@@ -7,7 +7,7 @@ import pytest
 from readings import pose_of, twist_of, warnings
 
 from flatland_server.geometry import Pose
-from flatland_server.testing import Simulation
+from flatland_server.testing import Harness
 from flatland_server.tools import check_world
 
 OFFICE = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds" / "office"
@@ -16,7 +16,7 @@ START = Pose(-2.0, -1.5, 0.0)  # in the lobby
 
 
 @pytest.fixture
-def office_with_it(office) -> Simulation:
+def office_with_it(office) -> Harness:
     """The office with this robot in it, in the namespace "real"."""
     office.world.spawn_model(MODEL, "real", "real", START)
     return office

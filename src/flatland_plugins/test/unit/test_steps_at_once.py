@@ -19,15 +19,15 @@ BUMPERS = re.compile(r"  - {type: Bumper, .*}\n")
 def advance(town: Town, steps: int, at_once: bool) -> int:
     """Makes steps, up to the next event of the town. Returns the number of calls of the world."""
     town.act()
-    world, timekeeper = town.simulation.world, town.simulation.timekeeper
+    run = town.simulation
     calls = 0
     while steps > 0:
         calls += 1
-        world.transport.process()
+        run.transport.process()
         if at_once:
-            steps -= world.step_up_to(timekeeper, steps)
+            steps -= run._step_up_to(steps)
         else:
-            world.step(timekeeper)
+            run._step_with_hooks()
             steps -= 1
     return calls
 

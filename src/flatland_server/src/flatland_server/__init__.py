@@ -73,10 +73,10 @@ from flatland_server.models.model_body import BodyConfig, ModelBody
 from flatland_server.plugins.batch_role import BatchMotion, BatchRole, CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.world import World
+from flatland_server.simulation.world import World, WorldPlugin
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
-from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.sweep.run import SweepRun
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
@@ -147,6 +147,7 @@ __all__ = [
     "Recorder",
     "RecordingError",
     "RelativePoses",
+    "Run",
     "Segments",
     "SensorHandle",
     "Simulation",

@@ -2,6 +2,8 @@
 
 from typing import Final
 
+from flatland_server.exceptions import UsageError, shortened
+
 LONGEST_STEP = 1000.0  # s; the shortest is a nanosecond
 
 
@@ -17,16 +19,17 @@ class Timekeeper:
         step_size: length of a step [s].
 
     Raises:
-        ValueError: the step is shorter than a nanosecond, or longer than 1000 s.
+        UsageError: the step is shorter than a nanosecond, or longer than 1000 s, or no number.
     """
 
     def __init__(self, step_size: float) -> None:
         try:
-            nanoseconds = round(step_size * 1e9)
-        except (OverflowError, ValueError):
+            nanoseconds = round(float(step_size) * 1e9)
+        except (TypeError, OverflowError, ValueError):
             nanoseconds = 0
-        if nanoseconds < 1 or step_size > LONGEST_STEP:
-            raise ValueError(f"expected a step of 1e-9 to {LONGEST_STEP:g} s, found {step_size}")
+        if not 1 <= nanoseconds <= LONGEST_STEP * 1e9:
+            found = shortened(repr(step_size))
+            raise UsageError(f"expected a step of 1e-9 to {LONGEST_STEP:g} s, found {found}")
         self.nanoseconds = 0
         self.step_nanoseconds: Final = nanoseconds
         self.step_size: Final = nanoseconds * 1e-9

@@ -7,6 +7,7 @@ import pytest
 from geometry_msgs.msg import Twist
 
 from flatland_server.geometry import Pose
+from flatland_server.simulation.run import Run
 from flatland_server.timekeeper import Timekeeper
 
 SQUARE = "{type: polygon, points: [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]], density: 1}"
@@ -84,11 +85,10 @@ def total_turn(world, seconds: float, torque: float) -> float:
 
 
 def step(world, seconds: float, push=lambda: None) -> None:
-    timekeeper = Timekeeper(0.005)
+    run = Run(world, Timekeeper(0.005))
     for _ in range(round(seconds / 0.005)):
-        world.transport.process()
         push()
-        world.step(timekeeper)
+        run.step()
 
 
 def command(world, vx: float, omega: float) -> None:
@@ -99,12 +99,11 @@ def command(world, vx: float, omega: float) -> None:
 
 def drive_with_turns(world, watch) -> None:
     """Drives for 10 s with turns to both sides and on the spot; calls `watch` after each step."""
-    timekeeper = Timekeeper(0.005)
+    run = Run(world, Timekeeper(0.005))
     for vx, omega in [(1.0, 0.0), (1.0, 1.0), (0.8, -2.0), (-1.0, 0.5), (0.0, 3.0)]:
         command(world, vx, omega)
         for _ in range(400):
-            world.transport.process()
-            world.step(timekeeper)
+            run.step()
             watch()
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
@@ -139,8 +140,7 @@ def test_a_world_that_is_refused_leaves_no_topics_behind(good_files, old, new):
 def test_a_model_that_is_refused_leaves_the_world_as_it_was(good_files, old, new):
     transport = LocalTransport()
     world = good_files.load(transport=transport)
-    timekeeper = Timekeeper(0.005)
-    world.step(timekeeper)
+    run = Run(world, Timekeeper(0.005)).step()
     before = (
         list(world.models),
         world.physics.body_count,
@@ -154,7 +154,7 @@ def test_a_model_that_is_refused_leaves_the_world_as_it_was(good_files, old, new
 
     with pytest.raises(FlatlandError):
         world.spawn_model(good_files.folder / "robot.model.yaml", "second", "r2", Pose())
-    world.step(timekeeper)
+    run.step()
 
     assert before == (
         list(world.models),

@@ -289,7 +289,7 @@ def test_the_enabled_flag_follows_an_expression(good_files, monkeypatch):
 
     world = good_files.load()
 
-    assert [plugin.name for plugin in world._plugins.plugins_of("robot")] == ["drive"]
+    assert list(world.plugins_of("robot")) == ["drive"]
     world.close()
 
 

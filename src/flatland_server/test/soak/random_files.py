@@ -15,7 +15,7 @@ from soak.mutations import Mutator
 from soak.random_messages import unusual_poses
 
 from flatland_server import FlatlandError, ModelError, PluginLoader, Pose, World, YamlError
-from flatland_server.testing import Simulation
+from flatland_server.testing import Harness
 
 READ_LIMIT = 10.0  # s; an expression may take one, and the machine may be busy
 STEPS = 3
@@ -38,7 +38,7 @@ class RandomFiles:
         self._findings = findings
         self._loader = PluginLoader()
         self.world = World.from_file(folder / "plugins" / "world.yaml", loader=self._loader)
-        self._simulation = Simulation(self.world, allow_failures=True)
+        self._simulation = Harness(self.world, allow_failures=True)
 
     def run(self, count: int, seconds: float) -> None:
         """Reads `count` spoilt files, or as many as can be read in a time [s]."""
@@ -87,11 +87,11 @@ class RandomFiles:
     def _load(self, path: Path) -> None:
         world = World.from_file(path, loader=self._loader, seed=self._rng.randrange(100))
         try:
-            self._run(Simulation(world, allow_failures=True))
+            self._run(Harness(world, allow_failures=True))
         finally:
             world.close()
 
-    def _run(self, simulation: Simulation) -> None:
+    def _run(self, simulation: Harness) -> None:
         simulation.run(STEPS * simulation.timekeeper.step_size)
         poses = unusual_poses(simulation.world)
         self._findings.expect(not poses, f"poses {poses[:2]}")

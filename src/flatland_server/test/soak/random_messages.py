@@ -13,7 +13,7 @@ from soak.findings import Findings
 
 from flatland_server import LocalTransport, Subscription, World
 from flatland_server.geometry import Pose
-from flatland_server.testing import Simulation
+from flatland_server.testing import Harness
 
 FLOATS = (
     *(0.0, -0.0, 1.0, -1.0, 0.5, 3.0, 1e-9, 5e-324, 1e6, -1e6, 1e30, 1e38, -1e38),
@@ -75,14 +75,14 @@ class TypedTransport(LocalTransport):
         return super().subscribe(topic, message_type, callback)
 
 
-def every_model(corpus: Corpus) -> Simulation:
+def every_model(corpus: Corpus) -> Harness:
     """A world with all models of the corpus that can be spawned together."""
     world = World.from_file(corpus.folder / "plugins" / "world.yaml", TypedTransport())
     for number, path in enumerate(corpus.models):
         if path.parts[-2] in ("plugins", "office"):
             name = f"m{number}"
             world.spawn_model(path, name, name, Pose(3.0 * number, 30.0, 0.0))
-    return Simulation(world, allow_failures=True)
+    return Harness(world, allow_failures=True)
 
 
 def unusual_poses(world: World) -> List[str]:

@@ -10,7 +10,7 @@ import hypothesis
 import pytest
 
 from flatland_server import PluginLoader, World
-from flatland_server.testing import Simulation, WorldFiles
+from flatland_server.testing import Harness, WorldFiles
 
 pytest.register_assert_rewrite(
     "deferred.stage", "plugin_manager.recorders", "world.parts", "yaml_reader.reading"
@@ -78,6 +78,6 @@ def files(tmp_path: Path, loader: PluginLoader) -> Files:
 
 
 @pytest.fixture
-def simulate() -> Callable[..., Simulation]:
-    """Makes a `Simulation` of a world; plugins may fail."""
-    return partial(Simulation, allow_failures=True)
+def simulate() -> Callable[..., Harness]:
+    """Makes a `Harness` of a world; plugins may fail."""
+    return partial(Harness, allow_failures=True)

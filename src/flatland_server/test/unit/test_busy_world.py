@@ -14,8 +14,7 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.world import World, WorldPlugin
 
 pytestmark = pytest.mark.slow
 

@@ -37,7 +37,7 @@ def test_a_collection_does_not_traverse_what_was_loaded(frozen_office):
 
 @pytest.mark.parametrize("name", ["turtlebot", "box_1"])
 def test_a_deleted_model_is_freed_without_a_collection(frozen_office, name):
-    parts = [frozen_office.models[name], *frozen_office._plugins.plugins_of(name)]
+    parts = [frozen_office.models[name], *frozen_office.contents.plugins.plugins_of(name)]
     references = [weakref.ref(part) for part in parts]
     parts.clear()
 

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from flatland_server.geometry import Pose, wrap_angle
+from flatland_server.simulation.run import Run
 from flatland_server.timekeeper import Timekeeper
 
 MODEL = """
@@ -37,9 +38,7 @@ def test_jointed_bodies_stay_where_they_are_put(files, model, heading, way):
         world.move_model("robot", Pose(1.0, 2.0, 0.0))
         heading = 0.0
 
-    timekeeper = Timekeeper(0.005)
-    for _ in range(200):
-        world.step(timekeeper)
+    Run(world, Timekeeper(0.005)).step(200)
 
     assert robot.pose[:2] == pytest.approx((1.0, 2.0), abs=1e-3)
     assert wrap_angle(robot.pose.yaw - heading) == pytest.approx(0.0, abs=1e-3)

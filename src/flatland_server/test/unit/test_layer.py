@@ -9,6 +9,7 @@ from flatland_server import _core
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.layer import LayerConfig
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
 
@@ -105,9 +106,7 @@ def test_a_layer_without_a_map_has_no_walls_but_footprints_may_name_it(files):
     left, right = (loaded.models["two"].get_body(name) for name in ("left", "right"))
     left.physics_body.velocity = (1.0, 0.0, 0.0)
 
-    timekeeper = Timekeeper(0.01)
-    for _ in range(200):
-        loaded.step(timekeeper)
+    Run(loaded, Timekeeper(0.01)).step(200)
 
     assert len(loaded.layers[0].segments) == 0
     assert right.pose.x > 1.2

@@ -10,7 +10,7 @@ import pytest
 from flatland_server.exceptions import PluginError
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.world import WorldPlugin
 
 MODULE = """
 from flatland_server.plugins.model_plugin import ModelPlugin

@@ -19,7 +19,7 @@ from flatland_server import (
     Transform,
     messages,
 )
-from flatland_server.testing import Simulation, WorldFiles
+from flatland_server.testing import Harness, WorldFiles
 
 STEP = 5_000_000  # ns
 ROBOT = (
@@ -39,7 +39,7 @@ class Read(NamedTuple):
     message: Any
 
 
-def record(path: Path, files: WorldFiles, topics=None, steps: int = 20) -> Simulation:
+def record(path: Path, files: WorldFiles, topics=None, steps: int = 20) -> Harness:
     """Records a robot that drives."""
     simulation = files.robot(*ROBOT)
     recorder = Recorder(

@@ -81,7 +81,7 @@ def test_each_request_makes_its_steps(manager):
 def test_a_count_below_one_is_refused(manager, count):
     with pytest.raises(ValueError, match=f"expected 1 step or more, found {count}"):
         manager.request_steps(count)
-    with pytest.raises(ValueError, match=f"expected 1 step or more, found {count}"):
+    with pytest.raises(ValueError, match=f"a whole number of 1 or more, found {count}"):
         manager.step(count)
     manager.request_steps(1)  # the refused one is not pending
 

@@ -4,9 +4,9 @@ from typing import Any, Optional, Sequence, Tuple
 
 import numpy as np
 
+from flatland_server.arguments import shown, whole_number
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import shown, whole_number
 
 MAX_COORDINATE = 5e4
 """The greatest distance of a pose from the origin along x and y [m]."""

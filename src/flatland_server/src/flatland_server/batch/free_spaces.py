@@ -5,9 +5,9 @@ from typing import Any, Dict
 
 import numpy as np
 
+from flatland_server.arguments import shown
 from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import shown
 from flatland_server.library.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland_server.library.robot import Robot
 from flatland_server.simulation.world import World

@@ -6,6 +6,13 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from flatland_server import _core
+from flatland_server.arguments import (
+    folders_of,
+    params_of,
+    several,
+    shown,
+    whole_number,
+)
 from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from flatland_server.batch.arguments import (
     actions_of,
@@ -22,20 +29,13 @@ from flatland_server.batch.plugins import BatchPlugins
 from flatland_server.batch.robot import roles_of
 from flatland_server.batch.view import BatchView
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import (
-    folders_of,
-    params_of,
-    several,
-    shown,
-    whole_number,
-)
 from flatland_server.library.free_space import FreeSpace
 from flatland_server.library.robot import find_robot
-from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.simulation import Simulation
 from flatland_server.library.world_source import WorldSource, exported_plugins, open_world
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
 _MOST_STEPS = 2**31 - 1
@@ -103,7 +103,7 @@ class SimulationBatch:
     ) -> None:
         self._num_envs = whole_number(num_envs, "a number of environments", 1)
         self._threads = whole_number(threads, "a number of threads", 1)
-        self._step_nanoseconds = new_timekeeper(step_size).step_nanoseconds
+        self._step_nanoseconds = Timekeeper(step_size).step_nanoseconds
         self._seeds = seeds_of(seed, self._num_envs)
         self._params, self._loader = params_of(params), loader
         self._world = open_world(

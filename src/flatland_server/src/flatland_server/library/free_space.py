@@ -6,11 +6,11 @@ from typing import Dict, Iterable, Tuple
 
 import numpy as np
 
+from flatland_server.arguments import shown, whole_number
 from flatland_server.array_math import squared_distances
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
-from flatland_server.library.arguments import shown, whole_number
 
 _MAX_SQUARES = 4_000_000
 _HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in sides
@@ -178,7 +178,15 @@ class DistanceGrid:
         discs: FloatArray = np.empty((0, 3)),  # noqa: B008 (only read)
         open_reach: float = 0.0,
     ) -> "DistanceGrid":
-        """A new grid, or one that was made of equal arguments before."""
+        """A new grid, or one that was made of equal arguments before.
+
+        Args:
+            walls: as for the class.
+            start: as for the class.
+            farthest: as for the class.
+            discs: as for the class.
+            open_reach: as for the class.
+        """
         arrays = (np.ascontiguousarray(each, np.float64).tobytes() for each in (walls, discs))
         return _shared_grid(*arrays, (start[0], start[1]), farthest, open_reach)
 

@@ -1,8 +1,9 @@
 """The handles of a simulation's models and of their plugins."""
 
 import inspect
-from typing import TYPE_CHECKING, Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
+from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
 
+from flatland_server.arguments import finite, shown
 from flatland_server.exceptions import (
     ModelError,
     PluginError,
@@ -12,16 +13,13 @@ from flatland_server.exceptions import (
     suggestion,
 )
 from flatland_server.geometry import Pose, Velocity
-from flatland_server.library.arguments import finite, shown
 from flatland_server.library.catalog import Catalog
 from flatland_server.library.robot import plugins_with
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
+from flatland_server.simulation.run import Run
 from flatland_server.timekeeper import Timekeeper
-
-if TYPE_CHECKING:
-    from flatland_server.library.simulation import Simulation
 
 Reading = TypeVar("Reading")
 
@@ -42,7 +40,7 @@ class ModelHandle:
         drives: the plugins that take commands, by their names; see `ModelPlugin.command`.
     """
 
-    def __init__(self, simulation: "Simulation", name: str) -> None:
+    def __init__(self, simulation: Run, name: str) -> None:
         self.name = name
         self._simulation = simulation
         self._current = simulation.world.plugin_revision

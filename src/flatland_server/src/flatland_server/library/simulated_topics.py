@@ -2,34 +2,28 @@
 
 from typing import Any, Dict, Iterable
 
-from flatland_server.exceptions import TopicError, UsageError, listed, shortened, suggestion
+from flatland_server.exceptions import TopicError, listed, shortened, suggestion
 from flatland_server.geometry import Transform
-from flatland_server.library.simulated_world import SimulatedWorld
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.topic_registry import type_name
 
 TF = "/tf"
 
 
-class SimulatedTopics(SimulatedWorld):
+class SimulatedTopics(Run):
     """The part of a `Simulation` that handles topics.
 
-    Args: those of `SimulatedWorld`.
+    Args: those of `Run`; the world's transport must be a `LocalTransport`.
     """
 
-    def __init__(self, world: World, step_size: float) -> None:
-        super().__init__(world, step_size)
-        self._is_closed = False
+    transport: LocalTransport
+
+    def __init__(self, world: World, timekeeper: Timekeeper, *, raise_failures: bool) -> None:
+        super().__init__(world, timekeeper, raise_failures=raise_failures)
         self._subscribed: Dict[str, None] = {}
-
-    def require_open(self) -> None:
-        """Checks that the simulation is open.
-
-        Raises:
-            UsageError: it is closed.
-        """
-        if self._is_closed:
-            raise UsageError("the simulation is closed")
 
     @property
     def topics(self) -> Dict[str, str]:
@@ -74,7 +68,7 @@ class SimulatedTopics(SimulatedWorld):
             self.subscribe(name)
             if self.world.is_between_steps:
                 with self.transport.without_delivery():
-                    self.world.publish_now(name, self.timekeeper)
+                    self.world.contents.plugins.publish_now(name, self.timekeeper)
                 self._raise_failures()
         return self.transport.last(name)
 

@@ -5,20 +5,20 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
+from flatland_server.arguments import folders_of, params_of, shown, whole_number
 from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
 from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
-from flatland_server.library.arguments import folders_of, params_of, shown, whole_number
 from flatland_server.library.catalog import Catalog
 from flatland_server.library.handles import ModelHandle
 from flatland_server.library.recorder import Recorder
 from flatland_server.library.simulated_topics import SimulatedTopics
-from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.library.touch import Touch, touches
 from flatland_server.library.world_source import WorldSource, open_world
 from flatland_server.models.model import Model
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.rendering.plot import plot
 from flatland_server.rendering.renderer import Renderer, save, to_array, to_png
+from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
 
@@ -69,18 +69,17 @@ class Simulation(SimulatedTopics):
         loader: Optional[PluginLoader] = None,
         raise_failures: bool = True,
     ) -> None:
-        self._seed = whole_number(seed, "a seed", 0)
-        new_timekeeper(step_size)  # refuses a wrong one before the files are read
+        timekeeper = Timekeeper(step_size)
         transport = LocalTransport(params_of(params), ())
         opened = open_world(
             world,
             transport,
-            seed=self._seed,
+            seed=whole_number(seed, "a seed", 0),
             simplify_map=simplify_map,
             model_folders=folders_of(model_folders),
             loader=loader,
         )
-        super().__init__(opened, step_size)
+        super().__init__(opened, timekeeper, raise_failures=raise_failures)
         self.subscribe(*([topics] if isinstance(topics, str) else topics))
         self._recorders: List[Recorder] = []
         self._renderer = Renderer(opened, self.timekeeper)
@@ -90,116 +89,14 @@ class Simulation(SimulatedTopics):
         self.models: Catalog[ModelHandle] = Catalog(
             lambda: self.world.models, self._handle, self._unknown_model
         )
-        if raise_failures:
-            opened.on_failure = self._note_failure
-
-    # Time
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return self.timekeeper.seconds
-
-    @property
-    def step_size(self) -> float:
-        """Length of a step [s]."""
-        return self.timekeeper.step_size
-
-    @property
-    def seed(self) -> int:
-        """The seed of all random numbers."""
-        return self._seed
-
-    def step(self, count: int = 1) -> "Simulation":
-        """Advances the time by some steps, and returns this simulation.
-
-        Args:
-            count: number of steps, 1 or more.
-
-        Raises:
-            UsageError: the count is no whole number of 1 or more, or the simulation is closed.
-            PluginError: a plugin has raised an exception, which is the `__cause__`. The step that
-                it was raised in is complete, and those after it are not made.
-        """
-        if (
-            self._settled == self._transport.activity
-            and type(count) is int
-            and count > 0
-            and self.world.step_as_planned(self.timekeeper, count)
-        ):
-            return self
-        self.require_open()
-        left = whole_number(count, "a number of steps", 1)
-        while left > 0:
-            left -= self._advance(1 if self._recorders else left)
-            if self._recorders:
-                self._settled = -1  # each step is written
-                self._write_recordings()
-            if self._failures:
-                self._raise_failures()
-        return self
-
-    def reset(self, seed: Optional[int] = None) -> "Simulation":
-        """Rebuilds the world as it was loaded, at time 0, and returns this simulation.
-
-        What follows equals, bit for bit, a run of a new simulation. Models that were spawned are
-        gone, and those that were deleted are back. Topics stay subscribed.
-
-        Args:
-            seed: from now on; None is the same as before.
-
-        Raises:
-            UsageError: the seed is no whole number of 0 or more, or the simulation is closed.
-        """
-        self.require_open()
-        if seed is not None:
-            seed = whole_number(seed, "a seed", 0)
-        self._reset(seed)
-        self._seed = self._seed if seed is None else seed
-        return self
-
-    def save_state(self) -> bytes:
-        """The state of the world and the time, for `load_state`: here, or in another process.
-
-        From here on, this simulation goes on, bit for bit, like each one that loads the state;
-        without the call it would differ in the last bits.
-
-        Raises:
-            StateError: a plugin's state cannot be saved.
-            UsageError: the simulation is closed.
-        """
-        self.require_open()
-        return super().save_state()
-
-    def load_state(self, state: bytes) -> "Simulation":
-        """Puts the world into a saved state, its time and seed included; returns this simulation.
-
-        Args:
-            state: of `save_state`.
-
-        Raises:
-            FlatlandError: it is no state of such a world. Nothing has changed.
-        """
-        self.require_open()
-        self._load_state(state)
-        self._seed = self.world.seed
-        return self
 
     def close(self) -> None:
         """Stops all plugins. What follows raises a UsageError; poses may still be read."""
-        if not self._is_closed:
-            self._is_closed = True
-            try:
-                self.world.close()
-            finally:
-                for recorder in self._recorders:
-                    recorder.close()
-
-    def __enter__(self) -> "Simulation":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+        try:
+            super().close()
+        finally:
+            for recorder in self._recorders:
+                recorder.close()
 
     # Models
 
@@ -301,6 +198,8 @@ class Simulation(SimulatedTopics):
         recorder = Recorder(
             self.transport, self.timekeeper, path, topics, lambda: self.world.odometry_frames
         )
+        if not self._recorders:
+            self.after_step.append(self._write_recordings)
         self._recorders.append(recorder)
         return recorder
 
@@ -388,6 +287,8 @@ class Simulation(SimulatedTopics):
         self._recorders = [each for each in self._recorders if each.is_open]
         for recorder in self._recorders:
             recorder.write_step()
+        if not self._recorders:
+            self.after_step.remove(self._write_recordings)
 
     def _handle(self, name: str) -> ModelHandle:
         if name not in self._handles:
@@ -400,7 +301,7 @@ class Simulation(SimulatedTopics):
 
     def _bodies(self) -> _core.BodyGroup:
         """The first bodies of all models."""
-        models = tuple(self.world.models.values())
+        models = tuple(self.world.contents.models.values())
         if models != self._group_models:
             self._group = _core.BodyGroup([model.base.physics_body for model in models])
             self._group_models = models

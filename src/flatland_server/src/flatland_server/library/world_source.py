@@ -6,10 +6,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Mapping, Optional, Sequence, Union
 
+from flatland_server.arguments import shown
 from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import UsageError
-from flatland_server.library.arguments import shown
 from flatland_server.maps.simplify_outlines import TOLERANCES
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World

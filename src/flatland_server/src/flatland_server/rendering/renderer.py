@@ -106,7 +106,7 @@ class Renderer:
         models = list(self.world.models.values())
         scene.draw_trails(canvas, trails)
         if sensors:
-            self.world.draw_plugins(canvas, self.timekeeper)
+            self.world.contents.plugins.draw(canvas, self.timekeeper)
         for model in models:
             scene.draw_model(canvas, model, view.scale)
         if names:

@@ -107,7 +107,7 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         simulate(manager, lambda: not transport.is_ending)
     finally:
         shutdown.steps_have_ended()
-        world.close()
+        manager.close()
         shutdown.finish()
 
 

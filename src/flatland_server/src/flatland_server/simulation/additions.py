@@ -1,18 +1,12 @@
 """What has been added to a world since it was made from its files, for saved states."""
 
-from operator import attrgetter
-from pathlib import Path
-from typing import TYPE_CHECKING, Dict, List, Mapping, Optional, Union
+from typing import Dict, List, Mapping, Optional
 
 from flatland_server.arrays import Segments
 from flatland_server.exceptions import StateError
-from flatland_server.geometry import Pose
 from flatland_server.models.model import Model
-from flatland_server.simulation.world_config import ModelEntry, WorldConfig
-from flatland_server.simulation.world_state import ModelState, WallsState, WorldState
-
-if TYPE_CHECKING:
-    from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import ModelEntry
+from flatland_server.simulation.world_state import ModelState, WallsState
 
 
 class Additions:
@@ -78,50 +72,3 @@ class Additions:
                 )
             )
         return states
-
-
-def wall_counts(config: WorldConfig) -> Dict[str, int]:
-    """The number of walls of each layer in the world's files."""
-    return {layer.names[0]: len(config.walls_of(layer)) for layer in config.layers}
-
-
-def check_walls(state: WorldState, config: WorldConfig) -> None:
-    """Checks that a state is of a world with these maps.
-
-    Raises:
-        StateError: it is not.
-    """
-    expected, found = wall_counts(config), state.wall_counts
-    for layer in dict.fromkeys([*expected, *found]):
-        if expected.get(layer) != found.get(layer):
-            raise StateError(
-                f'the state is of another world ({state.world}): the layer "{layer}" has '
-                f"{found.get(layer, 'no')} walls there, {expected.get(layer, 'no')} here"
-            )
-
-
-def replay(state: WorldState, world: "World") -> None:
-    """Deletes and adds models and walls of a rebuilt world, until it has those of a state.
-
-    Raises:
-        FlatlandError: a file is missing, or the state is of another world.
-    """
-    kept = {model.name for model in state.models if model.order is None}
-    for name in [name for name in world.models if name not in kept]:
-        world.delete_model(name)
-    additions: List[Union[ModelState, WallsState]] = [*state.walls]
-    additions += [model for model in state.models if model.order is not None]
-    for addition in sorted(additions, key=attrgetter("order")):
-        if isinstance(addition, ModelState):
-            source = addition.content if addition.content is not None else Path(addition.path)
-            pose = Pose(*addition.pose)
-            world.spawn_model(source, addition.name, addition.namespace, pose)
-        elif 0 <= addition.layer < len(world.layers):
-            world.add_walls(world.layers[addition.layer].name, addition.segments)
-    if list(world.models) != [model.name for model in state.models]:
-        raise StateError(
-            f"the state is of another world: expected the models {', '.join(world.models)}; "
-            f"found {', '.join(model.name for model in state.models)}"
-        )
-    for model in state.models:
-        world.models[model.name].move_revision = model.move_revision

@@ -6,13 +6,13 @@ from typing import Callable, List, Optional, Sequence
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.simulation.pacer import Pacer
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.step_request import StepRequest
 from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.timekeeper import Timekeeper
 
 
-class SimulationManager:
+class SimulationManager(Run):
     """Steps a world at a rate of real time, and runs the callbacks of subscriptions in between.
 
     Args:
@@ -35,23 +35,18 @@ class SimulationManager:
     ) -> None:
         if not update_rate > 0:
             raise ValueError(f"expected an update rate above 0 Hz, found {update_rate}")
-        self.world = world
-        self.timekeeper = timekeeper
+        super().__init__(world, timekeeper)
         self.change_rate(update_rate * timekeeper.step_size)
         self.is_paused = False
         self.is_held = False
         """Whether time stands still for a while, as when a model is dragged. Does not affect
         `is_paused`; no steps can be requested unless that is set, too."""
-        self.after_step: List[Callable[[], None]] = []
-        """Called after each step."""
         self.on_tick: List[Callable[[], None]] = []
         """Called before each wait for the next step, and otherwise every millisecond; also during
         a pause."""
-        self.after_jump: List[Callable[[], None]] = []
-        """Called after the world was reset or reloaded, or a state was loaded: the world's contents
-        are new objects, and time may have jumped."""
         self._clock = clock
         self._pacer = Pacer(clock)
+        self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
 
     @property
@@ -100,25 +95,6 @@ class SimulationManager:
         """Pauses or resumes."""
         self.is_paused = not self.is_paused
 
-    def step(self, count: int = 1) -> None:
-        """Makes steps, whether paused or not, and runs the pending callbacks between them.
-
-        Args:
-            count: number of steps, 1 or more.
-
-        Raises:
-            ValueError: the count is below 1.
-        """
-        if count < 1:
-            raise ValueError(f"expected 1 step or more, found {count}")
-        while count > 0:
-            self.world.transport.process()
-            if self.after_step:
-                self._step()
-                count -= 1
-            else:
-                count -= self.world.step_up_to(self.timekeeper, count)
-
     def request_steps(
         self, count: int = 1, expected: Sequence[str] = (), timeout: float = 10.0
     ) -> "Future[int]":
@@ -146,68 +122,10 @@ class SimulationManager:
             raise FlatlandError("the steps of another request are being made")
         if not self.is_paused:
             raise FlatlandError("the simulation is not paused")
-        transport = self.world.transport
         deadline = self._clock() + timeout
-        self._request = StepRequest(count, expected, deadline, transport.arrivals)
-        transport.returns_on_arrival = True
+        self._request = StepRequest(count, expected, deadline, self.transport.arrivals)
+        self.transport.returns_on_arrival = True
         return self._request.done
-
-    def reset(self, seed: Optional[int] = None, *, keep_time: bool = False) -> None:
-        """Rebuilds the world as it was loaded; see `World.reset`. To be called between steps.
-
-        Args:
-            seed: of all random numbers from now on; None is the same as before.
-            keep_time: whether simulated time goes on, instead of beginning at 0.
-
-        Raises:
-            FlatlandError: a plugin does not start again, or a step is being made. The world is
-                unchanged.
-        """
-        self.world.require_between_steps("reset")
-        self.world.reset(seed)
-        if not keep_time:
-            self.timekeeper.jump_to(0)
-        self._has_jumped()
-
-    def reload(self, config: WorldConfig, *, keep_time: bool = True) -> None:
-        """Replaces the world's contents by those of another configuration.
-
-        Args:
-            config: see `World.read_config`.
-            keep_time: whether simulated time goes on, instead of beginning at 0.
-
-        Raises:
-            FlatlandError: a model or plugin does not start. The world is unchanged.
-        """
-        self.world.reload(config)
-        if not keep_time:
-            self.timekeeper.jump_to(0)
-        self._has_jumped()
-
-    def save_state(self) -> bytes:
-        """The state of the world and the time; see `World.save_state`. For between steps.
-
-        Raises:
-            StateError: something in the world cannot be saved.
-        """
-        return self.world.save_state(self.timekeeper)
-
-    def load_state(self, state: bytes) -> None:
-        """Puts the world into a saved state; see `World.load_state`. For between steps.
-
-        Args:
-            state: of `save_state`.
-
-        Raises:
-            FlatlandError: the state does not fit, or is damaged. The world is unchanged.
-        """
-        self.world.load_state(state, self.timekeeper)
-        self._has_jumped()
-
-    def _has_jumped(self) -> None:
-        self._pacer.start(self.timekeeper.seconds)
-        for callback in self.after_jump:
-            callback()
 
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Runs in real time until `goes_on()`, which is called before each step, is false.
@@ -215,7 +133,7 @@ class SimulationManager:
         Args:
             goes_on: called before each step; the run ends when it returns False.
         """
-        pacer, transport = self._pacer, self.world.transport
+        pacer, transport = self._pacer, self.transport
         pacer.start(self.timekeeper.seconds)
         is_hurrying = ends_request = False  # makes the steps of a request; has made its last one
         try:
@@ -259,11 +177,11 @@ class SimulationManager:
     def _end_request(self) -> None:
         """Reports the end of a request. What its steps have published was sent by the last tick."""
         request, self._request = self._request, None
-        self.world.transport.returns_on_arrival = False
+        self.transport.returns_on_arrival = False
         if request is not None:
             request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:
-        self.world.step_up_to(self.timekeeper, 1)
+        self._step_up_to(1)
         for callback in self.after_step:
             callback()

@@ -1,59 +1,66 @@
-"""The world: layers, models and plugins, loaded from a file and simulated step by step.
+"""The world: layers, models and plugins, loaded from a file; a `Run` steps it.
 
-world = World.from_file(Path("world.yaml"))
-timekeeper = Timekeeper(step_size=0.005)
-world.step(timekeeper)
+run = Run(World.from_file(Path("world.yaml")), Timekeeper(step_size=0.005))
+run.step()
 """
 
-from contextlib import closing
+import logging
+from contextlib import closing, suppress
 from pathlib import Path
-from typing import Dict, List, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
+
+import numpy as np
 
 from flatland_server import _core
-from flatland_server.arrays import Segments
-from flatland_server.canvas import Canvas
+from flatland_server.arrays import PoseLike, Segments
+from flatland_server.config.ros_names import namespace_problem, topic_name_problem
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.exceptions import (
     FlatlandError,
     LayerError,
-    Problem,
-    YamlError,
+    ModelError,
+    PluginError,
+    UsageError,
     listed,
     shortened,
     suggestion,
 )
+from flatland_server.geometry import Pose
+from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities
 from flatland_server.models.layer import Layer
-from flatland_server.models.model import Model
+from flatland_server.models.model import Model, ModelConfig
+from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.plugins.plugin_manager import (
-    FailureHandler,
-    PluginFailure,
-    PluginManager,
-    PluginRevision,
-)
-from flatland_server.simulation.additions import Additions
-from flatland_server.simulation.deferred_actions import DeferredActions
-from flatland_server.simulation.load_progress import LoadProgress
-from flatland_server.simulation.restartable import Restartable
-from flatland_server.simulation.spawning import Spawning
-from flatland_server.simulation.stepping import Stepping
-from flatland_server.simulation.world_config import WorldConfig
-from flatland_server.simulation.world_plugin import WorldPlugin
-from flatland_server.timekeeper import Timekeeper
+from flatland_server.plugins.plugin_manager import PluginFailure, PluginRevision
+from flatland_server.simulation import plugin_state
+from flatland_server.simulation.world_config import ModelEntry, ModelSource, WorldConfig
+from flatland_server.simulation.world_contents import WorldContents
 from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.node import Node
 from flatland_server.transport.transport import Transport
 
+logger = logging.getLogger(__name__)
 
-class World(Spawning, Restartable, Stepping):
+
+class World:
     """The layers, models and plugins of a simulation, and the physics that moves them.
+
+    Between two steps its contents may be replaced as a whole, by a reset or a reload. New contents
+    are made while the former ones still exist. If this fails, those are kept; otherwise their
+    plugins are shut down afterwards. So topics that both have keep their connections.
 
     Args:
         config: the contents of the world's files.
         transport: carries topics, transforms and parameters; by default within this process alone.
         seed: of all random numbers. Equal seeds and commands give equal runs.
         loader: finds plugin classes; by default those on ROS_PACKAGE_PATH.
+
+    Attributes:
+        contents: all that a reset makes anew.
+        plugin_revision: changes whenever `plugins_of` may give something else for a model.
+        transport: carries topics, transforms and parameters.
 
     Raises:
         FlatlandError: a model cannot be created, or a plugin does not start.
@@ -67,61 +74,17 @@ class World(Spawning, Restartable, Stepping):
         seed: int = 0,
         loader: Optional[PluginLoader] = None,
     ) -> None:
-        self._on_failure: Optional[FailureHandler] = None
         self.plugin_revision = PluginRevision()
-        """Changes whenever `plugins_of` may give something else for a model."""
         self.transport: Transport = transport if transport is not None else LocalTransport()
         self._loader = loader or PluginLoader()
-        self._start(config, seed)
-
-    def _start(self, config: WorldConfig, seed: int) -> None:
-        """Makes all that the world consists of, in place of what there was."""
-        former: Optional[PluginManager] = getattr(self, "_plugins", None)
-        physics = _core.World(config.velocity_iterations, config.position_iterations)
-        entities = Entities()
-        revision = self.plugin_revision
-        plugins = PluginManager(self.transport, self._loader, seed, physics, entities, revision)
-        plugins.on_failure = self._on_failure
-        if former is not None:
-            plugins.take_over_warnings(former)
-        self._config = config
-        self._seed = seed
-        self.registry = config.registry
-        self._model_folders = config.model_folders
-        self.models: Dict[str, Model] = {}
-        """By name."""
-        self.physics = physics
-        """The Box2D world, in the core."""
-        self.entities = entities
-        """The model or layer that each body belongs to."""
-        self.layers: List[Layer] = []
-        self._plugins = plugins
-        self.plan = plugins.plan
-        self._deferred = DeferredActions()
-        self._additions = Additions()
-        self._is_starting = True
+        self.contents = WorldContents(
+            config, seed, self.transport, self._loader, self.plugin_revision
+        )
         try:
-            self._add_layers(config)
-            problems: List[Problem] = []
-            for entry in config.models:
-                try:
-                    self.add_model(entry)
-                except YamlError as error:
-                    problems.extend(error.problems)
-            if problems:
-                raise YamlError.of(problems)
-            self._plugins.start(config.plugins, WorldPlugin, "", "", self)
+            self._start()
         except BaseException:
-            self.close()
+            self.contents.discard()
             raise
-        self._is_starting = False
-
-    def _add_layers(self, config: WorldConfig) -> None:
-        progress = LoadProgress(sum(len(config.walls_of(layer)) for layer in config.layers))
-        for layer in config.layers:
-            walls = config.walls_of(layer)
-            self.layers.append(Layer(layer, walls, self.physics, self.entities, progress.update))
-            progress.layer_is_complete(len(walls))
 
     @classmethod
     def from_file(
@@ -156,110 +119,49 @@ class World(Spawning, Restartable, Stepping):
             )
         return cls(config, transport, seed=seed, loader=loader)
 
-    @property
-    def plugin_count(self) -> int:
-        """The number of plugins of the world and its models, including those that have failed."""
-        return sum(len(self._plugins.plugins_of(owner)) for owner in ["", *self.models])
+    def _start(self) -> None:
+        """Adds what the files name, and starts all plugins."""
+        contents = self.contents
+        contents.add_layers_and_models()
+        contents.plugins.start(contents.config.plugins, WorldPlugin, "", "", self)
+        contents.is_starting = False
 
-    @property
-    def odometry_frames(self) -> Set[str]:
-        """The frames from which drives publish transforms to their bodies, such as "odom"."""
-        return self._plugins.odometry_frames
-
-    @property
-    def seed(self) -> int:
-        """The seed of all random numbers."""
-        return self._seed
+    # Contents
 
     @property
     def config(self) -> WorldConfig:
         """The contents of its files."""
-        return self._config
+        return self.contents.config
 
     @property
-    def on_failure(self) -> Optional[FailureHandler]:
-        """Called with the failure of a plugin and its exception; None: failures are logged."""
-        return self._on_failure
-
-    @on_failure.setter
-    def on_failure(self, handler: Optional[FailureHandler]) -> None:
-        self._on_failure = self._plugins.on_failure = handler
+    def seed(self) -> int:
+        """The seed of all random numbers."""
+        return self.contents.seed
 
     @property
-    def is_between_steps(self) -> bool:
-        """Whether no step is being made, and no plugin is being started or stopped."""
-        return self._deferred.is_free and not self._is_starting
+    def registry(self) -> CollisionFilterRegistry:
+        """Its collision layers."""
+        return self.contents.config.registry
 
     @property
-    def topics(self) -> Dict[str, str]:
-        """The types of the topics that plugins publish or subscribe to, by their absolute names."""
-        return self._plugins.topics
-
-    def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
-        """Has plugins publish to a topic, which has just got its first subscriber.
-
-        Args:
-            topic: its absolute name.
-            timekeeper: has the present time.
-        """
-        self._plugins.publish_now(topic, timekeeper)
-
-    def plugins_of(self, model: str) -> Dict[str, Plugin]:
-        """The plugins of a model that run, by name.
-
-        Args:
-            model: its name; empty for the plugins of the world.
-        """
-        return {
-            plugin.name: plugin
-            for plugin in self._plugins.plugins_of(model)
-            if self._plugins.failure_of(plugin) is None
-        }
-
-    def all_plugins_of(self, model: str) -> List[Tuple[Plugin, bool]]:
-        """The plugins of a model, each with whether it was switched off because of an error.
-
-        Args:
-            model: its name; empty for the plugins of the world.
-        """
-        return [
-            (plugin, self._plugins.failure_of(plugin) is not None)
-            for plugin in self._plugins.plugins_of(model)
-        ]
+    def physics(self) -> _core.World:
+        """The Box2D world, in the core."""
+        return self.contents.physics
 
     @property
-    def plugin_failures(self) -> List[PluginFailure]:
-        """The plugins that have raised an exception and are switched off."""
-        return self._plugins.failures
+    def entities(self) -> Entities:
+        """The model or layer that each body belongs to."""
+        return self.contents.entities
 
-    def draw_plugins(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
-        """Has all running plugins draw what they show in pictures; see `Plugin.draw`.
+    @property
+    def layers(self) -> List[Layer]:
+        """The layers, in the order of the world file."""
+        return self.contents.layers
 
-        Args:
-            canvas: the picture.
-            timekeeper: has the time.
-        """
-        self._plugins.draw(canvas, timekeeper)
-
-    def add_walls(self, layer: str, segments: Segments) -> None:
-        """Adds walls to a layer.
-
-        Args:
-            layer: one of its names.
-            segments: in the world [m]: shape (n, 4), x1, y1, x2, y2.
-
-        Raises:
-            LayerError: there is no such layer.
-            FlatlandError: a step is being made.
-            ValueError: a segment is not finite, or has no length.
-        """
-        if self._deferred.is_locked:
-            raise FlatlandError("walls are put up between steps, not during one")
-        found = self.get_layer(layer)
-        found.add_walls(segments)
-        if not self._comes_with_another:
-            self._additions.add_walls(self.layers.index(found), segments)
-        self._plugins.refresh(found)
+    @property
+    def models(self) -> Dict[str, Model]:
+        """The models by name, in the order of their creation."""
+        return self.contents.models
 
     def get_layer(self, name: str) -> Layer:
         """The layer that has this name, perhaps among others.
@@ -277,10 +179,355 @@ class World(Spawning, Restartable, Stepping):
         known = listed(self.registry.names)
         raise LayerError(f'no layer is named "{shortened(name)}"{hint}; there are: {known}')
 
+    def get_model(self, name: str) -> Model:
+        """The model of this name.
+
+        Args:
+            name: of the model.
+
+        Raises:
+            ModelError: there is no such model.
+        """
+        models = self.contents.models
+        if name not in models:
+            hint = suggestion(name, models)
+            raise ModelError(f'there is no model "{shortened(name)}"{hint}')
+        return models[name]
+
+    # Changes of models and walls
+
+    def spawn_model(
+        self, path: ModelSource, name: str, namespace: str, pose: PoseLike
+    ) -> Optional[Model]:
+        """Adds a model, read from its file, to the world: completely, or not at all.
+
+        In a plugin's hook, the model is added at the end of the step; a failure is then logged. A
+        model within a wall or another model is a warning in the log; see `overlap_warning`.
+
+        Args:
+            path: of the model file; `package://name/path` as a string. A relative one may also be
+                beside the world file, or in one of the folders of models. Or the content of such a
+                file, as a dict.
+            name: unique in the world.
+            namespace: of its topics and frames; may be empty.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
+
+        Returns:
+            The model; None if it is added later.
+
+        Raises:
+            FlatlandError: the file, the name, the namespace or the pose is not usable. The world is
+                unchanged.
+        """
+        entry = self.read_model_entry(path, name, namespace, pose)
+        return self.contents.deferred.run_or_defer(
+            lambda: self._spawn(entry), f'the model "{name}" is not spawned'
+        )
+
+    def _spawn(self, entry: ModelEntry) -> Model:
+        model = self.add_model(entry)
+        warning = self.overlap_warning(model)
+        if warning:
+            logger.warning("%s", warning)
+        return model
+
+    def read_model(self, path: ModelSource) -> ModelConfig:
+        """Reads a model file, or the content of one, for this world; may be called in any thread.
+
+        Args:
+            path: of the file, or the content of one as a dict.
+
+        Raises:
+            FlatlandError: there is no such file, or something in it is wrong.
+        """
+        with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
+            return self.config.read_model(path, preprocessor)
+
+    def read_model_entry(
+        self, path: ModelSource, name: str, namespace: str, pose: PoseLike
+    ) -> ModelEntry:
+        """Does all of `spawn_model` that does not change the world; any thread may call it.
+
+        The result is for `add_model`, which checks again that the name is free. Plugin classes are
+        imported here, so that `add_model` does not have to.
+
+        Args:
+            path: as for `spawn_model`.
+            name: as for `spawn_model`.
+            namespace: as for `spawn_model`.
+            pose: as for `spawn_model`.
+
+        Raises:
+            FlatlandError: the file, the name, the namespace or the pose is not usable.
+        """
+        problem = topic_name_problem(name) or namespace_problem(namespace)
+        if problem:
+            raise ModelError(problem)
+        self.contents.check_name_is_free(name)
+        place = _pose_of(pose)
+        model = self.read_model(path)
+        for plugin in model.plugins:
+            with suppress(PluginError):  # add_model reports it, with its line
+                self._loader.load(plugin.type, ModelPlugin)
+        return ModelEntry(name, namespace, place, model)
+
+    def add_model(self, entry: ModelEntry) -> Model:
+        """Adds a model that has been read already, or made without a file, to the world.
+
+        Args:
+            entry: of `read_model_entry`, or made by a program.
+
+        Raises:
+            FlatlandError: its name is taken, its bodies cannot be created, or one of its plugins
+                does not start: the world is unchanged. Or a step is being made.
+        """
+        if self.contents.deferred.is_locked:
+            raise FlatlandError(
+                "add_model is for between steps; spawn_model may be called in a hook"
+            )
+        return self.contents.add_model(entry)
+
+    def overlap_warning(self, model: Model) -> str:
+        """A warning for a model that was put within walls or other models.
+
+        Args:
+            model: of this world.
+
+        Returns:
+            A sentence that names what it overlaps; empty if it overlaps nothing.
+        """
+        entities = model.overlapping()
+        if not entities:
+            return ""
+        names = [
+            f'the {"layer" if isinstance(entity, Layer) else "model"} "{entity.name}"'
+            for entity in entities
+        ]
+        return f'the model "{model.name}" overlaps {listed(names)}, and is pushed out'
+
+    def delete_model(self, name: str) -> None:
+        """Removes a model from the world, with its topics and frames.
+
+        In a plugin's hook, this happens at the end of the step.
+
+        Args:
+            name: of the model.
+
+        Raises:
+            ModelError: there is no such model.
+        """
+        contents, model = self.contents, self.get_model(name)
+        contents.deferred.run_or_defer(
+            lambda: contents.remove_model(model),
+            f'the model "{name}" is not deleted',
+            unless_changing=name,
+        )
+
+    def move_model(self, name: str, pose: PoseLike) -> None:
+        """Puts a model at another pose, at rest.
+
+        In a plugin's hook, this happens at the end of the step; a failure is then logged.
+
+        Args:
+            name: of the model.
+            pose: x, y [m] and yaw [rad] of its origin in the world.
+
+        Raises:
+            FlatlandError: there is no such model, or the pose is not usable.
+        """
+        contents, model = self.contents, self.get_model(name)
+        place = _pose_of(pose)
+        contents.deferred.run_or_defer(
+            lambda: model.move(place) if contents.has(model) else None,
+            f'the model "{name}" is not moved',
+        )
+
+    def add_walls(self, layer: str, segments: Segments) -> None:
+        """Adds walls to a layer.
+
+        Args:
+            layer: one of its names.
+            segments: in the world [m]: shape (n, 4), x1, y1, x2, y2.
+
+        Raises:
+            LayerError: there is no such layer.
+            FlatlandError: a step is being made.
+            ValueError: a segment is not finite, or has no length.
+        """
+        if self.contents.deferred.is_locked:
+            raise FlatlandError("walls are put up between steps, not during one")
+        self.contents.add_walls(self.get_layer(layer), segments)
+
+    # New contents
+
+    @property
+    def is_between_steps(self) -> bool:
+        """Whether no step is being made, and no plugin is being started or stopped."""
+        return self.contents.deferred.is_free and not self.contents.is_starting
+
+    def require_between_steps(self, name: str) -> None:
+        """Checks that no step is being made, and no plugin is being started or stopped.
+
+        Args:
+            name: of the function that is called, for the error.
+
+        Raises:
+            FlatlandError: otherwise.
+        """
+        if not self.is_between_steps:
+            raise FlatlandError(f"{name} is for between steps, not for hooks")
+
+    def reset(self, seed: Optional[int] = None) -> None:
+        """Rebuilds the world as it was loaded: its models, plugins, walls and random numbers.
+
+        What follows equals, bit for bit, a run of a newly loaded world. No file is read. Models and
+        plugins are new objects, and the former ones are gone; topics stay connected.
+
+        In a plugin's hook, this happens at the end of the step; a failure is then logged. What is
+        requested in the same step after it fails, too.
+
+        Args:
+            seed: of all random numbers from now on; None is the same as before.
+
+        Raises:
+            FlatlandError: a plugin does not start again, or this is called in `on_initialize` or
+                `on_shutdown`. The world is unchanged.
+        """
+        contents = self.contents
+        deferred = contents.deferred
+        if contents.is_starting or not (deferred.is_free or deferred.is_locked):
+            raise FlatlandError("the world cannot be reset while plugins are started or stopped")
+        chosen = contents.seed if seed is None else seed
+        deferred.run_or_defer(
+            lambda: self.rebuild(contents.config, chosen), "the world is not reset"
+        )
+
+    def read_config(self, path: Optional[Path] = None) -> WorldConfig:
+        """Reads a world's files, for `Run.reload`; may be called in any thread.
+
+        Args:
+            path: of the world file; None reads this world's own again.
+
+        Raises:
+            FlatlandError: something in them is wrong, or the world was made without a file.
+        """
+        with closing(YamlPreprocessor(self.transport.get_param)) as preprocessor:
+            return self.config.read_again(path, preprocessor)
+
+    def rebuild(
+        self, config: WorldConfig, seed: int, restore: Callable[[], None] = lambda: None
+    ) -> None:
+        """Replaces all contents, between two steps; for `Run`.
+
+        Args:
+            config: of the new contents.
+            seed: of the new contents.
+            restore: called when these have started, before the former ones are gone.
+
+        Raises:
+            FlatlandError: a model or plugin does not start, or `restore` raises it. The world is
+                unchanged.
+        """
+        former = self.contents
+        new = WorldContents(
+            config, seed, self.transport, self._loader, self.plugin_revision, former
+        )
+        self.contents = new
+        try:
+            self._start()
+            restore()
+        except BaseException:
+            new.discard()
+            self.contents = former
+            raise
+        self.contents = former  # so that its plugins shut down in their own world
+        former.deferred.drop("the world has been reset before")
+        former.discard()
+        self.contents = new
+        self.transport.discard()
+
     def close(self) -> None:
         """Stops all plugins. Changes that they request meanwhile are dropped."""
-        try:
-            with self._deferred.lock:
-                self._plugins.stop_all()
-        finally:
-            self._deferred.clear()
+        self.contents.close()
+
+    # Plugins
+
+    @property
+    def topics(self) -> Dict[str, str]:
+        """The types of the topics that plugins publish or subscribe to, by their absolute names."""
+        return self.contents.plugins.topics
+
+    @property
+    def odometry_frames(self) -> Set[str]:
+        """The frames from which drives publish transforms to their bodies, such as "odom"."""
+        return self.contents.plugins.odometry_frames
+
+    @property
+    def plugin_count(self) -> int:
+        """The number of plugins of the world and its models, including those that have failed."""
+        return len(self.contents.plugins.all_plugins())
+
+    def plugins_of(self, model: str) -> Dict[str, Plugin]:
+        """The plugins of a model that run, by name.
+
+        Args:
+            model: its name; empty for the plugins of the world.
+        """
+        return {
+            plugin.name: plugin
+            for plugin, has_failed in self.all_plugins_of(model)
+            if not has_failed
+        }
+
+    def all_plugins_of(self, model: str) -> List[Tuple[Plugin, bool]]:
+        """The plugins of a model, each with whether it was switched off because of an error.
+
+        Args:
+            model: its name; empty for the plugins of the world.
+        """
+        plugins = self.contents.plugins
+        return [
+            (plugin, plugins.failure_of(plugin) is not None) for plugin in plugins.plugins_of(model)
+        ]
+
+    @property
+    def plugin_failures(self) -> List[PluginFailure]:
+        """The plugins that have raised an exception and are switched off."""
+        return self.contents.plugins.failures
+
+    @property
+    def plugins_without_state_hooks(self) -> List[str]:
+        """The running plugins of which a saved state has no attributes, as `model/plugin`."""
+        return plugin_state.without_hooks(self.contents.plugins)
+
+
+class WorldPlugin(Plugin):
+    """A plugin of the world.
+
+    `flatland_server.plugins.plugin` describes the life of a plugin.
+
+    Attributes:
+        type: its type, as in its configuration.
+        name: unique among the plugins of the world.
+        node: its access to topics, transforms and parameters.
+        rng: its random numbers, which depend only on the seed of the world and on its name.
+        world: its world, with layers and models.
+    """
+
+    def __init__(
+        self, type: str, name: str, node: Node, rng: np.random.Generator, world: World
+    ) -> None:
+        super().__init__(type, name, node, rng)
+        self.world = world
+
+
+def _pose_of(value: PoseLike) -> Pose:
+    try:
+        x, y, yaw = value
+        pose = Pose(float(x), float(y), float(yaw))
+    except (TypeError, ValueError):
+        found = shortened(repr(value))
+        raise UsageError(f"expected a pose [x, y, yaw], found {found}") from None
+    if not pose.is_finite():
+        raise ModelError(f"expected a finite pose, found x={pose.x} y={pose.y} theta={pose.yaw}")
+    return pose

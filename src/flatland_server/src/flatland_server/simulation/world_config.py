@@ -2,17 +2,18 @@
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from flatland_server.arrays import Segments
+from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file
 from flatland_server.config.ros_names import namespace_problem
 from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.exceptions import YamlError
+from flatland_server.exceptions import FlatlandError, ModelError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.maps.map_reader import read_map
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
@@ -22,6 +23,9 @@ from flatland_server.models.plugin_config import PluginConfig
 
 _MAX_ITERATIONS = 10_000
 """The maximum number of solver iterations in a step; more would stall the simulation."""
+
+ModelSource = Union[str, Path, Mapping[str, Any]]
+"""A model's file, or its content."""
 
 
 @dataclass(frozen=True)
@@ -177,6 +181,52 @@ class WorldConfig:
             reader.file,
             simplify_map,
         )
+
+    def read_again(
+        self, path: Optional[Path] = None, preprocessor: Optional[YamlPreprocessor] = None
+    ) -> "WorldConfig":
+        """Reads the world's files again, as they are now, or those of another world.
+
+        Args:
+            path: of the world file; None is this world's own.
+            preprocessor: evaluates expressions in the files.
+
+        Raises:
+            FlatlandError: something in them is wrong, or this world was read from no file.
+        """
+        path = path or self.path
+        if path is None:
+            raise FlatlandError("the world was made without a file")
+        folders = self.model_folders[1:]  # the first is the world's own
+        return self.from_file(
+            path, preprocessor, simplify_map=self.simplify_map, model_folders=folders
+        )
+
+    def read_model(
+        self, source: ModelSource, preprocessor: Optional[YamlPreprocessor] = None
+    ) -> ModelConfig:
+        """Reads a model for this world.
+
+        Args:
+            source: the path of its file, also beside the world file or in a folder of models; or
+                the content of one.
+            preprocessor: evaluates expressions in it.
+
+        Raises:
+            FlatlandError: there is no such file, or something in it is wrong.
+        """
+        if not isinstance(source, (str, Path)):
+            return ModelConfig.from_content(source, self.registry, preprocessor)
+        if not str(source):
+            raise ModelError("expected the path of a model file, found an empty string")
+        folders = self.model_folders if is_bare(source) else ()
+        try:
+            path = find_file(source, [Path(), *folders])
+        except FlatlandError as error:
+            raise ModelError(str(error)) from None
+        if not is_file(path):
+            raise ModelError(f"there is no file {path.absolute()}{nor_in(folders)}")
+        return ModelConfig.from_file(path, self.registry, preprocessor)
 
     def walls_of(self, layer: LayerConfig) -> Segments:
         """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2.

@@ -6,7 +6,6 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, TypeVar
 from flatland_server.config.input_files import is_file
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
-from flatland_server.library.simulated_world import new_timekeeper
 from flatland_server.sweep.controllers import POLICY_DRIVER, python_file
 from flatland_server.sweep.parameters import combinations, count_combinations, world_file
 from flatland_server.sweep.settings import (
@@ -17,6 +16,7 @@ from flatland_server.sweep.settings import (
     Task,
     steps_in,
 )
+from flatland_server.timekeeper import Timekeeper
 
 MAX_SCENARIOS = 10_000_000
 
@@ -59,7 +59,7 @@ def read_scenario_file(path: Path) -> SweepSettings:
 def _check_durations(reader: YamlReader, settings: SweepSettings) -> None:
     """Notes an invalid step size, and durations that are no multiples of it."""
     try:
-        new_timekeeper(settings.step_size)
+        Timekeeper(settings.step_size)
     except UsageError as error:
         reader.problem(str(error), "step_size")
         return

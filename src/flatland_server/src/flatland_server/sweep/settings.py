@@ -7,9 +7,9 @@ from numbers import Real
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 
+from flatland_server.arguments import shown
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
-from flatland_server.library.arguments import shown
 
 RANDOM = "random"
 """As a start or a goal: drawn from the scenario's seed, in free space."""

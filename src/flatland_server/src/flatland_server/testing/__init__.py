@@ -19,11 +19,11 @@ files that it names. What holds for every plugin: `check_plugin`.
 
 from flatland_server.testing.contract import PluginContractError, check_plugin
 from flatland_server.testing.files import WorldFiles, load, refusal, robot
-from flatland_server.testing.simulation import Simulation
+from flatland_server.testing.harness import Harness
 
 __all__ = [
+    "Harness",
     "PluginContractError",
-    "Simulation",
     "WorldFiles",
     "check_plugin",
     "load",

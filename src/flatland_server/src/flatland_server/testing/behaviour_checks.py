@@ -9,7 +9,7 @@ from flatland_server.testing.checked_plugin import (
     ROBOT,
     CheckedPlugin,
     Names,
-    Run,
+    ObservedRun,
     filled,
     with_value,
 )
@@ -44,7 +44,7 @@ def check_rates(case: CheckedPlugin) -> Problems:
             yield from _check_period(run, period, f"{key}: {rate}")
 
 
-def _check_period(run: Run, period: int, label: str) -> Problems:
+def _check_period(run: ObservedRun, period: int, label: str) -> Problems:
     steps: Dict[Any, List[int]] = {}
     stamps: List[Tuple[str, int, int]] = []  # of what, its stamp, and when it was sent
     for event in run.transport.events:
@@ -55,7 +55,7 @@ def _check_period(run: Run, period: int, label: str) -> Problems:
     for step, now, transform in run.transport.sent_transforms:
         steps.setdefault((transform.parent, transform.child), []).append(step)
         stamps.append((transform.child, transform.nanoseconds, now))
-    expected = list(range(1, run.transport.step + 1, period))
+    expected = list(range(1, run.transport.step, period))
     for what, found in steps.items():
         gaps = {later - earlier for earlier, later in zip(found, found[1:])}
         is_steady = len(gaps) == 1 and len(found) > 2  # rather than published on events
@@ -83,7 +83,7 @@ def check_without_subscribers(case: CheckedPlugin) -> Problems:
     yield from _check_late_subscriber(case, run)
 
 
-def _check_late_subscriber(case: CheckedPlugin, run: Run) -> Problems:
+def _check_late_subscriber(case: CheckedPlugin, run: ObservedRun) -> Problems:
     """The messages to a late subscriber are those of a run with subscribers from the start."""
     transport = run.transport
     subscribed = case.load().go(SECONDS)
@@ -100,7 +100,9 @@ def _check_late_subscriber(case: CheckedPlugin, run: Run) -> Problems:
         yield f"expected a message on {topic} after it has got a subscriber, found none"
 
 
-def content_of(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int, str, bytes]]:
+def content_of(
+    run: ObservedRun, events: int = 0, transforms: int = 0
+) -> List[Tuple[int, str, bytes]]:
     """Everything that was sent, in order: the step, the topic or frame, and the content."""
     sent = [(e.step, e.topic, e.data) for e in run.transport.events[events:]]
     for step, _, transform in run.transport.sent_transforms[transforms:]:
@@ -108,7 +110,7 @@ def content_of(run: Run, events: int = 0, transforms: int = 0) -> List[Tuple[int
     return sorted(sent, key=lambda each: each[:2])
 
 
-def state_of(run: Run) -> Tuple[Any, ...]:
+def state_of(run: ObservedRun) -> Tuple[Any, ...]:
     """The poses of all models, and the walls of all layers."""
     world = run.simulation.world
     poses = {name: model.pose for name, model in world.models.items()}
@@ -132,7 +134,7 @@ def check_states(case: CheckedPlugin) -> Problems:
         yield f"expected no failure after its state was loaded, found {failure.reason}"
     yield from _check_same(ends[0], ends[1], "after its state was saved and loaded in a new world")
     run.simulation.reset()
-    run.transport.step = 0
+    run.transport.step = 1
     sent = len(run.transport.events), len(run.transport.sent_transforms)
     again = content_of(run.go(SECONDS), *sent), state_of(run)
     yield from _check_same((first, began_with), again, "after a reset")
@@ -187,7 +189,7 @@ def check_end(case: CheckedPlugin) -> Problems:
         yield f"expected no warning while the robot is deleted and spawned, found: {warning}"
 
 
-def _check_nothing_left(run: Run, before: Names) -> Problems:
+def _check_nothing_left(run: ObservedRun, before: Names) -> Problems:
     transport = run.transport
     for topic in sorted(transport.topics):
         yield f"after its end: expected no publisher, found one of {topic}"

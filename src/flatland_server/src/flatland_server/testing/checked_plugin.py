@@ -22,11 +22,10 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.world import World, WorldPlugin
 from flatland_server.testing.files import DISC, WorldFiles
+from flatland_server.testing.harness import Harness
 from flatland_server.testing.observation import ObservingLoader, ObservingTransport
-from flatland_server.testing.simulation import Simulation
 
 KeyPath = Tuple[Union[str, int], ...]
 """Where a key is in an entry, such as ("angle", "min") or ("pedestrians", 0, "pose")."""
@@ -53,14 +52,14 @@ class Names(NamedTuple):
     """The topics, and the frames that their messages name."""
 
 
-class Run(NamedTuple):
+class ObservedRun(NamedTuple):
     """A simulation of the plugin, and what observes it."""
 
-    simulation: Simulation
+    simulation: Harness
     transport: ObservingTransport
     loader: ObservingLoader
 
-    def go(self, seconds: float) -> "Run":
+    def go(self, seconds: float) -> "ObservedRun":
         """Sends a command to each topic that the plugin subscribes to, and advances the time."""
         for topic in sorted(self.transport.subscribed):
             self.simulation.send(topic, filled(self.transport.types[topic](), 0.2))
@@ -149,7 +148,7 @@ class CheckedPlugin:
         namespace: str = "",
         seed: int = 0,
         has_subscribers: bool = True,
-    ) -> Run:
+    ) -> ObservedRun:
         """A new simulation, with another entry if one is given.
 
         Raises:
@@ -159,11 +158,12 @@ class CheckedPlugin:
         transport = ObservingTransport(None if has_subscribers else ())
         loader = ObservingLoader(self.files.loader, str(self.entry["type"]))
         world = World.from_file(path, transport, seed=seed, loader=loader)
-        simulation = Simulation(world)
+        simulation = Harness(world)
         transport.timekeeper = simulation.timekeeper
-        return Run(simulation, transport, loader)
+        simulation.after_step.append(transport.count_step)
+        return ObservedRun(simulation, transport, loader)
 
-    def spawn(self, simulation: Simulation) -> None:
+    def spawn(self, simulation: Harness) -> None:
         """Puts the robot into a world, from which it was deleted."""
         path = self.files.folder / "robot.model.yaml"
         simulation.world.spawn_model(path, ROBOT, "", Pose())

@@ -19,7 +19,7 @@ def check_drawing(case: CheckedPlugin) -> Problems:
     runs[1].simulation.allow_failures = True
     canvas = ImageCanvas(Image.new("RGB", (64, 64)), View.around((0.0, 0.0), 8.0, (64, 64)))
     for _ in range(3):
-        world.draw_plugins(canvas, runs[1].simulation.timekeeper)
+        world.contents.plugins.draw(canvas, runs[1].simulation.timekeeper)
         for run in runs:
             run.go(SECONDS / 5)
     for failure in world.plugin_failures:

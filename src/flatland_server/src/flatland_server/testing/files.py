@@ -13,7 +13,7 @@ import yaml
 from flatland_server.exceptions import FlatlandError
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World
-from flatland_server.testing.simulation import Simulation
+from flatland_server.testing.harness import Harness
 
 Entry = Union[str, Mapping[str, Any]]
 """A YAML map: as a dict, or as a string; the outer braces may be left out."""
@@ -90,7 +90,7 @@ class WorldFiles:
         )
         return self.write(f"{name}.model.yaml", text + "\n").name
 
-    def load(self, world: Union[str, Mapping[str, Any]], **options: Any) -> Simulation:
+    def load(self, world: Union[str, Mapping[str, Any]], **options: Any) -> Harness:
         """Loads a world.
 
         Args:
@@ -102,13 +102,13 @@ class WorldFiles:
         """
         path = self.write("world.yaml", world)
         loaded = World.from_file(path, **{"loader": self.loader, **options})
-        simulation = Simulation(loaded, self.step_size)
+        simulation = Harness(loaded, self.step_size)
         simulation.files = self  # plugins may read them later
         return simulation
 
     def load_models(
         self, models: Mapping[str, Entry], layers: Iterable[Entry] = (), **options: Any
-    ) -> Simulation:
+    ) -> Harness:
         """Loads a world of models and layers.
 
         Args:
@@ -132,7 +132,7 @@ class WorldFiles:
         layers: Iterable[Entry] = (),
         others: Optional[Mapping[str, Entry]] = None,
         **options: Any,
-    ) -> Simulation:
+    ) -> Harness:
         """Loads a world with a model "robot" of one body "base", which has these plugins.
 
         Args:
@@ -188,7 +188,7 @@ class WorldFiles:
         raise AssertionError("expected a FlatlandError, but the world was loaded")
 
 
-def load(world: Union[str, Mapping[str, Any]], **options: Any) -> Simulation:
+def load(world: Union[str, Mapping[str, Any]], **options: Any) -> Harness:
     """Loads a world in a folder of its own; see `WorldFiles.load`.
 
     Args:
@@ -198,7 +198,7 @@ def load(world: Union[str, Mapping[str, Any]], **options: Any) -> Simulation:
     return WorldFiles().load(world, **options)
 
 
-def robot(*plugins: Entry, **options: Any) -> Simulation:
+def robot(*plugins: Entry, **options: Any) -> Harness:
     """A robot with these plugins in a world of its own; see `WorldFiles.robot`.
 
     Args:

@@ -64,7 +64,8 @@ class ObservingTransport(LocalTransport):
 
     def __init__(self, subscribed_topics: Optional[Collection[str]] = None) -> None:
         super().__init__(subscribed_topics=subscribed_topics)
-        self.step = 0
+        self.step = 1
+        """The number of the step that is being made, or comes next."""
         self.timekeeper: Optional[Timekeeper] = None
         self.events: List[Event] = []
         self.sent_transforms: List[Tuple[int, int, Transform]] = []
@@ -101,9 +102,9 @@ class ObservingTransport(LocalTransport):
         self.sent_transforms.append((self.step, self.now, transform))
         super().send_transform(transform)
 
-    def process(self, timeout: float = 0.0) -> None:
+    def count_step(self) -> None:
+        """Must be called after each step."""
         self.step += 1
-        super().process(timeout)
 
     @contextmanager
     def counting_messages(self) -> Iterator[Dict[str, int]]:

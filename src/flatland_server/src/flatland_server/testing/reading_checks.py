@@ -6,7 +6,7 @@ import numpy as np
 
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.testing.behaviour_checks import SECONDS, Problems, content_of, state_of
-from flatland_server.testing.checked_plugin import ROBOT, CheckedPlugin, Run
+from flatland_server.testing.checked_plugin import ROBOT, CheckedPlugin, ObservedRun
 
 
 def check_readings(case: CheckedPlugin) -> Problems:
@@ -35,7 +35,7 @@ def check_readings(case: CheckedPlugin) -> Problems:
         yield "expected the same poses and walls after readings, found a difference"
 
 
-def _readings(run: Run) -> List["_Reading"]:
+def _readings(run: ObservedRun) -> List["_Reading"]:
     """What the plugin measures now, if it is a sensor."""
     plugins: List[Any] = list(run.simulation.world.plugins_of(ROBOT).values())
     return [

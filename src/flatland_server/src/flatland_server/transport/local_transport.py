@@ -3,9 +3,9 @@
 Plugins that subscribe to a topic get the messages that others publish at the end of the step.
 
 transport = LocalTransport()
-manager = SimulationManager(World.from_file(path, transport), Timekeeper(0.005))
+run = Run(World.from_file(path, transport), Timekeeper(0.005))
 transport.send("/cmd_vel", twist)         # to the subscribers of a topic, before the next step
-manager.step()
+run.step()
 transport.last("/odometry/ground_truth")  # the last message published to a topic, or None
 """
 
@@ -27,13 +27,10 @@ class LocalTransport(Transport):
         params: parameters by absolute name.
         subscribed_topics: the topics that count as having a subscriber; None is all of them. As
             with ROS, plugins compute nothing for the others.
-        deprecated: the former name of `subscribed_topics`.
 
     Attributes:
         transforms: by the name of the child frame.
         params_read: the parameters that were asked for, by absolute name.
-        activity: counts messages to be delivered, and changes of subscribers. While it stays the
-            same, `process` and `flush` have nothing to do.
     """
 
     def __init__(

@@ -5,6 +5,7 @@
 not use a transport itself but its `Node`, and so runs with either of them.
 """
 
+import math
 from abc import ABC, abstractmethod
 from typing import Any, Callable, Iterable, Sequence, Tuple
 
@@ -80,12 +81,16 @@ class Transport(ABC):
     """Carries topics, transforms and parameters. All names include their namespace.
 
     Attributes:
+        activity: counts messages to be delivered, and changes of subscribers. While it stays the
+            same, `process` and `flush` have nothing to do. NaN, which equals nothing, if a
+            transport does not know.
         arrivals: which subscriptions have got a message since the last step.
         returns_on_arrival: whether `process` returns once callbacks have run, instead of waiting
             for its timeout.
     """
 
     def __init__(self) -> None:
+        self.activity = math.nan
         self.arrivals = Arrivals()
         self.returns_on_arrival = False
 

@@ -12,7 +12,7 @@ import pytest
 
 from flatland_server import ModelConfig, Pose, YamlReader
 from flatland_server.models.collision_filter_registry import AnyLayer
-from flatland_server.testing import Simulation
+from flatland_server.testing import Harness
 
 EXAMPLES = Path(__file__).parent / "examples"
 DISC = "footprints: [{type: circle, radius: 0.2, density: 1}]"
@@ -23,7 +23,7 @@ models: [{{name: robot, model: robot.model.yaml, namespace: "{namespace}", pose:
 """
 
 
-class RobotSimulation(Simulation):
+class RobotSimulation(Harness):
     """A world with the model "robot", 5 ms a step."""
 
     def throw(self, speed: float, *bodies: str) -> "RobotSimulation":

@@ -7,7 +7,7 @@ import numpy as np
 
 from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.world import WorldPlugin
 
 DT = 0.005
 RADIUS = 0.1

@@ -11,7 +11,7 @@ from flatland_server import _core
 from flatland_server.exceptions import ModelError
 from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.world import WorldPlugin
 
 HOOKS = (
     "before_physics_step",

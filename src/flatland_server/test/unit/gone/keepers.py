@@ -5,8 +5,7 @@ from typing import Any, List
 import numpy as np
 
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.world import World, WorldPlugin
 
 ROBOT = """
 bodies:

@@ -128,7 +128,7 @@ class Actions:
             sim.transport.set_subscribed_topics(rng.choice([(), ("/news",)]))
         if rng.random() < 0.3:
             sim.transport.process()
-            sim.world.step(sim.timekeeper)
+            sim._step_with_hooks()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -142,7 +142,7 @@ def test_they_are_those_of_a_world_that_is_asked_before_each(make, seed):
             planned.step(count)
             for _ in range(count):
                 asked.transport.process()
-                asked.world.step(asked.timekeeper)
+                asked._step_with_hooks()
         ours.act(planned)
         theirs.act(asked)
         assert planned.time == asked.time
@@ -154,8 +154,8 @@ def test_they_are_those_of_a_world_that_is_asked_before_each(make, seed):
 def test_plugins_are_asked_when_one_is_due_or_something_has_come(make):
     sim = make()
     asked: List[int] = []
-    step_up_to = sim.world.step_up_to
-    sim.world.step_up_to = lambda *arguments: asked.append(1) or step_up_to(*arguments)
+    step_up_to = sim._step_up_to
+    sim._step_up_to = lambda limit: asked.append(1) or step_up_to(limit)
 
     for _ in range(200):  # a second, at 7 Hz
         sim.step()

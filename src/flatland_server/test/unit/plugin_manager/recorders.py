@@ -7,7 +7,8 @@ from typing import Any, List, Tuple
 import pytest
 
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.run import Run
+from flatland_server.simulation.world import WorldPlugin
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.update_timer import UpdateTimer
@@ -118,9 +119,7 @@ def write_model(files, name: str, plugins: str):
 
 
 def step(world, count: int = 1) -> None:
-    timekeeper = Timekeeper(0.005)
-    for _ in range(count):
-        world.step(timekeeper)
+    Run(world, Timekeeper(0.005)).step(count)
 
 
 def hooks_of(plugin: str) -> List[str]:

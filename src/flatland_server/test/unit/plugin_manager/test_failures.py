@@ -21,8 +21,8 @@ from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
+from flatland_server.simulation.run import Run
 from flatland_server.timekeeper import Timekeeper
-from flatland_server.transport.node import Node
 
 BOUNCE = {"begin_contact", "pre_solve", "post_solve", "end_contact"}
 FAILURES = {"before": "before_physics_step", "after": "after_physics_step"}
@@ -78,9 +78,7 @@ def test_the_topics_and_frames_of_a_plugin_that_fails_are_closed(files, caplog, 
     assert local(world).topics == {"/other/p"}
     assert len(local(world)._callbacks["/command"]) == 1
     caplog.clear()
-    Node(world.transport, "", "heir", world._plugins._root_node._frames).claim_frame(
-        "odom", "robot/bad"
-    )
+    world.plugins_of("other")["p"].node.claim_frame("odom", "robot/bad")
     assert caplog.records == []
 
 
@@ -198,30 +196,30 @@ def test_sys_exit_in_on_initialize_refuses_the_model(files):
 class Stepper(ModelPlugin):
     """Tries to step the world in a hook."""
 
-    world: Any = None
+    simulation: Any = None
 
     def on_initialize(self, config):
         if self.name == "at_start":
-            self.world.step(Timekeeper(0.005))
+            self.simulation.step()
 
     def before_physics_step(self, timekeeper):
-        self.world.step(timekeeper)
+        self.simulation.step()
 
 
 def test_a_hook_cannot_make_a_step(files, monkeypatch):
     files.loader = PluginLoader([PluginDeclaration.of(Stepper)])
     world = world_of(files, "robot: type: Stepper, name: in_a_step")
-    monkeypatch.setattr(Stepper, "world", world)
-    timekeeper = Timekeeper(0.005)
+    simulation = Run(world, Timekeeper(0.005))
+    monkeypatch.setattr(Stepper, "simulation", simulation)
 
-    world.step(timekeeper)
+    simulation.step()
 
     [failure] = world.plugin_failures
     assert failure.reason == (
         "before_physics_step: FlatlandError: a hook of a plugin cannot make a step"
     )
-    assert timekeeper.nanoseconds == 5_000_000
+    assert simulation.time == 0.005
     path = write_model(files, "late", "type: Stepper, name: at_start")
     with pytest.raises(YamlError, match="cannot make a step"):
         world.spawn_model(path, "late", "", Pose())
-    world.step(timekeeper)
+    simulation.step()

@@ -84,9 +84,11 @@ def test_a_spawn_whose_third_plugin_fails_leaves_nothing_behind(files, caplog):
     assert list(world.entities) == entities
     assert local(world).topics == {"/other/p"}
     assert len(local(world)._callbacks["/command"]) == 1
-    assert world._plugins._root_node._frames._publishers == {"other/p": "other/p"}
-    assert all(listeners == {} for listeners in world._plugins._contacts._listeners.values())
-    assert world._plugins.plugins_of("robot") == []
+    for name in "abc":
+        world.plugins_of("other")["p"].node.claim_frame("odom", f"robot/{name}")
+    assert caplog.records == []
+    assert all(not each for each in world.contents.plugins._contacts._listeners.values())
+    assert world.plugins_of("robot") == {}
     # Where it would have been, the core reports no contact of two discs.
     plain = write_model(files, "plain", "")
     for name in ("robot", "second"):

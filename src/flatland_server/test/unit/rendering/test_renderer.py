@@ -19,7 +19,7 @@ from flatland_server.rendering.renderer import Renderer, render
 from flatland_server.rendering.scene import grid_cell
 from flatland_server.rendering.view import View
 from flatland_server.testing import WorldFiles
-from flatland_server.testing.simulation import Simulation
+from flatland_server.testing.harness import Harness
 
 pytestmark = pytest.mark.slow
 
@@ -37,12 +37,12 @@ def files(tmp_path):
 
 
 @pytest.fixture
-def simulation(files) -> Simulation:
+def simulation(files) -> Harness:
     """A square room of 8 m with a red disc of 1 m radius at (2, 1) and a sensor around it."""
     return load(files)
 
 
-def load(files, *, plugins="[]", color="[0, 0, 1, 1]", loader=None) -> Simulation:
+def load(files, *, plugins="[]", color="[0, 0, 1, 1]", loader=None) -> Harness:
     footprints = (
         "[{type: circle, radius: 1, density: 1}, "
         "{type: polygon, sensor: true, density: 1, points: [[-2, -2], [2, -2], [2, 2], [-2, 2]]}]"

@@ -4,8 +4,7 @@ from typing import Any
 
 from flatland_server.geometry import Pose, Transform
 from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.simulation.world import World
-from flatland_server.simulation.world_plugin import WorldPlugin
+from flatland_server.simulation.world import World, WorldPlugin
 from flatland_server.transport.local_transport import LocalTransport
 
 BODIES = """

@@ -180,7 +180,7 @@ def test_an_edited_file_is_loaded_in_place_of_the_former_one(models, load, trans
     other = EMPTY.replace("[]", "[{name: other}]")
     models.write("world.yaml", f"{other}models: [{{name: c, model: plain.yaml}}]\n")
 
-    world.reload(world.read_config())
+    simulation.reload(world.read_config())
 
     assert list(world.models) == ["c"]
     assert [layer.name for layer in world.layers] == ["other"]
@@ -196,11 +196,11 @@ def test_a_wrong_file_is_refused_with_its_line_and_the_world_goes_on(models, loa
 
     models.write("world.yaml", f"{EMPTY}models:\n  - {{name: a, model: plain.yaml, poes: 1}}\n")
     with pytest.raises(YamlError, match=r"world\.yaml:4: .*poes"):
-        world.reload(world.read_config())
+        simulation.reload(world.read_config())
     models.write("world.yaml", f"{EMPTY}models:\n  - {{name: a, model: bad.yaml}}\n")
     config = world.read_config()
     with pytest.raises(YamlError, match=r"bad\.yaml:\d+: .*no luck"):
-        world.reload(config)
+        simulation.reload(config)
 
     assert state(world) == before
     simulation.run()
@@ -221,18 +221,18 @@ def test_states_and_reloads_are_for_between_steps(load, monkeypatch):
     refusals = []
 
     def act(self, timekeeper):
-        world = self.world
         for action in (
-            lambda: world.save_state(timekeeper),
-            lambda: world.load_state(b"", timekeeper),
-            lambda: world.reload(world.read_config()),
+            simulation.save_state,
+            lambda: simulation.load_state(b""),
+            lambda: simulation.reload(self.world.read_config()),
         ):
             with pytest.raises(FlatlandError) as caught:
                 action()
             refusals.append(str(caught.value))
 
     monkeypatch.setattr(Herald, "after_physics_step", act)
-    load().run()
+    simulation = load()
+    simulation.run()
 
     assert refusals == [
         f"{name} is for between steps, not for hooks"

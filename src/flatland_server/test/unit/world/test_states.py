@@ -11,8 +11,8 @@ from flatland_server.exceptions import ModelError, StateError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.models.model import ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.simulation.world import WorldPlugin
 from flatland_server.simulation.world_config import ModelEntry
-from flatland_server.simulation.world_plugin import WorldPlugin
 from flatland_server.simulation.world_state import read_state, write_state
 from flatland_server.update_timer import UpdateTimer
 
@@ -54,7 +54,7 @@ class Nursery(WorldPlugin):
     """Adds a model without a file when it starts."""
 
     def on_initialize(self, config):
-        [entry] = [each for each in self.world._config.models if each.name == "a"]
+        [entry] = [each for each in self.world.config.models if each.name == "a"]
         model = ModelConfig(config.file, entry.model.bodies, (), ())
         self.child = self.world.add_model(ModelEntry("child", "", Pose(3.0, 0.0, 0.0), model))
 
@@ -86,7 +86,7 @@ def load(models, simulate):
 
 def plugins(simulation):
     """The counter and the forgetful plugin."""
-    return simulation.world._plugins.plugins_of("a")
+    return [plugin for plugin, _ in simulation.world.all_plugins_of("a")]
 
 
 def test_plugins_get_their_state_timer_and_chance(load):

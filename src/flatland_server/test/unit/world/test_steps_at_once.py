@@ -1,4 +1,4 @@
-"""World.step_up_to: steps in one call of the core, which plugins cannot tell from single ones."""
+"""Steps in one call of the core, which plugins cannot tell from single ones."""
 
 import math
 import random
@@ -10,7 +10,7 @@ from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.simulation.simulation_manager import SimulationManager
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
 from flatland_server.testing import WorldFiles
 from flatland_server.timekeeper import Timekeeper
@@ -22,25 +22,24 @@ WALLS = ("0 0 3 0", "3 0 3 3", "3 3 0 3", "0 3 0 0")
 DISC = "{type: circle, radius: 0.15, density: 1, restitution: 1}"
 
 
-class Run:
-    """A world with its time, and what its plugins have seen; they share it as `run`."""
+class Witnessed(Run):
+    """A run, and what its plugins have seen; they share it as `run`."""
 
     def __init__(self, world: World) -> None:
-        self.world = world
-        self.timekeeper = Timekeeper(0.005)
+        super().__init__(world, Timekeeper(0.005))
         self.log: List[Any] = []
         self.calls = 0
 
-    def step(self, count: int, at_once: bool) -> "Run":
+    def make(self, count: int, at_once: bool) -> "Witnessed":
         global run
         run = self
         while count > 0:
-            self.world.transport.process()
+            self.transport.process()
             self.calls += 1
             if at_once:
-                count -= self.world.step_up_to(self.timekeeper, count)
+                count -= self._step_up_to(count)
             else:
-                self.world.step(self.timekeeper)
+                self._step_with_hooks()
                 count -= 1
         return self
 
@@ -49,7 +48,7 @@ class Run:
         return self.log, poses, self.timekeeper.nanoseconds
 
 
-run: Run
+run: Witnessed
 
 
 class Witness(ModelPlugin):
@@ -112,7 +111,7 @@ def files(tmp_path) -> WorldFiles:
     return WorldFiles(tmp_path, PluginLoader(map(PluginDeclaration.of, plugins)))
 
 
-def make_run(files: WorldFiles, *plugins: str, transport: Any = None, seed: int = 0) -> Run:
+def make_run(files: WorldFiles, *plugins: str, transport: Any = None, seed: int = 0) -> Witnessed:
     """Discs that bounce in a room; the first has these plugins, the others none."""
     files.model("plain", footprint=DISC)
     files.model("first", *plugins, footprint=DISC)
@@ -126,7 +125,7 @@ def make_run(files: WorldFiles, *plugins: str, transport: Any = None, seed: int 
     rng = random.Random(seed)
     for model in simulation.world.models.values():
         model.base.physics_body.velocity = (rng.uniform(-3, 3), rng.uniform(-3, 3), 0.0)
-    return Run(simulation.world)
+    return Witnessed(simulation.world)
 
 
 WITNESS = "type: Witness, name: witness"
@@ -151,24 +150,24 @@ def test_they_are_as_many_single_steps(files, plugins, seed):
         for each, at_once in ((single, False), (many, True)):
             if count == 2:
                 each.world.transport.set_subscribed_topics(topics)
-            each.step(count, at_once)
+            each.make(count, at_once)
         assert many.seen() == single.seen()
-        assert many.world.save_state(many.timekeeper) == single.world.save_state(single.timekeeper)
+        assert many.save_state() == single.save_state()
 
     assert many.calls < 0.7 * steps
 
 
 def test_without_plugins_there_are_few_calls(files):
-    assert make_run(files).step(1000, at_once=True).calls == 10
+    assert make_run(files).make(1000, at_once=True).calls == 10
 
 
 def test_a_plugin_without_work_divides_no_steps_until_it_has_a_subscriber(files):
-    run = make_run(files, ANNOUNCER).step(1, at_once=True)
-    run.step(100, at_once=True)
+    run = make_run(files, ANNOUNCER).make(1, at_once=True)
+    run.make(100, at_once=True)
     assert run.calls == 2
 
     run.world.transport.set_subscribed_topics(("/news",))
-    run.step(100, at_once=True)
+    run.make(100, at_once=True)
 
     # At 30 Hz from the first step on: the first steps after 533.3, 566.7, 600 ms ...
     steps = [time // 5_000_000 for time, *_ in run.log]
@@ -179,34 +178,32 @@ def test_a_transport_that_does_not_know_its_subscribers_gets_single_steps(files)
     class Unsure(LocalTransport):
         subscriber_revision = Transport.subscriber_revision
 
-    assert make_run(files, ANNOUNCER, transport=Unsure()).step(50, at_once=True).calls == 50
+    assert make_run(files, ANNOUNCER, transport=Unsure()).make(50, at_once=True).calls == 50
 
 
-def test_the_manager_makes_steps_at_once_unless_each_is_followed_by_a_callback(files):
+def test_steps_are_made_at_once_unless_each_is_followed_by_a_callback(files):
     run = make_run(files)
-    manager = SimulationManager(run.world, run.timekeeper)
     flushes: List[int] = []
-    run.world.transport.flush = lambda: flushes.append(run.timekeeper.nanoseconds)
+    run.transport.flush = lambda: flushes.append(run.timekeeper.nanoseconds)
 
-    manager.step(50)
+    run.step(50)
     assert flushes == [250_000_000]
 
-    manager.after_step.append(lambda: None)
-    manager.step(3)
+    run.after_step.append(lambda: None)
+    run.step(3)
     assert flushes[1:] == [255_000_000, 260_000_000, 265_000_000]
 
 
 def test_a_hook_cannot_make_them(files, monkeypatch):
-    run = make_run(files, TIMED)
     errors: List[str] = []
 
     def try_it(plugin, timekeeper):
         with pytest.raises(FlatlandError) as caught:
-            run.world.step_up_to(timekeeper, 5)
+            run.step(5)
         errors.append(str(caught.value))
 
     monkeypatch.setattr(Timed, "before_physics_step", try_it)
-    run = make_run(files, TIMED)
-    run.step(50, at_once=True)
+    make_run(files, TIMED).make(100, at_once=True)
 
-    assert errors == ["a hook of a plugin cannot make a step"] * 2
+    assert errors == ["a hook of a plugin cannot make a step"] * 4
+    assert run.timekeeper.nanoseconds == 500_000_000

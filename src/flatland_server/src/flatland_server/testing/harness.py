@@ -1,17 +1,17 @@
 """A world that a test steps, and its topics."""
 
-from typing import TYPE_CHECKING, Any, List, Optional
+from typing import Any, List, Optional
 
-from flatland_server.library.simulated_world import SimulatedWorld
+from flatland_server.exceptions import UsageError
 from flatland_server.messages.message_types import get
 from flatland_server.models.model import Model
+from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
 
-if TYPE_CHECKING:
-    from flatland_server.testing.files import WorldFiles
 
-
-class Simulation(SimulatedWorld):
+class Harness(Run):
     """A world in a test: time passes in `run` only, and topics stay within the process.
 
     Args:
@@ -19,15 +19,26 @@ class Simulation(SimulatedWorld):
         step_size: length of a step [s].
         allow_failures: whether plugins may fail. Otherwise `run` raises an AssertionError as soon
             as a plugin was switched off because it raised an exception.
+
+    Attributes:
+        files: the `WorldFiles` that it was loaded from, if any.
+
+    Raises:
+        UsageError: the transport is another one, or the step is no length of time.
     """
+
+    transport: LocalTransport
 
     def __init__(
         self, world: World, step_size: float = 0.005, *, allow_failures: bool = False
     ) -> None:
-        super().__init__(world, step_size)
+        if not isinstance(world.transport, LocalTransport):
+            raise UsageError(
+                f"expected a world with a LocalTransport, found {type(world.transport).__name__}"
+            )
+        super().__init__(world, Timekeeper(step_size))
         self.allow_failures = allow_failures
-        self.files: Optional[WorldFiles] = None
-        """The files that it was loaded from, if `WorldFiles` has loaded it."""
+        self.files: Any = None
 
     def model(self, name: str = "robot") -> Model:
         """A model by its name.
@@ -40,8 +51,8 @@ class Simulation(SimulatedWorld):
         """
         return self.world.get_model(name)
 
-    def run(self, seconds: Optional[float] = None) -> "Simulation":
-        """Advances the time, and returns this simulation.
+    def run(self, seconds: Optional[float] = None) -> "Harness":
+        """Advances the time, and returns this harness.
 
         Messages that were sent are received before the next step.
 
@@ -52,8 +63,8 @@ class Simulation(SimulatedWorld):
             AssertionError: a plugin has failed, and `allow_failures` is false.
         """
         steps = 1 if seconds is None else round(seconds / self.timekeeper.step_size)
-        for _ in range(steps):
-            self._advance()
+        if steps > 0:
+            self.step(steps)
         failures = self.world.plugin_failures
         if failures and not self.allow_failures:
             raise AssertionError(
@@ -61,25 +72,15 @@ class Simulation(SimulatedWorld):
             )
         return self
 
-    def reset(self, seed: Optional[int] = None) -> "Simulation":
-        """Rebuilds the world, at time 0; see `World.reset`.
+    def last(self, topic: str) -> Any:
+        """The newest message of a topic; None if there is none yet.
 
         Args:
-            seed: of all random numbers from now on; None is the same as before.
+            topic: its name.
         """
-        self._reset(seed)
-        return self
+        return self.transport.last(topic)
 
-    def load_state(self, state: bytes) -> "Simulation":
-        """Puts the world into a saved state, its time included; see `World.load_state`.
-
-        Args:
-            state: of `World.save_state`.
-        """
-        self._load_state(state)
-        return self
-
-    def send(self, topic: str, message: Any) -> "Simulation":
+    def send(self, topic: str, message: Any) -> "Harness":
         """Publishes a message, to be received before the next step.
 
         Args:
@@ -91,7 +92,7 @@ class Simulation(SimulatedWorld):
 
     def drive(
         self, forwards: float, turn: float = 0.0, *, left: float = 0.0, topic: str = "/cmd_vel"
-    ) -> "Simulation":
+    ) -> "Harness":
         """Sends a `geometry_msgs/Twist`.
 
         Args:

@@ -1,0 +1,90 @@
+"""Saving the state of a world, and putting a world into a saved state."""
+
+from operator import attrgetter
+from pathlib import Path
+from typing import Dict, List, Union
+
+from flatland_server.exceptions import StateError
+from flatland_server.geometry import Pose
+from flatland_server.simulation import plugin_state
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.simulation.world_state import ModelState, WallsState, WorldState
+from flatland_server.timekeeper import Timekeeper
+
+
+def save(world: World, timekeeper: Timekeeper) -> WorldState:
+    """The present state of a world. From here on, it goes on like each one that restores it.
+
+    Raises:
+        StateError: a plugin's state cannot be saved, or a model has no file that it could be read
+            from again.
+    """
+    contents = world.contents
+    contents.plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
+    return WorldState(
+        str(contents.config.path or ""),
+        contents.seed,
+        timekeeper.nanoseconds,
+        _wall_counts(contents.config),
+        contents.additions.states_of(contents.models),
+        contents.additions.walls,
+        plugin_state.collect(contents.plugins),
+        contents.physics.save_state(),
+    )
+
+
+def restore(state: WorldState, world: World) -> None:
+    """Puts a world that was just rebuilt, with the state's seed, into a state.
+
+    Raises:
+        FlatlandError: the state does not fit, or the file of a model is missing.
+    """
+    contents = world.contents
+    _check_walls(state, contents.config)
+    _replay_additions(state, world)
+    plugin_state.restore_failures(contents.plugins, state.plugins)
+    try:
+        contents.physics.restore_state(state.physics)
+    except ValueError as error:
+        raise StateError(str(error)) from None
+    plugin_state.restore(contents.plugins, state.plugins)
+
+
+def _wall_counts(config: WorldConfig) -> Dict[str, int]:
+    """The number of walls of each layer in the world's files."""
+    return {layer.names[0]: len(config.walls_of(layer)) for layer in config.layers}
+
+
+def _check_walls(state: WorldState, config: WorldConfig) -> None:
+    """Checks that a state is of a world with these maps."""
+    expected, found = _wall_counts(config), state.wall_counts
+    for layer in dict.fromkeys([*expected, *found]):
+        if expected.get(layer) != found.get(layer):
+            raise StateError(
+                f'the state is of another world ({state.world}): the layer "{layer}" has '
+                f"{found.get(layer, 'no')} walls there, {expected.get(layer, 'no')} here"
+            )
+
+
+def _replay_additions(state: WorldState, world: World) -> None:
+    """Deletes and adds models and walls of a rebuilt world, until it has those of a state."""
+    kept = {model.name for model in state.models if model.order is None}
+    for name in [name for name in world.models if name not in kept]:
+        world.delete_model(name)
+    additions: List[Union[ModelState, WallsState]] = [*state.walls]
+    additions += [model for model in state.models if model.order is not None]
+    for addition in sorted(additions, key=attrgetter("order")):
+        if isinstance(addition, ModelState):
+            source = addition.content if addition.content is not None else Path(addition.path)
+            pose = Pose(*addition.pose)
+            world.spawn_model(source, addition.name, addition.namespace, pose)
+        elif 0 <= addition.layer < len(world.layers):
+            world.add_walls(world.layers[addition.layer].name, addition.segments)
+    if list(world.models) != [model.name for model in state.models]:
+        raise StateError(
+            f"the state is of another world: expected the models {', '.join(world.models)}; "
+            f"found {', '.join(model.name for model in state.models)}"
+        )
+    for model in state.models:
+        world.models[model.name].move_revision = model.move_revision

@@ -1,0 +1,174 @@
+"""All that a world consists of; a reset makes it anew."""
+
+from typing import Dict, List, Optional
+
+from flatland_server import _core
+from flatland_server.arrays import Segments
+from flatland_server.exceptions import ModelError, Problem, YamlError
+from flatland_server.models.entity import Entities
+from flatland_server.models.layer import Layer
+from flatland_server.models.model import Model
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.plugins.plugin_manager import PluginManager, PluginRevision
+from flatland_server.simulation.additions import Additions
+from flatland_server.simulation.deferred_actions import DeferredActions
+from flatland_server.simulation.load_progress import LoadProgress
+from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.transport.transport import Transport
+
+
+class WorldContents:
+    """The layers, models and plugins of a world, and the physics that moves them.
+
+    Args:
+        config: the contents of the world's files.
+        seed: of all random numbers.
+        transport: carries the topics of the plugins.
+        loader: finds plugin classes.
+        revision: counts the changes of plugins.
+        former: the contents that these replace, if any.
+
+    Attributes:
+        physics: the Box2D world, in the core.
+        entities: the model or layer that each body belongs to.
+        models: by name.
+        plugins: of the world and its models.
+        plan: the time until which steps call no hooks.
+        deferred: changes that wait until they are safe.
+        additions: models and walls that have been added since.
+        is_starting: whether the contents are still being made.
+    """
+
+    def __init__(
+        self,
+        config: WorldConfig,
+        seed: int,
+        transport: Transport,
+        loader: PluginLoader,
+        revision: PluginRevision,
+        former: Optional["WorldContents"] = None,
+    ) -> None:
+        self.config = config
+        self.seed = seed
+        self.physics = _core.World(config.velocity_iterations, config.position_iterations)
+        self.entities = Entities()
+        self.models: Dict[str, Model] = {}
+        self.layers: List[Layer] = []
+        self.plugins = PluginManager(transport, loader, seed, self.physics, self.entities, revision)
+        if former is not None:
+            self.plugins.on_failure = former.plugins.on_failure
+            self.plugins.take_over_warnings(former.plugins)
+        self.plan = self.plugins.plan
+        self.deferred = DeferredActions()
+        self.additions = Additions()
+        self.is_starting = True
+
+    def add_layers_and_models(self) -> None:
+        """Adds those of the files.
+
+        Raises:
+            FlatlandError: a model cannot be created, or a plugin of one does not start.
+        """
+        walls = [self.config.walls_of(layer) for layer in self.config.layers]
+        progress = LoadProgress(sum(map(len, walls)))
+        for layer, segments in zip(self.config.layers, walls):
+            self.layers.append(Layer(layer, segments, self.physics, self.entities, progress.update))
+            progress.layer_is_complete(len(segments))
+        problems: List[Problem] = []
+        for entry in self.config.models:
+            try:
+                self.add_model(entry)
+            except YamlError as error:
+                problems.extend(error.problems)
+        if problems:
+            raise YamlError.of(problems)
+
+    def check_name_is_free(self, name: str) -> None:
+        """Raises a ModelError if there is a model of this name."""
+        if name in self.models:
+            raise ModelError(f'a model named "{name}" is already there')
+
+    def add_model(self, entry: ModelEntry) -> Model:
+        """Adds a model: completely, or not at all.
+
+        Raises:
+            FlatlandError: its name is taken, its bodies cannot be created, or one of its plugins
+                does not start.
+        """
+        name = entry.name
+        self.check_name_is_free(name)
+        model = Model(
+            name,
+            entry.namespace,
+            entry.model,
+            entry.pose,
+            self.physics,
+            self.config.registry,
+            self.entities,
+        )
+        self.models[name] = model
+        with self.deferred.changing(name):
+            try:
+                self.plugins.start(entry.model.plugins, ModelPlugin, name, entry.namespace, model)
+            except BaseException:
+                in_order = list(self.models.values())
+                del self.models[name]
+                self._remove_bodies(model)
+                for other in in_order[in_order.index(model) + 1 :]:
+                    self.remove_model(other)  # spawned by the plugins of the one that has failed
+                raise
+        self.additions.add_model(entry, self._comes_with_another)
+        self.deferred.run_pending()
+        return model
+
+    def remove_model(self, model: Model) -> None:
+        """Removes a model with its plugins, if it is still there."""
+        if not self.has(model):
+            return
+        with self.deferred.changing(model.name):
+            try:
+                self.plugins.stop(model.name)
+            finally:
+                del self.models[model.name]
+                self.additions.remove_model(model.name)
+                self._remove_bodies(model)
+
+    def has(self, model: Model) -> bool:
+        """Whether a model is still there; it may be deleted before a deferred action runs."""
+        return self.models.get(model.name) is model
+
+    def add_walls(self, layer: Layer, segments: Segments) -> None:
+        """Adds walls to one of the layers.
+
+        Raises:
+            ValueError: a segment is not finite, or has no length.
+        """
+        layer.add_walls(segments)
+        if not self._comes_with_another:
+            self.additions.add_walls(self.layers.index(layer), segments)
+        self.plugins.refresh(layer)
+
+    @property
+    def _comes_with_another(self) -> bool:
+        """Whether making the world or a model again adds again what is added now."""
+        return self.is_starting or self.plugins.is_starting
+
+    def close(self) -> None:
+        """Stops all plugins. Changes that they request meanwhile are dropped."""
+        try:
+            with self.deferred.lock:
+                self.plugins.stop_all()
+        finally:
+            self.deferred.clear()
+
+    def discard(self) -> None:
+        """Stops all plugins and removes all bodies: handles to them raise from now on."""
+        self.close()
+        for model in self.models.values():
+            self._remove_bodies(model)
+        self.entities.clear()
+
+    def _remove_bodies(self, model: Model) -> None:
+        with self.deferred.lock:  # it ends contacts, which calls hooks
+            model.remove()
