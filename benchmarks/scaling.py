@@ -1,10 +1,10 @@
-"""How sweeps and the collection of training data scale with workers: docs/scaling.md.
+"""Scaling of sweeps and of training-data collection with the number of workers (docs/scaling.md).
 
     usage: scaling.py [--workers 1 2] [--ray] [--scenarios 200] [--steps 200000]
 
 Prints a Markdown table. Needs Flatland and its extra gym; with --ray, also the extra ray. Runs the
-room with discs and its trained policy. CPU seconds are of the workers' processes, start-up left
-out; other programs affect them less than real time. They are not known for Ray's.
+room with discs and its trained policy. CPU seconds are those of the workers' processes without
+their start-up; other programs affect them less than real time. They are unknown for workers of Ray.
 """
 
 import argparse
@@ -46,7 +46,7 @@ ROLLOUT = 128
 
 
 class Figures(NamedTuple):
-    """What was measured."""
+    """The figures of one measurement."""
 
     seconds: float  # of real time
     cpu: Optional[float]  # s, of all workers together
@@ -59,7 +59,7 @@ class Figures(NamedTuple):
 
 
 def sweep_settings(folder: Path, count: int) -> SweepSettings:
-    """A sweep of the room with discs, driven by the policy that was trained there."""
+    """A sweep of the room with discs, driven by the policy trained in it."""
     period = Policy.load(POLICY).period
     path = folder / "scenarios.yaml"
     path.write_text(
@@ -75,7 +75,7 @@ def sweep_settings(folder: Path, count: int) -> SweepSettings:
 
 
 def measure_sweep(settings: SweepSettings, workers: int, on_ray: bool) -> Figures:
-    """Runs all scenarios on workers that have run some before."""
+    """Runs all scenarios on workers that are warmed up."""
     scenarios = scenarios_of(settings)
     pool: Any = RayPool(settings, LOCAL, workers) if on_ray else LocalPool(settings, workers)
     try:
@@ -97,7 +97,7 @@ def measure_sweep(settings: SweepSettings, workers: int, on_ray: bool) -> Figure
     )
 
 
-# Training: workers collect what a policy does, a learner trains on it
+# Training: workers collect rollouts of a policy for a learner
 
 
 class Collector:
@@ -108,7 +108,7 @@ class Collector:
         self._observations = self._env.reset(seed=seed)[0]
 
     def collect(self, policy: Policy) -> Dict[str, Any]:
-        """A rollout of a policy: what a learner needs of each step."""
+        """A rollout of a policy: the arrays that a learner needs."""
         kept: Dict[str, List[Any]] = {"observations": [], "actions": [], "rewards": [], "ends": []}
         for _ in range(ROLLOUT):
             actions = policy.act(self._observations)
@@ -128,7 +128,7 @@ def collector(seed: int) -> Collector:
 
 
 def collect(policy: Policy, seed: int) -> Dict[str, Any]:
-    """A rollout of this process."""
+    """A rollout by this process's collector."""
     return collector(seed).collect(policy)
 
 

@@ -16,7 +16,7 @@ from flatland_server.sweep.scenario_file import read_scenario_file
 from flatland_server.sweep.settings import scenario_of
 
 MOVING = Path(__file__).resolve().parents[1] / "docs" / "images" / "flatland.gif"
-PICTURES = {  # the arguments of the launch file, the time [s], and what is drawn
+PICTURES = {  # launch arguments, time [s], and options of the drawing
     "office_tour": ((), 18.0, {"follow": "turtlebot", "width": 16, "size": (900, 560)}),
     "tricycle_trailer": ((), 12.0, {"size": (900, 600)}),
     "automatic_door": ((), 6.0, {"size": (900, 360)}),

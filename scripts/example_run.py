@@ -20,7 +20,7 @@ from flatland_server import Pose, Simulation
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 PERIOD = 0.05  # s: between commands
-_LASER = Pose(0.05)  # where the office's robot has it
+_LASER = Pose(0.05)  # mounting pose on the office's robot
 _ANY_PORT = 11311
 
 
@@ -56,7 +56,7 @@ class ExampleRun:
         self.simulation.spawn(values["model"], name=name, namespace=name, pose=pose)
 
     def _drivers_of(self, node):
-        """What drives robots for a node of the launch file."""
+        """The drivers that stand in for a node of the launch file."""
         if node.type == "rostopic":
             command = yaml.safe_load(shlex.split(node.args)[-1])
             if "cmd_vel" in node.args:
@@ -71,7 +71,7 @@ class ExampleRun:
                 yield Carrier(self.simulation, self.simulation.models[name], fleet.Carrier())
 
     def _robot_named(self, name=""):
-        """The model with a drive, or that of a name."""
+        """The model of a name; without a name, the model with a drive."""
         models = self.simulation.models
         return models[name] if name else next(each for each in models.values() if each.drives)
 

@@ -1,9 +1,9 @@
 """roslaunch, with an exit code, a quiet Ctrl-C, and errors as the last lines.
 
-roslaunch ends with 0 whatever became of its nodes. This takes the same arguments, does the same,
+roslaunch ends with 0 even if a node has failed. This takes the same arguments, does the same,
 and ends with the exit code of the node marked `required="true"` that brought the launch down. If
-that has refused to start, with exit code 1, roslaunch says no more: the node's message stays in
-view. What can be checked before anything starts is: arguments, the port and the ROS master.
+that has refused to start, with exit code 1, roslaunch prints nothing more, so that the node's
+message stays in view. Arguments, the port and the ROS master are checked before anything starts.
 """
 
 import argparse
@@ -20,14 +20,14 @@ from pathlib import Path
 
 
 def end(_signal=None, _frame=None):
-    """End well; a second Ctrl-C while Python shuts down must not leave a traceback."""
+    """Exits; a second Ctrl-C while Python shuts down must not leave a traceback."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(0)
 
 
 # For Ctrl-C while roslaunch is loading; its own handler, later, stops the nodes and calls this one.
 signal.signal(signal.SIGINT, end)
-gc.disable()  # what the imports make stays: collections take a sixth of their time
+gc.disable()  # imports leave little garbage, and collections take a sixth of their time
 
 import rosgraph  # noqa: E402
 import roslaunch.core  # noqa: E402
@@ -49,7 +49,7 @@ _REFUSED = re.compile(r"REQUIRED process .*exit code 1,", re.DOTALL)
 class Launch(roslaunch.parent.ROSLaunchParent, ProcessListener):
     """A launch that remembers how a required node ended."""
 
-    exit_code = 0  # of the class, since roslaunch.main keeps the object to itself
+    exit_code = 0  # of the class: roslaunch.main does not return the object
 
     def _load_config(self):
         # Launch files run commands (rosversion), which would answer Ctrl-C with a traceback.
@@ -68,7 +68,7 @@ class Launch(roslaunch.parent.ROSLaunchParent, ProcessListener):
 
 
 class Output:
-    """What roslaunch prints: nothing more once a required node has refused to start."""
+    """Silences roslaunch once a required node has refused to start."""
 
     def __init__(self):
         self._is_over = False
@@ -90,7 +90,7 @@ class Output:
 
 
 def problem(words):
-    """Why a launch with these arguments is refused; None if there is no reason."""
+    """The reason to refuse a launch with these arguments, or None."""
     try:
         files = [Path(word) for word in words if word.endswith(".launch") and "/" in word]
         server = Path(rospkg.RosPack().get_path(SERVER), "launch", "server.launch")
@@ -105,10 +105,10 @@ def problem(words):
 
 
 def problem_of_master(uri, port):
-    """Why there can be no new simulation with the ROS master at a URI; None if there can be.
+    """The reason against a new simulation with the ROS master at a URI, or None.
 
     Args:
-        uri: of the master that there is, or is to be.
+        uri: of the master, which may not run yet.
         port: the number after `-p`, if there is one: for a master of the launch's own.
     """
     host, number = rosgraph.network.parse_http_host_and_port(uri)
@@ -155,7 +155,7 @@ def is_open(host, port):
 
 gc.freeze()
 gc.enable()
-atexit.register(gc.freeze)  # what is left at exit need not be collected
+atexit.register(gc.freeze)  # skips the collection at exit
 reason = problem(sys.argv[1:])
 if reason:
     print(f"run: {reason}", file=sys.stderr)

@@ -1,4 +1,4 @@
-# What the scripts share. Sourced by them, not run.
+# Functions and settings of the scripts. To be sourced, not run.
 # shellcheck shell=bash
 
 # With a user's CDPATH, `cd` would go elsewhere, and print where: here, and in the setup.sh files of catkin.
@@ -14,7 +14,7 @@ root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
 python=/usr/bin/python3
 export PATH="/usr/bin:$PATH"
 
-# What a node says is seen at once, through a pipe as on a terminal.
+# Output of nodes is not buffered, through a pipe as on a terminal.
 export PYTHONUNBUFFERED=1
 
 # Ctrl-C ends the script, also if the program that is running ignores it.
@@ -39,7 +39,7 @@ use_ccache() {
   fi
 }
 
-# Make a virtual environment with what a requirements file names, from PyPI. It is kept until the file changes.
+# Make a virtual environment with the packages of a requirements file, from PyPI. It is kept until the file changes.
 #
 #   make_venv FOLDER REQUIREMENTS [option of python -m venv ...]     both below the workspace
 make_venv() {

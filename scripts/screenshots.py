@@ -13,8 +13,8 @@ from PIL import Image
 ROOT = Path(sys.argv[1])
 IMAGES = ROOT / "docs" / "images"
 BOX = ROOT / "src" / "flatland_server" / "worlds" / "office" / "box.model.yaml"
-SIZE = (1296, 868)  # of the screen: the window's, and room for the frame that it has not got here
-TOOLBAR = 90  # rows, below those above the window
+SIZE = (1296, 868)  # of the screen: the window, and room for a window manager's frame
+TOOLBAR = 90  # height [pixels]
 PORT = 11399
 ROBOT, SCAN = (51, 128, 204), (204, 0, 0)
 LIMIT = 60.0  # s
@@ -59,7 +59,7 @@ class Screen:
         self._server.wait()
 
     def picture(self):
-        """What is on the screen."""
+        """A screenshot."""
         raw = subprocess.run(
             ["import", "-window", "root", "png:-"],
             env=self.environment,
@@ -80,21 +80,21 @@ class Screen:
         print(path.relative_to(ROOT))
 
     def xdotool(self, *arguments):
-        """Does something with the mouse or the keyboard."""
+        """Runs xdotool, for mouse and keyboard."""
         subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, check=True)
 
     def move(self, x, y):
-        """In two steps: rviz finds out what is under the mouse when it moves."""
+        """Moves the mouse in two steps: rviz looks for the object under it on each motion."""
         self.xdotool("mousemove", x - 3, y, "sleep", 0.3, "mousemove", x, y, "sleep", 0.5)
 
     def find(self, color):
-        """The middle of what has this colour below the toolbar, and how many pixels have it."""
+        """The middle and the number of the pixels of this colour below the toolbar."""
         difference = np.abs(np.asarray(self.picture()).astype(int) - color).max(axis=2)
         ys, xs = np.nonzero(difference[TOOLBAR:] <= 45)
         return (round(xs.mean()), round(ys.mean()) + TOOLBAR) if len(xs) else None, len(xs)
 
     def wait_for(self, color, least):
-        """Waits until so many pixels have a colour; their middle."""
+        """Waits until so many pixels have a colour; returns their middle."""
         deadline = time.monotonic() + LIMIT
         while time.monotonic() < deadline:
             middle, count = self.find(color)
@@ -108,7 +108,7 @@ class Screen:
 
 
 def main():
-    """Makes them all."""
+    """Makes all pictures."""
     screen = Screen()
     launch = subprocess.Popen(
         ["roslaunch", "-p", str(PORT), "flatland_server", "server.launch"],

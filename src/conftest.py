@@ -1,4 +1,4 @@
-"""What tests of several packages share: `scripts/run` as a user starts it, and a screen.
+"""Fixtures for several packages: `scripts/run` as a user starts it, a ROS master, a screen.
 
 scripts/test runs the test files in four processes (pytest-xdist). Each has a screen of its own,
 and a folder for ROS's logs.
@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def pytest_configure(config):
-    """Gives ROS's logs a folder for each test process: roslaunch renews a link in it."""
+    """Separates the ROS logs of test processes, since roslaunch replaces a link in the folder."""
     gc.disable()  # until the tests are collected
     worker = os.environ.get("PYTEST_XDIST_WORKER")
     if worker:
@@ -33,7 +33,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish():
-    """Takes the thousands of collected tests out of what each garbage collection looks at."""
+    """Excludes the thousands of collected tests from garbage collection."""
     gc.collect()
     gc.freeze()
     gc.enable()
@@ -45,7 +45,7 @@ FOLDERS = itertools.count()
 
 @pytest.fixture
 def tmp_path(request, tmp_path_factory):
-    """A folder of the test's own. pytest's lists those of all earlier tests to find a number."""
+    """A folder of the test's own. pytest's own fixture lists all earlier ones for a free number."""
     name = re.sub(r"\W", "_", request.node.name)[:30]
     return tmp_path_factory.mktemp(f"{next(FOLDERS)}_{name}", numbered=False)
 
@@ -58,7 +58,7 @@ LONGEST = (
 
 
 def pytest_collection_modifyitems(items):
-    """Puts what takes longest first, so that at the end no process waits for another's."""
+    """Puts the longest tests first, so that all processes end at about the same time."""
 
     def order(item):
         is_quick = item.get_closest_marker("slow") is None
@@ -76,10 +76,10 @@ class Launch:
         arguments: of the command; `-p` with a free port is added if there is none.
         output: the file for its output.
         display: the X display.
-        command: what is run.
+        command: the program.
         port: of the master.
         with_port: whether `-p` is added; without, ROS_MASTER_URI says which master is used.
-        environment: what else the environment has.
+        environment: additional variables.
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class Launch:
         self.wait_until(lambda: text in self.output, f'"{text}"')
 
     def press_ctrl_c(self):
-        """As a terminal does it: to all processes of the session's foreground group."""
+        """Sends SIGINT to all processes of the foreground group, as a terminal does."""
         os.killpg(self.process.pid, signal.SIGINT)
 
     def nodes(self):
@@ -147,7 +147,7 @@ class Launch:
 
 @contextlib.contextmanager
 def launching(folder):
-    """Start `scripts/run` with arguments, with output in a folder; it is ended at last."""
+    """Start `scripts/run` with arguments, with output in a folder; end it with the context."""
     launches = []
 
     def start(*arguments, **options):
@@ -223,9 +223,9 @@ def display():
         stderr=subprocess.DEVNULL,
     )
     os.close(write)
-    # rviz asks for a window that the X server may not have made yet, and crashes (window_ids.py):
-    # less often if the server never waits for a core.
-    with contextlib.suppress(OSError):  # it needs a right
+    # rviz crashes if it asks for a window before the X server has made it (window_ids.py).
+    # This is rarer if the server never waits for a core.
+    with contextlib.suppress(OSError):  # needs a privilege
         os.sched_setscheduler(server.pid, os.SCHED_RR, os.sched_param(1))
     with os.fdopen(read) as pipe:
         number = pipe.readline().strip()

@@ -43,8 +43,7 @@ def _measure_round(
 ) -> None:
     """Measures each case with all simulators, one after the other.
 
-    The simulator that begins is another one in each round, and so are the places of discs and
-    robots.
+    Each round starts with another simulator, and has other places of discs and robots.
     """
     simulators = list(comparison.simulators)
     first = number % len(simulators)
@@ -57,7 +56,7 @@ def _measure_round(
             opened = process.ask(
                 open=case.kind, variant=simulator.variant, robots=case.robots, seed=number + 1
             )
-            if case.robots == 1 or case.kind == "batch":  # robots that see no other ones
+            if case.robots == 1 or case.kind == "batch":  # exact_ranges leaves out other robots
                 layout = Scenario(case.robots, number + 1, apart=case.kind == "room")
                 comparison.check(simulator, case, opened["ranges"], layout)
             comparison.add(simulator, case, process.ask(measure=seconds)["rate"])
@@ -90,7 +89,7 @@ def _report(comparison: Comparison, options: argparse.Namespace) -> None:
 
 
 def _write(comparison: Comparison, options: argparse.Namespace) -> None:
-    """Writes the results into files; after each round, so that little is lost."""
+    """Writes the results into files; after each round, so that an interruption loses little."""
     if options.json is not None:
         options.json.write_text(comparison.to_json(), encoding="utf-8")
     if options.markdown is not None:

@@ -1,4 +1,4 @@
-"""What was measured of all simulators: figures, ratios and targets, as JSON and as tables."""
+"""Results of all simulators: figures, ratios and targets, as JSON and as tables."""
 
 import json
 import statistics
@@ -14,7 +14,7 @@ from simulators import FLATLAND, TARGETS, Case, Simulator
 
 SCHEMA = 1
 TOLERANCE = 0.01
-"""Of ranges [m]. ir-sim's discs have 64 corners."""
+"""Tolerance of ranges [m]: ir-sim's discs are polygons of 64 corners."""
 
 
 @dataclass
@@ -22,11 +22,11 @@ class Comparison:
     """Rates and scans of all simulators.
 
     Attributes:
-        simulators: those that are measured.
-        cases: those that are measured.
+        simulators: the simulators compared.
+        cases: the cases measured.
         versions: of packages, by the name of the simulator.
         rates: robot-steps per second of processor time: one for each round, in their order.
-        checks: the numbers of ranges of first scans that were wrong, and of all ranges.
+        checks: for first scans, the number of wrong ranges and the number of all ranges.
     """
 
     simulators: Sequence[Simulator]
@@ -44,7 +44,7 @@ class Comparison:
     def check(self, simulator: Simulator, case: Case, ranges: Any, layout: Scenario) -> None:
         """Compares ranges with exact ones."""
         found = np.array(ranges, dtype=float)
-        is_right = np.abs(found - layout.exact_ranges()) <= TOLERANCE  # not so NaN
+        is_right = np.abs(found - layout.exact_ranges()) <= TOLERANCE  # false for NaN
         wrong, count = self.checks.get((simulator.name, case.name), (0, 0))
         wrong += int(np.count_nonzero(~is_right))
         self.checks[simulator.name, case.name] = (wrong, count + found.size)
@@ -60,13 +60,13 @@ class Comparison:
         return statistics.median(rates) if rates else None
 
     def ratio(self, peer: str, case: Case) -> Optional[float]:
-        """How many times as fast as a peer Flatland is: the median of the rounds' ratios."""
+        """Flatland's rate divided by a peer's: the median of the rounds' ratios."""
         ours, others = (self.rates.get((name, case.name), []) for name in (FLATLAND.name, peer))
         ratios = [a / b for a, b in zip(ours, others)]
         return statistics.median(ratios) if ratios else None
 
     def targets(self) -> List[Dict[str, Any]]:
-        """Each target with what was found."""
+        """Each target with the measured ratios."""
         results = []
         for target in TARGETS:
             for case in self.cases:
@@ -84,7 +84,7 @@ class Comparison:
         return results
 
     def to_json(self) -> str:
-        """All of it; peers.schema.json describes the form."""
+        """The report as JSON; see peers.schema.json."""
         values = {
             "schema": SCHEMA,
             "date": self.date,
@@ -111,7 +111,7 @@ class Comparison:
         return {name: ratio for name, ratio in found.items() if ratio is not None}
 
     def _of(self, simulator: Simulator) -> Dict[str, Any]:
-        """What was measured of a simulator."""
+        """The results of one simulator, for the JSON report."""
         found = [(case, self.rates.get((simulator.name, case.name))) for case in self.cases]
         return {
             "about": simulator.about,

@@ -49,7 +49,7 @@ class Room:
         self._step += steps
 
     def scans(self) -> Float32Array:
-        """What all lidars see; no return is the lidar's range."""
+        """The ranges of all lidars [m]; no return reads as the maximum range."""
         return np.minimum([laser.read() for laser in self._lasers], scenario.RANGE)
 
     def close(self) -> None:
@@ -84,7 +84,7 @@ class Batch:
             self._step += 1
 
     def scans(self) -> Float32Array:
-        """What all lidars see; no return is the lidar's range."""
+        """The ranges of all lidars [m]; no return reads as the maximum range."""
         return np.minimum(self._observation.ranges, scenario.RANGE)
 
     def close(self) -> None:
@@ -98,7 +98,7 @@ def open_room(kind: str, variant: str, robots: int, seed: int) -> Any:
 
 
 def versions() -> Dict[str, str]:
-    """The versions of what is measured."""
+    """The versions of the measured packages."""
     return {"numpy": np.__version__}
 
 

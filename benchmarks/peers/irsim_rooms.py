@@ -32,7 +32,7 @@ class Room:
         self._scenario = Scenario(robots, seed)
         self._step = 0
         quiet = {"display": False, "log_level": "ERROR"}
-        # No figure and no window. ir-sim has renamed the argument.
+        # Without a figure and a window; the argument's name depends on the version of ir-sim.
         known = inspect.signature(irsim.env.env_base.EnvBase.__init__).parameters
         quiet["headless" if "headless" in known else "disable_all_plot"] = True
         self._env = irsim.make(world_file(self._scenario, collisions), **quiet)
@@ -50,7 +50,7 @@ class Room:
             self._step += 1
 
     def scans(self) -> Any:
-        """What all lidars see."""
+        """The ranges of all lidars [m]."""
         return np.array([robot.get_lidar_scan()["ranges"] for robot in self._env.robot_list])
 
     def close(self) -> None:
@@ -59,7 +59,7 @@ class Room:
 
 
 class Batch:
-    """Robots of which each has the room for itself: irsim-x's `make(batch_size=...)`.
+    """Robots, each alone in a copy of the room: irsim-x's `make(batch_size=...)`.
 
     Its obstacles are not read from the file; they are the same for all robots.
 
@@ -93,7 +93,7 @@ class Batch:
             self._step += 1
 
     def scans(self) -> Any:
-        """What all lidars see."""
+        """The ranges of all lidars [m]."""
         return self._env.get_lidar_scan()
 
     def close(self) -> None:

@@ -34,7 +34,7 @@ def python_of(simulator: Simulator) -> str:
         pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         for command in (
             [sys.executable, "-m", "venv", "--clear", str(folder)],
-            [*pip, "--no-cache-dir", requirement],  # nothing that was built with other flags
+            [*pip, "--no-cache-dir", requirement],  # a cached wheel may have other flags
         ):
             result = subprocess.run(
                 command,
@@ -69,7 +69,7 @@ class Process:
             environment.pop("PYTHONPATH", None)
         self._name = simulator.name
         self._folder = tempfile.TemporaryDirectory(prefix="flatland_peers_")
-        environment["TMPDIR"] = self._folder.name  # the files of worlds, which go with it
+        environment["TMPDIR"] = self._folder.name  # for world files, deleted with the folder
         self._errors = (Path(self._folder.name) / "errors").open("w+")
         self._popen = subprocess.Popen(
             [python_of(simulator), str(_HERE / "worker.py"), simulator.rooms],

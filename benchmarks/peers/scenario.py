@@ -16,13 +16,13 @@ STEP = 0.1
 """Length of a step, after which every scan is read [s]."""
 FIRST_BEAM = -math.pi
 INCREMENT = 2 * math.pi / (BEAMS - 1)
-"""Of the beams, in the robot's frame [rad]: the first and the last one both look backwards."""
+"""Angle between beams [rad]. The first and the last beam both point backwards."""
 SPEED = 0.5
 YAW_RATE = 1.0
 STEPS_PER_COMMAND = 10
 _BLOCKS = 16
 _GAP = 0.4
-"""Between robots, discs and walls at the beginning [m]."""
+"""Least initial gap between robots, discs and walls [m]."""
 
 Circle = Tuple[float, float, float]
 """x, y and radius [m]."""
@@ -55,11 +55,11 @@ class Scenario:
         self.commands = rng.uniform(low, high, (_BLOCKS, robots, 2))
 
     def command(self, step: int) -> int:
-        """The row of `commands` that holds in a step."""
+        """The row of `commands` for a step."""
         return step // STEPS_PER_COMMAND % _BLOCKS
 
     def exact_ranges(self) -> "np.ndarray[Any, Any]":
-        """What the lidars see of the discs and the walls, but not of robots: shape (robots, 64)."""
+        """Exact ranges to discs and walls, without the other robots [m]: shape (robots, 64)."""
         angles = self.poses[:, 2, None] + FIRST_BEAM + INCREMENT * np.arange(BEAMS)
         directions = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
         origins = self.poses[:, None, :2]
@@ -80,7 +80,7 @@ class Scenario:
 
 
 def _place(rng: np.random.Generator, radius: float, taken: List[Circle]) -> Tuple[float, float]:
-    """Draws a free place for a circle, and adds it to those that are taken."""
+    """Draws a free place for a circle, and adds it to `taken`."""
     margin = radius + _GAP
     while True:
         x, y = rng.uniform(margin, ROOM - margin, 2)

@@ -10,11 +10,11 @@ class Simulator(NamedTuple):
     rooms: str
     """The module that opens its rooms."""
     requirement: str
-    """What pip installs; empty for Flatland, which this workspace has."""
+    """The requirement for pip; empty for Flatland, which comes from this workspace."""
     flags: str
-    """Of the compiler, if pip builds it."""
+    """Compiler flags for a build by pip."""
     variant: str
-    """See `open_room` of the module."""
+    """The variant for the module's `open_room`."""
     most_robots: int
     """The largest number of robots in one room that is measured."""
     has_batches: bool
@@ -73,25 +73,25 @@ class Case(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Such as "robots_10" or "batch_1024"."""
+        """The name, such as "robots_10" or "batch_1024"."""
         return f"{'robots' if self.kind == 'room' else 'batch'}_{self.robots}"
 
     @property
     def title(self) -> str:
-        """The head of its column."""
+        """The heading of its table column."""
         if self.kind == "batch":
             return f"batch of {self.robots:,}"
         return "1 robot" if self.robots == 1 else f"{self.robots:,} robots"
 
     def suits(self, simulator: Simulator) -> bool:
-        """Whether a simulator is measured with it."""
+        """Whether a simulator can run this case."""
         if self.kind == "batch":
             return simulator.has_batches
         return self.robots <= simulator.most_robots
 
 
 class Target(NamedTuple):
-    """How much faster than a peer Flatland is to be."""
+    """A target for the ratio of Flatland's rate to a peer's."""
 
     peer: str
     kinds: Tuple[str, ...]

@@ -20,9 +20,9 @@ import time
 from typing import Any, Dict, TextIO
 
 CLOCK_PERIOD = 0.001
-"""How often the clock is read [s]: reading it can take a fifth of the time of a step."""
+"""Interval between clock readings [s]; one reading can take a fifth of a step's time."""
 WARM_UP = 0.2
-"""Share of a measurement that comes before it."""
+"""Duration of the warm-up, as a share of the measurement's."""
 
 
 class Worker:
@@ -73,5 +73,5 @@ def serve(rooms: Any, requests: TextIO, answers: TextIO) -> None:
 
 if __name__ == "__main__":
     to_parent = sys.stdout
-    sys.stdout = sys.stderr  # simulators print what they like
+    sys.stdout = sys.stderr  # keeps prints of simulators out of the answers
     serve(importlib.import_module(sys.argv[1]), sys.stdin, to_parent)

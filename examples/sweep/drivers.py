@@ -25,7 +25,7 @@ def gaps(run, speed=0.6, distance=1.0, margin=0.15):
     lidar = run.robot.sensors["laser"]
     while run.is_running:
         ranges = np.maximum(lidar.read(), RADIUS)
-        hides = np.arcsin(np.minimum(1.0, (RADIUS + margin) / ranges))  # to each side [rad]
+        hides = np.arcsin(np.minimum(1.0, (RADIUS + margin) / ranges))  # on either side [rad]
         is_near = ranges < min(distance, run.distance)
         is_free = ~(is_near & (hides > BETWEEN)).any(axis=1)
         heading = BEAMS[np.argmin(angles(BEAMS, run.bearing) + 10.0 * ~is_free)]

@@ -44,12 +44,12 @@ class Block(NamedTuple):
     language: str
     text: str
     line: int
-    """Of the page, on which the text begins."""
+    """The line of the page on which the text begins."""
     notes: Tuple[str, ...]
     """The comments before it."""
 
     def note(self, name: str) -> str:
-        """The rest of the comment that begins so, such as the reason of `not run:`; or ""."""
+        """The text after `name` in a comment, such as the reason after `not run:`; or ""."""
         for each in self.notes:
             if each.startswith(name):
                 return each[len(name) :].strip() or name
@@ -63,17 +63,17 @@ class Block(NamedTuple):
 
     @property
     def uses_ros(self) -> bool:
-        """Whether its commands are ROS's."""
+        """Whether its commands need ROS."""
         return self.language == "bash" and ROS.search(self.text) is not None
 
     @property
     def is_output(self) -> bool:
-        """Whether it is what the block before it prints."""
+        """Whether it is the output of the block before it."""
         return self.language == "output" and not self.note("prints then")
 
     @property
     def exit_code(self) -> int:
-        """Of its last command."""
+        """The exit code of its last command."""
         return int(self.note("ends with") or 0)
 
     @property
@@ -104,11 +104,11 @@ class Needs(NamedTuple):
     pip: bool
     """Whether it runs by pip alone."""
     extra: str
-    """Of pip's installation, or ""."""
+    """The extra to install by pip, or ""."""
     has_ros_parts: bool
     """Whether it has parts that do not run by pip alone."""
     files: str
-    """The page, from its folder, of which all files are there; or ""."""
+    """Relative path of the page with the files that must exist, or ""."""
 
 
 def needs_of(page: Path) -> Optional[Needs]:
@@ -126,7 +126,7 @@ def needs_of(page: Path) -> Optional[Needs]:
 
 
 def program_of(page: Path) -> str:
-    """The Python blocks of a page, at their lines, with empty lines in place of all else."""
+    """The Python blocks of a page at their line numbers; all other lines are empty."""
     lines = [""] * (page.read_text(encoding="utf-8").count("\n") + 1)
     for block in blocks_of(page):
         if block.language == "python" and not block.file:

@@ -12,8 +12,8 @@ from typing import List, Mapping, Optional, Tuple, Union
 from forks import Forks, Program, python_words
 
 LIMIT = 60.0
-"""How long a command may take, and a program to print what it prints at its start [s]."""
-_KILLED = 5.0  # s: until a program that was killed has ended
+"""Limit for a command, and for a program's first output [s]."""
+_KILLED = 5.0  # s: limit for the end of a killed program
 
 
 def commands_of(block: str) -> List[str]:
@@ -33,7 +33,7 @@ def _goes_on(text: str) -> bool:
 
 
 def pattern_of(output: str, is_start: bool = False) -> "re.Pattern[str]":
-    """The expression for what is shown: `...` is anything, a line of it alone any lines."""
+    """The pattern of an output block: `...` matches any text; alone on a line, any lines."""
     pattern = ""
     for line in output.splitlines():
         if line.strip() == "...":

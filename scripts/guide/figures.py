@@ -2,8 +2,8 @@
 
 usage: figures.py [--check]
 
-Each is made of what the code says: the imports of packages, the names of hooks, the due times of
-timers, the bytes of a message, the walls that a scan meets. `--check` says which are out of date.
+They are generated from the code: imports of packages, names of hooks, due times of timers, bytes
+of a message, walls hit by a scan. `--check` lists the figures that are out of date.
 """
 
 import ast
@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
 
 Box = Tuple[str, str, int, int, int]
-"""A package, what it is, and where its box is: row from the top, left edge and width."""
+"""A package, its description, and its box: row from the top, left edge and width."""
 
 PACKAGES: List[Box] = [
     ("flatland_viz", "the window and rviz tools", 0, 20, 210),
@@ -39,7 +39,7 @@ ROW, HEIGHT, TOP = 92, 52, 34
 
 
 def imported(package: str) -> Set[str]:
-    """Which of the packages a package imports."""
+    """The packages of `PACKAGES` that a package imports."""
     names = {name for name, *_ in PACKAGES}
     folder = ROOT / "src" / package.partition(".")[0] / "src" / package.replace(".", "/")
     found = set()
@@ -60,7 +60,7 @@ def imported(package: str) -> Set[str]:
 
 
 def architecture() -> Svg:
-    """The packages, and which imports which."""
+    """The packages and their imports."""
     drawing = Svg(928, 376, "The packages of Flatland and what each imports")
     rows = {name: row for name, _, row, _, _ in PACKAGES}
     places = {name: (x, TOP + ROW * row, width) for name, _, row, x, width in PACKAGES}
@@ -129,7 +129,7 @@ def step() -> Svg:
 
 
 def lidar() -> Svg:
-    """A scan in the office: the walls that it meets, of all that there are."""
+    """A scan in the office: all walls, and the walls that it hits."""
     with Simulation("office", seed=1) as simulation:
         walls = simulation.world.layers[0].segments
         robot = simulation.models["turtlebot"]
@@ -172,7 +172,7 @@ def lidar() -> Svg:
 
 
 def schedule() -> Svg:
-    """When plugins of several rates are called, at steps of 5 ms, and one that is idle at first."""
+    """Calls of plugins of several rates at steps of 5 ms; one of them is idle at first."""
     rates = [("no rate", float("inf")), ("50 Hz", 50.0), ("30 Hz", 30.0), ("30 Hz", 30.0)]
     steps, dt = 41, 5_000_000
     drawing = Svg(860, 196, "Which plugins are called in which step")

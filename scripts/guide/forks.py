@@ -156,7 +156,7 @@ def running_forks(
             env=environment,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C is for those that it runs
+            start_new_session=True,  # Ctrl-C is for the programs, not for this process
         )
         assert process.stdin is not None
         assert process.stdout is not None
@@ -192,7 +192,7 @@ def _serve(path: str) -> List[str]:
 
 
 def _reap() -> None:
-    """Takes note of the processes that have ended, and of their processor time."""
+    """Collects ended child processes and their processor time."""
     with contextlib.suppress(ChildProcessError):
         while os.waitpid(-1, os.WNOHANG)[0]:
             pass

@@ -1,4 +1,4 @@
-"""Which keys files may have, as the code that reads them says: what its getters are asked for.
+"""The keys of world, model and map files, observed from the getter calls of their readers.
 
 The readers of worlds, models, maps and plugins run on samples while their getters are observed. So
 a key, its type, its bounds and its default have one source: the line of code that reads it.
@@ -42,9 +42,9 @@ class Key(NamedTuple):
     name: str
     type: str
     unit: str
-    """Of all values of this type; empty where the type has none."""
+    """The unit of values of this type; empty if there is none."""
     default: str
-    """As YAML; "**required**"; "none"; empty if it depends on other keys."""
+    """The default as YAML, "**required**" or "none"; empty if it depends on other keys."""
 
 
 class Observation:
@@ -85,7 +85,7 @@ class Observation:
 
 @contextlib.contextmanager
 def observed() -> Iterator[Observation]:
-    """Notes all calls of getters meanwhile."""
+    """Records all getter calls in its context."""
     observation = Observation()
     depth = 0
     originals: List[Tuple[type, str, Any]] = []
@@ -136,7 +136,7 @@ def observed() -> Iterator[Observation]:
 
 
 def _is_inner(observation: Observation, reader: YamlReader, key: str) -> bool:
-    """Whether this container is asked for by another one's getter, for the same key."""
+    """Whether another getter makes this call for the same key, which is recorded already."""
     last = observation.reads[-1] if observation.reads else None
     return last is not None and last.place == _place(reader) and last.key == key
 
@@ -161,7 +161,7 @@ def _place(reader: YamlReader) -> Tuple[str, str]:
 
 
 def _split(path: str) -> List[str]:
-    """`models[0].pose` as "models", "0]", ".pose"."""
+    """Splits `models[0].pose` into "models", "0]", ".pose"."""
     parts: List[str] = []
     for piece in path.split("["):
         head, bracket, tail = piece.partition("]")
@@ -170,10 +170,10 @@ def _split(path: str) -> List[str]:
 
 
 def _merge(name: str, reads: Sequence[Read]) -> Key:
-    """What several calls, on several samples, say about one key."""
+    """The description of a key, from all getter calls for it in all samples."""
     types = list(dict.fromkeys(_type(read) for read in reads))
     if len(types) > 1 and "string" in types:
-        types.remove("string")  # a first look, before the getter that decides
+        types.remove("string")  # a check of the type, before the getter that reads the value
     types.sort(key="map".__eq__)
     units = [_UNITS[read.getter] for read in reads if read.getter in _UNITS]
     defaults = list(dict.fromkeys(_yaml(r.default) for r in reads if r.default is not REQUIRED))
@@ -188,7 +188,7 @@ def _merge(name: str, reads: Sequence[Read]) -> Key:
 
 
 _MAX_CHOICES = 8
-"""How many words fit into a cell of a table."""
+"""The largest number of choices listed in a table cell."""
 
 _UNITS = {
     "get_rate": "Hz",

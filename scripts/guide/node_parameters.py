@@ -1,4 +1,4 @@
-"""The private parameters of nodes, with defaults: what their code asks `rospy.get_param` for."""
+"""The private parameters of nodes, with defaults: from their calls of `rospy.get_param`."""
 
 from typing import Any, Callable, Dict, List, Tuple
 from unittest import mock
@@ -12,7 +12,7 @@ READERS: Dict[str, Callable[[], Any]] = {
     "flatland_server": ServerConfig.read,
     "navigator": NodeParameters.read,
 }
-"""What reads the parameters of a node."""
+"""The function that reads a node's parameters, by node."""
 
 
 def parameters_of(node: str) -> List[Tuple[str, Any]]:

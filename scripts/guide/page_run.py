@@ -1,4 +1,4 @@
-"""Does what a page says, in the order of its blocks, in a folder of its own.
+"""Runs the blocks of a page in order, in a folder of its own.
 
 Files are written as they are pasted, Python runs as one program, commands run, and what they print
 is compared. At the end, each world, model and map file that the page has written is loaded.
@@ -80,7 +80,7 @@ class PageRun:
             self._shell.close()
 
     def _write_files(self, needs: Optional[Needs]) -> None:
-        """Writes the files of the page that is to be read before."""
+        """Writes the files of the page that this one builds on."""
         if needs and needs.files:
             for block in blocks_of(self._page.parent / needs.files):
                 if block.file:
@@ -91,7 +91,7 @@ class PageRun:
 
         Args:
             block: the block.
-            output: shown after it: what it prints.
+            output: its expected output, shown after it.
         """
         need = block.need
         is_missing = need and importlib.util.find_spec(need) is None
@@ -165,7 +165,7 @@ class PageRun:
         return f"{found.rstrip()}\n" if found.strip() else ""
 
     def _load_files(self) -> None:
-        """Loads what is a world, a model or a map; but not with plugins that are the page's own."""
+        """Loads the world, model and map files; skips those with the page's own plugins."""
         classes = re.findall(r"^class (\w+)\((?:Model|World)Plugin", self._text(), re.MULTILINE)
         with contextlib.closing(YamlPreprocessor()) as preprocessor:
             for name in dict.fromkeys(self._written):
@@ -196,7 +196,7 @@ def _is_loadable(path: Path, classes: Sequence[str]) -> bool:
 
 @contextlib.contextmanager
 def _inside(folder: Path) -> Iterator[None]:
-    """In this folder, with its modules importable, and none of them left in memory afterwards."""
+    """Works in a folder: its modules can be imported, and are unloaded afterwards."""
     before, modules = Path.cwd(), set(sys.modules)
     os.chdir(folder)
     sys.path.insert(0, str(folder))

@@ -10,9 +10,9 @@ A page marks where they are by comments, which Markdown does not show:
     <!-- parameters of navigator -->                   the private parameters of a node
     <!-- definitions of flatland_msgs msg -->          up to <!-- end -->
 
-Of a table of keys, the code gives all but the last cell: what a key means is written in the page,
-and so are a unit that the code does not know, and a default that depends on other keys, in italics.
-They are kept when the table is made again.
+In a table of keys, the code gives all cells but the last, the meaning. Meanings are written in the
+page, as are, in italics, units that the code does not know and defaults that depend on other keys.
+All of these are kept when the table is made again.
 """
 
 import re
@@ -31,7 +31,7 @@ DEFINITIONS = re.compile(r"<!-- definitions of (\w+) (\w+) -->\n(.*?)<!-- end --
 
 
 def updated(text: str) -> str:
-    """A page with its generated parts as the code has them now."""
+    """A page with its generated parts up to date."""
     tables: Dict[str, Callable[[str, str], str]] = {
         "keys": _keys,
         "arguments": _arguments,
@@ -53,7 +53,7 @@ def updated(text: str) -> str:
 
 
 def problems(text: str) -> List[str]:
-    """What a page has to add by hand: meanings, and defaults that depend on other keys."""
+    """Cells to be written by hand: meanings, and defaults that depend on other keys."""
     found = []
     for match in MARK.finditer(text):
         for row in match[3].splitlines()[2:]:
@@ -137,7 +137,7 @@ def pages() -> List[Path]:
 
 
 def update_all() -> List[str]:
-    """Writes all pages; returns what is to be added by hand."""
+    """Updates all pages; returns their `problems`."""
     found = []
     for path in pages():
         text = path.read_text(encoding="utf-8")

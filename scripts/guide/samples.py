@@ -1,6 +1,6 @@
 """Small files in which each kind of world, layer, model and plugin occurs, for `key_reads`.
 
-What a key's default depends on differs between the samples, so that such a default is noticed.
+Samples differ in the values that defaults depend on: this reveals such defaults.
 """
 
 import xml.etree.ElementTree as ElementTree
@@ -108,7 +108,7 @@ PLUGINS: Dict[str, List[Dict[str, Any]]] = {
     ],
     "Tween": [{**ON_BASE, "delta": [1, 0, 0]}, {**ON_BASE, "delta": [1, 0, 0], "mode": "trigger"}],
 }
-"""For each class its entries, without the keys that every plugin has."""
+"""Sample entries by plugin class, without the keys that every plugin has."""
 
 WORLD: Dict[str, Any] = {
     "properties": {},
@@ -178,7 +178,7 @@ MAPS: Dict[str, Tuple[str, str]] = {
     "image": ("picture.yaml", ""),
     "lines": ("walls.yaml", ""),
 }
-"""For each kind of file: the sample, and where in it."""
+"""By kind of file: the sample file, and the path in it."""
 
 
 @lru_cache(maxsize=None)

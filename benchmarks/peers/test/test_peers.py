@@ -17,7 +17,7 @@ HERE = Path(__file__).resolve().parents[1]
 
 
 def validate(text):
-    """Holds a report against the schema; returns what is in it."""
+    """Validates a report against the schema; returns its content."""
     values = json.loads(text)
     jsonschema.validate(values, json.loads((HERE / "peers.schema.json").read_text()))
     return values

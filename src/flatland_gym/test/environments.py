@@ -1,4 +1,4 @@
-"""What tests of environments share."""
+"""Helpers for tests of environments."""
 
 import gymnasium as gym
 import numpy as np

@@ -1,4 +1,4 @@
-"""Several robots in one world: PettingZoo's tests, and that they meet."""
+"""Several robots in one world: PettingZoo's tests, and robots that meet."""
 
 import warnings
 
@@ -12,7 +12,7 @@ from flatland_server import UsageError
 
 
 def place(env, *poses):
-    """Puts the robots somewhere, and lets them look."""
+    """Puts the robots at poses, and updates their observations."""
     for name, pose in zip(env.possible_agents, poses):
         env._simulation.simulation.move(name, pose)
 

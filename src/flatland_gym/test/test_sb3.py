@@ -1,4 +1,4 @@
-"""The environments of Stable-Baselines3: what its DummyVecEnv gives for single ones."""
+"""The environments of Stable-Baselines3, compared with its DummyVecEnv of single ones."""
 
 import numpy as np
 import pytest

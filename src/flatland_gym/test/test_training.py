@@ -22,7 +22,7 @@ SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
 
 @pytest.fixture(scope="module")
 def policy():
-    """One that was trained for some seconds."""
+    """A policy trained for some seconds."""
     env = NavigationVectorEnv(64, autoreset_mode="SameStep", **SETTINGS)
     try:
         return Ppo(env, seed=1).train(steps=120_000)
@@ -50,7 +50,7 @@ def test_an_episode_of_an_evaluation_does_not_depend_on_the_others(policy):
 
 @pytest.mark.slow
 def test_a_policy_drives_a_robot_through_messages(policy):
-    """As the node does it: the same success without the environment."""
+    """The node succeeds as in the environment."""
     env = make(**SETTINGS)
     reached = [drive(policy, env, seed) for seed in range(10)]
     env.close()

@@ -1,4 +1,4 @@
-"""The vector environment: what SyncVectorEnv gives for single ones, bit for bit."""
+"""The vector environment, compared bit for bit with SyncVectorEnv of single ones."""
 
 import copy
 import functools
@@ -26,7 +26,7 @@ CROWDED = {"time_limit": 2.0, "goal_distance": (0.4, 1.2), "beams": 16}
 
 @pytest.fixture
 def files_read_once(monkeypatch):
-    """Environments of equal worlds share what is read from files: most of making one."""
+    """Environments of equal worlds share one `NavigationWorld`: loading takes most of the time."""
     load, loaded = NavigationWorld.load, {}
 
     def load_once(*arguments):
@@ -39,7 +39,7 @@ def files_read_once(monkeypatch):
 
 
 def drive(env, mode, steps, seed=11):
-    """All that an environment returns in a run with resets in between; and the ends there were."""
+    """All results of an environment in a run with resets; and its number of ends of each kind."""
     rng = np.random.default_rng(5)
     results = [env.reset(seed=seed)]
     ends = np.zeros(3, int)
@@ -264,7 +264,7 @@ def test_a_thousand_environments_equal_so_many_single_ones(request):
 
 
 class Remembering(gym.Wrapper):
-    """Answers from memory what it was asked before after the same calls since a reset with a seed.
+    """Replays the recorded results of equal calls since a reset with the same seed.
 
     The environment is deterministic, so that it needs to make its steps only once. The first calls
     must go at least as far as those that come later.
@@ -290,7 +290,7 @@ class Remembering(gym.Wrapper):
 
 
 def few_steps(env, mode):
-    """What an environment returns in three steps; all episodes end after two of them."""
+    """All results of an environment in three steps; all episodes end in the second."""
     rng = np.random.default_rng(5)
     results = [env.reset(seed=11)]
     for _ in range(3):

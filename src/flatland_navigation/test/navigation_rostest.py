@@ -38,7 +38,7 @@ class Navigation(unittest.TestCase):
         cls.client.wait_for_server()
 
     def drive(self, *pose, **options):
-        """Sends a goal, and returns its final state and what is said of it."""
+        """Sends a goal, and returns its final state and text."""
         self.client.send_goal(MoveBaseGoal(target(*pose, **options)))
         wait_until(lambda: self.client.simple_state == actionlib.SimpleGoalState.DONE, f"{pose}")
         return self.client.get_state(), self.client.get_goal_status_text()

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """A scan's transform, from the laser to odom at the scan's stamp, is there when the scan is used.
 
-As a rostest it looks for some seconds, at real time and at five times real time. As a program it
-looks for as long as it is told, at a running server, and prints what it has found:
+As a rostest it runs for some seconds, at real time and at five times real time. As a program it
+measures a running server for the given time, and prints the results:
 
     PYTHONPATH="$PYTHONPATH:$(rospack find flatland_server)/test" \
         "$(rospack find flatland_navigation)/test/stamps_rostest.py" --seconds 60
@@ -24,12 +24,12 @@ from service_calls import call
 from waiting import wait_until
 
 LIMIT = 0.05  # s of real time that a lookup may wait
-BUSY_LIMIT = 20.0  # s: on a machine that runs other tests too, a later transform never comes
+BUSY_LIMIT = 20.0  # s: for a machine that runs other tests too; a later transform counts as lost
 FACTORS = (1.0, 5.0)  # times real time
 
 
 class Found(NamedTuple):
-    """The lookups of some time: how long each waited [s of real time]; NaN if it failed."""
+    """Results of lookups: the waiting time of each [s of real time]; NaN if it failed."""
 
     factor: float
     waits: List[float]
@@ -63,7 +63,7 @@ class Lookups:
         assert call("/change_rate", ChangeRate, factor).success
         self._subscriber = rospy.Subscriber("/scan", LaserScan, self._scans.put, tcp_nodelay=True)
         try:
-            # What comes before the first transforms and at another rate does not count.
+            # Scans before the first transforms and at another rate do not count.
             wait_until(lambda: self._is_known(self._scans.get(timeout=10.0)), "transforms")
             self._drop(0.5)
             begin = time.monotonic()
@@ -87,7 +87,7 @@ class Lookups:
         )
 
     def _lookup(self, scan: LaserScan, limit: float) -> float:
-        """How long the lookup waits [s]; NaN if it takes longer than the limit."""
+        """Waiting time of a lookup [s]; NaN if it exceeds the limit."""
         begin = time.monotonic()
         while not self._is_known(scan):
             if time.monotonic() - begin > limit:

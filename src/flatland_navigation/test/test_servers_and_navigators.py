@@ -116,7 +116,7 @@ def test_a_navigator_survives_a_restarted_server_and_stops_the_robot_at_its_end(
     server = start_server()
     assert ask("result()") == "simulated time has gone back"
 
-    # Time is behind that of the goals which the navigator knows.
+    # Time is earlier than the stamps of the navigator's former goals.
     wait_until(lambda: 0.0 < float(ask("rospy.get_time()")) < end_time, "the client's new time")
     go_at_five_times_real_time(server)
     assert ask("reach(1.0)") == "the goal is reached"

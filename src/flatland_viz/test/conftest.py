@@ -58,7 +58,7 @@ def ros(screen, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def waiting():
-    """`wait_until`, as tests use it."""
+    """The function `wait_until`."""
     return wait_until
 
 

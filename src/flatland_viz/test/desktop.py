@@ -30,9 +30,9 @@ def desktop(width, height):
         stderr=subprocess.DEVNULL,
     )
     os.close(write)
-    # rviz asks for a window that the X server may not have made yet, and crashes (window_ids.py):
-    # less often if the server never waits for a core.
-    with suppress(OSError):  # it needs a right
+    # rviz crashes if it asks for a window before the X server has made it (window_ids.py).
+    # This is rarer if the server never waits for a core.
+    with suppress(OSError):  # needs a privilege
         os.sched_setscheduler(server.pid, os.SCHED_RR, os.sched_param(1))
     with os.fdopen(read) as pipe:
         display = f":{pipe.readline().strip()}"

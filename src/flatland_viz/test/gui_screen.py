@@ -10,8 +10,8 @@ import numpy as np
 import waiting as waits
 from screen_pictures import Screenshots, near
 
-LIMIT = 60.0  # s: a busy machine may take much longer than an idle one
-INTERVAL = 0.2  # s: each look at the screen takes processor time from what draws there
+LIMIT = 60.0  # s: generous, for a loaded machine
+INTERVAL = 0.2  # s: screenshots take processor time from the programs under test
 OFFICE_COLORS = (  # of the world's files and our rviz configuration; least number of pixels
     # An arrow is on the robot.
     ((194, 145, 87), 60),  # boxes
@@ -26,7 +26,7 @@ application.processEvents()
 print(flush=True)
 application.exec_()
 """
-"""A program with a text in the clipboard, which is there as long as the program."""
+"""A program that keeps a text in the clipboard while it runs."""
 DARK_SETTINGS = "[switches]\naction_background_dark=true\n"
 
 
@@ -74,7 +74,7 @@ class Screen:
     def view(self, pixels):
         """Rows and columns of a screenshot that rviz's view of the world takes, as slices.
 
-        They are found by its background. Empty if that is not seen.
+        They are found by the background, and empty if it is not visible.
         """
         ys, xs = np.nonzero(near(pixels, self.kind.background, 0))
         if not len(ys):
@@ -88,7 +88,7 @@ class Screen:
         return all(near(pixels, color, 30).sum() >= least for color, least in colors)
 
     def settled(self, look, seconds):
-        """What `look()` returns, once that has been the same for some time [s]."""
+        """The result of `look()`, once it has not changed for some time [s]."""
         values, times = [look()], [time.monotonic()]
 
         def is_settled():
@@ -170,7 +170,7 @@ class Screen:
         self.xdotool("key", "--delay", 40, *keys)
 
     def type(self, text):
-        """By keys; other letters by the clipboard, as xdotool lends them a key for too short."""
+        """Types a text; if not ASCII, by the clipboard: xdotool maps other letters too briefly."""
         if str(text).isascii():
             self.xdotool("type", "--delay", 3, "--", text)
             return
@@ -192,7 +192,7 @@ class Screen:
         time.sleep(0.2)
 
     def move(self, pixel):
-        """In two steps: rviz determines what is under the mouse when it moves."""
+        """Moves the mouse in two steps: rviz looks for the object under it on each motion."""
         x, y = map(int, pixel)
         self.xdotool("mousemove", x - 2, y, "sleep", 0.1, "mousemove", x, y, "sleep", 0.1)
 
@@ -200,7 +200,7 @@ class Screen:
         """Right-clicks in the view; returns once a menu covers a part of its background.
 
         Args:
-            pixel: where something has a menu.
+            pixel: of an object with a menu.
             name: of the screenshot with the menu.
         """
         least = self.px(40) * self.px(60)
@@ -210,7 +210,7 @@ class Screen:
         wait_until(lambda: background() < before - least, "the menu")
 
     def drag(self, pixels, while_held=lambda: None):
-        """With the left button, along some pixels."""
+        """Drags with the left button along some pixels."""
         self.move(pixels[0])
         time.sleep(0.3)
         self.xdotool("mousedown", 1)

@@ -28,7 +28,7 @@ def with_handles(office, frame_rate, background, size):
     config["Panels"] = []
     width, height = size
     config["Window Geometry"] = {"Width": width - 20, "Height": height - 60, "X": 5, "Y": 25}
-    # Without rviz's other tools, there is room for ours on a small screen.
+    # Removes rviz's other tools, to make room for ours on a small screen.
     tools = config["Visualization Manager"]["Tools"]
     config["Visualization Manager"]["Tools"] = [
         tool for tool in tools if tool["Class"].startswith(("flatland_viz/", "rviz/Interact"))
@@ -62,7 +62,7 @@ class View:
         self._measure(pixels, models)
 
     def _measure(self, pixels, models):
-        found = []  # of each model x, y in the world and u, v in the picture
+        found = []  # for each model: x, y in the world and u, v in the picture
         for (x, y), color in models:
             u, v = self.pixel(x, y)
             reach = 0.5 * self.scale
@@ -137,7 +137,7 @@ class Viewer:
         return self.screen.picture(f"{self.kind}_{name}")
 
     def hint(self, seconds):
-        """The line with rviz's hint for the mouse, once it has been the same for some time [s]."""
+        """The line with rviz's hint for the mouse, once it has not changed for some time [s]."""
         left, _, _, bottom = self.screen.inside(self.window)
         line = slice(bottom - self.screen.px(26), bottom - self.screen.px(5))
         # In the window, other fields leave little room for it; in rviz, it is beside a button.
@@ -154,8 +154,8 @@ class Viewer:
     def take_hold(self, pixel):
         """Moves the mouse onto a handle, and waits until rviz shows its hint.
 
-        A hint stays until the next frame; so that of the handle before must be gone first. A
-        message takes its place for some seconds, until the mouse moves after that.
+        A hint stays until the next frame, so the former handle's hint must be gone first. A message
+        replaces the hint for some seconds, and until the mouse moves again.
         """
         frames = 2.5 / self.ros.frame_rate
 
@@ -172,7 +172,7 @@ class Viewer:
         self.waiting(is_found, "the handle under the mouse")
 
     def drag(self, pixels, while_held=lambda: None):
-        """A handle, along some pixels."""
+        """Drags a handle along some pixels."""
         self.take_hold(pixels[0])
         self.screen.drag(pixels, while_held)
 
@@ -186,7 +186,7 @@ class Viewer:
         return all(near(inside, color, TOLERANCE).sum() >= count for color, count in least.items())
 
     def _look_closer(self):
-        """Zoom in around the middle, by the wheel."""
+        """Zooms in around the middle, by the wheel."""
         self.waiting(self.shows_office, "walls, robot, boxes and scan")
         # The window gets its final size.
         rows, columns = self.screen.settled(lambda: self.screen.view(self.picture("office")), 1.0)
@@ -221,7 +221,7 @@ class Viewer:
     def shows_handle(self, name, x, y):
         """Whether a box at a point in the world [m] can be dragged.
 
-        rviz shows its ring. In the window it can be as soon as it is seen.
+        rviz shows its ring. In the window, a visible box can be dragged.
         """
         if self.kind == "window":
             return self.shows_box(name, x, y)
@@ -240,12 +240,12 @@ class Viewer:
         return max(0.5, least)
 
     def press(self, key):
-        """A key, with the mouse in an empty corner of the view."""
+        """Presses a key with the mouse in an empty corner of the view."""
         self.move_beside()
         self.screen.key(key)
 
     def open_spawn_dialog(self, file=None):
-        """The dialog, with this file."""
+        """Opens the dialog with this file."""
         self.press("a")
         dialog = self.wait_for_dialog("Spawn Model")
         if file is not None:

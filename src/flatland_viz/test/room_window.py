@@ -17,7 +17,7 @@ layers:
 models:
   - {{name: turtlebot, pose: [0, 0, 0], model: {ROBOT}}}
 """
-_LINE = 27  # Qt's pixels: the height in which the status line is
+_LINE = 27  # Qt's pixels: height of the status line
 
 
 class RoomWindow:
@@ -49,12 +49,12 @@ class RoomWindow:
             return None
 
     def key(self, *keys):
-        """Keys for the window, not for one of its dialogs."""
+        """Presses keys in the window, not in one of its dialogs."""
         self.screen.focus(self.id)
         self.screen.key(*keys)
 
     def press(self, key):
-        """A key of one of rviz's tools: with the mouse over the view."""
+        """Presses the key of one of rviz's tools, with the mouse over the view."""
         self.screen.focus(self.id)
         self.screen.move(self.map.pixel(1.4, 1.5))
         self.screen.move(self.map.pixel(1.5, 1.5))
@@ -74,7 +74,7 @@ class RoomWindow:
         self.waiting(holds, str(values))
 
     def status_line(self, name):
-        """A screenshot of the status line, and where its left end and its top are."""
+        """A screenshot of the status line, and its left and top position."""
         left, _, right, bottom = self.screen.inside(self.id)
         top = bottom - self.screen.px(_LINE)
         return self.screen.picture(name)[top:bottom, left:right], (left, top)
@@ -85,7 +85,7 @@ class RoomWindow:
         return near(line, STATES[state], 5).sum() > 200
 
     def badge(self, kind):
-        """The middle of the badge in the status line; None if there is none of this colour."""
+        """The middle of the status line's badge of this colour; None if there is none."""
         line, (left, top) = self.status_line("window_badge")
         ys, xs = near(line, BADGE[kind], 5).nonzero()
         return (left + xs.mean(), top + ys.mean()) if len(xs) > 300 else None
@@ -106,7 +106,7 @@ class RoomWindow:
 
     @contextmanager
     def held(self, key):
-        """A key is held down."""
+        """Holds a key down in its context."""
         self.screen.focus(self.id)
         self.screen.xdotool("keydown", key)
         try:
@@ -115,7 +115,7 @@ class RoomWindow:
             self.screen.xdotool("keyup", key)
 
     def command(self):
-        """Speed [m/s] and turn [rad/s] that are commanded now."""
+        """The present command: speed [m/s] and turn [rad/s]."""
         twist = self.ros.message("/cmd_vel", "geometry_msgs/Twist")
         return twist["linear"]["x"], twist["angular"]["z"]
 

@@ -30,7 +30,7 @@ SERVICES = {
 }
 SLOW = {"update_rate": 50, "step_size": 0.02, "viz_pub_rate": 10}
 """Parameters and arguments of the server that save processor time, of the window's too."""
-LOOK_PERIOD = 0.2  # s: until the master is asked again for the publishers of a topic
+LOOK_PERIOD = 0.2  # s: interval of requests to the master for the publishers of a topic
 
 
 def to_plain(value):
@@ -112,7 +112,7 @@ class Ros:
         )
 
     def log(self, program):
-        """What a program has written so far."""
+        """The output of a program so far."""
         return self._log_files[program.pid].read_text()
 
     def start_server(self, world, **parameters):
@@ -165,14 +165,14 @@ class Ros:
         return next(self.messages(topic, kind, timeout, self._known(topic)), None)
 
     def _known(self, topic):
-        """The URIs of the nodes that published a topic when the master was asked last."""
+        """The URIs of a topic's publishers, from the last answer of the master."""
         return self._publishers.get(topic, ())
 
     def messages(self, topic, kind, seconds, known=()):
         """Yields the messages of a topic that come within some time, from any of its publishers.
 
-        The master, which takes its time to answer, is asked for them every `LOOK_PERIOD`, at once
-        unless a known one can be connected to.
+        The master is slow to answer. It is asked for publishers every `LOOK_PERIOD`, and at once
+        unless a connection to a known one succeeds.
 
         Args:
             topic: its name.

@@ -1,4 +1,4 @@
-"""The window with several robots in the test room, of which no localiser tells."""
+"""The window with several robots in the test room, without a localiser."""
 
 import numpy as np
 from screen_pictures import near
@@ -18,7 +18,7 @@ class SceneWindow:
         id: of the window.
 
     Attributes:
-        view: rows and columns of the screen that the view has.
+        view: rows and columns of the view on the screen.
         map: of the room in it.
     """
 
@@ -55,7 +55,7 @@ class SceneWindow:
         return pixels[top:bottom, left:right]
 
     def drag(self, begin, end, *keys):
-        """With the left button between two pixels, while keys are held."""
+        """Drags with the left button between two pixels, while keys are held."""
         for key in keys:
             self.screen.xdotool("keydown", key)
         self.screen.drag(np.linspace(begin, end, 8))
@@ -76,12 +76,12 @@ class SceneWindow:
         return {topic for topic, nodes in subscribers if "/flatland_viz" in nodes}
 
     def click(self, x, y):
-        """At a point of the world [m]."""
+        """Clicks at a point of the world [m]."""
         self.screen.focus(self.id)
         self.screen.click(self.map.pixel(x, y))
 
     def open_menu(self, x, y):
-        """Of what is at a point of the world [m]."""
+        """Opens the menu of the object at a point of the world [m]."""
         self.screen.focus(self.id)
         self.screen.open_menu(self.map.pixel(x, y), "menu")
 

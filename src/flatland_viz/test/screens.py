@@ -38,7 +38,7 @@ class ScreenKind(NamedTuple):
         return (35, 38, 42) if self.is_dark else (252, 252, 252)
 
     def mixed(self, color: Color, alpha: float) -> Color:
-        """A colour that lets the background through, as it is seen."""
+        """The visible colour of a transparent one on the background."""
         red, green, blue = (
             round(alpha * value + (1 - alpha) * behind)
             for value, behind in zip(color, self.background)

@@ -1,4 +1,4 @@
-"""The window fits on its screen whatever it shows, and remembers its panels and background."""
+"""The window fits on its screen with any content, and remembers its panels and background."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ SMALL = (1024, 660)  # pixels: at double size as few as a phone's
 
 @pytest.fixture(scope="module")
 def open_window(ros, screen):
-    """Opens the window, which has a server."""
+    """Opens the window beside a running server."""
     ros.start_server(ROOM)
 
     def start():
@@ -28,7 +28,7 @@ def open_window(ros, screen):
 
 
 class Looks:
-    """What is seen of the window.
+    """Checks of the window's appearance.
 
     Args:
         screen: that it is on.
@@ -45,13 +45,13 @@ class Looks:
         return is_seen and near(pixels, self.background.walls, 5).sum() > 300
 
     def panel(self, name):
-        """A screenshot of what is to the right of the view, and where it begins."""
+        """A screenshot of the area to the right of the view, and its left edge."""
         pixels = self.screen.picture(name)
         begin = int(near(pixels, self.background.background, 0).nonzero()[1].max()) + 1
         return pixels[:, begin:], begin
 
     def row_of_robot(self, name):
-        """The middle of the robot's dot in the list of models; None if it is not seen."""
+        """The middle of the robot's dot in the list of models; None if it is not visible."""
         panel, begin = self.panel(name)
         ys, xs = near(panel, ROBOT, 10).nonzero()
         return (begin + xs.mean(), ys.mean()) if len(xs) > 20 else None
@@ -83,7 +83,7 @@ def test_the_window_fits_and_remembers(open_window, screen, waiting):
     screen.key("Escape")
     screen.wait_until_closed("Keys and Mouse")
 
-    # Nothing keeps it from being smaller.
+    # The window can be made smaller.
     screen.focus(window)
     screen.xdotool("windowsize", window, *SMALL)
 
@@ -102,7 +102,7 @@ def test_the_window_fits_and_remembers(open_window, screen, waiting):
     screen.wait_until_closed(TITLE)
     assert program.wait(60) == 0
 
-    # The server runs on, and the next window looks as the last one did.
+    # The server goes on, and the next window has the last one's panels and background.
     program, window = open_window()
     waiting(lambda: looks.has_background("fits_again"), "the same background", 30)
     waiting(lambda: looks.has_pad("fits_again"), "the pad to drive")

@@ -102,7 +102,7 @@ def test_an_unchanged_view_costs_little_and_is_intact_after_another_window(shown
     )
     waiting(lambda: (shown.view("light_drive") != before).any(), "the robot to drive")
     share = processor_share(shown.window)
-    assert share < 0.8, share  # of its own processor time: a busy machine lowers it
+    assert share < 0.8, share  # share of a core; load on the machine lowers it
     shown.ros.end(drive)
 
 
@@ -116,7 +116,7 @@ def test_a_window_outlives_servers_and_a_server_windows(shown, ros, office, wait
     shown.start_server()
     waiting(lambda: not shown.says_no_server("life_after"), "the status line to recover")
     waiting(lambda: screen.shows_office("life_after"), "the office again")
-    # It appears bit by bit.
+    # The world appears in several frames.
     boxes = screen.settled(lambda: shown.boxes("life_after"), seconds=2.0)
     ros.spawn(office / "box.model.yaml", "crate", 2.0, 3.0)
     waiting(lambda: shown.boxes("life_crate") > boxes + 10, "a new model")

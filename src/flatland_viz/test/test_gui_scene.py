@@ -50,7 +50,7 @@ def is_colored(pixels):
 
 
 def scans(window, name):
-    """How many pixels scans have, and how many of them are on the floor, away from obstacles."""
+    """The numbers of scan pixels in the view, and of those on the free floor."""
     pixels = window.picture(name)
     free = pixels.copy()
     for x, y in ((-3.0, 0.0), (0.0, -1.5), CRATE):
@@ -59,7 +59,7 @@ def scans(window, name):
 
 
 def test_scans_show_where_no_localiser_runs(window):
-    """They are placed by ground truth, in this window alone."""
+    """Robots are placed by ground truth, in this window alone."""
 
     def shown():
         number, astray = scans(window, "scans")
@@ -157,7 +157,7 @@ def test_tools_for_navigation_come_with_their_subscribers(window):
 
 
 def plate(window, name, x, y):
-    """How many pixels around a point of the world have the colour of the plate of a name."""
+    """The number of pixels with the colour of a name's plate around a point of the world."""
     color = window.screen.kind.plate
     return near(window.picture(name)[window.map.around(x, y, 0.9)], color, 3).sum()
 
@@ -168,7 +168,7 @@ def test_robots_have_names_and_headings_that_switches_hide(window):
     window.screen.move(window.map.pixel(4.0, -2.5))
     window.waiting(lambda: plate(window, "marks", -3.0, 0.0) > 100, "its name")
     assert red() > 40
-    assert plate(window, "marks", *CRATE) < 20  # names of what is no robot would be too many
+    assert plate(window, "marks", *CRATE) < 20  # other models have no name
 
     for key in ("n", "e"):  # View > Names, Headings
         window.screen.key("alt+v")
@@ -287,7 +287,7 @@ def test_the_view_follows(window):
     window.ros.call("/move_model", name="crate", pose={"x": -2.0, "y": -2.0, "theta": 0.0})
     window.waiting(lambda: is_at(window, "crate", -2.0, -2.0), "the move")
     window.waiting(follows, "the view to follow")
-    # Under the mouse the view rests: otherwise the crate would be carried on and on.
+    # The view rests during a drag: otherwise the crate would move on with it.
     by = np.multiply(window.map.scale, (1.5, -1.0))
     window.drag(middle, np.add(middle, by))
     window.waiting(lambda: is_at(window, "crate", -0.5, -1.0), "the crate where it was dragged")

@@ -91,7 +91,7 @@ def test_the_office_is_shown_again_after_a_reset(viewer):
     assert answer["success"], answer["message"]
     if viewer.kind == "rviz":  # which discards everything
         viewer.waiting(lambda: walls(viewer.picture("reset")) < 0.5 * before, "the walls to go")
-    else:  # the window keeps the walls, and subscribes again to what moves
+    else:  # the window keeps the walls, and subscribes again to the rest
         while viewer.ros.clock() < 4.0:
             assert walls(viewer.picture("reset")) > 0.8 * before
     viewer.waiting(viewer.shows_office, "walls, robot, boxes and scan")
@@ -138,7 +138,7 @@ def test_a_cancelled_spawn_leaves_nothing(viewer, how, clicks):
         viewer.screen.key("Escape")
     else:
         viewer.screen.click(viewer.view.pixel(3.0, 3.0), button=3)
-    for x in (3.5, 4.0):  # would have continued it
+    for x in (3.5, 4.0):  # clicks that would have continued the spawn
         viewer.screen.click(viewer.view.pixel(x, 3.0))
     time.sleep(0.5)
     assert viewer.ros.models() == before
@@ -196,7 +196,7 @@ def test_a_model_is_turned_by_its_ring(viewer, crate):
         viewer.view.pixel(2.0 + ring * math.cos(angle), 3.0 + ring * math.sin(angle))
         for angle in np.linspace(0.0, math.pi / 2, 10)
     ]
-    if viewer.kind == "window":  # only what is selected or under the mouse has a ring
+    if viewer.kind == "window":  # a ring only around the selected model and the one under the mouse
         viewer.screen.click(viewer.view.pixel(2.0, 3.0))
     viewer.screen.move(along[0])
     viewer.picture("ring")

@@ -1,4 +1,4 @@
-"""What keeps rviz from a crash when its render window is created, and the program that shows it."""
+"""The remedy for rviz's crash at the creation of its render window, and its test program."""
 
 import os
 import subprocess

@@ -16,14 +16,14 @@ class RoomMap:
         columns: of the view, as a slice.
 
     Raises:
-        LookupError: it is not.
+        LookupError: the walls are not found.
     """
 
     def __init__(self, pixels, color, rows, columns):
         view = pixels[rows, columns]
         lines = near(view, color, 45)
-        lines |= (view.max(axis=2) > 150) & (view.min(axis=2) < 60)  # of scans, which cover walls
-        across = np.nonzero(lines.sum(axis=1) > 0.4 * view.shape[1])[0]  # text has short ones
+        lines |= (view.max(axis=2) > 150) & (view.min(axis=2) < 60)  # scans, which cover walls
+        across = np.nonzero(lines.sum(axis=1) > 0.4 * view.shape[1])[0]  # short lines are text
         down = np.nonzero(lines.sum(axis=0) > 0.4 * view.shape[0])[0]
         if len(across) < 2 or len(down) < 2:
             raise LookupError("the room's walls are not seen")
@@ -35,7 +35,7 @@ class RoomMap:
         self._v = rows.start + (across.min() + across.max() + 1) / 2
 
     def pixel(self, x, y):
-        """Of a point in the world [m]."""
+        """The pixel of a point in the world [m]."""
         return round(self._u + self.scale * x), round(self._v - self.scale * y)
 
     def around(self, x, y, reach):

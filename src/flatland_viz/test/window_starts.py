@@ -54,7 +54,7 @@ class Start:
         )
 
     def advance(self) -> Optional[str]:
-        """Does what is due. Returns how the start ended, once it has."""
+        """Takes the next step if it is due. Returns the outcome once the start has ended."""
         code = self.process.poll()
         now = time.monotonic()
         if code is not None:
@@ -79,7 +79,7 @@ class Start:
 
 
 def run(starts: int, at_once: int, seconds: float, folder: Path) -> Dict[str, int]:
-    """Starts windows, and returns how many ended in which way."""
+    """Starts windows, and returns the number of starts by outcome."""
     read, write = os.pipe()
     screen = subprocess.Popen(
         ["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x900x24", "-noreset"],

@@ -13,21 +13,21 @@ from flatland_server.arrays import BoolArray
 from flatland_server.batch.simulation_batch import SimulationBatch
 
 _CLEARANCE = 0.3
-"""Of the places where robots begin [m]."""
+"""Clearance of the robots' starts [m]."""
 _REACHED = 0.19
 """Distance from walls at which robots, of a radius of 0.18 m, are stopped [m]."""
 _WARM_UP = 3000
-"""Scans per square metre before the measurement, so that the core has found all visible walls: also
-from cells of half a metre of which robots reach only a quarter."""
+"""Scans per square metre before the measurement. The core then knows the walls visible from each
+cell of half a metre, even if robots reach only a quarter of it."""
 _SCANS_FROM_A_POSE = 10
 _MEASURED = 2.0
 """Least duration of a measurement [s of real time]."""
 _BLOCK = 40_000
-"""Steps of a part of the measurement; the fastest part is reported too: others disturb it least."""
+"""Steps per block. The fastest block is reported too: other programs disturb it least."""
 
 
 class Pace(NamedTuple):
-    """How an environment's step is divided."""
+    """The division of an environment's step into physics steps."""
 
     substeps: int
     step_size: float  # [s]
@@ -76,7 +76,7 @@ def run_batch(
 ) -> Figures:
     """Environments with robots all over the office that drive at random until they collide.
 
-    Each step takes so many calls, as if the environments of a call were in a world of their own.
+    Each step is divided into `calls` masked calls, as if each part were in a world of its own.
     """
     before = proportional_memory()
     rng = np.random.default_rng(0)
@@ -97,7 +97,7 @@ def spread(batch: SimulationBatch, rng: np.random.Generator) -> None:
 
 
 def warm_up(batch: SimulationBatch, rng: np.random.Generator) -> None:
-    """Scans wherever robots can be, until the core knows which walls are visible from there."""
+    """Scans from random places, so that the core has found the walls visible from each cell."""
     scans = int(_WARM_UP * batch.free_space(_REACHED).area)
     out = batch.observe()
     for _ in range(0, scans, _SCANS_FROM_A_POSE * batch.num_envs):
@@ -136,7 +136,7 @@ def measure(batch: SimulationBatch, substeps: int, rng: np.random.Generator, cal
 
 
 def masks_of(count: int, parts: int, rng: np.random.Generator) -> List[Optional[BoolArray]]:
-    """Masks that share environments at random; None for a single part."""
+    """Masks that divide the environments at random into parts; None for a single part."""
     if parts == 1:
         return [None]
     part_of = rng.integers(parts, size=count)
@@ -144,7 +144,7 @@ def masks_of(count: int, parts: int, rng: np.random.Generator) -> List[Optional[
 
 
 def time_resets(batch: SimulationBatch, rng: np.random.Generator) -> Figures:
-    """Processor time of resets, without the scans that they observe."""
+    """Processor time of resets, without their scans."""
     out = batch.observe()
     rounds = max(1, 2000 // batch.num_envs)
     poses = [batch.free_poses(batch.num_envs, _CLEARANCE, rng) for _ in range(rounds)]
@@ -161,7 +161,7 @@ def time_resets(batch: SimulationBatch, rng: np.random.Generator) -> Figures:
 
 
 def proportional_memory() -> float:
-    """Memory of this process [MB], pages that are mapped several times counted once."""
+    """Memory of this process [MB]; pages mapped several times count once."""
     for line in Path("/proc/self/smaps_rollup").read_text().splitlines():
         if line.startswith("Pss:"):
             return int(line.split()[1]) / 1024

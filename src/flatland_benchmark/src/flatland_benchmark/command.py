@@ -50,7 +50,7 @@ def parser() -> argparse.ArgumentParser:
     )
     add("--base", type=Path, metavar="CLONE", help="run another clone in turn, and compare with it")
     add("--compare", nargs=2, type=Path, metavar=("A", "B"), help="compare two files")
-    # What benchmark.launch adds.
+    # Added by benchmark.launch.
     add("--world", action="store_true", help=argparse.SUPPRESS)
     add("--launch-files", nargs="+", type=Path, default=[], help=argparse.SUPPRESS)
     add("--one", nargs=2, metavar=("CASE", "WORLDS"), help=argparse.SUPPRESS)

@@ -19,7 +19,7 @@ _STEPS = 100
 """Steps per block, after which each robot gets another command; a figure is a median of blocks."""
 _BLOCKS = 40
 _TIME_LIMIT = 8.0
-"""Of all blocks of a figure [s of real time]; when it is reached, the rest is not measured."""
+"""Limit for all blocks of a figure [s of real time]; the rest is not measured."""
 _SPEED = 1.0  # m/s, the greatest
 _YAW_RATE = 1.5  # rad/s, the greatest
 

@@ -25,7 +25,7 @@ def main() -> int:
         if time.monotonic() > deadline:
             return 1
         time.sleep(0.05)
-    time.sleep(1.0)  # rospy sends on threads of its own, and does not say when it has
+    time.sleep(1.0)  # rospy sends on threads of its own, without a notice of completion
     return 0
 
 

@@ -1,4 +1,4 @@
-"""The free pixels of a map image, and which of them are connected."""
+"""The free pixels of a map image, and their connected parts."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +16,7 @@ class FreeSpace(NamedTuple):
     """The free pixels of a map."""
 
     free: BoolArray
-    """By pixel, the bottom row first."""
+    """Whether each pixel is free, the bottom row first."""
 
     resolution: float
     """Side of a pixel [m]."""

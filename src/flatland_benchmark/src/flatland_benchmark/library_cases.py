@@ -1,4 +1,4 @@
-"""The office in a Python program: what a step costs with what is read, and with threads."""
+"""The office in a Python program: the cost of steps, of readings, and of threads."""
 
 import hashlib
 import statistics
@@ -20,7 +20,7 @@ _STEPS = 400
 """Steps per block; a figure is the median of the blocks."""
 _BLOCKS = 25
 _FIELD_OF_VIEW = 4.71238898038469
-"""Of the lidar [rad]: 270 degrees."""
+"""Field of view of the lidar [rad]: 270 degrees."""
 _SIMULATIONS = 64
 _ROUNDS = 15
 
@@ -42,7 +42,7 @@ def open_office(worlds: Path, beams: int = 1081, seed: int = 0) -> Simulation:
     layers = [{"name": "map", "map": str(folder / "office.yaml")}]
     sim = Simulation({"properties": {}, "layers": layers}, seed=seed)
     sim.spawn(model, "turtlebot").command(0.5, 0.5)
-    sim.step(_SELDOM)  # with all that is done once
+    sim.step(_SELDOM)  # includes one-time work
     return sim
 
 
@@ -75,7 +75,7 @@ def read_nothing(worlds: Path) -> Figures:
 
 
 def read_pose(worlds: Path) -> Figures:
-    """With the pose of the robot, and those of all models as an array."""
+    """Steps with readings of the robot's pose, or of all models' poses as an array."""
     with open_office(worlds) as sim:
         robot = sim.models["turtlebot"]
         return {
@@ -87,7 +87,7 @@ def read_pose(worlds: Path) -> Figures:
 
 
 def read_scan(worlds: Path, beams: int) -> Figures:
-    """With scans of this many beams."""
+    """Steps with readings of scans of this many beams."""
     with open_office(worlds, beams) as sim:
         laser = sim.models["turtlebot"].sensors["laser"]
         return {
@@ -100,7 +100,7 @@ def run_threads(worlds: Path, scans: bool, steps_per_call: int) -> Figures:
     """Many simulations in one thread and in two: the GIL is released in steps and scans.
 
     Two threads hand the GIL over at each call, so that calls of few steps gain less.
-    Hashing, which releases the GIL, too, shows how much the machine gives to a second thread.
+    Hashing, which releases the GIL too, is the reference for the gain from a second thread.
     """
     sims = [open_office(worlds, seed=seed) for seed in range(_SIMULATIONS)]
     hashed = bytes(_STEPS * 250)  # about as much work
@@ -126,7 +126,7 @@ def run_threads(worlds: Path, scans: bool, steps_per_call: int) -> Figures:
     ratios: List[float] = []
     hashing: List[float] = []
     with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
-        for _ in range(_ROUNDS):  # by turns, so that other programs affect all
+        for _ in range(_ROUNDS):  # in turn, so that other programs affect all alike
             times[1].append(time_round(one, run))
             times[2].append(time_round(two, run))
             ratios.append(times[1][-1] / times[2][-1])

@@ -56,9 +56,9 @@ def commit() -> Optional[str]:
 
 
 def commit_of(file: Path) -> Optional[str]:
-    """The same of the clone that a file belongs to."""
+    """The commit of the clone that contains a file; see `commit`."""
     try:
-        # Ignores a repository that contains this file's folder without tracking it.
+        # Fails in a repository that contains this file's folder without tracking it.
         _git(file.parent, "ls-files", "--error-unmatch", file.name)
         return _git(file.parent, "describe", "--always", "--dirty", "--abbrev=12")
     except (OSError, subprocess.CalledProcessError):

@@ -1,6 +1,6 @@
 """Scans against b2World::RayCast: the same scene, the same poses, the same process, one thread.
 
-Times are processor time of this process, over all its threads, so that other programs do not count.
+Times are processor time of this process, over all its threads: other programs affect them little.
 A step, which may move every body, precedes each of our scans; its own time is subtracted.
 """
 
@@ -32,7 +32,7 @@ _SAME = 1e-3
 
 
 def compare(build: Callable[[Path], Scene], reach: float, worlds: Path) -> Figures:
-    """Time of a beam in Flatland and in Box2D, and which is exact where they differ.
+    """Time of a beam in Flatland and in Box2D, and the number of ranges that differ.
 
     Args:
         build: makes the scene.

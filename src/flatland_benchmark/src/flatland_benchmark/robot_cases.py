@@ -49,7 +49,7 @@ def run(world: World) -> Figures:
         for _ in range(count):
             stepped.step()
 
-    steps(_SCAN_PERIOD)  # with all that is done once
+    steps(_SCAN_PERIOD)  # includes one-time work
     count = 0
     begin, cpu = time.perf_counter(), time.process_time()
     while time.perf_counter() < begin + _MEASURED:

@@ -55,7 +55,7 @@ plugins:
 """
 
 _CELL = 0.25
-"""Side of the squares [m] by which free places are looked for."""
+"""Side of the cells of the search for free places [m]."""
 
 _CLOSEST = 2
 """Least distance between robots in cells: 0.5 m."""
@@ -128,7 +128,7 @@ def free_places(map_file: Path, count: int, crowded: bool = False) -> List[Tuple
 
 
 def _coarsened(free: BoolArray, side: int) -> BoolArray:
-    """Squares of `side` x `side` pixels that are free altogether."""
+    """Whether each square of `side` x `side` pixels is entirely free."""
     height, width = (length // side for length in free.shape)
     squares = free[: height * side, : width * side].reshape(height, side, width, side)
     coarse: BoolArray = squares.all(axis=(1, 3))
@@ -136,7 +136,7 @@ def _coarsened(free: BoolArray, side: int) -> BoolArray:
 
 
 def _eroded(free: BoolArray) -> BoolArray:
-    """Cells that are free and have eight free neighbours."""
+    """Whether each cell and its eight neighbours are free."""
     padded = np.pad(free, 1)
     height, width = free.shape
     roomy = free.copy()

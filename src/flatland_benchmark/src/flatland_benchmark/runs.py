@@ -47,7 +47,7 @@ class BaseClone:
         return Report(Machine.this(), version_of(package), commit_of(package), now())
 
     def run_once(self, case: Case) -> Figures:
-        """Runs its case of this name.
+        """Runs that clone's case of the same name.
 
         Raises:
             FlatlandError: it failed; its error is on stderr.
@@ -59,7 +59,7 @@ class BaseClone:
 def measure_in_turn(
     case: Case, runs: int, run: Callable[[Case], Figures], other: Callable[[Case], Figures]
 ) -> Tuple[CaseReport, CaseReport]:
-    """Runs a case several times in two ways, in turn, so that a busy time concerns both.
+    """Runs a case several times in two ways, in turn, so that load on the machine affects both.
 
     Raises:
         FlatlandError: a run failed.

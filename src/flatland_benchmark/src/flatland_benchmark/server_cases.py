@@ -22,7 +22,7 @@ MEASURING = 5.0
 """Duration of a measurement in most cases [s of real time]."""
 
 SETTLING = 1.0
-"""Waited before a measurement [s]."""
+"""Waiting time before a measurement [s]."""
 
 STALLED = 4.0
 """Duration for which a subscriber reads nothing [s]."""
@@ -72,7 +72,7 @@ def _figures(interval: Interval, server: ServerProcess) -> Figures:
 
 
 def serve(worlds: Path, robots: int, rosout: bool = True) -> Figures:
-    """Without subscribers, except rosout to /clock."""
+    """The server without subscribers, except rosout to /clock."""
     with _robots(worlds, robots, rosout) as server:
         return _figures(server.measure(MEASURING), server)
 
@@ -138,7 +138,7 @@ def serve_real_time(worlds: Path) -> Figures:
 
 
 def serve_rviz(worlds: Path) -> Figures:
-    """The same with the window, under Xvfb: rviz draws without a graphics card."""
+    """The office at 200 Hz with the window under Xvfb, drawn without a graphics card."""
     with ServerProcess(worlds / "office" / "world.yaml", REAL_TIME) as server:
         xvfb = ["Xvfb", "-displayfd", "1", "-screen", "0", "1400x900x24", "-nolisten", "tcp"]
         screen = server.start("Xvfb", [*xvfb, "-noreset"])
@@ -186,7 +186,7 @@ def spawn(worlds: Path) -> Figures:
 
 
 def slow_spawn(worlds: Path) -> Figures:
-    """The intervals between ticks of /clock while a file is spawned that takes long to read."""
+    """The intervals between ticks of /clock while a file that is slow to read is spawned."""
     with tempfile.TemporaryDirectory(prefix="flatland_benchmark_") as folder:
         model = Path(folder) / "slow.model.yaml"
         model.write_text(SLOW_MODEL)

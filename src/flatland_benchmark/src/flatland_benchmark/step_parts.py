@@ -182,7 +182,7 @@ def _timed_run(path: Path, is_subscribed: bool, stopwatch: Stopwatch) -> _Run:
     transport = run.transport
     for name in ("send_bytes", "write", "flush", "process"):
         setattr(transport, name, stopwatch.timed("publishing", getattr(transport, name)))
-    run.step = stopwatch.timed("plugins", run.step)  # everything outside the other parts
+    run.step = stopwatch.timed("plugins", run.step)  # all time outside the other parts
     run.publish_markers = stopwatch.timed("markers", run.publish_markers)
     return run
 

@@ -1,4 +1,4 @@
-"""Cases with the window on the server, under Xvfb: what it costs without a graphics card.
+"""Cases with the window under Xvfb: its cost without a graphics card.
 
 Plain rviz, which draws at each of its updates, is measured beside it with the same world.
 """

@@ -31,7 +31,7 @@ namespace {
 constexpr int kQueueSize = 100;
 constexpr char kState[] = "/flatland_server/state";
 
-/// What was received of one message type.
+/// Messages and bytes received of one message type.
 struct Count {
   unsigned long long messages = 0;
   unsigned long long bytes = 0;

@@ -1,4 +1,4 @@
-"""The benchmark's command line: what it runs, writes and compares, not how fast anything is."""
+"""The benchmark's command line: runs, reports and comparisons; speeds are not tested."""
 
 import json
 import re
@@ -37,7 +37,7 @@ def report(machine=MACHINE, **cases):
 
 
 def validate(path):
-    """Holds a file against the schema; returns what is in it."""
+    """Validates a file against the schema; returns its content."""
     values = json.loads(path.read_text())
     jsonschema.validate(values, json.loads(SCHEMA.read_text()))
     return values
@@ -45,7 +45,7 @@ def validate(path):
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """What a short case writes."""
+    """The JSON report of a short case."""
     path = tmp_path_factory.mktemp("benchmark") / "room.json"
     assert command.main(["scan_room", "--runs", "2", "--json", str(path)]) == 0
     return path

@@ -45,7 +45,7 @@ if TYPE_CHECKING or importlib.util.find_spec("gymnasium") is not None:
 else:
 
     def __getattr__(name: str) -> Any:
-        """The error for the environments, which need Gymnasium."""
+        """Raises the error for environments if Gymnasium is missing."""
         if name in __all__:
             raise MissingPackageError(f"{name} needs Gymnasium: pip install 'flatland2d[gym]'")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -22,7 +22,7 @@ class BatchFleet(Fleet):
     """A `SimulationBatch`. It gives the same numbers as a `SimulationFleet`, bit for bit.
 
     Args:
-        world: that of all episodes.
+        world: of all episodes.
         settings: of the environment.
         count: of places.
         threads: of the batch.

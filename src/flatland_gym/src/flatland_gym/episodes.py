@@ -1,4 +1,4 @@
-"""What an episode begins with, drawn from the random numbers of its environment.
+"""Initial states of episodes, drawn from the random numbers of their environment.
 
 The start and the goal lie in free space that is connected, away from walls and from other models.
 Scattered models stay so far from walls, from each other, from the start and from the goal that the
@@ -19,10 +19,10 @@ _TRIES = 500
 _TRIES_OF_MODELS = 60
 
 OPTIONS = ("start", "goal", "world")
-"""What `reset(options=...)` may say."""
+"""The keys of `reset(options=...)`."""
 
 Circles = List[Tuple[float, float, float]]
-"""x, y and radius [m] of what must not be overlapped."""
+"""x, y and radius [m] of occupied discs."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class EpisodeSampler:
     """Draws episodes.
 
     Args:
-        worlds: those that an episode may be in.
+        worlds: that episodes choose from.
         settings: of the environment.
     """
 
@@ -102,7 +102,7 @@ class EpisodeSampler:
         )
 
     def _world(self, rng: np.random.Generator, name: Any) -> int:
-        """The index of a world: any, or any of this name."""
+        """The index of a random world, of this name if it is not None."""
         indices = [i for i, world in enumerate(self._worlds) if name in (None, world.name)]
         if not indices:
             known = ", ".join(dict.fromkeys(world.name for world in self._worlds))
@@ -117,7 +117,7 @@ class EpisodeSampler:
         goals: Circles,
         rng: np.random.Generator,
     ) -> Tuple[Pose, Point]:
-        """A start and a goal that overlap none of those of the other robots."""
+        """A start and a goal that are clear of the other robots' starts and goals."""
         world, settings = self._worlds[index], self._settings
         space = self._room(index, world.radius + settings.margin)
         given_start, given_goal = chosen.get("start"), chosen.get("goal")
@@ -145,14 +145,14 @@ class EpisodeSampler:
     def _start(
         self, index: int, goal: Optional[List[float]], space: FreeSpace, rng: np.random.Generator
     ) -> Sequence[float]:
-        """A place for the start, which may turn out not to be free."""
+        """A candidate for the start; it may not be free."""
         world = self._worlds[index]
         return self._around(world, goal, rng) if goal else space.point(rng)
 
     def _around(
         self, world: NavigationWorld, middle: Sequence[float], rng: np.random.Generator
     ) -> Point:
-        """A place at a distance between the least and the largest one, uniform over the area."""
+        """A place within the limits of `goal_distance` from `middle`, uniform over the area."""
         least, largest = self._settings.goal_distance
         largest = max(least, min(largest, world.space.diagonal))
         distance = math.sqrt(least**2 + float(rng.random()) * (largest**2 - least**2))
@@ -185,7 +185,7 @@ class EpisodeSampler:
             raise UsageError(f"{expected}, where another model stands")
 
     def _places(self, index: int, taken: Circles, rng: np.random.Generator) -> Dict[str, Pose]:
-        """Where the scattered models and the obstacles are."""
+        """Poses of the scattered models and of the obstacles."""
         world = self._worlds[index]
         low, high = self._settings.obstacle_counts
         count = int(rng.integers(low, high + 1)) if high else 0
@@ -214,7 +214,7 @@ class EpisodeSampler:
         return None
 
     def _room(self, index: int, radius: float) -> FreeSpace:
-        """Where a disc can stand."""
+        """The free space for a disc of this radius."""
         return self._worlds[index].space.free_space(radius)
 
 

@@ -1,4 +1,4 @@
-"""How often a policy reaches its goal."""
+"""Evaluation of a policy: success, collisions and durations."""
 
 from typing import Any, NamedTuple, Sequence
 
@@ -17,7 +17,7 @@ class Evaluation(NamedTuple):
     collision: BoolArray
     """Whether the robot has collided."""
     seconds: FloatArray
-    """How long it took [s]."""
+    """Duration of each episode [s]."""
 
 
 def evaluate(

@@ -1,7 +1,7 @@
-"""Simulations side by side: what a navigation environment drives and looks at.
+"""Simulations side by side: the backends of navigation environments.
 
 A `Fleet` has n places; each has a robot in a world. Its arrays are overwritten by its next call;
-what is handed to learners is always a copy.
+learners always get copies.
 """
 
 from abc import ABC, abstractmethod
@@ -61,7 +61,7 @@ class SimulationFleet(Fleet):
     Works with every plugin, and with models that move.
 
     Args:
-        worlds: what episodes are in.
+        worlds: that episodes choose from.
         settings: of the environment.
         count: of places.
         threads: how many of them are stepped at a time.
@@ -140,5 +140,5 @@ class SimulationFleet(Fleet):
                 do(index)
 
         parts = [indices[start :: self._threads] for start in range(self._threads)]
-        for _ in self._pool.map(do_all, parts):  # raises what a part has raised
+        for _ in self._pool.map(do_all, parts):  # raises the exceptions of the parts
             pass

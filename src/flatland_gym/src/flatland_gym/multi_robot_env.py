@@ -87,7 +87,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
 
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
-            options: there are none; what is given is ignored.
+            options: ignored.
 
         Raises:
             UsageError: the seed is wrong, or there is no room for all robots.
@@ -168,7 +168,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         return [self.possible_agents.index(agent) for agent in agents]
 
     def _commands(self, actions: Mapping[str, Any], agents: List[str]) -> FloatArray:
-        """The actions of all robots, those that are gone with zeros."""
+        """The actions of all robots; zeros for robots that have left."""
         if not isinstance(actions, Mapping):
             raise UsageError(f"expected a dict of actions by agent, found {actions!r:.80}")
         if set(actions) != set(agents):

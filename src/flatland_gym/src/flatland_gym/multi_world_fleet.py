@@ -15,12 +15,12 @@ from flatland_server import FloatArray, IntArray, PluginError, Simulation
 class MultiWorldFleet(Fleet):
     """A `BatchFleet` for each world, made when an episode first is in this world.
 
-    Each batch has an environment for every place, and steps those places that are in its world now.
+    Each batch has an environment for every place, and steps the places that are in its world.
     All write to the same arrays. Worlds in which a plugin runs in Python at each step share a
     `SimulationFleet`. The numbers are, bit for bit, those of a `SimulationFleet` of all worlds.
 
     Args:
-        worlds: what episodes are in.
+        worlds: that episodes choose from.
         settings: of the environment.
         count: of places.
         threads: of each batch.

@@ -1,4 +1,4 @@
-"""Navigation to goals, for n environments at a time: what both kinds of environments share.
+"""Navigation to goals, for n environments at a time: the common part of both kinds of environments.
 
 Environment k is the same whatever n is: it has random numbers of its own, a simulation of its own,
 and a row of its own in each array.
@@ -37,7 +37,7 @@ class Navigation:
             depend on it.
 
     Attributes:
-        robot: what is driven.
+        robot: the robot of every world.
         action_space: of one environment.
         observation_space: of one environment.
         goals: x, y [m] in the world, shape (n, 2).
@@ -163,7 +163,7 @@ class Navigation:
         )
 
     def formed(self, observations: Float32Array) -> Any:
-        """Observations as the settings want them: flat, or as a dict."""
+        """Observations in the form of the settings: flat, or as a dict."""
         return observations if self.settings.flatten else as_dict(observations, self.robot.beams)
 
     def info(self) -> Dict[str, Any]:
@@ -190,7 +190,7 @@ class Navigation:
 
 
 def require_tries(count: int) -> None:
-    """Raises a UsageError if an episode could not be begun after so many tries."""
+    """Raises a UsageError after too many tries to begin an episode."""
     if count >= _TRIES:
         raise UsageError(
             "the start or the goal lies in walls that a plugin of the world has added (tried "
@@ -264,7 +264,7 @@ def _frozen(array: Any) -> Any:
 
 
 def _result(name: str, value: Any, kind: Any, count: int) -> Any:
-    """What a function of the user has returned, as an array of n values."""
+    """The checked result of a user's function, as an array of n values."""
     result = np.asarray(value)
     if result.shape != (count,):
         raise UsageError(f"expected {name} to return shape ({count},), found {result.shape}")

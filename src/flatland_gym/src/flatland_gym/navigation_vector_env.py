@@ -221,7 +221,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         }
 
     def _chosen(self, mask: Any) -> BoolArray:
-        """Which environments are reset."""
+        """The environments to reset, from `reset_mask`: all if it is None."""
         if mask is None:
             return np.ones(self.num_envs, dtype=bool)
         shape, kind = getattr(mask, "shape", None), getattr(mask, "dtype", None)

@@ -1,4 +1,4 @@
-"""A world of an environment: loaded once, with what episodes in it need to know."""
+"""A world of an environment: loaded once, with the facts that its episodes need."""
 
 import itertools
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from flatland_server import (
 )
 
 PARKING = 5000.0
-"""x and y [m] of what does not take part in an episode: far from all walls, beyond any lidar."""
+"""x and y [m] for models out of play: far from all walls, beyond the range of any lidar."""
 
 _PARKING_SPACE = 10.0  # m
 _OBSTACLE = "obstacle_"
@@ -52,14 +52,14 @@ class NavigationWorld:
 
     Attributes:
         name: as the settings name it; "world" for a dict.
-        config: what its simulations are made of.
-        robot: what is driven.
+        config: of its simulations.
+        robot: the robot to drive.
         robots: the names of the models: that of the robot, or of so many robots like it.
         radius: of the robot [m].
         space: where it can stand.
         standing: the models that stay where the world file puts them.
-        scattered: those that each episode puts elsewhere.
-        obstacles: those that were added, of which each episode takes some.
+        scattered: the models that each episode places at random.
+        obstacles: the added columns, of which each episode uses some.
     """
 
     name: str
@@ -126,7 +126,7 @@ class NavigationWorld:
 
 
 def parking_place(index: int) -> Pose:
-    """Where the model of this index is while it does not take part."""
+    """The pose of the model of this index while it is out of play."""
     return Pose(PARKING + _PARKING_SPACE * index, PARKING, 0.0)
 
 

@@ -1,7 +1,7 @@
-"""What a learner sees: the lidar's ranges, the goal as seen from the robot, and the velocity.
+"""Observations: the lidar's ranges, the goal relative to the robot, and the velocity.
 
-One flat array of float32 by default: it is what the networks of learners take as it is, and it is
-quick to copy. Its parts follow each other as in the dict:
+By default one flat array of float32, the input of most networks, and quick to copy. Its parts are
+in the order of the dict:
 
     ranges    range / maximum of the lidar; 1 for no return; (beams,)
     goal      distance / maximum of the lidar, at most 10; cosine and sine of its bearing; (3,)
@@ -55,7 +55,7 @@ def observe(
 ) -> Float32Array:
     """Flat observations: a new array of float32, shape (n, beams + 3 + parts of the velocity).
 
-    The same numbers for a row, whatever the other rows are.
+    A row does not depend on the other rows.
 
     Args:
         ranges: [m], shape (n, beams).

@@ -1,4 +1,4 @@
-"""What a person sees of an environment: pictures, a window, and a line of text."""
+"""Rendering of environments: pictures, a window, and a line of text."""
 
 import os
 from typing import Any, Optional, Sequence
@@ -11,7 +11,7 @@ from flatland_server import FlatlandError, MissingPackageError, Point, Pose, Sim
 RENDER_MODES = ("human", "rgb_array", "ansi")
 
 _WITHOUT_SCREEN = ("dummy", "evdev", "offscreen")
-"""SDL's drivers that show nothing, which it may choose where there is no screen."""
+"""SDL's video drivers without output, its possible choices on a machine without a screen."""
 
 _SIZE = (480, 480)  # px
 _WIDTH = 10.0  # m

@@ -1,4 +1,4 @@
-"""A trained policy: what a robot does with what it sees. Needs NumPy alone."""
+"""A trained policy: from observations to actions. Needs NumPy alone."""
 
 import os
 import zipfile
@@ -111,7 +111,7 @@ class Policy:
 
     @classmethod
     def load(cls, path: Union[str, "os.PathLike[str]"]) -> "Policy":
-        """Reads what `save` has written.
+        """Reads a file written by `save`.
 
         Args:
             path: of the file; or "discs", the policy that comes with this package.

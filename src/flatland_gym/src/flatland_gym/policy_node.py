@@ -1,4 +1,4 @@
-"""What a policy does with ROS messages: scans, odometry and goals in, velocities out."""
+"""A policy on ROS messages: scans, odometry and goals in, velocities out."""
 
 import math
 import threading

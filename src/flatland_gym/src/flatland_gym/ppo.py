@@ -1,7 +1,7 @@
 """Proximal policy optimisation (Schulman et al., 2017) in NumPy, for vector environments.
 
-Two cores spend most of the time of a small network's training on the framework, not on arithmetic:
-matrices of 64 x 64 for tens of thousands of rows at a time need no more than NumPy.
+With small networks, a framework's overhead takes most of the training time on two cores. NumPy is
+enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 """
 
 import math
@@ -21,7 +21,7 @@ _LOG_TWO_PI = math.log(2.0 * math.pi)
 
 @dataclass(frozen=True)
 class PpoSettings:
-    """How a policy is trained.
+    """The parameters of a training.
 
     Attributes:
         rollout: steps of each environment between two updates.
@@ -52,15 +52,15 @@ class Progress(NamedTuple):
     """The state of a training, after an update."""
 
     steps: int
-    """Of all environments together."""
+    """Environment steps so far, over all environments."""
     seconds: float
-    """Since the beginning."""
+    """Time since the beginning [s]."""
     episodes: int
-    """That have ended since the last update."""
+    """Number of episodes that have ended since the last update."""
     success: float
-    """The fraction of them that have reached the goal; NaN without any."""
+    """The fraction of these episodes that reached the goal; NaN without any."""
     reward: float
-    """The mean sum of the rewards in them; NaN without any."""
+    """The mean return of these episodes; NaN without any."""
 
 
 class TrainingInterrupted(KeyboardInterrupt):
@@ -90,7 +90,7 @@ class Ppo:
 
     Args:
         env: with `autoreset_mode="SameStep"` and flat observations.
-        settings: how.
+        settings: of the training.
         seed: of the environments, the networks and the exploration.
     """
 
@@ -195,9 +195,9 @@ class Ppo:
         return _Rollout(observations, actions, log_probabilities, advantages, advantages + values)
 
     def _values_after(self, terminated: BoolArray, ended: BoolArray, infos: dict) -> Float32Array:  # type: ignore[type-arg]
-        """The values of the observations that a step has led to: 0 where the episode is over.
+        """The values of the observations after a step; 0 where the episode has terminated.
 
-        An episode that was cut off goes on in theory: its last observation has a value.
+        A truncated episode is not over for the value function: its last observation has a value.
         """
         last = self._observations
         if ended.any():

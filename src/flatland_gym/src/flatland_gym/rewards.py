@@ -1,4 +1,4 @@
-"""What a step of navigation is worth, and when an episode ends: pure functions of arrays."""
+"""Rewards and terminations of navigation: pure functions of arrays."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,23 +13,23 @@ class Transition(NamedTuple):
     """
 
     previous_distance: FloatArray
-    """From the robot to the goal before the step [m], shape (n,)."""
+    """Distance from the robot to the goal before the step [m], shape (n,)."""
     distance: FloatArray
-    """After it [m], shape (n,)."""
+    """The same distance after the step [m], shape (n,)."""
     success: BoolArray
     """Whether the goal is reached, without a collision: shape (n,)."""
     collision: BoolArray
     """Whether the robot has touched something in this step: shape (n,)."""
     actions: FloatArray
-    """What the drives were commanded: shape (n, size of an action)."""
+    """Commands of the drives: shape (n, size of an action)."""
     poses: FloatArray
-    """Of the robots: x, y [m] and yaw [rad] in the world, shape (n, 3)."""
+    """Poses of the robots: x, y [m] and yaw [rad] in the world, shape (n, 3)."""
     velocities: FloatArray
-    """Of the robots, forwards, to the left and turning [m/s, m/s, rad/s], shape (n, 3)."""
+    """Velocities forwards, to the left and turning [m/s, m/s, rad/s], shape (n, 3)."""
     goals: FloatArray
-    """x, y [m] in the world, shape (n, 2)."""
+    """Goals: x, y [m] in the world, shape (n, 2)."""
     ranges: Float32Array
-    """Of the lidar [m], +inf for no return: float32, shape (n, beams)."""
+    """Ranges of the lidar [m], +inf for no return: float32, shape (n, beams)."""
     period: float
     """Length of the step [s]."""
 

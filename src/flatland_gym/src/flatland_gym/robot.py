@@ -1,4 +1,4 @@
-"""The robot of a world: the facts of it that environments need, and changes of it."""
+"""The robot of a world: its properties for environments, and changes to its model."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What is measured of n robots, as arrays with a row for each."""
+"""Measurements of n robots, as arrays with a row for each."""
 
 from flatland_server import BatchObservation, BoolArray, Float32Array, FloatArray
 
@@ -7,10 +7,10 @@ class RobotRows:
     """The state of n robots, as arrays that are overwritten in each step.
 
     Args:
-        arrays: what is written to.
+        arrays: to write to.
 
     Attributes:
-        arrays: all of these arrays.
+        arrays: all arrays below.
         ranges: [m], +inf for no return; float32, shape (n, beams).
         poses: x, y [m] and yaw [rad] in the world, shape (n, 3).
         velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.

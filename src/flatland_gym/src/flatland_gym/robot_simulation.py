@@ -1,4 +1,4 @@
-"""A simulation with its robots: what is driven and measured in one world."""
+"""A simulation with its robots: commands and measurements in one world."""
 
 from typing import List, Optional, Sequence
 
@@ -87,7 +87,7 @@ class RobotSimulation:
         return collided
 
     def look(self, rows: RobotRows, row: int, number: int = 0) -> None:
-        """Writes what is measured of a robot into a row."""
+        """Writes the measurements of a robot into a row."""
         handle = self._handles[number]
         rows.ranges[row] = self._lidars[number].read(self.simulation.timekeeper)
         rows.poses[row] = handle.pose

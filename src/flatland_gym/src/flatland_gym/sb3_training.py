@@ -11,7 +11,7 @@ from flatland_gym.ppo import Progress, TrainingInterrupted
 from flatland_gym.sb3 import NavigationVecEnv
 from flatland_server import Float32Array, UsageError
 
-# After flatland_gym.sb3, which says what is missing.
+# After flatland_gym.sb3, which reports missing packages.
 import torch  # isort: skip
 from stable_baselines3 import PPO  # isort: skip
 from stable_baselines3.common.callbacks import BaseCallback  # isort: skip
@@ -29,7 +29,7 @@ PPO_ARGUMENTS: Dict[str, Any] = {
 
 
 class ScaledActions(VecEnvWrapper):
-    """Actions of [-1, 1], in units of the drive's limits: what PPO's exploration is made for.
+    """Actions of [-1, 1], in units of the drive's limits, as PPO's exploration expects.
 
     Args:
         venv: the environments.
@@ -50,7 +50,7 @@ class ScaledActions(VecEnvWrapper):
 
 
 class _Report(BaseCallback):
-    """Reports after each rollout, and ends the training in time."""
+    """Reports after each rollout, and ends the training at its limits."""
 
     def __init__(self, seconds: float, report: Callable[[Progress], None]) -> None:
         super().__init__()

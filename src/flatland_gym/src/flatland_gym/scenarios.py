@@ -1,4 +1,4 @@
-"""The worlds that come with the environments, and what an episode moves in them."""
+"""The worlds that come with the environments, and the models that episodes move in them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +13,7 @@ class Scenario:
 
     Attributes:
         world: its file.
-        scatter: patterns of the names of models that each episode puts elsewhere.
+        scatter: name patterns of the models that each episode places at random.
     """
 
     world: Path

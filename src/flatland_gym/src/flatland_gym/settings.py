@@ -1,4 +1,4 @@
-"""What a navigation environment is made of: all arguments of `gym.make`, checked in one place."""
+"""Settings of a navigation environment: all arguments of `gym.make`, checked in one place."""
 
 import math
 import sys
@@ -41,8 +41,8 @@ class NavigationSettings:
         obstacles: how many columns are added to the world: a number, or the least and the largest
             number of an episode.
         obstacle_radius: the least and the largest radius of these [m].
-        scatter: patterns ("box_*") of names of models that each episode puts elsewhere; None is
-            those of the scenario.
+        scatter: name patterns ("box_*") of models that each episode places at random; None: those
+            of the scenario.
         lidar_noise: standard deviation of the ranges [m]; None leaves the lidar as it is.
         robot_scales: sizes of the robot's footprints, relative to the world's; each episode draws
             one.

@@ -17,7 +17,7 @@ from flatland_server import FlatlandError, MissingPackageError
 if TYPE_CHECKING:
     from flatland_gym.ppo import Progress
 
-# What needs Gymnasium is imported where it is used: without, `main` says so.
+# Modules that need Gymnasium are imported where they are used: `main` reports its absence.
 
 _BLAS_THREADS = "OPENBLAS_NUM_THREADS"
 _INTERRUPTED = 130
@@ -246,9 +246,9 @@ def _parser() -> argparse.ArgumentParser:
 def _limit_blas_threads() -> None:
     """Starts this program again with one thread for NumPy's products, unless the user has chosen.
 
-    They are small: threads that wait for each other take longer on a busy machine, five times as
-    long on one with twice as many running processes as cores. OpenBLAS reads the variable when it
-    is loaded, which is with NumPy.
+    The products are small, and threads that wait for each other are slow on a busy machine: five
+    times as slow with twice as many running processes as cores. OpenBLAS reads the variable when
+    NumPy loads it.
     """
     if _BLAS_THREADS not in os.environ:
         os.environ[_BLAS_THREADS] = "1"

@@ -16,7 +16,7 @@ from flatland_server import FloatArray, Point, Pose, wrap_angle
 
 _SPACING = 0.05  # m between points of a path
 _LEAST_LOOKAHEAD = 0.15  # m
-_ALIGNED = 0.2  # rad; a turn on the spot ends within
+_ALIGNED = 0.2  # rad; a turn on the spot ends within this error
 _TURN_GAIN = 2.0  # 1/s
 
 
@@ -29,7 +29,7 @@ class Command(NamedTuple):
 
 @dataclass(frozen=True)
 class FollowerConfig:
-    """How fast and how exactly a path is followed.
+    """Speeds and tolerances of a path follower.
 
     Attributes:
         max_speed: [m/s].
@@ -73,8 +73,8 @@ class PathFollower:
         self._heading = heading
         self._is_free = is_free
         self._points, self._lengths = sample(path, _SPACING)
-        self._index = 0  # of the point that was passed last
-        self._turns_in_place = True  # an arc might lead along an obstacle that the robot stands at
+        self._index = 0  # of the last point passed
+        self._turns_in_place = True  # at first: an arc might touch an obstacle next to the robot
         self._has_arrived = False
 
     @property
@@ -125,7 +125,7 @@ class PathFollower:
         self._index += int(np.hypot(ahead[:, 0] - pose.x, ahead[:, 1] - pose.y).argmin())
 
     def _target(self, pose: Pose) -> Point:
-        """The point to pursue: the farthest within the lookahead to which the line is free."""
+        """The point to pursue: the farthest within the lookahead that a free line leads to."""
         position = pose.x, pose.y
         lookahead = self._config.lookahead
         while True:

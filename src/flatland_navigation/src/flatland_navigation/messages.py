@@ -1,4 +1,4 @@
-"""Between ROS messages and poses in the plane."""
+"""Conversions between ROS messages and poses in the plane."""
 
 import math
 from typing import Any

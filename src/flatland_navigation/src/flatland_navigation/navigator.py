@@ -20,7 +20,7 @@ from flatland_server import FloatArray, Pose
 _NO_POINTS: FloatArray = np.empty((0, 2))
 _CRAWL = 0.02  # m/s; slower is blocked
 _MOVED = 0.2  # m; less is no progress
-_NEAR = 0.1  # m; an obstacle that is nearer is what stops the robot
+_NEAR = 0.1  # m; a nearer obstacle counts as the one that stops the robot
 _TOO_FAST = "poses and scans come too rarely"  # for the rate of simulated time
 
 
@@ -35,14 +35,14 @@ class Status(enum.Enum):
 
 @dataclass(frozen=True)
 class NavigatorConfig:
-    """When a robot stops, and when it gives up.
+    """Distances and times at which a robot stops, replans and gives up.
 
     Attributes:
         robot_radius: [m].
         stop_margin: distance to obstacles at which the robot stands still [m].
-        replan_after: time [s] before an obstacle after which a way around it is looked for.
-        stuck_after: time [s] without progress after which a goal is given up.
-        max_replans: how often a way around obstacles is looked for on the way to one goal.
+        replan_after: waiting time before an obstacle until a way around it is planned [s].
+        stuck_after: time without progress after which a goal is given up [s].
+        max_replans: number of plans around obstacles for one goal.
         follower: speeds and tolerances.
     """
 
@@ -65,7 +65,7 @@ class Navigator:
     def __init__(self, grid: Grid, config: NavigatorConfig) -> None:
         self.status = Status.IDLE
         self.text = ""
-        """Why the status is what it is."""
+        """The reason for the status."""
         self.path: FloatArray = _NO_POINTS
         """The path to the goal [m], shape (n, 2); empty without an active goal."""
         self._grid = grid
@@ -151,7 +151,7 @@ class Navigator:
         self.path = _NO_POINTS
 
     def _before_obstacles(self, command: Command, pose: Pose, period: float) -> Command:
-        """The command, slower where the robot could not stop before an obstacle."""
+        """The command, slowed down so that the robot can stop before obstacles."""
         self._hindrance = "it does not move"
         if command.forwards <= 0.0 or len(self._points) == 0:
             return command
@@ -181,7 +181,7 @@ class Navigator:
         return self._time - self._blocked_since >= self._config.replan_after
 
     def _replan(self, pose: Pose, goal: Pose) -> None:
-        """Looks for a way around what the laser sees; without one, the robot goes on waiting."""
+        """Plans a way around obstacles in the scan; without one, the robot goes on waiting."""
         self._blocked_since = None
         if self._replans == self._config.max_replans:
             self._end(Status.ABORTED, f"stuck: blocked {self._replans + 1} times on the way")

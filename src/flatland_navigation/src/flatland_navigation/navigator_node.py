@@ -109,20 +109,20 @@ class NavigatorNode:
             rospy.loginfo("ready for goals")
 
     def _restart(self) -> None:
-        """Drops poses and goals: simulated time has gone back, as that of a restarted server."""
+        """Drops poses and goals: simulated time has gone back, as after a restart of the server."""
         self._poses.clear()
         self._last_control = -1.0
         if self._navigator.status is Status.ACTIVE:
             self._navigator.cancel()
             self._abort("simulated time has gone back")
-        # The action server refuses goals with earlier stamps than those that it has seen.
+        # The action server refuses goals with earlier stamps than the latest one.
         with self._server.action_server.lock, self._server.lock:
             if not self._server.is_new_goal_available():
                 self._server.current_goal = actionlib.ServerGoalHandle()
                 self._server.next_goal = actionlib.ServerGoalHandle()
 
     def _take_goal(self) -> None:
-        """Starts with a new goal, or ends with the present one, as the action's client asks."""
+        """Starts a new goal or cancels the present one, as the action's client asks."""
         if self._server.is_new_goal_available():
             goal = self._server.accept_new_goal()
             target = goal.target_pose

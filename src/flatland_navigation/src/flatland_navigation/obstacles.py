@@ -1,4 +1,4 @@
-"""Obstacles in a laser scan: where they are, and how fast a robot may drive towards them."""
+"""Obstacles in a laser scan: their positions, and safe speeds towards them."""
 
 import math
 from typing import Union
@@ -40,15 +40,15 @@ def scan_points(
 
 
 def to_frame(points: FloatArray, pose: Pose) -> FloatArray:
-    """Points [m], shape (n, 2), of the outer frame in the frame of a pose."""
+    """Transforms points [m], shape (n, 2), from the outer frame into the frame of a pose."""
     cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
     return np.asarray((points - (pose.x, pose.y)) @ np.array([[cos, -sin], [sin, cos]]))
 
 
 def free_distance(points: FloatArray, curvature: float, radius: float, limit: float) -> float:
-    """How far a round robot can drive on an arc before it touches a point.
+    """The distance that a round robot can drive on an arc before it touches a point.
 
-    A point that is within the radius from the start does not stop a robot that leaves it.
+    A point within the radius at the start does not stop a robot that drives away from it.
 
     Args:
         points: in the robot's frame [m]: shape (n, 2).

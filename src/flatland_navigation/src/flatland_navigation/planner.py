@@ -16,7 +16,7 @@ from flatland_server import BoolArray, FloatArray, Point
 
 _DIAGONAL = math.sqrt(2.0)
 _START_REACH = 0.5
-"""How far [m] a robot that stands too near to a wall may drive straight to a free cell."""
+"""Greatest distance to a free cell for a start that is too near to a wall [m]."""
 
 
 class PlanningError(Exception):
@@ -42,7 +42,7 @@ def plan(grid: Grid, start: Point, goal: Point) -> FloatArray:
     """
     goal_cell = _goal_cell(grid, goal)
     start_cell = _start_cell(grid, start)
-    # Searched backwards: a goal that is enclosed by walls is found out at once.
+    # Searched backwards: a goal enclosed by walls is detected at once.
     cells = shortest_path(grid.free, goal_cell, start_cell)
     if not cells:
         raise PlanningError(f"there is no path from {_text(start)} to {_text(goal)}")
@@ -63,7 +63,7 @@ def shortest_path(free: BoolArray, start: Cell, goal: Cell) -> List[Cell]:
     Returns:
         The cells of the path, start and goal included; empty if they are not connected.
     """
-    width = free.shape[1] + 2  # a border of blocked cells saves the comparison with the bounds
+    width = free.shape[1] + 2  # a border of blocked cells replaces checks of the bounds
     passable = np.pad(free, 1).ravel().tolist()
     goal_row, goal_column = goal[0] + 1, goal[1] + 1
     first, last = (start[0] + 1) * width + start[1] + 1, goal_row * width + goal_column
@@ -86,7 +86,7 @@ def shortest_path(free: BoolArray, start: Cell, goal: Cell) -> List[Cell]:
             continue
         closed.add(cell)
         so_far = cost[cell]
-        for here, left in zip(straight, (width, -1, -width, 1)):  # a side, and the next one
+        for here, left in zip(straight, (width, -1, -width, 1)):  # and 90 degrees to the left
             if not passable[cell + here]:
                 continue
             steps = [(cell + here, so_far + 1.0)]
@@ -132,7 +132,7 @@ def _goal_cell(grid: Grid, goal: Point) -> Cell:
             f"the robot's centre must be at least {grid.clearance:.2f} m from walls"
         )
     if not grid.free[cell]:
-        # Only a part of the cell is too near to a wall, or an obstacle is.
+        # A wall is too near to a part of the cell only, or an obstacle blocks the cell.
         nearest = grid.nearest_free(goal, 2 * grid.resolution)
         if nearest is None:
             raise PlanningError(f"there is no room for the robot at the goal {_text(goal)}")

@@ -57,11 +57,11 @@ class Scan:
 
     @property
     def time(self) -> float:
-        """When it was taken [s]."""
+        """The time of the scan [s]."""
         return float(self.message.header.stamp.to_sec())
 
     def points_from(self, pose: Pose) -> FloatArray:
-        """The points that it has hit, for a robot at a pose: shape (n, 2) [m]."""
+        """The points hit by the beams, for a robot at a pose: shape (n, 2) [m]."""
         scan = self.message
         return scan_points(
             scan.ranges,
@@ -86,7 +86,7 @@ class ScanReader:
 
     @property
     def is_awaited(self) -> bool:
-        """Whether the robot has a laser, of which no scan could be read yet."""
+        """Whether the robot has a laser, but no scan could be read yet."""
         return self._mount is None and self._subscriber.get_num_connections() > 0
 
     def take(self, base_frame: str) -> Optional[Scan]:

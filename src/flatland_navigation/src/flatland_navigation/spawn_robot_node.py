@@ -13,7 +13,7 @@ from flatland_navigation.parameters import read_number
 from flatland_server import FlatlandError
 
 _DELETE_LIMIT = 2.0
-"""How long the deletion may take [s]; the server may be ending, too."""
+"""Limit for the deletion [s]: the server may be ending, too."""
 
 
 def main() -> int:

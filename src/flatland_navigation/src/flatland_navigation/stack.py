@@ -10,7 +10,7 @@ PACKAGES = ("amcl", "dwa_local_planner", "map_server", "move_base", "navfn")
 
 
 def missing_packages() -> List[str]:
-    """Those of `PACKAGES` that are not installed."""
+    """The members of `PACKAGES` that are not installed."""
     return sorted(set(PACKAGES) - set(rospkg.RosPack().list()))
 
 

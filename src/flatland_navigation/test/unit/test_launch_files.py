@@ -73,7 +73,7 @@ DOCUMENTED = {
 
 @pytest.fixture
 def stack(tmp_path, monkeypatch):
-    """Packages of the stack's names, without anything in them."""
+    """Empty packages with the stack's names."""
     for name in PACKAGES:
         folder = tmp_path / name
         folder.mkdir()
@@ -85,7 +85,7 @@ def stack(tmp_path, monkeypatch):
 
 
 def load(name, *arguments):
-    """The configuration that a launch file with arguments leads to."""
+    """The configuration that roslaunch makes of a launch file and arguments."""
     return load_config_default([(str(LAUNCH / name), list(arguments))], None, verbose=False)
 
 

@@ -11,7 +11,7 @@ GOALS = [[1, 0, 0], [2, 0, 0]]
 
 
 class Client:
-    """Reaches so many goals, and aborts those after them."""
+    """Reaches a number of goals, and aborts all later ones."""
 
     def __init__(self, reaches):
         self._reaches = reaches

@@ -1,4 +1,4 @@
-"""What keys mean for a robot: directions while they are held, and speeds. Knows no ROS."""
+"""Commands from keys: directions while keys are held, and changes of speed. Independent of ROS."""
 
 from typing import Dict, NamedTuple
 
@@ -6,7 +6,7 @@ from flatland_teleop.keys import KeyEvent
 
 
 class Direction(NamedTuple):
-    """Where a key drives to, in parts of the speed: x forwards, y to the left, yaw to the left."""
+    """The direction of a key, in parts of the speed: x forwards, y to the left, yaw to the left."""
 
     x: int = 0
     y: int = 0
@@ -31,7 +31,7 @@ _FACTORS = {
     ".": (1, 1.1),
     ",": (1, 1 / 1.1),
 }
-"""For the speed and the turning speed."""
+"""Factors of a key for the speed and the turning speed."""
 
 
 class Command(NamedTuple):
@@ -68,13 +68,13 @@ class Driving:
         self.turn = turn
         self._first_timeout = first_timeout
         self._repeat_timeout = repeat_timeout
-        self._held: Dict[str, float] = {}  # until when each key counts as held
+        self._held: Dict[str, float] = {}  # time until which each key counts as held
 
     def on_key(self, event: KeyEvent, now: float) -> None:
         """Takes a key.
 
         Args:
-            event: what has happened to which key; keys without a meaning change nothing.
+            event: a press or release; keys without a meaning change nothing.
             now: the time [s], of any clock that does not jump.
         """
         if event.is_release:

@@ -1,7 +1,7 @@
 """Keys from the bytes that a terminal sends.
 
-Most terminals send a key when it is pressed, and again while it is held; none tells that it was
-released. Terminals with the keyboard protocol of kitty do, once they are asked to:
+Most terminals send a key when it is pressed, and again while it is held; they do not
+report releases. Terminals with the keyboard protocol of kitty do so on request:
 https://sw.kovidgoyal.net/kitty/keyboard-protocol
 """
 
@@ -9,13 +9,13 @@ import re
 from typing import Iterator, NamedTuple, Optional
 
 ENABLE_REPORTS = "\x1b[>11u\x1b[?1004h"
-"""Asks for releases: flags 1 (escape codes that cannot be confused), 2 (event types) and 8 (all
-keys as escape codes). And for the loss of the focus, after which no release arrives. Terminals
-that do not know these ignore them."""
+"""Requests releases by flags 1 (unambiguous escape codes), 2 (event types) and 8 (all keys as
+escape codes), and events of lost focus, after which no release arrives. Other terminals ignore
+these sequences."""
 DISABLE_REPORTS = "\x1b[?1004l\x1b[<u"
 
 _ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
-_CONTROL, _SHIFT = 4, 1  # bits of the protocol's modifiers, which are sent plus one
+_CONTROL, _SHIFT = 4, 1  # bits of the protocol's modifiers; the terminal sends their sum plus one
 _FOCUS_OUT = "\x1b[O"
 _RELEASE = 3  # the protocol's event type
 

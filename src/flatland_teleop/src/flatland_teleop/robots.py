@@ -27,7 +27,7 @@ def robot_topics(
     Args:
         system_state: publishers, subscribers and services, from the master's getSystemState.
         topic_types: from its getTopicTypes.
-        node: the name of this node, which is no other publisher.
+        node: the name of this node, left out of the publishers.
     """
     publishers, subscribers = dict(system_state[0]), system_state[1]
     twists = {topic for topic, kind in topic_types if kind == TWIST}
@@ -39,7 +39,7 @@ def robot_topics(
 
 
 def next_topic(topics: Sequence[RobotTopic], current: str) -> str:
-    """The topic after this one, from the last to the first; this one if there is no other."""
+    """The topic after this one, cyclically; this one if there is no other."""
     names = [topic.name for topic in topics]
     if not names:
         return current

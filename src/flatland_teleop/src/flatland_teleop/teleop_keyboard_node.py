@@ -49,7 +49,7 @@ class TeleopKeyboard:
         return rospy.Publisher(self._topic, Twist, queue_size=1)
 
     def run(self, terminal: Terminal) -> None:
-        """Until the user quits, or the node is shut down."""
+        """Runs until the user quits, or the node is shut down."""
         rospy.on_shutdown(self._halt)  # as by rosnode kill
         threading.Thread(target=self._poll, name="topics", daemon=True).start()
         try:

@@ -51,7 +51,7 @@ class Terminal:
         os.write(self._output, text.encode())
 
     def read(self, timeout: float) -> Optional[str]:
-        """What was typed, waiting for it at most so long [s]; None when the terminal is closed."""
+        """The typed text, waiting `timeout` [s] at most; None when the terminal is closed."""
         if not select.select([self._input], [], [], timeout)[0]:
             return ""
         try:

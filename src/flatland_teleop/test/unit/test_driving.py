@@ -1,4 +1,4 @@
-"""What keys mean for a robot."""
+"""Commands from keys."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Topics of commands, from what the master tells."""
+"""Topics of commands, from the master's state."""
 
 from flatland_teleop.robots import RobotTopic, next_topic, robot_topics
 

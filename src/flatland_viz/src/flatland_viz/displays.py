@@ -45,8 +45,8 @@ def walls_topic(debug: str) -> str:
 def wanted(debug: str, scans: Iterable[str]) -> List[Shown]:
     """All displays of a world.
 
-    All layers share one: of the topics on `~debug/topics`, several show the same walls. All models
-    share one too, which need not change when they do.
+    All layers share one display, since several topics of `~debug/topics` show the same walls. All
+    models share one too, which stays when models come and go.
 
     Args:
         debug: the namespace of the server's markers, `/flatland_server/debug`.
@@ -60,6 +60,6 @@ def wanted(debug: str, scans: Iterable[str]) -> List[Shown]:
 
 
 def changes(shown: Iterable[Shown], wanted: Iterable[Shown]) -> Tuple[List[Shown], List[Shown]]:
-    """The displays to remove and those to add, in order."""
+    """The displays to remove, and the displays to add, in order."""
     old, new = list(shown), list(wanted)
     return [one for one in old if one not in new], [one for one in new if one not in old]

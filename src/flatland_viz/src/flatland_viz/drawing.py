@@ -1,5 +1,5 @@
-"""When and how the view is drawn: only when it changes, and without smooth edges where drawing is
-done by the processor instead of a graphics card.
+"""Cheap drawing of the view: only on changes, and without anti-aliasing where the processor draws
+instead of a graphics card.
 """
 
 import ctypes
@@ -8,7 +8,7 @@ from typing import Any
 import rospy
 
 RENDER_ON_CHANGE = "flatland_viz/RenderOnChange"
-"""The display of ours that keeps rviz from drawing an unchanged view."""
+"""Our display that keeps rviz from drawing an unchanged view."""
 
 _LIBRARY = "libflatland_viz_tools.so"
 

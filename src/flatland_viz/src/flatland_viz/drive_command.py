@@ -1,4 +1,4 @@
-"""What the keys and the pad of the Drive panel command."""
+"""Commands of the Drive panel's keys and pad."""
 
 from typing import AbstractSet, Dict, NamedTuple, Tuple
 
@@ -11,21 +11,21 @@ class Command(NamedTuple):
     forwards: float = 0.0
     left: float = 0.0
     turn: float = 0.0
-    """Counter-clockwise."""
+    """Positive counter-clockwise."""
 
 
 class Speeds(NamedTuple):
     """The greatest speeds."""
 
     linear: float
-    """[m/s]"""
+    """Greatest speed [m/s]."""
     turn: float
-    """[rad/s], or the angle that a tricycle steers by [rad]."""
+    """Greatest yaw rate [rad/s], or the steering angle of a tricycle [rad]."""
 
 
 STOP = Command()
 SLOW = 0.5
-"""What Shift multiplies the speeds by."""
+"""Factor of the speeds while Shift is held."""
 
 KEYS: Dict[int, Command] = {
     Qt.Key_Up: Command(forwards=1.0),
@@ -39,7 +39,7 @@ KEYS: Dict[int, Command] = {
     Qt.Key_Q: Command(left=1.0),
     Qt.Key_E: Command(left=-1.0),
 }
-"""What each key commands."""
+"""The command of each key."""
 
 
 def of_keys(held: AbstractSet[int]) -> Command:

@@ -9,17 +9,17 @@ from python_qt_binding.QtWidgets import QSizePolicy, QWidget
 _SIDE = 150
 _KNOB = 15.0
 _MARGIN = _KNOB + 3.0
-_REST = 0.06  # of the pad's half: a knob so close to an axis is on it
+_REST = 0.06  # part of the reach within which a knob snaps to an axis
 
 
 def part_of(distance: float, reach: float) -> float:
-    """How far a distance is out, from -1 to 1; 0 near the middle."""
+    """A distance as a part of the reach, cut to [-1, 1]; 0 near the middle."""
     part = max(-1.0, min(1.0, distance / reach))
     return 0.0 if abs(part) < _REST else part
 
 
 class DrivePad(QWidget):
-    """A square with a knob that springs back. It also shows what keys command."""
+    """A square with a knob that springs back. It also shows the command of keys."""
 
     moved = Signal(float, float)
     """Right and up, from -1 to 1; zeros when the mouse is released."""
@@ -34,7 +34,7 @@ class DrivePad(QWidget):
         self._right = self._up = 0.0
         self._is_dragged = False
         self._middle = QPoint()
-        """Of the pad on the screen when a drag began. A notice above may move it meanwhile."""
+        """The pad's middle on the screen when a drag began; a notice above may move the pad."""
 
     def sizeHint(self) -> QSize:  # noqa: N802
         """Its fixed size."""

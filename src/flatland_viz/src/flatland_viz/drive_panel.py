@@ -29,7 +29,7 @@ from flatland_viz.settings import Settings
 
 _SPEED, _TURN = "drive/speed", "drive/turn"
 _TYPING = (QLineEdit, QAbstractSpinBox, QTextEdit, QAbstractItemView)
-"""Widgets that need the keys themselves."""
+"""Widgets that take the keys themselves."""
 _AWAY = (QEvent.FocusOut, QEvent.Hide, QEvent.Close)
 _WARNING = "background: #fdf1cf; color: #5b4300; border-radius: 3px; padding: 4px"
 
@@ -89,7 +89,7 @@ class DrivePanel(QDockWidget):
         form.addRow(self._turn_label, self._turn)
         content = QWidget()
         layout = QVBoxLayout(content)
-        layout.addWidget(self._notice)  # above: a small screen does not show what is below
+        layout.addWidget(self._notice)  # at the top: on a small screen, the bottom is hidden
         layout.addLayout(form)
         layout.addWidget(self._pad, 0, Qt.AlignHCenter)
         layout.addWidget(self._now, 0, Qt.AlignHCenter)
@@ -122,12 +122,12 @@ class DrivePanel(QDockWidget):
             self._filtered.installEventFilter(self)
 
     def finish(self) -> None:
-        """Stops the robot, and follows nothing any more. To be called at the end."""
+        """Stops the robot and the panel's updates. To be called at the end."""
         self.stop()
         self._watch.close()
 
     def stop(self) -> None:
-        """Stops the robot, whatever is held."""
+        """Stops the robot, even while keys or the pad are held."""
         self._held.clear()
         self._is_slow = False
         self._pad.release()
@@ -144,7 +144,7 @@ class DrivePanel(QDockWidget):
         self._robots = robots = robots_of(models.values())
         names = [robot.name for robot in robots]
         if before not in names:
-            self.stop()  # what is held is not for another robot
+            self.stop()  # keys held now must not drive the next robot
         self._choice.blockSignals(True)
         self._choice.clear()
         self._choice.addItems(names)

@@ -13,7 +13,7 @@ _ZERO = (0.0, 0.0, 0.0)
 class DrivePublisher(QObject):
     """Repeats a command until it is zero; zero is published once.
 
-    A drive goes on with its last command, so there is always a zero behind others.
+    A drive keeps its last command, so a zero always follows the other commands.
     """
 
     def __init__(self) -> None:
@@ -25,7 +25,7 @@ class DrivePublisher(QObject):
         self._timer.timeout.connect(self._publish)
 
     def open(self, topic: str) -> None:
-        """Publishes on this topic from now on, on none if it is empty. Stops the former robot."""
+        """Stops the former robot, and publishes on this topic; on none if it is empty."""
         if topic == self._topic:
             return
         self.command(_ZERO)

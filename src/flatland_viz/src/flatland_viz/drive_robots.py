@@ -1,4 +1,4 @@
-"""The robots that can be driven, and which nodes publish their commands."""
+"""The robots that can be driven, and the nodes that publish their commands."""
 
 import threading
 import xmlrpc.client
@@ -19,9 +19,9 @@ class Robot(NamedTuple):
 
     name: str
     topic: str
-    """Of its commands, geometry_msgs/Twist."""
+    """The topic of its commands, geometry_msgs/Twist."""
     steers: bool
-    """Whether it turns its wheel by an angle, instead of turning at a speed."""
+    """Whether commands have a steering angle instead of a yaw rate."""
 
 
 def robots_of(models: Iterable[Model]) -> List[Robot]:
@@ -34,7 +34,7 @@ def robots_of(models: Iterable[Model]) -> List[Robot]:
 
 
 class PublisherWatch(QObject):
-    """Asks the master again and again which other nodes publish on a topic."""
+    """Polls the master for other publishers of a topic."""
 
     changed = Signal(str, object)
     """The topic, and the names of other nodes that publish on it."""

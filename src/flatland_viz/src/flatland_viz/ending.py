@@ -21,7 +21,7 @@ def shut_down(others: List[Callable[[], None]]) -> None:
     that sleeps for half a second.
 
     Args:
-        others: what else is to be shut down.
+        others: further functions that shut something down.
     """
 
     def rospy_node() -> None:
@@ -46,9 +46,9 @@ def _rviz_node() -> None:
 
 
 def leave() -> NoReturn:
-    """Ends the process with exit code 0, when nothing but memory is left to be given back.
+    """Ends the process with exit code 0, without freeing memory.
 
-    rviz and OpenGL take half a second to free what they have.
+    rviz and OpenGL would take half a second for that.
     """
     logging.shutdown()
     sys.stdout.flush()

@@ -6,7 +6,7 @@ _CLASS_NAME = re.compile(r"[A-Za-z_]+Error: ")
 
 
 def error_text(message: str) -> str:
-    """`message` of a response, without the exception class that it begins with.
+    """The `message` of a response without its leading exception class.
 
     The class is for programs: "ModelError: there is no model" becomes "there is no model".
     """

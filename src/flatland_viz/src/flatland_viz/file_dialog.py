@@ -24,7 +24,7 @@ def ask_for_file(parent: QWidget, title: str, start: str, kinds: str, is_new: bo
     if is_new:
         dialog.setAcceptMode(QFileDialog.AcceptSave)
         dialog.setFileMode(QFileDialog.AnyFile)
-        dialog.setDefaultSuffix(path.suffix)  # then the dialog knows whether there is such a file
+        dialog.setDefaultSuffix(path.suffix)  # to check for existing files
         dialog.selectFile(str(path))
     else:
         dialog.setFileMode(QFileDialog.ExistingFile)

@@ -1,4 +1,4 @@
-"""Robots without a localiser: the window places them by ground truth, says so, and offers more."""
+"""The status-line button for robots without a localiser, which are placed by ground truth."""
 
 from typing import Any
 
@@ -28,15 +28,15 @@ class _Button(QToolButton):
         self.updateGeometry()
 
     def sizeHint(self) -> QSize:  # noqa: N802
-        """With the long text."""
+        """The size with the long text."""
         return self._size_with(self._texts[0])
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """With the short text."""
+        """The size with the short text."""
         return self._size_with(self._texts[1])
 
     def resizeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Shows the text that there is room for."""
+        """Shows the longest text that fits."""
         super().resizeEvent(event)
         self._choose()
 

@@ -20,7 +20,7 @@ class Interaction(QObject):
     """Pose and velocity of the selected model, a few times a second: `x`, `y`, `theta`, `vx`,
     `vy`, `omega`; empty if they are unknown."""
     moved = Signal(str, object)
-    """The user has dragged a model, which was at this pose (x, y, yaw) before."""
+    """The user has dragged a model: its name and former pose (x, y, yaw)."""
     menu_asked = Signal(str)
     """The user asks for the context menu of this model."""
 

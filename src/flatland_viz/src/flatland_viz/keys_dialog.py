@@ -1,4 +1,4 @@
-"""The window's keys and what the mouse does, on one page."""
+"""One page with the window's keys and mouse actions."""
 
 from html import escape
 from typing import Iterable, List, Sequence, Tuple
@@ -19,7 +19,7 @@ from python_qt_binding.QtWidgets import (
 from flatland_viz.window_size import first_size
 
 Rows = List[Tuple[str, str]]
-"""Keys, and what they do."""
+"""Keys and their actions."""
 
 MOUSE: Rows = [
     ("click on a model", "selects it; drag it by its middle, turn it by its ring"),
@@ -67,7 +67,7 @@ class KeysDialog(QDialog):
 
     Args:
         parent: the window.
-        columns: of titled tables, which are below each other on a screen that is too narrow.
+        columns: of titled tables; stacked on a screen that is too narrow.
     """
 
     def __init__(self, parent: object, columns: Sequence[Sequence[Tuple[str, Rows]]]) -> None:

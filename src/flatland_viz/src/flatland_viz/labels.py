@@ -8,9 +8,9 @@ from python_qt_binding.QtWidgets import QLabel, QSizePolicy
 
 
 class ElidedLabel(QLabel):
-    """A line that is shortened in its middle where there is no room; its tooltip is the whole line.
+    """A line that is elided in the middle if it does not fit; its tooltip has all of it.
 
-    It never widens what it is in.
+    It never widens its container.
     """
 
     def __init__(self, **properties: Any) -> None:
@@ -24,7 +24,7 @@ class ElidedLabel(QLabel):
 
     @property
     def shown_text(self) -> str:
-        """What is seen of it."""
+        """The visible text."""
         metrics = self.fontMetrics()
         return str(metrics.elidedText(self.text(), Qt.ElideMiddle, self.contentsRect().width()))
 

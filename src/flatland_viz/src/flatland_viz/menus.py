@@ -1,4 +1,4 @@
-"""The window's menus. They emit signals, and do nothing themselves.
+"""The window's menus. They only emit signals.
 
 A key after a tab in an action's text belongs to a tool of rviz, and is only shown.
 """
@@ -27,7 +27,7 @@ class Menus(QObject):
     Args:
         bar: the menu bar.
         docks: panels that the menus show and hide.
-        settings: what is remembered.
+        settings: remember the switches.
     """
 
     world_chosen = Signal(str)

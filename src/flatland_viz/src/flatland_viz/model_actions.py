@@ -1,4 +1,4 @@
-"""What can be done with the selected model: in the side panel, in its menu, by keys."""
+"""Actions on the selected model: in the side panel, in its menu, by keys."""
 
 import math
 from functools import partial
@@ -24,14 +24,14 @@ class ModelActions(QObject):
 
     Args:
         window: the parent of dialogs and menus; the keys hold in it.
-        server: carries out what is asked for.
+        server: carries out the actions.
         selection: the selected model.
         interaction: the tool that selects and drags.
         follow: makes the view follow a model by its name; the empty string ends that.
     """
 
     hint = Signal(str)
-    """What was done."""
+    """A message about a finished action."""
 
     def __init__(
         self,
@@ -103,7 +103,7 @@ class ModelActions(QObject):
         self._show()
 
     def forget(self) -> None:
-        """Forgets what could be undone: the world has begun again."""
+        """Clears the undo stack: the world has begun again."""
         self._undo.clear()
         self._show()
 
@@ -175,7 +175,7 @@ class ModelActions(QObject):
             namespace = free_name(
                 model.namespace, [other.namespace for other in self._models.values()]
             )
-        by = model.size + _GAP  # to the right of where it looks
+        by = model.size + _GAP  # to the right of its heading
         x = pose[0] + by * math.sin(pose[2])
         y = pose[1] - by * math.cos(pose[2])
 

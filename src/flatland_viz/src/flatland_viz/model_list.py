@@ -13,7 +13,7 @@ class Topic(NamedTuple):
     name: str
     type: str
     is_published: bool
-    """By the server; otherwise it subscribes."""
+    """Whether the server publishes it; otherwise the server subscribes."""
     plugin: str
 
 
@@ -23,11 +23,11 @@ class Model(NamedTuple):
     name: str
     namespace: str
     file: str
-    """Absolute; empty if there is none."""
+    """Absolute path of its file; empty if there is none."""
     plugins: Tuple[str, ...]
-    """Each as `name (Type)`."""
+    """Its plugins, each as `name (Type)`."""
     failed: Tuple[str, ...]
-    """The names of those that were switched off."""
+    """The names of the plugins that were switched off after a failure."""
     topics: Tuple[Topic, ...]
     size: float
     """The longest side of the boxes around its bodies [m]."""
@@ -93,5 +93,5 @@ def free_name(wanted: str, taken: Iterable[str]) -> str:
 
 
 def sorted_topics(topics: Iterable[Topic]) -> List[Topic]:
-    """Topics in natural order, those that are published first."""
+    """Topics in natural order, published ones first."""
     return sorted(topics, key=lambda topic: (not topic.is_published, natural_key(topic.name)))

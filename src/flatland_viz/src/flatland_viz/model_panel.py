@@ -1,4 +1,4 @@
-"""The side panel: all models, and what there is to know of the selected one."""
+"""The side panel: all models, and the details of the selected one."""
 
 import math
 from pathlib import Path
@@ -47,7 +47,7 @@ class ModelPanel(QDockWidget):
     Args:
         selection: the selected model.
         interaction: has its pose and velocity.
-        actions: what can be done with it.
+        actions: the actions on it.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class ModelPanel(QDockWidget):
         self._fill_list()
 
     def set_time(self, time: float) -> None:
-        """Sets the simulated time [s], of which rates are computed."""
+        """Sets the simulated time [s], from which rates are computed."""
         self._time = time
 
     def _fill_list(self) -> None:
@@ -132,7 +132,7 @@ class ModelPanel(QDockWidget):
         self._watch()
 
     def _watch(self) -> None:
-        """Subscribes to the topics that are shown, and to none while nothing is."""
+        """Subscribes to the topics on display, and to none while the panel is hidden."""
         model = self._models.get(self._selection.name) if self.isVisible() else None
         self._monitor.watch(_shown_topics(model))
         self._read_topics()
@@ -143,7 +143,7 @@ class ModelPanel(QDockWidget):
 
 
 class _Details(QWidget):
-    """What there is to know of one model."""
+    """The details of one model."""
 
     def __init__(self, actions: ModelActions) -> None:
         super().__init__()
@@ -202,7 +202,7 @@ class _Details(QWidget):
 
     @property
     def least_width(self) -> int:
-        """The width of the buttons: more than the panel's usual one in a large font."""
+        """The width of the buttons, which in a large font exceeds the panel's usual width."""
         return int(self._buttons.minimumSize().width())
 
     def show_model(self, model: Optional[Model]) -> None:
@@ -230,7 +230,7 @@ class _Details(QWidget):
             self._topics.addTopLevelItem(item)
 
     def heightForWidth(self, width: int) -> int:  # noqa: N802
-        """The height from which on a scroll area scrolls: with the list of topics at its lowest."""
+        """The height below which a scroll area scrolls, with the list of topics at its minimum."""
         return int(self._content.layout().minimumHeightForWidth(width)) + _MARGIN
 
     def show_state(self, state: Dict[str, Any]) -> None:
@@ -260,7 +260,7 @@ class _Details(QWidget):
 
 
 def _make_quiet(text: QLabel) -> None:
-    """Gives a text a colour that steps back, on a light background as on a dark one."""
+    """Gives a text a muted colour, for light and dark backgrounds."""
     palette = text.palette()
     palette.setColor(QPalette.WindowText, _quiet(palette.color(QPalette.WindowText)))
     text.setPalette(palette)
@@ -307,7 +307,7 @@ def _rate(rate: float) -> str:
 
 
 def _dot(color: Optional[str], ratio: float) -> QIcon:
-    """A disc of a colour with a white edge, which a selected row needs; empty for None."""
+    """A disc with a white edge, for contrast on a selected row; empty for None."""
     picture = QPixmap(round(_DOT * ratio), round(_DOT * ratio))
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.transparent)

@@ -1,4 +1,4 @@
-"""What the window has for working with models: selection, actions, the side panel, switches."""
+"""The window's parts for work with models: selection, actions, the side panel, switches."""
 
 import json
 from typing import Dict
@@ -20,14 +20,14 @@ from flatland_viz.view_switches import ViewSwitches
 
 
 class ModelWorkbench(QObject):
-    """Puts them into the window and connects them.
+    """Adds these parts to the window and connects them.
 
     Args:
         window: gets the panel and the menu of models, and has a menu `menu_view`.
         server: the connection to the server.
         scene: the embedded rviz.
         selection: the selected model.
-        line: for what was done.
+        line: shows messages about actions.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class ModelWorkbench(QObject):
         view.addAction(self.panel.toggleViewAction())
 
     def forget(self) -> None:
-        """Forgets what could be undone: the world has begun again."""
+        """Clears the undo stack: the world has begun again."""
         self._actions.forget()
 
     def _on_models(self, models: Dict[str, Model]) -> None:

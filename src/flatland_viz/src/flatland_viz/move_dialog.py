@@ -1,4 +1,4 @@
-"""The dialog that asks where a model shall be."""
+"""The dialog for a model's new pose."""
 
 import math
 from typing import Tuple

@@ -28,7 +28,7 @@ def wanted_tools(subscribed: Iterable[str]) -> List[NavigationTool]:
 
 
 def show_tools(manager: Any, wanted: List[NavigationTool]) -> None:
-    """Adds and removes tools so that of the navigation tools these are in the toolbar.
+    """Adds and removes navigation tools so that the toolbar has just the wanted ones.
 
     Args:
         manager: rviz's tool manager.

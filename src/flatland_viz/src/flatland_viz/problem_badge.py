@@ -122,7 +122,7 @@ class ProblemList(QDialog):
         """Fills the list; the latest is selected."""
         self._tree.clear()
         for problem in problems:
-            time = f"{problem.time:.1f} s" if problem.time else ""  # without a stamp
+            time = f"{problem.time:.1f} s" if problem.time else ""  # 0: no stamp
             row = (time, str(problem.times), problem.source, summary(problem.text))
             item = QTreeWidgetItem(self._tree, row)
             item.setData(0, Qt.UserRole, problem.text)

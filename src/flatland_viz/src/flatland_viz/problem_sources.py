@@ -1,4 +1,4 @@
-"""Where problems come from: the server's log, /diagnostics, models and transforms."""
+"""Sources of problems: the server's log, /diagnostics, models and transforms."""
 
 import threading
 import xmlrpc.client
@@ -18,7 +18,7 @@ from flatland_viz.problems import frames_published_twice, shared_commands
 
 _SERVER = "flatland_server"
 _LASTS = "is switched off"
-"""In the log, of a plugin that has failed: /diagnostics reports it as long as it lasts."""
+"""Text of log messages that are left out: /diagnostics reports failed plugins, too."""
 
 _FRAMES_PERIOD = 5.0  # s of real time
 _SAMPLE_TIME = 1.0  # s of real time: slow publishers of transforms send some 10 a second
@@ -28,8 +28,7 @@ _TRANSFORMS = ("/tf", "/tf_static")
 class ProblemSources(QObject):
     """Reports problems by signals, from `start` until `close`.
 
-    A log has no memory: what the server logs while it loads a world is seen only if this is started
-    before. So it is to be started early.
+    The log is not latched: start this before the server loads a world, to see its messages.
     """
 
     logged = Signal(str, str, bool, float)
@@ -74,7 +73,7 @@ class ProblemSources(QObject):
         self._emit(self.lasts, _group(message), states, message.header.stamp.to_sec())
 
     def _watch_frames(self) -> None:
-        """Looks at transforms for a while, again and again, if several nodes publish some."""
+        """Samples transforms periodically if several nodes publish some."""
         master = rosgraph.Master(rospy.get_name())
         while not self._closed.wait(_FRAMES_PERIOD):
             try:
@@ -87,7 +86,7 @@ class ProblemSources(QObject):
             self._emit(self.lasts, "frames", states, rospy.get_time())
 
     def _sample_frames(self) -> Set[Tuple[str, str, str]]:
-        """Parent, child and node of the transforms that are published meanwhile."""
+        """Parent, child and node of the transforms published within `_SAMPLE_TIME`."""
         seen: Set[Tuple[str, str, str]] = set()
 
         def note(message: Any) -> None:

@@ -1,4 +1,4 @@
-"""The problems that the window has been told of, each once, with a count."""
+"""The problems reported to the window, each once, with a count."""
 
 from typing import Dict, Iterable, List, NamedTuple, Sequence, Set, Tuple
 
@@ -9,11 +9,11 @@ class Problem(NamedTuple):
     """A warning or an error."""
 
     source: str
-    """What reports it, such as the name of a node."""
+    """The source of the report, such as the name of a node."""
     text: str
     is_error: bool
     times: int
-    """How often it was reported; 1 for a state that lasts."""
+    """Number of reports; 1 for a lasting state."""
     time: float
     """Simulated time of the last report [s]."""
 
@@ -41,7 +41,7 @@ class Problems:
         """Reports all states of a group that there are now.
 
         Args:
-            group: what reports these states, independently of others.
+            group: name of an independent reporter.
             states: source, text and whether it is an error, of each.
             time: simulated time [s].
         """
@@ -69,14 +69,14 @@ class Problems:
 
 
 def summary(text: str) -> str:
-    """A text on one line: of a traceback, what was logged with it, and the exception."""
+    """A text on one line; a traceback is reduced to its first line and the exception."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     has_traceback = any(line.startswith("Traceback (") for line in lines)
     return f"{lines[0]}: {lines[-1]}" if has_traceback else " ".join(lines)
 
 
 def shared_commands(robots: Iterable[Robot]) -> List[str]:
-    """Which robots are driven by the same commands, in plain words."""
+    """Warnings about robots that share a topic of commands."""
     names: Dict[str, List[str]] = {}
     for robot in robots:
         names.setdefault(robot.topic, []).append(robot.name)
@@ -89,13 +89,13 @@ def shared_commands(robots: Iterable[Robot]) -> List[str]:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names as in a sentence, and at most four of them."""
+    """Names as a list in a sentence, four items at most."""
     few = [*names[:3], f"{len(names) - 3} others"] if len(names) > 4 else names
     return f"{', '.join(few[:-1])} and {few[-1]}"
 
 
 def frames_published_twice(seen: Iterable[Tuple[str, str, str]]) -> List[str]:
-    """What is wrong with transforms of several nodes, in plain words.
+    """Warnings about frames that several nodes publish.
 
     Args:
         seen: parent, child and the node that publishes it, of transforms.

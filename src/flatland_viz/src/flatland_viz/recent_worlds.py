@@ -14,7 +14,7 @@ _KEY = "recent_worlds"
 
 
 def with_recent(recent: Sequence[str], path: str) -> List[str]:
-    """A list of recent files with another one in front; each is in it once."""
+    """The list of recent files with `path` moved or added to the front."""
     return [path, *(each for each in recent if each != path)][:_LIMIT]
 
 

@@ -19,7 +19,7 @@ _LEFT_OUT = (
     "rviz/MoveCamera",
     *(tool.kind for tool in NAVIGATION_TOOLS),
 )
-"""Tools of little use from above, and those that come when there is a use for them."""
+"""Tools of little use in a view from above, and tools that are added on demand."""
 
 INTERACT_TOOL = "flatland_viz/Interact"
 """The tool for models and the view, in place of rviz's."""

@@ -105,7 +105,7 @@ class Scene(QObject):
         return docks
 
     def show_displays(self, wanted: List[Shown]) -> None:
-        """Adds and removes displays so that these are shown; leaves those that stay untouched."""
+        """Adds and removes displays so that these are shown; unchanged ones are not touched."""
         gone, new = changes(self._displays, wanted)
         root = self._manager.getRootDisplayGroup()
         for shown in gone:
@@ -123,7 +123,7 @@ class Scene(QObject):
             self._apply_color(shown)
 
     def _follow_walls(self, display: Any) -> None:
-        """Emits what the walls' display says of them.
+        """Follows the bounds and the progress that the walls' display reports.
 
         The properties are kept: only referenced by slots of their own, they would be garbage to
         Python, which would clear those slots while they are connected.
@@ -159,7 +159,7 @@ class Scene(QObject):
         self._manager.getViewManager().getCurrent().subProp("Follow").setValue(model)
 
     def begin_again(self) -> None:
-        """Discards everything shown of a previous run, and subscribes again."""
+        """Discards the displayed data of a previous run, and subscribes again."""
         self._manager.resetTime()
         for shown, display in self._displays.items():
             if display.isEnabled() and shown.kind != WALLS:  # rviz does not discard walls
@@ -172,7 +172,7 @@ class Scene(QObject):
         self.follow_size()
 
     def _on_model_bounds(self) -> None:
-        """The view shows models that are new; it does not follow those that move."""
+        """Frames new models; the view does not follow moving ones."""
         models = bounds_in(self._model_bounds.getValue())
         if models is None:
             self._are_models_new = True

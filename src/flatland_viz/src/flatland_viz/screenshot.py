@@ -5,7 +5,7 @@ from python_qt_binding.QtWidgets import QWidget
 
 
 def picture_of(panel: QWidget) -> QPixmap:
-    """What a widget shows on the screen, also if it is drawn by OpenGL."""
+    """A picture of a widget as on the screen, including OpenGL content."""
     return panel.screen().grabWindow(panel.winId())
 
 

@@ -47,7 +47,7 @@ class Server(QObject):
     simulation_changed = Signal(object)
     """A status.Simulation, five times a second."""
     scans_changed = Signal(object)
-    """The topics of all laser scans; at first also if there are none."""
+    """The topics of all laser scans; emitted once at the start even if there are none."""
     navigation_changed = Signal(object)
     """The NavigationTools that have subscribers."""
     world_changed = Signal(str)
@@ -59,11 +59,11 @@ class Server(QObject):
     failed = Signal(str)
     """The error of a service call."""
     refused = Signal(str, str)
-    """What could not be done with the world, and why: maybe many lines, with file and line."""
+    """A refused change of world: a title, and the reason, which may have many lines."""
     done = Signal(str)
-    """What a service call has done."""
+    """A message about a successful service call."""
     _succeeded = Signal(object)
-    """What is to be called on the window's thread."""
+    """A function to call on the window's thread."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -136,7 +136,7 @@ class Server(QObject):
         self._call("move_model", MoveModel, name, Pose2D(*pose), then=then)
 
     def step(self, count: int) -> None:
-        """Makes steps in a pause."""
+        """Makes steps while the simulation is paused."""
         self._call("step", Step, count, [], 0.0)
 
     def reset(self) -> None:

@@ -1,4 +1,4 @@
-"""What the window remembers from one start to the next, in ~/.config/flatland/window.conf."""
+"""Settings that the window keeps between starts, in ~/.config/flatland/window.conf."""
 
 from typing import Any, List, Optional
 
@@ -49,7 +49,7 @@ class Settings:
         key = f"{_SWITCHES}/{action.objectName()}"
         before = self._store.value(key)
         is_on = str(before) == "true"
-        # One of several is switched off by another one.
+        # In an exclusive group, only another action switches one off.
         can_change = is_on or action.actionGroup() is None
         if before is not None and is_on != action.isChecked() and can_change:
             action.trigger()
@@ -72,7 +72,7 @@ class Settings:
         return geometry is not None and bool(window.restoreGeometry(geometry))
 
     def save_window(self, window: QMainWindow, inner: QMainWindow) -> None:
-        """Remembers what `restore_window` restores."""
+        """Saves the window's place, size and panels for `restore_window`."""
         self._store.setValue("geometry", window.saveGeometry())
         self._store.setValue("panels", window.saveState())
         self._store.setValue("inner_panels", inner.saveState())

@@ -14,7 +14,7 @@ class Simulation(NamedTuple):
     """Simulated time [s]."""
     is_paused: bool
     rate: float
-    """Requested: simulated seconds per second of real time; may be infinite."""
+    """Requested rate: simulated seconds per second of real time; may be infinite."""
     real_time_factor: float
     """Simulated seconds per second of real time, as measured."""
 
@@ -28,7 +28,7 @@ class Status(NamedTuple):
 
 
 def is_gone(silence: float) -> bool:
-    """Whether a server is gone that has sent nothing for so long [s of real time]."""
+    """Whether the server counts as gone after a silence [s of real time]."""
     return silence > SILENCE
 
 
@@ -50,7 +50,7 @@ def status(simulation: Optional[Simulation], silence: float) -> Status:
 
 
 def speed(simulation: Simulation) -> str:
-    """The rate, and the requested one if that is missed by more than a tenth."""
+    """The measured rate, and the requested one if the former is slower by more than a tenth."""
     factor, rate = simulation.real_time_factor, simulation.rate
     reached = f"{factor:.2f} x real time"
     lags = math.isfinite(rate) and factor < 0.9 * rate

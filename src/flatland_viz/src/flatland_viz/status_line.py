@@ -9,14 +9,14 @@ from python_qt_binding.QtWidgets import QLabel, QProgressBar, QSizePolicy, QStat
 from flatland_viz.status import Status
 
 _RUNNING = {"light": "color: #1a7f37", "dark": "color: #57c878"}
-"""By the desktop's colours."""
+"""Style of the running state, by the desktop's colours."""
 _STYLE = {
     "paused": "background: #f0c419; color: black",
     "no server": "background: #c62828; color: white",
 }
 _MESSAGE_TIME = 10_000  # ms
 _LEAST_HINT = 90  # pixels
-_SPACE = 12  # pixels: of a field, beside its widest text
+_SPACE = 12  # pixels: margin of a field
 
 
 class _Field(QLabel):
@@ -27,7 +27,7 @@ class _Field(QLabel):
         self._width = width
 
     def sizeHint(self) -> QSize:  # noqa: N802
-        """The size that it has if there is room."""
+        """The size in a window with enough room."""
         return super().sizeHint().expandedTo(QSize(self._width, 0))
 
 
@@ -45,15 +45,15 @@ class _SpeedField(_Field):
             self.updateGeometry()
 
     def sizeHint(self) -> QSize:  # noqa: N802
-        """With all words."""
+        """The size with all words."""
         return super().sizeHint().expandedTo(QSize(self._width_of(self._full), 0))
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """With a number alone."""
+        """The size with the number alone."""
         return QSize(self._width_of("1000.00 x"), 0)
 
     def resizeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Shows the words that there is room for."""
+        """Shows the words that fit."""
         super().resizeEvent(event)
         self._choose()
 
@@ -61,7 +61,7 @@ class _SpeedField(_Field):
         return int(self.fontMetrics().horizontalAdvance(text)) + _SPACE
 
     def _choose(self) -> None:
-        """Leaves out what was asked for, and then the unit."""
+        """Drops the requested rate if there is no room, and then the unit."""
         texts = [self._full, *(self._full.partition(end)[0] for end in (" (", " real"))]
         fitting = [text for text in texts if self._width_of(text) <= self.width()]
         self.setText(fitting[0] if fitting else texts[-1])
@@ -115,7 +115,7 @@ class StatusLine(QStatusBar):
         return _STYLE.get(state, "")
 
     def show_progress(self, what: str, percent: int) -> None:
-        """Shows how much of something is loaded or drawn, until that is all."""
+        """Shows the progress of loading or drawing, until it is complete."""
         self._progress.setFormat(f"{what} %p %")
         self._progress.setValue(percent)
         self._progress.setVisible(percent < 100)
@@ -127,7 +127,7 @@ class StatusLine(QStatusBar):
         self._hint.setText(" ".join(hint.split()))
 
     def show_message(self, message: str) -> None:
-        """Shows what has happened, for some seconds."""
+        """Shows a message for some seconds."""
         self._hint.setTextFormat(Qt.PlainText)
         self._hint.setText(message)
         self._expiry.start()

@@ -1,4 +1,4 @@
-"""rviz's toolbar in the window: tooltips with keys, buttons of our own, what is used most first."""
+"""rviz's toolbar in the window: tooltips with keys, buttons of our own, most used first."""
 
 from pathlib import Path
 from typing import Any, Dict, List, Optional
@@ -32,7 +32,7 @@ class Toolbar(QObject):
     """Orders the toolbar, and shows icons alone where there is no room for their names.
 
     First come the tools for the view and its models, with those that rviz adds later; then Pause,
-    with our own buttons; and at last what is used least.
+    with our own buttons; and at last the least used ones.
 
     Args:
         bar: rviz's toolbar.
@@ -56,7 +56,7 @@ class Toolbar(QObject):
     def _order(self, buttons: Dict[str, QAction]) -> None:
         """Moves the buttons; `buttons` are those of tools, by their classes."""
         bar = self._bar
-        # rviz adds tools before an action of its own, which is hidden, and stays in front of these.
+        # rviz adds tools before a hidden action of its own, which stays in front of these buttons.
         bar.addSeparator()
         self._move_to_end(buttons.get(_PAUSE))
         self._least_used = bar.addSeparator()
@@ -79,7 +79,7 @@ class Toolbar(QObject):
         """Adds a button for an action of the menus.
 
         Args:
-            action: what it does.
+            action: of the menus.
             icon_name: of a file in the folder `icons`.
             text: its name in the toolbar, which may be shorter than in the menu.
         """

@@ -14,7 +14,7 @@ _WINDOW = 2.0  # s of simulated time, in which messages are counted
 
 
 class Reading(NamedTuple):
-    """What is known of a topic."""
+    """The rate and the last message of a topic."""
 
     rate: Optional[float]
     """Messages per second of simulated time; None if it is not known yet."""
@@ -38,7 +38,7 @@ class TopicMonitor:
                 self._watched[name] = _Watched(topic)
 
     def readings(self, time: float) -> Dict[str, Reading]:
-        """What is known of the topics, by their names.
+        """The readings of all topics, by name.
 
         Args:
             time: the present simulated time [s].

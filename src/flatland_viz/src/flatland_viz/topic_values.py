@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict
 
 
 def describe(kind: str, message: Any) -> str:
-    """What matters of a message, for a line in a panel; empty for other types.
+    """The main values of a message, for a line in a panel; empty for other types.
 
     Args:
         kind: the type, such as `nav_msgs/Odometry`.

@@ -1,4 +1,4 @@
-"""What was done to models and can be undone."""
+"""Undo of actions on models."""
 
 from typing import Callable, List, NamedTuple
 
@@ -6,26 +6,26 @@ _LIMIT = 100
 
 
 class Undoable(NamedTuple):
-    """Something that was done."""
+    """An action and its reversal."""
 
     text: str
-    """Such as `Move r2`."""
+    """The name of the action, such as `Move r2`."""
     undo: Callable[[], None]
 
 
 class UndoStack:
-    """The last things that were done; the latest is undone first."""
+    """The last actions; the latest is undone first."""
 
     def __init__(self) -> None:
         self._done: List[Undoable] = []
 
     def push(self, done: Undoable) -> None:
-        """Notes what was done."""
+        """Adds an action."""
         self._done.append(done)
         del self._done[:-_LIMIT]
 
     def undo(self) -> str:
-        """Undoes the latest; returns its text, or the empty string if there is none."""
+        """Undoes the latest action; returns its name, or the empty string if there is none."""
         if not self._done:
             return ""
         done = self._done.pop()
@@ -38,5 +38,5 @@ class UndoStack:
 
     @property
     def text(self) -> str:
-        """What would be undone; empty if there is nothing."""
+        """The name of the next action to undo; empty if there is none."""
         return self._done[-1].text if self._done else ""

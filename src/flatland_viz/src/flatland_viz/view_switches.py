@@ -1,4 +1,4 @@
-"""Switches for what the view shows: labels, headings, handles, scans, footprints."""
+"""Switches of the view for labels, headings, handles, scans and footprints."""
 
 from typing import Any, Callable, Dict
 
@@ -19,7 +19,7 @@ class ViewSwitches(QObject):
 
     Args:
         menu: gets the actions, before its first separator.
-        switches: what each switches, by `labels`, `headings`, `handles`, `scans`, `footprints`.
+        switches: the function of each, by `labels`, `headings`, `handles`, `scans`, `footprints`.
     """
 
     def __init__(self, menu: QMenu, switches: Dict[str, Callable[[bool], Any]]) -> None:

@@ -16,17 +16,17 @@ import yaml
 
 _WAKE_PERIOD = 50  # ms
 _FRAME_RATE = 30  # Hz
-_LONGEST_WAIT = 5000  # ms: for the world, until the window opens without it
+_LONGEST_WAIT = 5000  # ms: limit of the wait for a world before the window opens
 
 
 _END_SERVER = "--end-server-on-close"
-"""The argument with which closing the window ends the server too, and so a launch of both.
+"""The argument that makes closing the window end the server too, and so a launch of both.
 
-A window that crashes does not: the server goes on, and a window can be opened again."""
+A crash of the window does not: the server goes on, and a window can be opened again."""
 
 
 def main() -> int:
-    """Shows the window until it is closed. Without a display, says so and ends."""
+    """Shows the window until it is closed. Without a display, logs that and ends."""
     has_display = _has_display()
     rospy.init_node("flatland_viz", disable_signals=True)
     if not has_display:
@@ -54,7 +54,7 @@ def _has_display() -> bool:
 
 
 def _show_window(ends_server: bool) -> int:
-    # Imported here: without a display there need not be Qt or rviz.
+    # Imported here: on a machine without a display, Qt and rviz may be missing.
     from python_qt_binding.QtCore import Qt, QTimer
     from python_qt_binding.QtWidgets import QApplication
 
@@ -76,7 +76,7 @@ def _show_window(ends_server: bool) -> int:
     server = Server()
     window = Window(server, Scene(_base_config(), _frame_rate()), problems)
     server.start()
-    # Opened by a launch file, it waits for the world: one that is refused ends the launch.
+    # Opened by a launch file, it waits for the world, since a refused world ends the launch.
     if ends_server:
         server.simulation_changed.connect(lambda _: _show(window))
         QTimer.singleShot(_LONGEST_WAIT, lambda: _show(window))
@@ -117,9 +117,9 @@ def _package() -> Path:
 
 
 def _provide_media_export() -> None:
-    """Lets rviz find the package media_export, for which rospack would print errors.
+    """Lets rviz find the package media_export, to prevent errors of rospack.
 
-    rviz asks which packages export media to it. Debian lacks that package, which is empty anyway.
+    rviz looks for packages that export media to it. Debian lacks media_export, an empty package.
     """
     with suppress(rospkg.ResourceNotFound):
         rospkg.RosPack().get_path("media_export")

@@ -38,8 +38,8 @@ _REFRESH_PERIOD = 200  # ms: of the status line
 _MENU_CLOSING_TIME = 200  # ms: until a menu is off the screen
 _OTHER_KEYS = Qt.ControlModifier | Qt.AltModifier | Qt.MetaModifier
 _RESET_DELAYS = (200, 3000)
-"""Milliseconds after the restart of a server until the displays subscribe again. rviz discards all
-messages, latched ones too, when it notices that time went back, at an unknown time within these."""
+"""Delays after a server's restart at which the displays subscribe again [ms]. rviz discards all
+messages, even latched ones, when it notices that time went back, at an unknown time in between."""
 
 
 class Window(QMainWindow):
@@ -48,7 +48,7 @@ class Window(QMainWindow):
     Args:
         server: the connection to it.
         scene: the embedded rviz.
-        problems: what the window tells of them.
+        problems: the sources of the badge's problems.
     """
 
     def __init__(self, server: Server, scene: Scene, problems: ProblemSources) -> None:
@@ -157,16 +157,16 @@ class Window(QMainWindow):
         self._drive.start()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Keeps the world framed while the view is resized; keeps keys from rviz that it has not.
+        """Keeps the world framed while the view is resized; hides keys with modifiers from rviz.
 
-        rviz looks at a key without its modifiers: Ctrl+A would spawn a model, as A does.
+        rviz ignores modifiers: Ctrl+A would spawn a model, as A does.
         """
         if event.type() == QEvent.Resize:
             self._scene.follow_size()
         return event.type() == QEvent.KeyPress and bool(event.modifiers() & _OTHER_KEYS)
 
     def closeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Ends the program, whatever dialogs are open."""
+        """Ends the program, even if dialogs are open."""
         super().closeEvent(event)
         self._drive.stop()
         self.is_closed = True

@@ -25,7 +25,7 @@ from python_qt_binding.QtWidgets import QApplication
 
 
 class _QtSynchroniser(QObject):
-    """Waits for the X server whenever a widget has got the id of its window."""
+    """Waits for the X server after each creation of a widget's window."""
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         if event.type() == QEvent.WinIdChange:

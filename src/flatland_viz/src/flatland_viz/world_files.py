@@ -1,4 +1,4 @@
-"""The files of a world: which models can be spawned from its folder."""
+"""The files of a world: the models that can be spawned."""
 
 from pathlib import Path
 from typing import Any, List
@@ -9,7 +9,7 @@ _SUFFIX = ".model.yaml"
 
 
 def model_files(world: Path) -> List[Path]:
-    """The models of a world: those in its folder and those named in its file, each once.
+    """The model files in a world's folder and those named in its file, each once.
 
     Only the server evaluates world files. This finds the models that are named literally; a missing
     file, or one that is not plain YAML, gives none.

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Places what depends on the camera, when the camera of a frame is known.
+/// Places objects that depend on the camera, once the camera of a frame is known.
 
 #include <OgreFrameListener.h>
 
@@ -17,7 +17,7 @@ class DisplayContext;
 namespace flatland_viz {
 
 /// Calls a function before each frame of rviz's main view. Displays and tools are updated before
-/// the view is, so that what they place by its scale would be late by a frame.
+/// the view is, so that objects placed by its scale would be late by a frame.
 class BeforeRender : public Ogre::FrameListener {
  public:
   using Place = std::function<void(const Ogre::Viewport& viewport, double pixel_ratio)>;

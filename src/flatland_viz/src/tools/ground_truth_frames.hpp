@@ -23,8 +23,9 @@ namespace flatland_viz {
 
 class WorldModels;
 
-/// A robot publishes transforms from its odometry frame to its bodies and sensors. From the map to
-/// that odometry frame is a localiser's to say. While nothing does, scans could not be shown.
+/// A robot publishes transforms from its odometry frame to its bodies and sensors. The
+/// transform from the map to that odometry frame comes from a localiser; without it, scans could
+/// not be shown.
 ///
 /// This finds the root of the transforms of each body, such as "odom". If it is not connected to
 /// the map, it follows from where the body truly is in the map, and from where the body is in the
@@ -39,7 +40,7 @@ class GroundTruthFrames {
   bool is_published = false;
 
   void Add(const flatland_msgs::ModelStates& states);
-  /// Discards what is known of the past: simulated time has begun again.
+  /// Discards all poses and transforms: simulated time has begun again.
   void Clear();
   /// Computes the transforms at the present time; to be called often.
   void Update();

@@ -1,6 +1,6 @@
 #pragma once
 
-/// The tool for what is most often done: looking around, selecting, dragging and turning models.
+/// The default tool: looking around, selecting, dragging and turning models.
 
 #include <ros/time.h>
 #include <rviz/tool.h>
@@ -68,7 +68,7 @@ class InteractTool : public rviz::Tool {
   Hit FindHit(const QPointF& at, double pixels_per_metre, double pixel_ratio) const;
   /// The model that the mouse has reached or not left yet, with its ring.
   void FollowHover(const Hit& hit, const QPointF& at, double pixels_per_metre, double pixel_ratio);
-  /// Looks again at what is under the mouse, which rests while models move.
+  /// Looks again for the model under the mouse: models move while it rests.
   void LookUnderMouse();
   int Release(rviz::ViewportMouseEvent& event);
   void BeginDrag(const QPointF& at);

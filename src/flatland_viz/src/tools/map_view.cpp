@@ -40,7 +40,7 @@ void MapView::handleMouseEvent(rviz::ViewportMouseEvent& event) {
   setStatus(
       "<b>Drag:</b> Move the map. <b>Wheel:</b> Zoom. <b>Ctrl-Drag:</b> Rotate. <b>Home:</b> Show "
       "all.");
-  // rviz tells tools the mouse's place in pixels of the device, as the scale is.
+  // rviz gives the mouse's position in device pixels, the unit of the scale.
   const QPointF middle(0.5 * event.viewport->getActualWidth(),
                        0.5 * event.viewport->getActualHeight());
   const QPointF now = QPointF(event.x, event.y) - middle;
@@ -105,7 +105,7 @@ void MapView::Follow() {
       reference_orientation_.Inverse() *
       (world->PositionInScene(model->state.pose, 0) - reference_position_);
   const QPointF at(position.x, position.y);
-  // A view that moved along would carry the point under the mouse on, and the model with it.
+  // If the view followed the model, the point under the mouse would move on with both.
   const ros::WallTime time = ros::WallTime::now();
   if (models_->dragged() == name) rests_until_ = time + kSettling;
   if (time < rests_until_ && followed_ == name) {

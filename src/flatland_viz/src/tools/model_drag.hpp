@@ -18,16 +18,16 @@ class ModelDrag {
 
   bool is_active() const { return is_active_; }
   const std::string& model() const { return model_; }
-  /// Where the model was at the beginning, and where it is now.
+  /// The poses of the model at the beginning and now.
   const geometry_msgs::Pose2D& start() const { return start_; }
   const geometry_msgs::Pose2D& pose() const { return pose_; }
 
   void Begin(const std::string& model, const geometry_msgs::Pose2D& start, const QPointF& at);
   /// Moves it with the mouse, which is at a point of the world [m].
   void MoveTo(const QPointF& at);
-  /// Turns it about a point of itself, by what the mouse has turned about that point.
+  /// Turns it about a point of the model, by the angle that the mouse has turned about that point.
   void TurnTo(const QPointF& at, const QPointF& middle);
-  /// Must be called often: the server ends a drag of which it does not hear.
+  /// Must be called often: without messages, the server ends the drag.
   void KeepAlive();
   void End();
   /// Puts the model back.

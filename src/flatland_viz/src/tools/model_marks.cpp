@@ -46,8 +46,8 @@ void AddArrow(FlatShape& shape, double size, const QColor& color) {
   shape.AddTriangle(tip, notch, point(-0.8, -0.72), color);
 }
 
-/// Moves the place of a name so that it is not cut off at the edge of the view, unless what it
-/// names is out of sight.
+/// Moves a name away from the edge of the view so that it is not cut off, unless the named model is
+/// out of sight.
 void MoveIntoView(QRectF& place, const QPointF& model, const Ogre::Viewport& viewport) {
   QRectF view(0, 0, viewport.getActualWidth(), viewport.getActualHeight());
   view.moveCenter(QPointF());
@@ -143,7 +143,7 @@ void ModelMarks::PlaceHeading(Mark& mark, const WorldModel& model, const WorldPl
     AddArrow(mark.heading, 1.0, model.color());
     mark.heading.End();
   }
-  // On the base, which is what drives.
+  // On the base, the body that drives.
   const geometry_msgs::Pose2D& base = model.state.bodies.front();
   const Ogre::Vector3 at = world.PositionInScene(base, kMarkZ);
   const ScreenScale scale = ScreenScale::At(at, viewport);

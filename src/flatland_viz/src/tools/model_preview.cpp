@@ -21,7 +21,7 @@ ModelPreview::ModelPreview(rviz::DisplayContext& context,
     std::unique_ptr<rviz::MarkerBase> marker(
         rviz::createMarker(message.type, nullptr, &context, node_));
     if (!marker) continue;
-    // rviz transforms a marker into the fixed frame; given in that frame, it stays in the node's.
+    // rviz transforms a marker into the fixed frame; a marker in that frame stays in its node's.
     message.header.frame_id = context.getFixedFrame().toStdString();
     message.header.stamp = ros::Time();
     marker->setMessage(message);

@@ -1,6 +1,6 @@
 #pragma once
 
-/// rviz's display of what the models' markers do not show.
+/// rviz's display of the models' names and headings.
 
 #include <ros/time.h>
 #include <rviz/display.h>

@@ -19,7 +19,7 @@ class Viewport;
 
 namespace flatland_viz {
 
-/// How a label looks.
+/// The appearance of a label.
 struct LabelStyle {
   QColor text;
   QColor plate;

@@ -14,7 +14,7 @@ class OneShotTool : public rviz::Tool {
   void activate() final;
   void deactivate() final {}
 
-  /// True while such a tool hands back: the tool that is activated then was only interrupted.
+  /// True while such a tool hands back: the tool activated then was only interrupted.
   static bool is_handing_over() { return is_handing_over_; }
 
  protected:

@@ -12,7 +12,7 @@ class Viewport;
 
 namespace flatland_viz {
 
-/// Of a camera at a point of the scene. Pixels are those of the device.
+/// The scale of a camera at a point of the scene, in device pixels.
 struct ScreenScale {
   double pixels_per_metre = 1.0;
   Ogre::Quaternion camera = Ogre::Quaternion::IDENTITY;  ///< its orientation
@@ -20,13 +20,13 @@ struct ScreenScale {
   static ScreenScale At(const Ogre::Vector3& point, const Ogre::Viewport& viewport);
 
   float Metres(double pixels) const { return static_cast<float>(pixels / pixels_per_metre); }
-  /// What is so many pixels to the right and upwards on the screen.
+  /// The vector in the scene of so many pixels to the right and upwards on the screen.
   Ogre::Vector3 Offset(double right, double up) const {
     return camera * Ogre::Vector3(Metres(right), Metres(up), 0);
   }
 };
 
-/// Where a point is on the screen, from the middle of the viewport to the right and upwards
+/// The position of a point on the screen, from the middle of the viewport to the right and upwards
 /// [pixels].
 Ogre::Vector2 OnScreen(const Ogre::Vector3& point, const Ogre::Viewport& viewport);
 

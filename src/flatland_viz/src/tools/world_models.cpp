@@ -10,7 +10,7 @@
 namespace flatland_viz {
 namespace {
 
-// Told apart on the light background and on the dark one, and none like walls or wood.
+// Distinct on the light and the dark background, and unlike walls and wood.
 const std::array<QColor, 8> kColors = {
     QColor(204, 0, 0),    QColor(31, 111, 209), QColor(39, 138, 62),  QColor(214, 110, 0),
     QColor(142, 78, 198), QColor(15, 145, 150), QColor(210, 60, 150), QColor(128, 110, 20)};

@@ -25,11 +25,11 @@ struct WorldModel {
   flatland_msgs::ModelState state;
   int color_index = 0;
 
-  /// Whether its state is known. It is not before the first message.
+  /// Whether its state is known, from the first message on.
   bool is_placed() const { return !state.bodies.empty(); }
   /// Whether it has topics. A box has none.
   bool is_robot() const;
-  /// Its accent.
+  /// Its accent colour.
   QColor color() const;
   /// The middle of its bodies in its own frame, and the distance from there to the farthest corner
   /// of their boxes [m].
@@ -92,7 +92,7 @@ class WorldModels : public QObject {
   ros::Subscriber states_;
 };
 
-/// What has the pose `inner` in the frame of `pose`, in the frame in which that is given.
+/// Composes poses: transforms `inner` out of the frame that `pose` describes.
 geometry_msgs::Pose2D Compose(const geometry_msgs::Pose2D& pose,
                               const geometry_msgs::Pose2D& inner);
 

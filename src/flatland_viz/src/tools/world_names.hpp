@@ -1,6 +1,6 @@
 #pragma once
 
-/// What a model to be spawned has to differ in from those that are there.
+/// Names and namespaces that must be unique among the models in the world.
 
 #include <flatland_msgs/ModelList.h>
 

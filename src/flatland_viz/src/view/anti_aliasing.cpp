@@ -1,4 +1,4 @@
-/// Whether rviz smooths edges, for a program that embeds it and does not use C++.
+/// rviz's anti-aliasing, for a Python program that embeds rviz.
 
 #include <OgreRenderSystem.h>
 #include <OgreRenderSystemCapabilities.h>

@@ -5,9 +5,9 @@
 namespace flatland_viz {
 namespace {
 
-constexpr double kShare = 0.45;      // of a core that drawing may take
-constexpr double kRest = 1.0;        // s: a view is drawn that often even if no change was noticed
-constexpr double kActionTime = 0.5;  // s: how long an action of the user lets it draw without limit
+constexpr double kShare = 0.45;      // greatest share of a core for drawing
+constexpr double kRest = 1.0;        // s: period of drawing even without a noticed change
+constexpr double kActionTime = 0.5;  // s: time of unlimited drawing after an action of the user
 constexpr double kMemory = 0.8;      // weight of earlier frames in the smoothed cost
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-/// When a view is drawn again: on changes, but not more often than the processor can afford.
+/// Schedule of a view's drawing: on changes, but not more often than the processor can afford.
 
 namespace flatland_viz {
 
@@ -11,7 +11,7 @@ namespace flatland_viz {
 /// mouse in the view or types in it.
 class DrawSchedule {
  public:
-  /// The scene has changed, or what was drawn is lost.
+  /// The scene has changed, or the drawn picture is lost.
   void Request() { is_requested_ = true; }
 
   /// The user moved the mouse in the view, or pressed a key.

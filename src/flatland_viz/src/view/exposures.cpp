@@ -10,7 +10,7 @@
 
 namespace flatland_viz {
 
-/// A connection to the X server of its own, which gets the events that no other part asks for.
+/// A separate connection to the X server, for events that no other part asks for.
 struct Exposures::Connection {
   Connection() : display(XOpenDisplay(nullptr)) {}
   ~Connection() {

@@ -26,15 +26,14 @@ class Exposures;
 
 /// Keeps rviz from drawing the main view at each of its updates, 30 times a second.
 ///
-/// rviz goes on updating its displays at its frame rate. Ogre asks this before it draws, and it
-/// compares a digest of the scene with that before: an unchanged scene is not drawn, nor a hidden
-/// one.
+/// rviz goes on updating its displays at its frame rate. Before Ogre draws, this
+/// compares a digest of the scene with the former one: an unchanged or hidden scene is not drawn.
 class RenderOnChange : public rviz::Display, private Ogre::FrameListener {
  public:
   RenderOnChange();
   ~RenderOnChange() override;
 
-  /// Notices what the user does in the view.
+  /// Notices the user's actions in the view.
   bool eventFilter(QObject* watched, QEvent* event) override;
 
  protected:

@@ -49,7 +49,7 @@ Ogre::MaterialPtr MakeLineMaterial(const Ogre::ColourValue& color) {
       "flatland_viz/lines/" + std::to_string(++count),
       Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
   material->setReceiveShadows(false);
-  // The colour of a surface that shines and reflects nothing does not depend on the light.
+  // A self-illuminated surface without reflection has a colour independent of the light.
   material->setLightingEnabled(true);
   material->setAmbient(Ogre::ColourValue::Black);
   material->setDiffuse(Ogre::ColourValue(0.0f, 0.0f, 0.0f, color.a));

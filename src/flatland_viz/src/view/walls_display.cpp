@@ -26,8 +26,8 @@ constexpr std::size_t kSegmentsPerBuffer = 8192;    // Neighbours in the list ar
 constexpr std::size_t kSegmentsPerUpdate = 500000;  // takes some 30 ms
 constexpr float kWidth = 0.05f;                     // m
 constexpr float kWidest = 8.0f;                     // px
-constexpr float kContrast = 0.4f;        // of the brightness; walls with less are changed
-constexpr float kWantedContrast = 0.5f;  // and have so much then
+constexpr float kContrast = 0.4f;        // difference of brightness; walls with less are changed
+constexpr float kWantedContrast = 0.5f;  // difference after the change
 
 /// The bounding box of all walls, as numbers in a string; empty if there are none.
 QString BoundsOf(const flatland_msgs::Walls& walls) {
@@ -42,7 +42,7 @@ QString BoundsOf(const flatland_msgs::Walls& walls) {
   return QString("%1 %2 %3 %4").arg(low[0]).arg(low[1]).arg(high[0]).arg(high[1]);
 }
 
-/// How bright a colour looks: 0 to 1 (luma, ITU-R BT.601).
+/// The perceived brightness of a colour: 0 to 1 (luma, ITU-R BT.601).
 float Luma(const Ogre::ColourValue& color) {
   return 0.299f * color.r + 0.587f * color.g + 0.114f * color.b;
 }
@@ -181,7 +181,7 @@ void WallsDisplay::ShowMore() {
   progress_->setValue(100);
 }
 
-/// Moves the walls to where their frame is now, and gives them a width in pixels and a colour.
+/// Moves the walls to the present pose of their frame, and sets their width in pixels and colour.
 void WallsDisplay::Place() {
   Ogre::Vector3 position = Ogre::Vector3::ZERO;
   Ogre::Quaternion orientation = Ogre::Quaternion::IDENTITY;

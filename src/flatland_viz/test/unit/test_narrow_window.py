@@ -12,7 +12,7 @@ ICONS = ("step", "reset", "drive")
 
 
 class Tool:
-    """One of rviz's."""
+    """A tool of rviz."""
 
     def __init__(self, kind, name):
         self.getClassId = lambda: kind
@@ -44,7 +44,7 @@ def window(application):
 
 
 def visible(bar):
-    """The names of the buttons that are seen, from the left."""
+    """The names of the visible buttons, from the left."""
     buttons = [(action, bar.widgetForAction(action)) for action in bar.actions()]
     seen = [(button.x(), action.text()) for action, button in buttons if button.isVisible()]
     return [name for _, name in sorted(seen) if name]

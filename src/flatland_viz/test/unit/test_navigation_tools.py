@@ -1,4 +1,4 @@
-"""Which of rviz's tools for navigation are in the toolbar."""
+"""rviz's navigation tools in the toolbar."""
 
 import pytest
 

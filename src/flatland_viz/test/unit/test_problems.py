@@ -1,4 +1,4 @@
-"""How the window collects problems."""
+"""Collection of problems by the window."""
 
 from flatland_viz.drive_robots import Robot
 from flatland_viz.problems import (

@@ -1,4 +1,4 @@
-"""Which screens the tests of the window run on."""
+"""The choice of screens for tests of the window."""
 
 from argparse import ArgumentTypeError
 from pathlib import Path

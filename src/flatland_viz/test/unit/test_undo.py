@@ -1,4 +1,4 @@
-"""What can be undone."""
+"""The undo stack."""
 
 from functools import partial
 

@@ -68,7 +68,7 @@ class Watch(QObject):
 
 
 class Settings:
-    """Without values."""
+    """Settings without stored values."""
 
     def number(self, key, default):
         return default
@@ -99,7 +99,7 @@ def test_a_held_key_does_not_drive_the_next_robot_when_its_own_is_deleted(applic
 
 
 class Interaction(QObject):
-    """The selected model is at rest, with a negative zero in its pose."""
+    """A selected model at rest, with a negative zero in its pose."""
 
     moved = Signal(str, object)
     menu_asked = Signal(str)
@@ -112,7 +112,7 @@ class Interaction(QObject):
 
 @pytest.fixture
 def actions(application):
-    """Those of a selected model, in a window that has the keyboard."""
+    """The actions of a selected model, in a window with the keyboard focus."""
     window = QMainWindow()
     selection = Selection()
     actions = ModelActions(window, None, selection, Interaction(), None)
@@ -143,7 +143,7 @@ def test_selected_text_is_copied_instead_of_the_pose(actions):
 
 
 class Monitor:
-    """Of topics without messages."""
+    """A monitor of topics without messages."""
 
     def watch(self, topics):
         pass
