@@ -51,7 +51,7 @@ def conveyor() -> Harness:
 
 
 def poses(simulation: Harness) -> Dict[str, Pose]:
-    """Where the models are, by their names."""
+    """The poses of the models, by name."""
     return {name: model.pose for name, model in simulation.world.models.items()}
 
 

@@ -1,4 +1,4 @@
-"""Over a real master: the plugins that move bodies, and the one that tells where they are."""
+"""Over a real master: the drives, Tween and ModelTfPublisher."""
 
 import math
 
@@ -157,7 +157,7 @@ class Tween(rostest_case.PluginCase):
                 pose_of(self.transform(robot, "{ns}lift", stamp))
                 for stamp in (first, first + rospy.Duration(0, STEP), last)
             )
-            # On a straight line, so far from one end now as from the other in half a period.
+            # On a straight line; half a period later, the mirror image about its middle.
             middle = tuple((a + b) / 2 for a, b in zip(here, there))
             self.assert_pose(middle, self.expected(robot, (0.0, 0.5, 0.0), (0.25, 0.0, 0.0)))
             self.assertAlmostEqual(math.dist(after[:2], here[:2]), 0.5 * 0.005, delta=1e-6)

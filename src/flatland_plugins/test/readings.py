@@ -1,4 +1,4 @@
-"""What messages say: poses in the plane, and stamps."""
+"""Poses in the plane and stamps, read from messages."""
 
 import math
 from typing import Any, Optional, Tuple

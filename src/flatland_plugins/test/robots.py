@@ -1,4 +1,4 @@
-"""What a robot of a rostest is: where it stands, and what becomes of names in its namespace."""
+"""The robots of a rostest: poses, and names of topics and frames in their namespaces."""
 
 from typing import Any, NamedTuple, Tuple, Type
 
@@ -6,7 +6,7 @@ from readings import turned
 
 
 class Robot(NamedTuple):
-    """A model, and where it is spawned [m, m, rad]."""
+    """A model and its spawn pose [m, m, rad]."""
 
     name: str
     namespace: str
@@ -19,16 +19,16 @@ class Robot(NamedTuple):
         return f"/{self.namespace}/{name}" if self.namespace else f"/{name}"
 
     def frame(self, name: str) -> str:
-        """A frame; "{ns}" at its beginning says that it is the robot's own."""
+        """The name of a frame; "{ns}" at its start stands for the robot's namespace."""
         return name.format(ns=f"{self.namespace}_" if self.namespace else "")
 
     def at(self, x: float, y: float) -> Tuple[float, float]:
-        """Where a point of the robot's own frame is in the world, as it is spawned."""
+        """A point of the robot's frame in the world's frame, at the spawn pose."""
         return turned((x, y), self.yaw, (self.x, self.y))
 
 
 class Topic(NamedTuple):
-    """What a plugin publishes: the rate in Hz, frames as `Robot.frame` takes them."""
+    """A topic that a plugin publishes: the rate in Hz, frames as `Robot.frame` takes them."""
 
     name: str
     type: Type[Any]

@@ -1,4 +1,4 @@
-"""What the rostests of plugins share: robots with the plugin, and what holds for all they publish.
+"""Shared by the rostests of plugins: robots with the plugin, and checks of all they publish.
 
 A case has a table of topics and frames. It listens to them for a while, and has a test for each
 column. A `PluginCase` spawns its model for that, with a namespace and without one, and deletes it
@@ -29,7 +29,7 @@ class ListeningCase(RecordingCase):
     """Base of tests of what robots publish.
 
     Attributes:
-        published, frames: what each robot has.
+        published, frames: the topics and frames of each robot.
         robots: the robots with these topics; the world counts as a robot without a namespace.
     """
 
@@ -42,7 +42,7 @@ class ListeningCase(RecordingCase):
     def setUpClass(cls) -> None:
         try:
             cls._prepare()
-        except Exception:  # rosunit would not tell what it was
+        except Exception:  # rosunit would not show the traceback
             cls._failure = traceback.format_exc()
 
     def setUp(self) -> None:
@@ -67,15 +67,15 @@ class ListeningCase(RecordingCase):
 
     @classmethod
     def spawn_robots(cls) -> None:
-        """Whatever is to be done first."""
+        """Spawns the robots, before their topics are recorded."""
 
     @classmethod
     def get_going(cls) -> None:
-        """Whatever is to be done before listening."""
+        """Sets the robots in motion, before listening."""
 
     @classmethod
     def _listen(cls) -> None:
-        """Keeps how many messages each topic has had, and all stamps, within some time."""
+        """Counts the messages of each topic for a while, and keeps all stamps."""
         counts = {name: -len(recorder.messages) for name, recorder in cls.recorders.items()}
         cls.begin = cls.clock.next().clock.to_nsec()
         cls.end = cls.clock.next(
@@ -123,11 +123,11 @@ class ListeningCase(RecordingCase):
         publisher.publish(twist)
 
     def recorder_of(self, robot: Robot, name: str) -> Recorder:
-        """A topic of a robot."""
+        """The recorder of a robot's topic."""
         return self.recorders[robot.topic(name)]
 
     def transform(self, robot: Robot, child: str, stamp: rospy.Time) -> Transform:
-        """The transform of one moment."""
+        """The transform to a robot's frame with a stamp."""
         child = robot.frame(child)
 
         def found() -> List[Transform]:

@@ -1,4 +1,4 @@
-"""Over a real master: the plugins that measure something."""
+"""Over a real master: the sensors."""
 
 import math
 

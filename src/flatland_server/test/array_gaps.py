@@ -9,7 +9,7 @@ _FUNCTIONS = ("arccos", "arcsin", "arctan2", "cos", "exp", "log", "power", "sin"
 
 
 def watch_gaps(monkeypatch: pytest.MonkeyPatch) -> List[str]:
-    """The names of the functions that get such an array from now on: a list that grows."""
+    """Returns a list that receives the name of each function called with such an array."""
     found: List[str] = []
     for name in _FUNCTIONS:
         monkeypatch.setattr(np, name, _watched(getattr(np, name), found))
@@ -26,6 +26,6 @@ def _watched(function: Callable[..., object], found: List[str]) -> Callable[...,
 
 
 def _has_gaps(array: np.ndarray) -> bool:
-    """Whether its elements, in any order, do not lie side by side."""
+    """Whether the elements, in any order, are not contiguous in memory."""
     extents = [(count - 1) * abs(stride) for count, stride in zip(array.shape, array.strides)]
     return array.size > 0 and sum(extents) + array.itemsize > array.nbytes

@@ -73,7 +73,7 @@ class InteractiveMarkers(unittest.TestCase):
         updates.next()
 
         def places():
-            """Where the handle was sent to, along x."""
+            """The x coordinates to which the handle was moved."""
             poses = [each for update in updates.messages for each in update.poses]
             return [each.pose.position.x for each in poses if each.name == BOX]
 

@@ -1,4 +1,4 @@
-"""What runs under a ROS master, and a port for one; where a node's executable is."""
+"""Processes under a ROS master, a free port for one, and the executables of nodes."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -19,7 +19,7 @@ def executable(package: str, node: str) -> str:
 
 
 def processes_under(uri: str) -> List[bytes]:
-    """Command lines of what knows this master, wherever it is in the process tree."""
+    """Command lines of all processes with this master in their environment."""
     markers = [f"ROS_MASTER_URI={uri}{end}\0".encode() for end in ("", "/")]  # roslaunch adds one
     found = []
     for process in Path("/proc").glob("[0-9]*"):

@@ -38,11 +38,11 @@ class Recorder:
 
 
 class RecordingCase(unittest.TestCase):
-    """Base of tests that record topics until the last of them."""
+    """Base of tests that record topics until the last test."""
 
     @classmethod
     def record(cls, topic: str, message_type: Type[Any]) -> Recorder:
-        """Starts to record; after the last test nothing is kept for the garbage collector."""
+        """Records a topic; the last test's end unsubscribes, and frees the messages."""
         recorder = Recorder(topic, message_type)
         cls.addClassCleanup(recorder.messages.clear)
         cls.addClassCleanup(recorder.close)
@@ -50,10 +50,10 @@ class RecordingCase(unittest.TestCase):
 
 
 def publish_rate(recorder: Recorder, count: int) -> float:
-    """Messages per second of simulated time of a topic with headers, by so many of them.
+    """Rate of a topic with headers [Hz of simulated time], from its next `count` messages.
 
-    All stamps are a number of periods apart. A subscriber on a busy machine may lose messages,
-    which changes nothing.
+    Stamps are whole periods apart, so the result does not change if a subscriber on a busy machine
+    loses messages.
     """
     recorder.next(count)
     stamps = sorted({message.header.stamp.to_nsec() for message in list(recorder.messages)})

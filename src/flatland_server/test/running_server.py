@@ -45,7 +45,7 @@ class Master:
         wait_until(lambda: self.ask("getPid"), "the master")
 
     def ask(self, method: str, *arguments: Any, caller: str = "/test") -> Any:
-        """The value of its answer, None if there is none."""
+        """Calls a method of the master. Returns the value of its answer, None if there is none."""
         try:
             proxy = xmlrpc.client.ServerProxy(self.uri)
             code, _, value = getattr(proxy, method)(caller, *arguments)
@@ -109,7 +109,7 @@ class Server:
                 raise
             self.look_up()
             self.topics = master.topics()
-            """What it publishes from the start on."""
+            """The topics that it publishes from the start."""
             self.subscribed_topics = master.subscribed_topics()
 
     @property
@@ -163,7 +163,7 @@ class Server:
 
 
 def simulated_time(clock: socket.socket, seconds: float) -> float:
-    """How much time passes in the simulation in some of real time [s], on a connection to /clock.
+    """The simulated time that passes in a real time [s], on a connection to /clock.
 
     Raises:
         OSError: there is no message.
@@ -176,7 +176,7 @@ def simulated_time(clock: socket.socket, seconds: float) -> float:
 
 
 def prepare(max_files: int, hard: int) -> None:
-    """In a new process: signals and the limit of open files as a terminal gives them."""
+    """Sets signals and the limit of open files of a new process as a terminal does."""
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a background shell ignores it
     signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and nohup this one
     resource.setrlimit(resource.RLIMIT_NOFILE, (max_files, hard))

@@ -1,4 +1,4 @@
-"""Screenshots of a virtual screen, and where they have a colour."""
+"""Screenshots of a virtual screen, and their pixels of a colour."""
 
 from pathlib import Path
 from typing import Dict, Sequence
@@ -34,7 +34,7 @@ class Screenshots:
 
 
 def near(pixels: np.ndarray, color: Sequence[int], tolerance: int) -> np.ndarray:
-    """Where each channel differs from the colour's by at most the tolerance.
+    """The pixels that differ from the colour by at most the tolerance in each channel.
 
     Args:
         pixels: colours, uint8 of shape (height, width, 3).

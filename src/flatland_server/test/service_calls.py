@@ -47,12 +47,12 @@ class ServerTopics(NamedTuple):
 
     @classmethod
     def ask(cls) -> "ServerTopics":
-        """The present ones."""
+        """The server's present topics."""
         published, subscribed, _ = rosgraph.Master(rospy.get_name()).getSystemState()
         return cls(_of_server(published), _of_server(subscribed))
 
     def without(self, others: "ServerTopics") -> "ServerTopics":
-        """Those that are not among others."""
+        """The topics that are not among others."""
         return ServerTopics(self.published - others.published, self.subscribed - others.subscribed)
 
 

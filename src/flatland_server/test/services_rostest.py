@@ -27,7 +27,7 @@ SLOW_MODEL = Path(__file__).resolve().parent / "worlds" / "slow_to_read.model.ya
 
 
 MODEL, YAML = "ModelError", "YamlError"
-"""What messages of errors begin with."""
+"""Beginnings of error messages."""
 
 
 def change_rate(rate):
@@ -221,7 +221,7 @@ class Services(RecordingCase):
         _, _, server = rospy.get_master().lookupNode("/flatland_server")
         with tcpros_client.subscribe(server, "/clock", Clock) as late_node:
             time_of_pause = tcpros_client.next_message(late_node, Clock)
-        # Ticks of before the pause may arrive after the answer of the service.
+        # Ticks from before the pause may arrive after the answer of the service.
         wait_until(lambda: self.clock.messages[-1] == time_of_pause, "the last tick")
         for _ in range(20):  # each answer comes from the simulation's loop
             self.assertFalse(delete("missing").success)

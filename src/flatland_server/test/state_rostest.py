@@ -89,7 +89,7 @@ class State(unittest.TestCase):
         self.cmd_vel.publish(twist)
 
     def drive(self):
-        """Drives in lockstep, a command for each step; what the sensors say meanwhile, by time."""
+        """Drives in lockstep, a command for each step; returns the sensors' messages by time."""
         recorders = (self.odometry, self.scan)
         begin = [len(recorder.messages) for recorder in recorders]
         make_step = rospy.ServiceProxy("/step", Step, persistent=True)
@@ -298,6 +298,6 @@ class State(unittest.TestCase):
 if __name__ == "__main__":
     import rostest
 
-    # rospy's own subscription to /clock has a queue of one message, which would be ours too.
+    # rospy's own subscription to /clock has a queue of one message, which ours would share.
     rospy.init_node("state_rostest", disable_rostime=True)
     rostest.rosrun("flatland_server", "state", State, sys.argv)

@@ -30,7 +30,7 @@ def read_header(connection: socket.socket) -> Dict[str, str]:
 
 
 def read_block(connection: socket.socket) -> bytes:
-    """What follows a length of four bytes."""
+    """Reads a block that begins with its length in four bytes."""
     (length,) = _LENGTH.unpack(_read(connection, _LENGTH.size))
     return _read(connection, length)
 

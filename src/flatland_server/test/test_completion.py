@@ -24,7 +24,7 @@ tab() {  # function, words; bash splits at ":="
 
 @pytest.fixture(scope="module")
 def offers():
-    """What is offered for command lines, each a completion and words; the last is completed."""
+    """Completes the last word of command lines, each the name of a completion and words."""
 
     def complete(lines, cwd):
         calls = "\n".join(f"tab _flatland_complete_{line}" for line in lines)

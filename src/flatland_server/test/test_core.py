@@ -24,7 +24,7 @@ def run(*command):
 
 @pytest.fixture(scope="module")
 def programs():
-    """The folder of the programs. The tests that run meanwhile, some in real time, come first."""
+    """Builds the programs; returns their folder. Tests that run meanwhile have priority."""
     jobs = f"--parallel={os.cpu_count()}"
     run("nice", "cmake", "--build", BUILD, jobs, "--target", *PROGRAMS)
     return BUILD / "src" / "flatland_server" / "test" / "core"

@@ -1,4 +1,4 @@
-"""What pages of docs say about the code is so. Their blocks are run in test/guide."""
+"""Statements of the docs about the code are true. Their blocks are run in test/guide."""
 
 import importlib
 import re
@@ -72,7 +72,7 @@ def test_the_tables_name_what_there_is(heading, classes):
 @pytest.mark.parametrize("name", samples.plugin_names())
 def test_a_plugin_publishes_and_subscribes_what_its_section_says(name):
     said = sections()[name]
-    if "[DiffDrive](#diffdrive)" in said:  # what it shares with DiffDrive is said there
+    if "[DiffDrive](#diffdrive)" in said:  # the keys shared with DiffDrive are described there
         said += sections()["DiffDrive"]
     transport = Listener()
     files = testing.WorldFiles()

@@ -114,7 +114,7 @@ def test_ctrl_c_in_other_phases_of_loading_ends_the_server(master, many_robots, 
 
 
 def may_have_real_time_priority():
-    """Whether a process of this user may; tried in one, as this thread must not have it."""
+    """Tries it in a process of its own, since this thread must not have that priority."""
     code = "import os; os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))"
     result = subprocess.run([sys.executable, "-c", code], stderr=subprocess.DEVNULL)
     return result.returncode == 0

@@ -1,4 +1,4 @@
-"""The server while its master fails, and what it may have open; soak/ has more faults."""
+"""The server while its master fails, and its limit of open files; soak/ has more faults."""
 
 import contextlib
 import signal
@@ -93,7 +93,7 @@ def test_the_soft_limit_of_open_files_is_raised_and_a_topic_takes_no_file(start_
 
 
 def request_shutdown(server):
-    """What rosnode kill does."""
+    """Requests the server's shutdown as rosnode kill does."""
     with contextlib.suppress(OSError):  # the server may end before it answers
         xmlrpc.client.ServerProxy(server.uri).shutdown("/test", "a test")
 

@@ -1,6 +1,6 @@
 """The window of `flatland view` on a virtual screen, with real keys and a mouse.
 
-What happens is seen in screenshots, which stay in build/screenshots: where the red robot is.
+The red robot is located in screenshots, which stay in build/screenshots.
 """
 
 import os
@@ -79,12 +79,12 @@ class View:
         return (red[:, 1].mean(), red[:, 0].mean()) if len(red) > 50 else None
 
     def moved(self):
-        """How far the robot is from its place at the start, to the right and downwards [px]."""
+        """The robot's displacement since the start, to the right and downwards [px]."""
         column, row = self.robot()
         return np.array([column - self.left, row - self.top])
 
     def hold(self, *keys, until):
-        """Holds keys until the robot has moved as a function of `moved()` says."""
+        """Holds keys until `until` is true of the robot's displacement."""
         self.xdotool("keydown", *keys)
         try:
             wait_until(lambda: until(*self.moved()), f"what {keys} do")
@@ -106,7 +106,7 @@ class View:
 
 @pytest.fixture(scope="module")
 def window(display, tmp_path_factory):
-    """One for all tests; the last of them closes it."""
+    """One window for all tests, closed after the last."""
     folder = tmp_path_factory.mktemp("view")
     walls = [(-5, -5, 5, -5), (5, -5, 5, 5), (5, 5, -5, 5), (-5, 5, -5, -5)]
     (folder / "walls.dat").write_text("".join(f"{a} {b} {c} {d}\n" for a, b, c, d in walls))

@@ -1,4 +1,4 @@
-"""Waiting for what another process or thread does."""
+"""Waiting for other processes and threads."""
 
 import time
 from typing import Callable, TypeVar
@@ -10,11 +10,11 @@ LIMIT = 30.0  # s: a busy machine may take much longer than an idle one
 def wait_until(
     holds: Callable[[], T], what: str, limit: float = LIMIT, interval: float = 0.02
 ) -> T:
-    """The first true value of `holds()`, which may fail by itself where waiting is in vain.
+    """Waits for a true value of `holds()` and returns it; `holds` may raise to stop waiting.
 
     Args:
         holds: the condition.
-        what: names it if the wait fails.
+        what: names the condition if the wait fails.
         limit: of the wait [s].
         interval: between two calls of `holds` [s].
 

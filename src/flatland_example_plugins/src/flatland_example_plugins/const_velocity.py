@@ -19,4 +19,4 @@ class ConstVelocity(ModelPlugin):
         self._body.velocity = self._velocity
 
     def get_state(self) -> None:
-        """Nothing: what moves is kept by the simulator."""
+        """Nothing: the simulator saves the motion of bodies."""

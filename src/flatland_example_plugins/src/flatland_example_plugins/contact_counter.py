@@ -36,15 +36,15 @@ class ContactCounter(ModelPlugin):
             self.publish_now(timekeeper)
 
     def read(self, timekeeper: Timekeeper) -> int:
-        """What a program reads: the sum until now."""
+        """The sum so far, as a program reads it."""
         return sum(self._counts.values())
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes it: when the time has come, or when a program reads the topic first."""
+        """Publishes the sum: when it is due, or when a program starts to read the topic."""
         self._publisher.publish(Int32(self.read(timekeeper)))
 
     def get_state(self) -> Dict[str, int]:
-        """What a saved state has to keep: plain data."""
+        """The plain data to keep in a saved state."""
         return self._counts
 
     def set_state(self, state: Dict[str, int]) -> None:

@@ -30,7 +30,7 @@ class Feeder(WorldPlugin):
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Deletes and spawns models; both take effect at the end of the step."""
         models = self.world.models
-        there = [name for name in self._names if name in models]  # others may delete them too
+        there = [name for name in self._names if name in models]  # models may be deleted elsewhere
         self._names = [name for name in there if self._contains(models[name].pose)]
         for name in there:
             if name not in self._names:
@@ -47,7 +47,7 @@ class Feeder(WorldPlugin):
             self._publisher.publish(Int32(self._published))
 
     def get_state(self) -> Dict[str, Any]:
-        """What a saved state has to keep; the models themselves are in it already."""
+        """The data to keep in a saved state, which contains the models already."""
         return {
             "names": self._names,
             "spawned": self._spawned,

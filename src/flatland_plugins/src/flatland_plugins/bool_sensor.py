@@ -47,7 +47,7 @@ class BoolSensor(ModelPlugin):
             self._is_unreported = True
 
     def end_contact(self, contact: Contact) -> None:
-        """Records its end."""
+        """Records the end of a touch."""
         self._touching.discard((contact.fixture_a, contact.fixture_b))
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
@@ -69,14 +69,14 @@ class BoolSensor(ModelPlugin):
         return self._is_unreported or bool(self._touching)
 
     def get_state(self) -> Dict[str, Any]:
-        """What touches the body, and whether that is still to be reported."""
+        """The present touches, and whether a touch is still to be reported."""
         describe = self.model.entities.describe
         touching = [[describe(a), describe(b)] for a, b in self._touching]
         value = [self._value, self._value_time]
         return {"touching": touching, "is_unreported": self._is_unreported, "value": value}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state that `get_state` has returned."""
         find = self.model.entities.fixture
         self._touching = {(find(a), find(b)) for a, b in state["touching"]}
         self._is_unreported = state["is_unreported"]

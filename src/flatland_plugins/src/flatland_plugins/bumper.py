@@ -32,7 +32,7 @@ class Touch:
 
     sides: ContactSides
     has_sensor: bool = False
-    """Whether one of the two is a sensor, which the other passes through."""
+    """Whether one of the two fixtures is a sensor, which the other passes through."""
     points: List[Point] = field(default_factory=list)
     normal: Point = (0.0, 0.0)
     impulses: List[float] = field(default_factory=list)
@@ -145,7 +145,7 @@ class Bumper(ModelPlugin):
         return self._bumps()
 
     def get_state(self) -> Dict[str, Any]:
-        """The present touches, between steps: without impulses; and what `read` returns."""
+        """The present touches, without impulses, and the value of `read`."""
         describe = self.model.entities.describe
         touches = [
             {
@@ -161,7 +161,7 @@ class Bumper(ModelPlugin):
         return {"touches": touches, "timer": self._timer.get_state(), "bumps": bumps}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state that `get_state` has returned."""
         entities = self.model.entities
         self._timer.set_state(state["timer"])
         self._touches.clear()
@@ -213,5 +213,5 @@ class Bumper(ModelPlugin):
 
 
 def _fixtures(contact: Contact) -> Tuple[Fixture, Fixture]:
-    """What identifies a contact, also after a state was loaded."""
+    """The fixtures of a contact, which identify it even after a state was loaded."""
     return contact.fixture_a, contact.fixture_b

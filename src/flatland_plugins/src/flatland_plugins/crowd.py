@@ -113,13 +113,13 @@ class Crowd(WorldPlugin):
         return CrowdMotion(self._config, self._walls, self._see_walls, self._people, others, count)
 
     def _see_walls(self, walls: Sequence[Segments]) -> Walls:
-        """The walls that people keep away from, out of the walls of each layer."""
+        """The walls on the crowd's layers, given the walls of each layer of the world."""
         layers = zip(walls, self.world.layers)
         seen = [each for each, layer in layers if layer.config.bits & self._config.layer_bits]
         return Walls(lambda: seen, self._reach)
 
     def _find_others(self) -> List[Outline]:
-        """The bodies of all models but the people, now."""
+        """The present bodies of all models but the people."""
         return self._bodies.find(but={person.model for person in self._people})
 
     def _is_there(self, person: Pedestrian) -> bool:
@@ -148,7 +148,7 @@ class Crowd(WorldPlugin):
         }
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state that `get_state` has returned."""
         self._keep([i for i, each in enumerate(self._people) if each.config.name in state])
         for index, person in enumerate(self._people):
             for values, value in zip(self._motion.progress, state[person.config.name]):

@@ -1,4 +1,4 @@
-"""What a world file says about a crowd."""
+"""The keys of a Crowd."""
 
 from dataclasses import dataclass
 from typing import Collection, Dict, Tuple
@@ -84,7 +84,7 @@ class CrowdConfig:
 
         Args:
             config: the plugin's configuration.
-            name: of the crowd; its pedestrians are called that and a number.
+            name: of the crowd; its pedestrians have this name and a number.
             registry: the layers of the world.
             taken: the names of the models of the world.
 

@@ -1,4 +1,4 @@
-"""How a crowd moves at its updates: in one world, or in all environments of a batch at once."""
+"""Motion of a crowd at its updates, in one world or in all environments of a batch at once."""
 
 from typing import Callable, List, Optional, Sequence, Tuple
 
@@ -20,8 +20,8 @@ class CrowdMotion(BatchMotion):
 
     Args:
         config: of the crowd.
-        walls: of the world, that they see.
-        see_walls: makes these out of the walls of each layer of a world.
+        walls: of the world, as far as the people see them.
+        see_walls: selects the walls that people see from the walls of each layer.
         people: those that exist, p.
         outlines: the other bodies that they see.
         count: number of worlds, n.
@@ -51,7 +51,7 @@ class CrowdMotion(BatchMotion):
         self._rngs: List[np.random.Generator] = [np.random.default_rng(0)] * count
 
     def see(self, outlines: Sequence[Outline]) -> None:
-        """From now on the people see these other bodies."""
+        """Sets the other bodies that the people see."""
         self._outlines = outlines
         self.bodies = [*self.moved, *(each.body for each in outlines)]
 
@@ -134,7 +134,7 @@ class CrowdMotion(BatchMotion):
             environments: the indices of the n worlds.
             ways: the desired directions, (n, p, 2).
             points: of the people [m], (n, p, 2).
-            velocities: theirs now [m/s], (n, p, 2).
+            velocities: the present ones [m/s], (n, p, 2).
             others: poses and velocities of the other bodies, (n, m, 3) each.
             noise: of the velocities [m/s], (n, p, 2).
             dt: [s].

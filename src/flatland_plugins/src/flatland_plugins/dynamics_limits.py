@@ -6,10 +6,10 @@ from flatland_server import YamlReader
 
 
 class DynamicsLimits(NamedTuple):
-    """How fast a velocity may change and how large it may be; 0 is no limit.
+    """Limits of a velocity and of its rate of change; 0 is no limit.
 
-    Of a body's velocity in the plane, as a vector, in m/s^2 and m/s; or of an angular velocity, in
-    rad/s^2 and rad/s.
+    They apply to a body's velocity in the plane, as a vector, in m/s and m/s^2; or to an angular
+    velocity, in rad/s and rad/s^2.
     """
 
     acceleration_limit: float

@@ -1,4 +1,4 @@
-"""Geodesy: where on the Earth a point is that is so far east, north and up of a reference.
+"""Geodesy: geodetic coordinates of a point, given east, north and up of a reference.
 
 The Earth is the WGS 84 ellipsoid. A world's floor is the plane that touches it at the reference,
 and leaves it beyond: at a distance d the altitude is about d^2 / 2 R, 8 cm after 1 km.
@@ -15,7 +15,7 @@ _E2 = _F * (2 - _F)  # first eccentricity, squared
 _SECOND_E2 = _E2 / (1 - _E2)  # second eccentricity, squared
 
 _BOWRING_ITERATIONS = 2
-"""One is right within 0.01 um up to 100 km away and 6 cm anywhere; two are, but for rounding."""
+"""One is accurate to 0.01 um within 100 km, to 6 cm anywhere; two are exact but for rounding."""
 
 
 class Geodetic(NamedTuple):
@@ -80,7 +80,7 @@ def _latitude(p: float, z: float) -> float:
 
 
 def _wrap_degrees(longitude: float) -> float:
-    """A longitude at most a turn too far, within [-180, 180); exact where it needs no wrapping."""
+    """Wraps a longitude at most a turn away to [-180, 180); exact if it needs no wrapping."""
     if longitude >= 180.0:
         return longitude - 360.0
     return longitude + 360.0 if longitude < -180.0 else longitude

@@ -1,4 +1,4 @@
-"""Imu: what gyroscopes and accelerometers in a body measure, and its orientation."""
+"""Imu: readings of gyroscopes and accelerometers in a body, and its orientation."""
 
 import math
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
@@ -41,7 +41,7 @@ class Motion(NamedTuple):
 
 
 class ImuReading(NamedTuple):
-    """What an Imu measures, in the body's frame: x forwards, y to the left, z up."""
+    """The quantities that an Imu measures, in the body's frame: x forwards, y to the left, z up."""
 
     orientation: Tuple[float, float, float]
     """Roll, pitch and yaw in the world [rad]."""
@@ -82,9 +82,9 @@ class Imu(ModelPlugin):
         topics = (imu.imu_pub, imu.ground_truth_pub) if imu.enable_imu_pub else ()
         self._publishers = [self.node.advertise(topic, "sensor_msgs/Imu") for topic in topics]
         self._start: Optional[Motion] = None
-        self._end: Optional[Motion] = None  # of the time of the last message
+        self._end: Optional[Motion] = None  # at the last message
         self._move_revision = self.model.move_revision
-        self._reading: Optional[Tuple[Motion, Motion]] = None  # the start and end of the last one
+        self._reading: Optional[Tuple[Motion, Motion]] = None  # start and end of the last reading
         self._reading_revision = self._move_revision
 
     def has_work(self) -> bool:
@@ -92,11 +92,11 @@ class Imu(ModelPlugin):
         return self._frame.has_subscribers or self._has_subscribers()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Finds the start of the time that the acceleration is measured over, if it is."""
+        """Finds the start of the acceleration's interval, if there are subscribers."""
         self._start = self._find_start(timekeeper) if self._has_subscribers() else None
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes the transform and what is measured."""
+        """Publishes the transform and the measurement."""
         now = timekeeper.nanoseconds
         self._frame.publish(now)
         if self._start is None:
@@ -109,7 +109,7 @@ class Imu(ModelPlugin):
         self._publish(*self._find_reading(timekeeper.nanoseconds))
 
     def read(self, timekeeper: Timekeeper) -> ImuReading:
-        """What is measured now.
+        """The present measurement, with noise.
 
         The acceleration is that of the message of this time, if there is one; or else the mean
         since the last message or reading, and 0 in the first one and after the model was moved.
@@ -118,7 +118,7 @@ class Imu(ModelPlugin):
         return _reading(self._measure(start, end, self._deviations))
 
     def read_ground_truth(self, timekeeper: Timekeeper) -> ImuReading:
-        """The same without noise."""
+        """The present measurement, without noise."""
         return _reading(self._measure(*self._find_reading(timekeeper.nanoseconds), _EXACT))
 
     def get_state(self) -> Dict[str, Any]:
@@ -132,7 +132,7 @@ class Imu(ModelPlugin):
         }
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state that `get_state` has returned."""
         self._end = Motion(*state["end"]) if state["end"] is not None else None
         self._move_revision = state["move_revision"]
         self._start = Motion(*state["start"]) if state["start"] is not None else None
@@ -158,7 +158,7 @@ class Imu(ModelPlugin):
         return measured
 
     def _find_reading(self, now: int) -> Tuple[Motion, Motion]:
-        """The times between which a reading of now is measured; equal ones for none."""
+        """Motions at the start and end of the present reading; equal ones give no acceleration."""
         if self._start is not None and self._end is not None and self._end.nanoseconds == now:
             return self._start, self._end  # a message has been published
         if self._reading is None or self._reading[1].nanoseconds != now:
@@ -203,7 +203,7 @@ def _reading(values: Sequence[float]) -> ImuReading:
 
 
 def mean_acceleration(start: Motion, end: Motion) -> Tuple[float, float]:
-    """Forwards and to the left [m/s^2], between two times, in the body's frame halfway through.
+    """The mean [m/s^2] between two times, forwards and to the left in the body's frame halfway.
 
     On a circle the velocity turns by omega dt, and its change points inwards where the body was
     halfway; it is shorter than the arc by (omega dt)^2 / 24 of it. A body turns by less than pi.

@@ -24,7 +24,7 @@ from flatland_server import (
 )
 
 REFLECTANCE_LAYER = "reflectance"
-"""What is on the layer of this name returns an intensity of 255."""
+"""Name of the layer on which walls and footprints return an intensity of 255."""
 
 _BEAMS = (0.8, 0.0, 0.0, 0.08)
 _RETURNS = (0.8, 0.0, 0.0, 1.0)

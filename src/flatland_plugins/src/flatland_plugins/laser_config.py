@@ -61,7 +61,7 @@ class LaserConfig:
 
 
 def count_beams(angle_min: float, angle_max: float, increment: float) -> int:
-    """The number of beams from min to max, both included; 0 if the increment leads elsewhere.
+    """The number of beams from min to max, both included; 0 if the increment does not fit.
 
     The last beam may be off by a hundredth of an increment: files have rounded numbers.
     """

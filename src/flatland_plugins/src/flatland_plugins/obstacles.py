@@ -13,7 +13,7 @@ class Walls:
     """The walls of some layers, including walls that are added later.
 
     Args:
-        find: the walls of each of the layers, now.
+        find: returns the present walls of each layer.
         reach: distance from a point within which walls are found [m].
     """
 
@@ -23,7 +23,7 @@ class Walls:
         self._count = -1
 
     def seen_from(self, points: FloatArray) -> Others:
-        """How points (n, 2) lie to the walls around them; see `WallGrid.walls`."""
+        """Distances from the walls around points (n, 2), and directions; see `WallGrid.walls`."""
         walls = self._find()
         count = sum(map(len, walls))
         if count != self._count:
@@ -33,7 +33,7 @@ class Walls:
 
 
 def seen_walls(walls: Sequence[Walls], points: FloatArray) -> Others:
-    """How p points in each of n worlds, (n, p, 2), lie to the walls of these: n * p rows."""
+    """Distances from the walls of n worlds, and directions, at p points in each: n * p rows."""
     if all(each is walls[0] for each in walls):
         return walls[0].seen_from(points.reshape(-1, 2))
     seen = [each.seen_from(place) for each, place in zip(walls, points)]
@@ -66,11 +66,11 @@ class Outline:
         self._radii = np.array(radii)
 
     def seen_from(self, points: FloatArray, poses: FloatArray) -> Others:
-        """How points lie to the nearest point of it: distances (n,), away (n, 2).
+        """Distances (n,) from its nearest point, and directions away from it (n, 2).
 
         Args:
             points: [m], shape (n, 2).
-            poses: of the body, for each of these [m, m, rad], shape (n, 3).
+            poses: of the body, one for each point [m, m, rad], shape (n, 3).
         """
         x, y, yaw = poses.T[..., np.newaxis]
         cos, sin = cos_sin(yaw)
@@ -90,7 +90,7 @@ class Bodies:
     """The bodies of a world's models, each an obstacle.
 
     Args:
-        models: those of the world, by name; it may change.
+        models: the world's models by name, which may change.
         layers: bits of the collision layers of the people.
     """
 
@@ -100,7 +100,7 @@ class Bodies:
         self._outlines: Dict[Model, List[Outline]] = {}
 
     def find(self, but: Collection[Model]) -> List[Outline]:
-        """The bodies of all models but some, now."""
+        """The present bodies of all models but some."""
         models = [model for model in self._models.values() if model not in but]
         self._outlines = {
             model: self._outlines.get(model) or self._outlines_of(model) for model in models
@@ -124,7 +124,7 @@ class Bodies:
 
 
 def seen_from(points: FloatArray, outlines: Sequence[Outline], poses: FloatArray) -> Others:
-    """How points (n, 2) lie to m outlines at poses (n, m, 3): distances (n, m), away (n, m, 2)."""
+    """Distances (n, m) of points (n, 2) from outlines at poses (n, m, 3); directions (n, m, 2)."""
     seen = [each.seen_from(points, poses[:, index]) for index, each in enumerate(outlines)]
     return Others(
         np.array([one.distances for one in seen]).reshape(len(seen), len(points)).T,

@@ -13,7 +13,7 @@ from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, Vel
 
 
 class Odometry(NamedTuple):
-    """Where a body is, and how it moves."""
+    """Pose and velocity of a body."""
 
     pose: Pose
     """In the frame of odometry, or in the world."""
@@ -69,7 +69,7 @@ class OdometryPublisher:
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
             self._frame = self._node.open_frames((frames.odom, self._base_frame))
-            if frames.odom != frames.ground_truth:  # the world's frame is for all models
+            if frames.odom != frames.ground_truth:  # all models share the world's frame
                 self._node.claim_odometry_frame(frames.odom)
 
     def has_work(self) -> bool:
@@ -93,11 +93,11 @@ class OdometryPublisher:
             self._frame.send(nanoseconds, [estimate.pose])
 
     def publish_now(self, nanoseconds: int) -> None:
-        """Publishes the present pose and velocity, without a drift that accumulates."""
+        """Publishes the present pose and velocity; does not advance the drift."""
         self._publish(nanoseconds, self._drifted(nanoseconds))
 
     def read(self, nanoseconds: int) -> Odometry:
-        """The estimated pose and the measured velocity of a time, which is now."""
+        """The estimated pose and the measured velocity at the present time [ns]."""
         return self._measured(nanoseconds, self._drifted(nanoseconds))
 
     def read_ground_truth(self) -> Odometry:
@@ -117,7 +117,7 @@ class OdometryPublisher:
         return estimate
 
     def _measured(self, nanoseconds: int, drifted: Pose) -> Odometry:
-        """With the noise of a time."""
+        """The odometry of a pose that has drifted, with the noise of a time [ns]."""
         velocity = Velocity(*self._body.physics_body.local_velocity)
         if not self._is_noisy:
             return Odometry(drifted, velocity)
@@ -127,7 +127,7 @@ class OdometryPublisher:
         return Odometry(Pose(x, y, wrap_angle(yaw)), Velocity(vx, vy, omega))
 
     def _drifted(self, nanoseconds: int) -> Pose:
-        """The estimate that odometry of this time would have; the drift stays as it is."""
+        """The estimated pose at the present time [ns]; does not advance the drift."""
         pose = self._body.pose
         if self._drift is None:
             return pose
@@ -135,12 +135,12 @@ class OdometryPublisher:
         return self._drift.preview(nanoseconds, pose, has_jumped=has_jumped)
 
     def get_state(self) -> Dict[str, Any]:
-        """What it keeps from message to message, for a saved state."""
+        """The drift and the number of the last move, for a saved state."""
         drift = self._drift.get_state() if self._drift is not None else None
         return {"drift": drift, "move_revision": self._move_revision}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state that `get_state` has returned."""
         self._move_revision = state["move_revision"]
         if self._drift is not None:
             self._drift.set_state(state["drift"])

@@ -13,7 +13,7 @@ Vector3 = Tuple[float, ...]
 
 @dataclass(frozen=True)
 class DriftVariances:
-    """How fast the variances of the estimated pose grow.
+    """Growth rates of the variances of the estimated pose.
 
     The first four are alpha 1 to 4 of the velocity motion model (Thrun, Burgard and Fox,
     "Probabilistic Robotics", 5.3). There, an error is drawn for each interval of time, and its
@@ -41,9 +41,9 @@ class DriftVariances:
 class OdometryDrift:
     """The pose that a robot estimates by adding up motions that it measures with errors.
 
-    Errors are in the body's frame, so that one of the heading bends the path that follows. Their
-    variances add up along the path and over time, however often `advance` is called, as long as the
-    robot neither reverses nor turns by more than half a revolution between two calls.
+    Errors are in the body's frame, so that an error of the heading bends the path that follows.
+    Their variances add up along the path and over time, however often `advance` is called, as long
+    as the robot neither reverses nor turns by more than half a revolution between two calls.
 
     If the model is moved by `move_model`, the estimate moves with it: that jump has no error.
 
@@ -51,7 +51,7 @@ class OdometryDrift:
         pose: the estimate.
 
     Args:
-        variances: how fast the error grows.
+        variances: growth rates of the error.
         seed: of the noise.
     """
 
@@ -70,8 +70,8 @@ class OdometryDrift:
 
         Args:
             nanoseconds: the time [ns].
-            truth: where the robot is then.
-            has_jumped: whether it was put there, rather than driven, since the last call.
+            truth: the robot's pose at that time.
+            has_jumped: whether the model was moved, rather than driven, since the last call.
         """
         if self._last is None:
             self.pose = truth
@@ -88,7 +88,7 @@ class OdometryDrift:
         self._last = (nanoseconds, truth)
 
     def preview(self, nanoseconds: int, truth: Pose, *, has_jumped: bool = False) -> Pose:
-        """What `pose` would be after `advance` with the same arguments; nothing changes."""
+        """The `pose` after `advance` with the same arguments; changes nothing."""
         before = self.get_state()
         self.advance(nanoseconds, truth, has_jumped=has_jumped)
         after = self.pose
@@ -96,12 +96,12 @@ class OdometryDrift:
         return after
 
     def get_state(self) -> Dict[str, Any]:
-        """The estimate and the noise to come, for a saved state."""
+        """The estimate and the state of the generator, for a saved state."""
         rng = self._rng.bit_generator.state
         return {"pose": self.pose, "last": self._last, "rng": rng}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state that `get_state` has returned."""
         self.pose = Pose(*state["pose"])
         self._rng.bit_generator.state = state["rng"]
         self._last = None
@@ -132,7 +132,7 @@ class OdometryDrift:
 
 
 def arc(motion: Pose) -> Tuple[float, float]:
-    """The distances [m] along a body's x and y axes that it drives, if its motion is an arc.
+    """The distances [m] driven along a body's x and y axes, if its motion is an arc.
 
     On an arc, the body's velocity in its own frame is constant; this is that velocity times the
     time. (The logarithm of a planar motion; Lynch and Park, "Modern Robotics", 3.3.3.)

@@ -1,4 +1,4 @@
-"""Messages of odometry, many a second."""
+"""Messages of odometry, written fast."""
 
 import struct
 from io import BytesIO

@@ -24,7 +24,7 @@ _TURN_RATE = math.pi
 """Maximum rate of turn [rad/s]."""
 
 _LEAST_SPEED = 0.1
-"""Below this speed [m/s] they keep their heading."""
+"""Speed [m/s] below which people keep their heading."""
 
 _FEET_ABREAST = 0.25
 
@@ -33,8 +33,8 @@ class Progress(NamedTuple):
     """The progress of people on their ways.
 
     Attributes:
-        goals: which goal each walks to, (n, p).
-        strides: the part of a double step that is done, (n, p).
+        goals: index of each person's present goal, (n, p).
+        strides: completed fraction of a double step, (n, p).
     """
 
     goals: IntArray
@@ -42,7 +42,7 @@ class Progress(NamedTuple):
 
     @classmethod
     def of(cls, worlds: int, people: int) -> "Progress":
-        """At the beginning: each walks to the first goal, and has both feet abreast."""
+        """The progress at the start: on the way to the first goal, with both feet abreast."""
         shape = (worlds, people)
         return cls(np.zeros(shape, np.int64), np.full(shape, _FEET_ABREAST))
 
@@ -75,7 +75,7 @@ class People:
     def ways(
         self, goals: IntArray, points: FloatArray, goal_radius: float, time_left: float
     ) -> Tuple[IntArray, FloatArray]:
-        """Which goals they walk to now, and the desired directions: of length 1 at full speed.
+        """The present goals, and the desired directions: of length 1 at full speed.
 
         A person within `goal_radius` [m] of a goal turns to the next. With a single goal, it stays
         there, and slows down when it would arrive in less than `time_left` seconds.
@@ -88,7 +88,7 @@ class People:
         return goals, vectors / np.maximum(left, slow_down)[..., np.newaxis]
 
     def turns(self, yaws: FloatArray, velocities: FloatArray, dt: float) -> FloatArray:
-        """By how much they turn in `dt` seconds towards the direction of their velocities [rad]."""
+        """The turns in `dt` seconds towards the direction of the velocities [rad]."""
         turn = headings(velocities) - yaws
         turn -= math.tau * np.rint(turn / math.tau)
         _, speeds = directions(velocities)
@@ -98,7 +98,7 @@ class People:
     def step(
         self, strides: FloatArray, poses: FloatArray, motions: FloatArray, dt: float
     ) -> Tuple[FloatArray, FloatArray]:
-        """The strides after `dt` seconds, and where the legs belong then.
+        """The strides and the positions of legs after `dt` seconds.
 
         Steps are sqrt(walk ratio * speed) long. A foot goes from half a step ahead to half a step
         behind while the body goes on by a step: it stands still on the floor.

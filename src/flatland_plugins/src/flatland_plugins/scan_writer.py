@@ -1,4 +1,4 @@
-"""LaserScan messages of arrays."""
+"""LaserScan messages from arrays."""
 
 import struct
 from typing import Any

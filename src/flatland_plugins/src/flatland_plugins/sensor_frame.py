@@ -8,7 +8,7 @@ class SensorFrame:
 
     Args:
         plugin: the sensor.
-        body: what it is mounted on.
+        body: the body it is mounted on.
         frame: its frame, without the model's namespace.
         broadcast: whether the transform is published.
         pose: of the sensor, in the body's frame.

@@ -35,7 +35,7 @@ _REACTION = 0.35
 
 _NARROWNESS_OF_TURNING = 2.0
 _NARROWNESS_OF_SLOWING = 3.0
-"""n and n' [1/m]: how narrow the range of angles is in which the other is evaded."""
+"""n and n' [1/m]: narrowness of the range of angles in which the other is evaded."""
 
 
 class Others(NamedTuple):
@@ -55,7 +55,7 @@ class SocialForce:
 
     Attributes:
         relaxation_time: tau [s], in which a deviation from the desired velocity falls to 1/e.
-        repulsion: A over the mass [m/s^2], the acceleration away from what is touched.
+        repulsion: A over the mass [m/s^2], the acceleration away from an obstacle on contact.
         range: B [m], over which the repulsion falls to 1/e.
         evasion: A of the evasions [m/s^2].
         side_preference: epsilon [rad/m], evades to the right; to the left if it is negative.

@@ -13,7 +13,7 @@ logger = logging.getLogger(__name__)
 Point = Tuple[float, float]
 
 _TOLERANCE = 1e-3
-"""How far [m] an anchor may be off; and the axle, as a fraction of its length."""
+"""Tolerance of positions [m], and of the axle's right angle to the wheelbase [rad]."""
 
 _DEPRECATED = (
     ("max_angular_velocity", "velocity_limit"),

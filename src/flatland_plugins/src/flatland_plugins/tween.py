@@ -8,7 +8,7 @@ from flatland_server import EASINGS, TWEEN_MODES, BatchRole, ModelPlugin, YamlRe
 class Tween(ModelPlugin):
     """Moves a body from its pose at the start by a delta in the world's frame; the core moves it.
 
-    In mode trigger, std_msgs/Bool says whether towards the end (true) or the start.
+    In mode trigger, std_msgs/Bool selects the direction: to the end (true) or to the start.
     """
 
     batch_role = BatchRole()

@@ -81,7 +81,7 @@ class TwistDrive(ModelPlugin, ABC):
         return f"linear.x={twist.linear.x} angular.z={twist.angular.z}"
 
     def _receive(self, twist: Any) -> None:
-        """Obeys a command; of a series that cannot be obeyed, the first one is warned of."""
+        """Obeys a command; warns of the first in a series of invalid ones."""
         try:
             self.on_twist(twist)
         except ValueError as error:
@@ -100,11 +100,11 @@ class TwistDrive(ModelPlugin, ABC):
         self._odometry.publish(timekeeper.nanoseconds)
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes the odometry of now."""
+        """Publishes the present odometry."""
         self._odometry.publish_now(timekeeper.nanoseconds)
 
     def read(self, timekeeper: Timekeeper) -> Odometry:
-        """The odometry of now, with its noise and drift: pose and velocity."""
+        """The present odometry, with its noise and drift: pose and velocity."""
         return self._odometry.read(timekeeper.nanoseconds)
 
     def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
@@ -112,11 +112,11 @@ class TwistDrive(ModelPlugin, ABC):
         return self._odometry.read_ground_truth()
 
     def get_state(self) -> Any:
-        """What the odometry keeps; the core keeps the commands and velocities."""
+        """The state of the odometry; the core saves the commands and velocities."""
         return self._odometry.get_state()
 
     def set_state(self, state: Any) -> None:
-        """Sets what `get_state` has returned."""
+        """Restores a state that `get_state` has returned."""
         self._odometry.set_state(state)
 
     def on_shutdown(self) -> None:

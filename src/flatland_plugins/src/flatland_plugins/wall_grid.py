@@ -1,4 +1,4 @@
-"""Walls sorted into a grid: the nearest of many walls around many points, a few at a time."""
+"""Walls sorted into a grid, to find the nearest of many walls around many points."""
 
 import math
 
@@ -28,7 +28,7 @@ class WallGrid:
 
     Args:
         segments: the walls [m], shape (n, 4).
-        reach: how far from a point walls are looked for [m]; farther ones may be missed.
+        reach: search distance around a point [m]; farther walls may be missed.
     """
 
     def __init__(self, segments: Segments, reach: float) -> None:
@@ -36,7 +36,7 @@ class WallGrid:
         pieces = cut(segments, reach)
         cells = np.floor((pieces[:, :2] + pieces[:, 2:]) / 2.0 / self._cell).astype(np.int64)
         self._low = cells.min(axis=0, initial=0) - 1
-        # An empty row and column around them: what is asked for outside lies there.
+        # An empty row and column around them, for points outside the grid.
         self._high = cells.max(axis=0, initial=0) + 1
         keys = self._keys_of(cells)
         order = np.argsort(keys, kind="stable")
@@ -77,16 +77,16 @@ def cut(segments: Segments, longest: float) -> Segments:
 
 
 def nearest(points: FloatArray, segments: FloatArray) -> Others:
-    """How points (n, 2) lie to the nearest point of segments, (n, m, 4) or (m, 4) for all."""
+    """Distances of points (n, 2) from segments, (n, m, 4) or (m, 4) for all, and directions."""
     away, distances = directions(from_segments(points, segments))
     return Others(distances, away)
 
 
 def sides(others: Others) -> Others:
-    """The nearest of others; the nearest of those on quite another side; and so on.
+    """The nearest of the others, the nearest in a clearly different direction, and so on.
 
-    However many pieces a wall is made of, one point of it repels; and of a corridor's two walls,
-    of the corners left and right of a door, both do.
+    One point of a wall repels, however many pieces the wall is made of; but both walls of a
+    corridor repel, and both corners of a door.
     """
     distances, away = others.distances.copy(), others.away
     persons = np.arange(len(distances))
@@ -97,5 +97,5 @@ def sides(others: Others) -> Others:
         kept_away.append(away[persons, index])
         is_same_side = np.einsum("nmi,ni->nm", away, kept_away[-1]) > _ANOTHER_SIDE
         distances[is_same_side] = np.inf
-        distances[persons, index] = np.inf  # also if it has no direction: a point on the wall
+        distances[persons, index] = np.inf  # also a point on the wall, which has no direction
     return Others(np.stack(kept, axis=1), np.stack(kept_away, axis=1))

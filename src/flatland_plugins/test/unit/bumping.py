@@ -1,4 +1,4 @@
-"""What the tests of Bumper share: robots thrown and pushed at walls, and what they feel."""
+"""Shared by the tests of Bumper: robots thrown and pushed at walls, and their collisions."""
 
 import math
 from typing import Any, List, Tuple
@@ -13,7 +13,7 @@ BOX = f"{{type: polygon, points: {CORNERS}, density: 4}}"  # 1 kg
 DISC = f"{{type: circle, radius: {RADIUS}, density: 10}}"
 
 SKIN = 0.02
-"""How exactly Box2D knows where two shapes touch [m]: each has a skin of up to 1 cm."""
+"""Accuracy of Box2D's contact points of two shapes [m]: each has a skin of up to 1 cm."""
 
 
 def wall(files, *segments: str, name: str = "walls") -> Tuple[str, ...]:
@@ -22,13 +22,13 @@ def wall(files, *segments: str, name: str = "walls") -> Tuple[str, ...]:
 
 
 def throw(robot, vx: float, vy: float = 0.0, name: str = "robot"):
-    """Gives a model a velocity, from now on."""
+    """Sets a model's velocity."""
     robot.model(name).base.physics_body.velocity = (vx, vy, 0.0)
     return robot
 
 
 def press(robot, force: Tuple[float, float], seconds: float, at: Tuple[float, float] = (0.0, 0.0)):
-    """Pushes the robot all the time, at a point of its body."""
+    """Pushes the robot for a time [s], at a point of its body."""
     body = robot.model().base.physics_body
     for _ in range(round(seconds / STEP)):
         body.apply_force(force, body.world_point(at))
@@ -37,12 +37,12 @@ def press(robot, force: Tuple[float, float], seconds: float, at: Tuple[float, fl
 
 
 def record(robot, seconds: float, topic: str = "/collisions") -> List[Collision]:
-    """The collisions that are reported while time passes, in order."""
+    """Runs for a time [s]; returns the reported collisions in order."""
     return [each for message in robot.record(topic, seconds) for each in message.collisions]
 
 
 def impulse(collisions: List[Collision]) -> float:
-    """All that was given to the robot, at all points and in all steps [N s]."""
+    """The total impulse on the robot, over all points and steps [N s]."""
     return sum(sum(each.magnitude_forces) for each in collisions) * STEP
 
 

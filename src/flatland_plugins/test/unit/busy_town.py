@@ -1,4 +1,4 @@
-"""A world in which all that a saved state has to keep is in motion, and digests of its messages.
+"""A world that changes everything a saved state has to keep, and digests of its messages.
 
 Run as a program, `busy_town.py FOLDER SECONDS [STATE]`, it prints the digest of a run in a process
 of its own, from the beginning or from a saved state.
@@ -87,7 +87,7 @@ plugins:
 
 
 class Recorder(LocalTransport):
-    """Digests all messages and transforms, and hears their senders' names."""
+    """Digests all messages, with their topics, and all transforms."""
 
     def __init__(self, subscribed_topics: Optional[Container[str]] = None) -> None:
         super().__init__(subscribed_topics=subscribed_topics)
@@ -99,7 +99,7 @@ class Recorder(LocalTransport):
         self.count = 0
 
     def record(self, *what: Any) -> None:
-        """Adds something that was sent."""
+        """Adds a message or a transform."""
         self.count += 1
         self.digest.update(repr(what).encode())
 
@@ -120,7 +120,7 @@ class Recorder(LocalTransport):
 
 
 class Town:
-    """The world, and a timetable of what happens in it."""
+    """The world, and a timetable of events in it."""
 
     def __init__(
         self, folder: Path, seed: int = 4, subscribed_topics: Optional[Container[str]] = None
@@ -137,14 +137,14 @@ class Town:
         self.started: List[int] = []
 
     def run(self, seconds: float) -> "Town":
-        """Advances the time, with commands that depend on it alone."""
+        """Advances the time, with commands that depend on the time alone."""
         for _ in range(round(seconds / 0.005)):
             self.act()
             self.simulation.run()
         return self
 
     def act(self) -> None:
-        """What happens before the next step; something only if its number is a multiple of 10."""
+        """Runs the events before the next step; only every tenth step has some."""
         world = self.simulation.world
         step = self.simulation.timekeeper.nanoseconds // 5_000_000
         if step % 40 == 0:
@@ -174,7 +174,7 @@ class Town:
         }
 
     def digest(self, seconds: float) -> str:
-        """Advances the time; a digest of all messages, transforms, poses and walls of it."""
+        """Advances the time; returns a digest of its messages, transforms, poses and walls."""
         self.transport.restart()
         self.run(seconds)
         world = self.simulation.world

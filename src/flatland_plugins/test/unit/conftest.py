@@ -1,4 +1,4 @@
-"""What the unit tests of the plugins share: a folder for worlds, and worlds that are ready."""
+"""Shared by the unit tests of the plugins: a folder for worlds, and complete worlds."""
 
 from pathlib import Path
 from typing import Any, Callable, Dict, Tuple, Type

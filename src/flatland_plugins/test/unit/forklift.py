@@ -1,4 +1,4 @@
-"""A forklift with a TricycleDrive, for its tests: its model, and what it and its odometry say."""
+"""A forklift with a TricycleDrive, for its tests: the model, and readings of its state."""
 
 import math
 from typing import Any, Tuple
@@ -36,7 +36,7 @@ plugins:
     {keys}
 """
 FIRST_LINE = MODEL[: MODEL.index("{keys}")].count("\n")
-"""The line of the file that the keys of a test begin in."""
+"""The line of the file in which the keys of a test begin."""
 FRONT = "bodies: [{name: front_wheel, anchor: [0, 0]}, {name: base, anchor: [0, 0]}]"
 FRONT_REVERSED = "bodies: [{name: base, anchor: [0, 0]}, {name: front_wheel, anchor: [0, 0]}]"
 
@@ -51,7 +51,7 @@ def forklift(
     replaced: Tuple[str, str] = ("", ""),
     **options: Any,
 ):
-    """A world with a forklift; its drive has these keys too, and its file this replacement."""
+    """A world with a forklift; adds keys to its drive, and replaces a string of its file."""
     text = MODEL.lstrip("\n").format(
         body_shape=BODY_SHAPE, wheel=WHEEL, front=front, keys="\n    ".join(keys),
         left_x=left[0], left_y=left[1], right_x=right[0], right_y=right[1],
@@ -62,7 +62,7 @@ def forklift(
 
 
 def steer_angle(robot) -> float:
-    """Of the front wheel as it is seen, to the body [rad]."""
+    """The angle of the displayed front wheel relative to the body [rad]."""
     wheel, base = (robot.model().get_body(name).pose.yaw for name in ("front_wheel", "base"))
     return math.remainder(wheel - base, math.tau)
 

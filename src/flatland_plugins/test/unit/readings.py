@@ -1,4 +1,4 @@
-"""What several tests read: odometry, its noise, and the log."""
+"""Shared readings of tests: odometry, its noise, and the log."""
 
 import logging
 import math
@@ -24,13 +24,13 @@ def twist_of(stamped: Any) -> Tuple[float, float, float]:
 
 
 def assert_white(noise: np.ndarray, variances: Sequence[float]) -> None:
-    """Normal about zero, each component by itself, each sample too: shape (samples, components)."""
+    """Asserts that noise (samples, components) is normal about zero, and uncorrelated."""
     scaled = noise / np.sqrt(variances)
     count = len(scaled)
     # A sum of n squares of standard normals has the mean n and the variance 2 n (chi-squared).
     assert np.abs((scaled**2).sum(axis=0) - count).max() < 4 * math.sqrt(2 * count)
     assert np.abs(scaled.sum(axis=0)).max() < 4 * math.sqrt(count)
-    # The components do not know of each other, nor does one sample of the one before.
+    # Components are uncorrelated, and so are consecutive samples.
     correlation = scaled.T @ scaled / count - np.diag((scaled**2).mean(axis=0))
     assert np.abs(correlation).max() < 4 / math.sqrt(count)
     assert np.abs((scaled[1:] * scaled[:-1]).mean(axis=0)).max() < 4 / math.sqrt(count)
@@ -50,5 +50,5 @@ def assert_covariance(samples: np.ndarray, covariance: Any) -> None:
 
 
 def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """What was warned of so far."""
+    """The warnings logged so far."""
     return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]

@@ -1,4 +1,4 @@
-"""BoolSensor: what counts as a touch, how long it is remembered, and when it is published."""
+"""BoolSensor: contacts that count as a touch, how long one is kept, and when it is published."""
 
 from typing import Any, List, Tuple
 
@@ -26,14 +26,14 @@ def move(world, x: float, y: float = 0.0, name: str = "ball"):
 
 
 def said(world, topic: str = "/bool_sensor") -> bool:
-    """What the sensor has said last."""
+    """The value of the sensor's last message."""
     message = world.last(topic)
     assert isinstance(message, Bool)
     return bool(message.data)
 
 
 def history(world, seconds: float, topic: str = "/bool_sensor") -> List[Tuple[int, bool]]:
-    """When the sensor speaks [ns], and what it says."""
+    """The times [ns] and values of the sensor's messages."""
     spoken: List[Tuple[int, bool]] = []
     before = world.last(topic)
     for _ in range(round(seconds * 1e9 / STEP_NS)):
@@ -44,7 +44,7 @@ def history(world, seconds: float, topic: str = "/bool_sensor") -> List[Tuple[in
     return spoken
 
 
-# What counts
+# Contacts that count
 
 
 @pytest.mark.parametrize("footprint", [AREA, DISC])
@@ -172,7 +172,7 @@ def test_each_footprint_of_the_body_notices(files):
     assert not said(move(world, 0.0, 3.0).run())
 
 
-# How long
+# Duration
 
 
 def test_of_several_that_touch_the_last_one_to_leave_ends_it(files):
@@ -264,7 +264,7 @@ def test_what_passes_is_noticed_for_as_long_as_it_is_over_the_area(files, speed)
 # Latching
 
 
-@pytest.mark.parametrize("begin", [0.02, 0.085, 0.09, 0.1, 0.105])  # it speaks at 0.105
+@pytest.mark.parametrize("begin", [0.02, 0.085, 0.09, 0.1, 0.105])  # it publishes at 0.105
 @pytest.mark.parametrize("seconds", [0.005, 0.02, 0.095])
 def test_a_touch_shorter_than_its_period_is_told_of_exactly_once(files, begin, seconds):
     world = with_ball(files, f"{SENSOR}, update_rate: 10")

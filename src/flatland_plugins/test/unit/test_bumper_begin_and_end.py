@@ -1,4 +1,4 @@
-"""Bumper: when a collision begins, rests and ends, whatever ends it."""
+"""Bumper: the begin, the rest and the end of collisions, for every cause of an end."""
 
 import pytest
 from bumping import (

@@ -1,4 +1,4 @@
-"""Bumper: what collides, where and in which direction; and excluded bodies."""
+"""Bumper: colliding bodies, contact points and directions; and excluded bodies."""
 
 import math
 
@@ -22,7 +22,7 @@ from bumping import (
 
 from flatland_server.geometry import Pose
 
-# What collides, and where
+# Colliding bodies and contact points
 
 
 @pytest.mark.parametrize("heading", [0.0, 0.7, math.pi / 2, -3.0])

@@ -1,4 +1,4 @@
-"""Bumper: how hard it collides."""
+"""Bumper: the forces of collisions."""
 
 import math
 
@@ -47,7 +47,7 @@ def test_an_edge_that_hits_aslant_gives_what_it_takes_from_the_motion(files):
 
     given = impulse(record(throw(robot, 10.0), 2.0))
 
-    # 1 kg; the wall pushes along x alone, whatever turn the box takes.
+    # 1 kg; the wall pushes along x alone, however the box turns.
     change = 10.0 - robot.model().base.physics_body.velocity[0]
     assert given == pytest.approx(change, rel=1e-4)
 

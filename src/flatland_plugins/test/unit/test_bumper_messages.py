@@ -1,4 +1,4 @@
-"""Bumper: when it publishes."""
+"""Bumper: the times of its messages."""
 
 import pytest
 from bumping import BUMPER, RADIUS, SKIN, now, press, record, throw, wall

@@ -1,4 +1,4 @@
-"""What stops a robot: the layers of footprints against walls and against each other."""
+"""The layers of footprints: collisions of a robot with walls and with other models."""
 
 from typing import Dict, Tuple
 
@@ -8,7 +8,7 @@ DRIVE = "type: DiffDrive, name: drive, body: base"
 
 
 def drive_ahead(files, footprint: str, layers: Tuple[str, ...], others: Dict[str, str]) -> float:
-    """How far a robot of 0.2 m gets in 4 s at 1 m/s."""
+    """The distance [m] that a robot of 0.2 m covers in 4 s at 1 m/s."""
     disc = f"{{type: circle, radius: 0.2, density: 10, {footprint}}}"
     robot = files.robot(DRIVE, footprint=disc, layers=layers, others=others)
     return float(robot.drive(1.0).run(4.0).model().pose.x)

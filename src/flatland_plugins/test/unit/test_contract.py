@@ -53,7 +53,7 @@ VARIANTS = [
     ("TricycleDrive", SLIP),
     ("Tween", {"mode": "trigger"}),
 ]
-"""Keys that make a plugin do what it does not do by default."""
+"""Keys that switch on features that are off by default."""
 
 
 ROBOT = yaml.safe_dump(samples.TRICYCLE)
@@ -61,7 +61,7 @@ OTHER_NAMES = {
     "Imu": {"update_rate"},
     "TricycleDrive": {"max_angular_velocity", "max_steer_acceleration"},
 }
-"""Other names of keys, which cannot be given together with them."""
+"""Aliases of keys, which cannot be given together with the keys."""
 
 
 def complete_entry(name: str) -> Dict[str, Any]:

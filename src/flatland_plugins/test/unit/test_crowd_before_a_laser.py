@@ -14,7 +14,7 @@ LASER = (
 
 
 def seen(town: Any) -> List[List[Tuple[float, float]]]:
-    """What the robot's laser sees, beam by beam (angle, range), cut where it sees nothing."""
+    """The beams of the robot's laser (angle, range), split at beams that hit nothing."""
     scan = town.run().last("/scan")
     clusters: List[List[Tuple[float, float]]] = [[]]
     for index, distance in enumerate(scan.ranges):
@@ -26,7 +26,7 @@ def seen(town: Any) -> List[List[Tuple[float, float]]]:
 
 
 def distance_to_disc(x: float, y: float, radius: float, angle: float) -> float:
-    """From the origin along an angle."""
+    """The distance from the origin to a disc, along an angle."""
     along = x * math.cos(angle) + y * math.sin(angle)
     across = x * math.sin(angle) - y * math.cos(angle)
     return along - math.sqrt(max(0.0, radius**2 - across**2))

@@ -1,4 +1,4 @@
-"""Crowd: its topic, and what is refused."""
+"""Crowd: its topic, and refused configurations."""
 
 import math
 
@@ -23,7 +23,7 @@ def test_poses_come_at_the_update_rate_with_the_time_they_are_of(town):
     assert last[0].position.x == pytest.approx(position(people)[0], abs=UPDATE * SPEED)
 
 
-# What is refused
+# Refused configurations
 
 
 POSITIVE = "expected a number above 0, found 0"

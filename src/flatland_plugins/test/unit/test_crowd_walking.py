@@ -1,4 +1,4 @@
-"""Crowd: people on their way to their goals, by chance too."""
+"""Crowd: people on their way to their goals, with and without random motion."""
 
 import math
 from typing import Any, List
@@ -100,7 +100,7 @@ def test_equal_seeds_give_equal_runs(town):
 
 
 def test_equal_numbers_give_equal_bits(tmp_path, monkeypatch):
-    """NumPy's last bits depend on what lies behind an array with gaps; see array_math.py."""
+    """NumPy's last bits may differ for arrays with gaps in memory; see array_math.py."""
     gaps = watch_gaps(monkeypatch)
 
     Town(tmp_path).run(0.5)  # with walls, other bodies, and legs

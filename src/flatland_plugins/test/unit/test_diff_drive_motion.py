@@ -10,7 +10,7 @@ DRIVE = "type: DiffDrive, name: drive, body: base"
 
 
 def arc(linear: float, angular: float, time: float) -> Tuple[float, float, float]:
-    """Where a constant velocity leads from the origin, in closed form."""
+    """The pose after driving at a constant velocity from the origin, in closed form."""
     turned = angular * time
     if angular == 0.0:
         return linear * time, 0.0, 0.0

@@ -36,7 +36,7 @@ def by_proj(reference: Tuple[float, float], east: float, north: float) -> Geodet
 
 
 def metres_between(a: Any, b: Any) -> float:
-    """How far apart two places are, along the ellipsoid or in altitude."""
+    """The distance of two places [m], along the ellipsoid or in altitude."""
     _, _, distance = GEOD.inv(a.longitude, a.latitude, b.longitude, b.latitude)
     return max(distance, abs(a.altitude - b.altitude))
 

@@ -1,4 +1,4 @@
-"""Imu: what it reads against kinematics, its noise against the asked variances."""
+"""Imu: its readings against kinematics, its noise against the configured variances."""
 
 import math
 from typing import Any, List, Tuple
@@ -41,7 +41,7 @@ def stamps_of(messages: List[Any]) -> List[int]:
 
 
 def closely(forwards: float, left: float, up: float = GRAVITY) -> Any:
-    """An acceleration within a thousandth of its size in the plane."""
+    """An approximate acceleration, within a thousandth of its size in the plane."""
     return pytest.approx((forwards, left, up), abs=1e-3 * math.hypot(forwards, left))
 
 

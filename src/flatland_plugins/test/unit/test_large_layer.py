@@ -1,4 +1,4 @@
-"""A map of so many walls that Box2D has those near robots alone: what a robot feels and sees."""
+"""A map of so many walls that Box2D has only those near robots: collisions and scans."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def world(tmp_path_factory):
 
 
 def drive(simulation: Simulation, seconds: float):
-    """Where the robot gets, what it bumps into and sees."""
+    """Drives for a time [s]; returns the robot's poses, scans and collisions."""
     robot = simulation.models["robot"]
     seen = []
     for _ in range(round(seconds / 0.1)):

@@ -1,4 +1,4 @@
-"""Laser: every range against the room's geometry, and what a lidar sees."""
+"""Laser: every range against the room's geometry, and the visibility of walls and bodies."""
 
 import math
 from typing import Any, Tuple
@@ -18,7 +18,7 @@ ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
 
 
 def distance_to_the_walls(x: float, y: float, angle: float) -> float:
-    """From a point in a room of 10 x 6 m about the origin, along an angle."""
+    """The distance from a point in a room of 10 x 6 m about the origin, along an angle."""
     cos, sin = math.cos(angle), math.sin(angle)
     across = (math.copysign(5.0, cos) - x) / cos if cos else math.inf
     along = (math.copysign(3.0, sin) - y) / sin if sin else math.inf
@@ -26,7 +26,7 @@ def distance_to_the_walls(x: float, y: float, angle: float) -> float:
 
 
 def room_ranges(pose: Tuple[float, float, float], angles: np.ndarray) -> np.ndarray:
-    """What a lidar sees in the room."""
+    """The ranges of a lidar in the room."""
     x, y, yaw = pose
     return np.array([distance_to_the_walls(x, y, yaw + angle) for angle in angles])
 
@@ -42,7 +42,7 @@ def beam_angles(scan: Any) -> np.ndarray:
 
 
 def look_ahead(files, laser: str = "", target: str = "", layers: Tuple[str, ...] = ()) -> float:
-    """What one beam sees: of a wall at 3 m, or of a disc of 0.5 m at 2 m with these keys."""
+    """The range of one beam: to a wall at 3 m, or to a disc of 0.5 m at 2 m with these keys."""
     wall = f"name: [walls, more_walls], map: {files.walls('wall', '3 -1 3 1')}"
     others = {}
     if target:

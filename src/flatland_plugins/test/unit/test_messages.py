@@ -1,4 +1,4 @@
-"""What writers make: byte for byte what the generated code makes of the same message."""
+"""Writers of messages: byte for byte the same as the generated code."""
 
 from io import BytesIO
 

@@ -1,4 +1,4 @@
-"""Odometry that drifts over time: how far, how it propagates, and what it leaves alone."""
+"""Odometry that drifts over time: its size, its propagation, and values without drift."""
 
 import math
 from typing import Any, List, Tuple
@@ -41,7 +41,7 @@ def run_to_a_message(robots, seconds: float):
 
 
 def estimated(robots) -> List[Pose]:
-    """What each robot's odometry says now."""
+    """The pose in each robot's last odometry."""
     return [pose_of(robots.last(f"/{name}{FILTERED}")) for name in robots.world.models]
 
 
@@ -79,10 +79,10 @@ def test_a_robot_at_rest_drifts_by_its_variances_per_second(files, rate, step, s
     scaled = moved / np.sqrt(np.outer(np.diff(stamps), variances))[:, None, :]
     assert stamps[-1] == pytest.approx(5 * seconds)
     assert_covariance(scaled.reshape(-1, 3), np.eye(3))
-    # One time does not know of the one before.
+    # Consecutive intervals are uncorrelated.
     pairs = (scaled[1:] * scaled[:-1]).reshape(-1, 3)
     assert np.abs(pairs.sum(axis=0)).max() < 4 * math.sqrt(len(pairs))
-    # All in all it is the variance per second times the time, about where the robots are.
+    # The total is the variance per second times the time, about the robots' true pose.
     x, y, yaw = (np.array(poses[-1]) - [3, -2, 1]).T
     ahead, left = math.cos(1) * x + math.sin(1) * y, math.cos(1) * y - math.sin(1) * x
     assert_covariance(np.array([ahead, left, yaw]).T, np.diag(variances * stamps[-1]))

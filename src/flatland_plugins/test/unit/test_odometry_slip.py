@@ -35,14 +35,14 @@ def on_the_spot(radians: float) -> Pose:
 
 
 def circle(radians: float) -> Pose:
-    """On a circle of 1 m radius, counter-clockwise, beginning along the x axis."""
+    """A pose on a circle of 1 m radius, counter-clockwise, beginning along the x axis."""
     return Pose(math.sin(radians), 1.0 - math.cos(radians), radians).wrapped()
 
 
 def errors(
     variances: DriftVariances, path: Callable[[float], Pose], length: float, parts: int
 ) -> np.ndarray:
-    """What many robots estimate less where they are, at the end of a path that is so divided."""
+    """Odometry errors of many robots at the end of a path in `parts` steps: x, y and yaw."""
     rows = []
     for seed in range(COUNT):
         drift = OdometryDrift(variances, seed)
@@ -54,7 +54,7 @@ def errors(
     return np.array(rows)
 
 
-# The variances are those of the path, however it is divided.
+# The variances depend on the path, not on its division.
 DIVISIONS = pytest.mark.parametrize("parts", [5, 60])
 
 

@@ -21,7 +21,7 @@ def command(robot, vx: float, vy: float, omega: float = 0.0, topic: str = "/cmd_
 
 
 def exponential(vx: float, vy: float, omega: float, time: float) -> Tuple[float, float, float]:
-    """Where a constant twist leads from the origin: the exponential map of SE(2).
+    """The pose after a constant twist from the origin: the exponential map of SE(2).
 
     Lynch and Park, "Modern Robotics", 3.3.3.
     """

@@ -1,4 +1,4 @@
-"""RandomWall: where walls are put up, which ones, and what they affect."""
+"""RandomWall: the positions and the choice of added walls, and their effects."""
 
 import math
 from typing import Any, List, Set, Tuple
@@ -64,7 +64,7 @@ def added(world, before: int = len(ROOM)) -> List[Tuple[float, ...]]:
 
 
 def office_like(count: int = 60) -> Tuple[str, ...]:
-    """Walls of all lengths and directions around a place of 3 m that is free."""
+    """Walls of all lengths and directions around a free place of 3 m."""
     rng = np.random.default_rng(5)
     angle, distance = rng.uniform(0, math.tau, count), rng.uniform(3.0, 12.0, count)
     heading, length = rng.uniform(0, math.tau, count), rng.uniform(0.1, 1.5, count)
@@ -74,7 +74,7 @@ def office_like(count: int = 60) -> Tuple[str, ...]:
 
 
 def parallel_offset(original: np.ndarray, copy: np.ndarray) -> float:
-    """How far to the left of a wall its copy is [m]; NaN if it is no parallel of its length."""
+    """Distance of a copy to the left of its wall [m]; NaN if not parallel and of equal length."""
     along = original[2:] - original[:2]
     along /= np.linalg.norm(along)
     shifts = copy.reshape(2, 2) - original.reshape(2, 2)
@@ -83,7 +83,7 @@ def parallel_offset(original: np.ndarray, copy: np.ndarray) -> float:
     return float(along[0] * shifts[0, 1] - along[1] * shifts[0, 0])
 
 
-# Where
+# Positions
 
 
 @pytest.mark.parametrize(("count", "expected"), [(4, COPIES), (0, set())])
@@ -118,7 +118,7 @@ def test_there_are_as_many_as_asked_for_no_two_beside_one_wall(files, count, is_
     [
         ("[0, 0, 0]", (2.0, -1.0, 2.0, 1.0)),
         ("[9, 0, 0]", (4.0, -1.0, 4.0, 1.0)),
-        # Beside its end the wall is thought of as going on for ever.
+        # Beyond its end the wall counts as infinite.
         ("[2.9, 5, 0]", (2.0, -1.0, 2.0, 1.0)),
         ("[3.1, 5, 0]", (4.0, -1.0, 4.0, 1.0)),
     ],
@@ -178,7 +178,7 @@ def test_walls_are_taken_from_all_over_the_layer(files):
     for seed in range(30):
         chosen |= set(added(room(files, f"{WALLS}, num_of_walls: 1", seed=seed)))
 
-    # That one of four is left out thirty times has a probability of 4 * 0.75^30 < 0.1 %.
+    # The probability that one of four is left out thirty times is 4 * 0.75^30 < 0.1 %.
     assert chosen == COPIES
 
 
@@ -270,7 +270,7 @@ def test_other_seeds_put_up_other_walls(files):
     assert len(chosen) == 6
 
 
-# What they affect
+# Effects
 
 
 def test_a_lidar_sees_them(files):

@@ -1,4 +1,4 @@
-"""Values out of bounds, for each plugin; test_contract.py has what is refused for all of them."""
+"""Values out of bounds, for each plugin; test_contract.py has the refusals of all plugins."""
 
 import pytest
 import yaml

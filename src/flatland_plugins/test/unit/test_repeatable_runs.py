@@ -1,4 +1,4 @@
-"""Equal seeds and commands give equal runs, whoever listens and whatever else there is."""
+"""Equal seeds and commands give equal runs, whatever the subscribers and other models."""
 
 from typing import Any, Dict, List, Tuple
 
@@ -22,7 +22,7 @@ def load(files, *, others: Dict[str, str] = {}, **options: Any):  # noqa: B006 (
 
 
 def numbers(simulation, seconds: float = 1.0) -> List[Tuple[Any, ...]]:
-    """What the robot's sensors say on its way."""
+    """Drives for a time [s]; returns the robot's odometry and scans at each step."""
     simulation.drive(0.5, 0.3)
     said = []
     for _ in range(round(seconds / 0.005)):

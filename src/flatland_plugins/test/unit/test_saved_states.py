@@ -17,7 +17,7 @@ PROGRAM = Path(__file__).with_name("busy_town.py")
 def digest_elsewhere(
     folder: Path, *arguments: str, hash_seed: str = "random", cores: Optional[int] = None
 ) -> str:
-    """What `busy_town.py` prints in a process of its own."""
+    """The output of `busy_town.py` in a process of its own."""
 
     def keep_to_cores() -> None:
         os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
@@ -56,7 +56,7 @@ def test_a_run_goes_on_in_another_process_as_it_does_here(make_town, tmp_path, s
 
 @pytest.mark.parametrize(("hash_seed", "cores"), [("0", 1), ("1", None)], ids=str)
 def test_a_run_is_the_same_in_every_process(first_run, make_town, tmp_path, hash_seed, cores):
-    """This process has another hash seed. For longer: busy_town.py FOLDER 60."""
+    """This process has another hash seed. For a longer run: busy_town.py FOLDER 60."""
     make_town()  # writes its files
 
     assert digest_elsewhere(tmp_path, "2.0", hash_seed=hash_seed, cores=cores) == first_run

@@ -1,4 +1,4 @@
-"""What sensors measure when they are read is what their messages of the same time say."""
+"""Sensors that are read return the content of their messages of the same time."""
 
 import math
 

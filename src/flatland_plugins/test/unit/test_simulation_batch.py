@@ -19,13 +19,13 @@ RESET_AT = 25
 
 
 def commands(k, size):
-    """What the robot of environment k is commanded in each round, shape (ROUNDS, size)."""
+    """The commands of environment k's robot in all rounds, shape (ROUNDS, size)."""
     rng = np.random.default_rng(k)
     return rng.uniform([-0.5, -1.5, -1.5][:size], [2.0, 1.5, 1.5][:size], (ROUNDS, size))
 
 
 def start(k):
-    """Where the robot of environment k is put when it is reset: each is at another place."""
+    """The robot's pose after a reset of environment k, different in each environment."""
     return np.array([-2 + 0.01 * k, -1.0 + 0.02 * k, 0.3 * k])
 
 
@@ -78,7 +78,7 @@ def run_batch(world, count, threads, size):
 
 @pytest.fixture(scope="module")
 def noisy(world_of):
-    """A world with noise, and what Simulations of environments 0, 1, 6 and 63 give there."""
+    """A world with noise, and the observations of Simulations as environments 0, 1, 6 and 63."""
     world = world_of(noise="0.02")
     return world, {k: run_simulation(world, k, 2) for k in (0, 1, 6, 63)}
 
@@ -187,7 +187,7 @@ def test_an_office_is_that_of_a_simulation():
 
 
 def test_scans_with_the_walls_of_a_cell_are_those_with_all(world_of):
-    # So many scans from one place that the core has looked up which walls are seen from there.
+    # Enough scans from one place for the core to have determined the walls visible there.
     with SimulationBatch(OFFICE, 1) as batch:
         first = batch.observe().ranges
         for _ in range(600):

@@ -1,4 +1,4 @@
-"""Arguments of a SimulationBatch, and what it returns; wrong ones change nothing."""
+"""Arguments and results of a SimulationBatch; wrong arguments change nothing."""
 
 import math
 

@@ -13,7 +13,7 @@ SOME_TOPICS = ("/anna/scan", "/bert/odometry/filtered", "/late/imu/filtered", "/
 
 
 BUMPERS = re.compile(r"  - {type: Bumper, .*}\n")
-"""They are called at every step, and so leave nothing to be made at once."""
+"""Bumpers are called at every step, so that no steps can be combined."""
 
 
 def advance(town: Town, steps: int, at_once: bool) -> int:

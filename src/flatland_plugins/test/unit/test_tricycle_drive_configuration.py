@@ -1,4 +1,4 @@
-"""TricycleDrive: wheels that are none of a tricycle, and other wrong configurations."""
+"""TricycleDrive: wheels that do not form a tricycle, and other wrong configurations."""
 
 from typing import Any
 
@@ -9,14 +9,14 @@ from flatland_server.exceptions import FlatlandError
 
 
 def refusal(files, *keys: str, **options: Any) -> str:
-    """Why a forklift is not loaded, without the folder's name and the line."""
+    """The error of loading a forklift, without the names of folder and file."""
     with pytest.raises(FlatlandError) as caught:
         forklift(files, *keys, **options)
     return str(caught.value).replace(f"{files.folder}/robot.model.yaml:", "")
 
 
 def line_of(key: str) -> int:
-    """Of one of the required keys."""
+    """The line of one of the required keys."""
     return MODEL[: MODEL.index(key)].count("\n")
 
 

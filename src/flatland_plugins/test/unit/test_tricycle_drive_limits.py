@@ -11,12 +11,12 @@ Curve = Dict[float, float]
 
 
 def at(curve: Curve, times: np.ndarray) -> np.ndarray:
-    """A value that changes evenly between the given times. Two times next to each other: a jump."""
+    """A value interpolated linearly between the given times; two close times make a jump."""
     return np.interp(times, list(curve), list(curve.values()))
 
 
 def path_of(speed: Curve, rate: Curve, duration: float) -> Dict[str, np.ndarray]:
-    """Where a front wheel's speed and the rate of its angle lead, by midpoints of 0.1 ms."""
+    """The path of a front wheel's speed and steering rate, by midpoints of 0.1 ms."""
     time, h = np.linspace(0.0, duration, round(duration * 10_000) + 1, retstep=True)
     middle = time[:-1] + h / 2
 

@@ -1,4 +1,4 @@
-"""TricycleDrive: motion about the turning centre without limits, and what commands do to it."""
+"""TricycleDrive: motion about the turning centre without limits, and effects of commands."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Tween: where a body is at each moment, in every mode and with every easing."""
+"""Tween: the pose of a body at each moment, in every mode and with every easing."""
 
 import math
 from typing import Any, Tuple
@@ -19,12 +19,12 @@ DOCUMENTED = (
 
 
 def in_box2d(*pose: float) -> Tuple[float, ...]:
-    """A pose in the single precision that Box2D keeps it in."""
+    """A pose rounded to Box2D's single precision."""
     return tuple(float(np.float32(value)) for value in pose)
 
 
 def position(simulation: Any, name: str = "robot") -> Tuple[float, ...]:
-    """Where a model's body is, as Box2D has it, its turns counted."""
+    """The pose of a model's body in Box2D, whole revolutions included."""
     return tuple(simulation.model(name).base.physics_body.pose)
 
 

@@ -1,4 +1,4 @@
-"""What all drives have in common that a geometry_msgs/Twist commands."""
+"""Behaviour common to all drives that a geometry_msgs/Twist commands."""
 
 import math
 from typing import Any
@@ -11,7 +11,7 @@ from readings import FILTERED, GROUND_TRUTH, TWIST, twist_of, warnings
 
 @pytest.fixture(params=["DiffDrive", "OmniDrive", "TricycleDrive"])
 def make(request, files):
-    """Makes a robot with a drive that has these keys too."""
+    """Makes a robot with a drive; adds keys to the drive."""
 
     def with_drive(*keys: str, namespace: str = "") -> Any:
         if request.param == "TricycleDrive":

@@ -1,4 +1,4 @@
-"""What the tests of Crowd share: people in the `town` of conftest.py, where they are and go."""
+"""Shared by the tests of Crowd: people in the `town` of conftest.py, and their positions."""
 
 from typing import Any, Dict, Tuple
 
@@ -28,7 +28,7 @@ def velocity(town: Any, name: str = "people_0") -> Tuple[float, float]:
 
 
 def walk(town: Any, seconds: float, *names: str) -> np.ndarray:
-    """Where people go meanwhile: shape (steps, persons, 2)."""
+    """Runs for a time [s]; returns people's positions, shape (steps, persons, 2)."""
     path = []
     for _ in range(round(seconds / 0.005)):
         town.run()

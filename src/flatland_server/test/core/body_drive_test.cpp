@@ -291,7 +291,7 @@ class RobotAtAWall : public DrivenRobot {
  protected:
   RobotAtAWall() { world_.AddLayer({{{2.0, -100.0}, {2.0, 100.0}}}, 0xFFFF); }
 
-  // Whatever its reported velocity: it does not come nearer to the wall.
+  // Regardless of its reported velocity, it does not come nearer to the wall.
   void ExpectNoPhantomVelocity(const DynamicsLimits& limits, double heading) {
     BodySettings settings;
     settings.pose = {1.0, -50.0, heading};

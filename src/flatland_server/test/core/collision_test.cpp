@@ -1,4 +1,4 @@
-/// Which fixtures collide; restitution and friction.
+/// Collisions of fixtures; restitution and friction.
 
 #include <gtest/gtest.h>
 

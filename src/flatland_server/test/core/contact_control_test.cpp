@@ -1,4 +1,4 @@
-/// What a listener may change of a contact: whether it is enabled, its friction, restitution and
+/// Changes of a contact by a listener: whether it is enabled, its friction, restitution and
 /// tangent speed.
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-/// What a contact listener may do to the world during an event, and what it may not.
+/// Actions of a contact listener on the world during an event: allowed ones and refused ones.
 
 #include <gtest/gtest.h>
 

@@ -97,7 +97,7 @@ TEST(Approach, ZeroIsNoLimit) {
   EXPECT_NEAR((DynamicsLimits{1.0, 0.0, 0.0}.Approach(100.0, -100.0, 0.1)), -0.1, 1e-12);
 }
 
-// What changes at once costs no time, and so counts for nothing in the mean.
+// Changes at once take no time, and so count for nothing in the mean.
 TEST(Approach, MeansTheWholeStepWhereThereIsNoLimit) {
   const auto mean = [](const DynamicsLimits& limits, double current, double target) {
     return limits.Approach({current, 0.0}, {target, 0.0}, 0.1).mean.x;

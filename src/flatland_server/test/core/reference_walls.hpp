@@ -33,7 +33,7 @@ inline double TryEveryWall(const std::vector<Segment>& walls, Vec2 origin, Vec2 
                            double longer) {
   double nearest = kInfinity;
   for (const Segment& wall : walls) {
-    // How far the wall's ends lie to the left of the ray.
+    // Distances of the wall's ends to the left of the ray.
     const double left_a = Cross(direction, wall.a - origin);
     const double left_b = Cross(direction, wall.b - origin);
     if (left_a == left_b) continue;

@@ -1,4 +1,4 @@
-/// Which layers and fixtures a lidar sees; intensities.
+/// The layers and fixtures that a lidar sees; intensities.
 
 #include <gtest/gtest.h>
 

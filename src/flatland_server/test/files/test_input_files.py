@@ -1,4 +1,4 @@
-"""Files that are no files, files that are too large, and images that are more than images."""
+"""Pipes, devices and sockets, files that are too large, and unsupported kinds of images."""
 
 import io
 import os

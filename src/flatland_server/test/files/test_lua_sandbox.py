@@ -65,7 +65,7 @@ def outcome(evaluate, code: str) -> Tuple[Any, str]:
 
 
 def processor_time() -> float:
-    """What this process and its children that have ended have used [s]."""
+    """Processor time of this process and of its children that have ended [s]."""
     return sum(os.times()[:4])
 
 
@@ -112,7 +112,7 @@ def test_what_could_lead_out_of_the_sandbox_is_not_available(evaluate, files, co
 
 
 FAILING = {
-    # what it does: the code, what the error says
+    # effect: the code, part of the error's text
     "reads an attribute of env": ("env.__globals__", "attempt to index global 'env'"),
     "reads an attribute of param": ("param.__self__", "attempt to index global 'param'"),
     "sets an attribute of env": ("env.x = 1", "attempt to index global 'env'"),
@@ -175,7 +175,7 @@ FAILING = {
         "table.sort(t, function(a, b) return true end) return 1",
         None,
     ),
-    # Memory: what is slow enough may run out of time before, on a slow machine.
+    # Memory; on a slow machine, slow cases may run out of time first.
     "repeats a string": ("('x'):rep(2^31 - 1)", "not enough memory"),
     "doubles a string": ("local s = 'x' while true do s = s .. s end", None),
     "fills a table": ("local t = {} while true do t[#t + 1] = {} end", None),

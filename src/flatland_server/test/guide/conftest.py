@@ -1,4 +1,4 @@
-"""What the tests of the guide share: a ROS master, and the environment of a reader."""
+"""Shared by the tests of the guide: a ROS master, and the environment of a reader."""
 
 import contextlib
 import os
@@ -13,7 +13,7 @@ from ros_processes import executable, free_port
 from waiting import wait_until
 
 MODULES = {"training.md": "gymnasium"}
-"""What pages need as a whole."""
+"""The module that a whole page needs, by page."""
 
 
 def needs_master(page):
@@ -51,7 +51,7 @@ def forks():
 
 @pytest.fixture
 def environment(tmp_path_factory):
-    """That of a reader: a home, the workspace, and the command `flatland` of the tutorials."""
+    """A reader's environment: a home, the workspace, and the tutorials' command `flatland`."""
     home = tmp_path_factory.mktemp("home")
     (home / "flatland").symlink_to(executable("flatland_server", "flatland"))
     path = f"{home}:{os.environ['PATH']}"

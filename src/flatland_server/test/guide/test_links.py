@@ -91,7 +91,7 @@ def test_each_picture_can_be_made_again():
 
 
 def test_no_two_tutorials_have_different_files_of_one_name():
-    """They are done in one folder, and some go on with the files of others."""
+    """They are done in one folder, and some use files of earlier ones."""
     files = {}
     for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
         for block in blocks_of(page):

@@ -1,4 +1,4 @@
-"""The guide does what it says: each page's blocks are run in order, in a folder of its own.
+"""The guide works as written: each page's blocks are run in order, in a folder of its own.
 
 Tutorials have a file of their own, for another process to run.
 """
@@ -30,12 +30,12 @@ PAGES = [page for page in sorted(DOCS.rglob("*.md")) if blocks_of(page)]
     ids=lambda page: str(page.relative_to(DOCS)),
 )
 def test_the_page_does_what_it_says(page, run_page):
-    """Those that need pip alone are run in test/pip."""
+    """Pages that need only pip are run in test/pip."""
     run_page(page)
 
 
 def test_each_page_and_example_says_what_it_needs():
-    """But for those on which the installations are explained."""
+    """Except for the pages that explain the installations."""
     explained = [DOCS / "install.md", DOCS / "tutorials" / "index.md"]
     pages = [*PAGES, *(ROOT / "examples").glob("*/README.md")]
     silent = [page for page in pages if page not in explained and needs_of(page) is None]
@@ -44,7 +44,7 @@ def test_each_page_and_example_says_what_it_needs():
 
 
 def test_each_command_pastes_into_an_interactive_shell():
-    """Each is complete, and has none of what a terminal takes for something else."""
+    """Each is complete, and has no prompts, tabs or exclamation marks."""
     commands = [
         command
         for page in PAGES
@@ -53,7 +53,7 @@ def test_each_command_pastes_into_an_interactive_shell():
         for command in commands_of(block.text)
     ]
     wrong = [each for each in commands if re.match(r"[$>] ", each) or "\t" in each or "!" in each]
-    # A command that is open would end before its function does.
+    # An incomplete command would swallow the end of its function.
     functions = "".join(f"f() {{\n{each}\n}}\n" for each in commands)
     result = subprocess.run(["bash", "-n"], input=functions, stderr=subprocess.PIPE, text=True)
 

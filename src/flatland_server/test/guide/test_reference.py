@@ -1,4 +1,4 @@
-"""The reference is what the code says: keys, arguments, definitions, figures."""
+"""The reference agrees with the code: keys, arguments, definitions, figures."""
 
 import importlib
 import re
@@ -16,7 +16,7 @@ DOCS = ROOT / "docs"
 
 @pytest.fixture(scope="module")
 def marks():
-    """What the tables of all pages are of."""
+    """The subjects of the generated tables of all pages, as their marks name them."""
     pages = [page.read_text(encoding="utf-8") for page in reference_tables.pages()]
     return {match[2] for page in pages for match in reference_tables.MARK.finditer(page)}
 
@@ -54,7 +54,7 @@ def test_all_keys_of_a_file_are_on_the_pages(kind, marks):
 
 @pytest.fixture
 def fresh_keys():
-    """The keys are read again: what was read before is not used, and is not kept."""
+    """Clears the cache of plugins' keys before and after a test."""
     samples.keys_of_plugin.cache_clear()
     yield
     samples.keys_of_plugin.cache_clear()
@@ -94,7 +94,7 @@ def test_each_public_name_is_on_a_page_of_the_python_api(package, documented):
 
     missing = {name for name in names if f"{package}.{name}" not in documented}
 
-    assert missing <= {"messages"}  # of it, the page has what plugins use
+    assert missing <= {"messages"}  # its page shows only the functions that plugins use
 
 
 def test_each_name_that_docs_tell_to_import_is_on_a_page_of_the_python_api(documented):

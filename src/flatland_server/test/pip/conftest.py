@@ -62,7 +62,7 @@ def run(*command, **variables):
 
 
 def environment():
-    """Without ROS, and without what this Python finds besides the environment's packages."""
+    """This process's environment, without variables of ROS and Python and without search paths."""
     ros = ("ROS", "PYTHON", "SETUPTOOLS", "CMAKE_PREFIX_PATH", "PKG_CONFIG_PATH", "LD_LIBRARY_PATH")
     return {name: value for name, value in os.environ.items() if not name.startswith(ros)}
 
@@ -115,7 +115,7 @@ class Environment:
 
 @pytest.fixture(scope="session")
 def builder():
-    """An environment with what builds wheels."""
+    """An environment with the tools that build wheels."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     return Environment("builder", BUILD_REQUIREMENTS)
 
@@ -153,7 +153,7 @@ class Reader:
         self._variables = variables
 
     def run(self, folder, *words):
-        """What a Python program prints; if it fails, so does the test."""
+        """Runs a Python program and returns its output; if it fails, so does the test."""
         output = folder.with_suffix(".log")
         words = [str(word) for word in words]
         code = self.forks.start(words, folder, self._variables, output).wait(LIMIT)
@@ -185,7 +185,7 @@ def reader(wheel, tmp_path_factory):
 
 
 def with_wheel(name, wheel, *more):
-    """An environment with a wheel, what it requires, and more."""
+    """An environment with a wheel, its requirements, and more."""
     with zipfile.ZipFile(wheel) as archive:
         [metadata] = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
         required = BytesParser().parsebytes(archive.read(metadata)).get_all("Requires-Dist")

@@ -272,7 +272,7 @@ def test_a_sweep_is_the_same_to_the_bit_in_processes_and_on_ray(library_with_ray
     } <= set(fields)
 
 
-# What pages and examples say that they need
+# Requirements of pages and examples
 
 PAGES = [
     page

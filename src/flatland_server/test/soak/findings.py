@@ -1,4 +1,4 @@
-"""What a soak finds: counts of what was done, and violations of what must hold."""
+"""Findings of a soak: counts of actions, and violations of requirements."""
 
 import contextlib
 from collections import Counter
@@ -33,7 +33,7 @@ class Findings:
             self.expect(False, f"{what}: {type(error).__name__}: {error}")
 
     def add(self, values: Dict[str, Any]) -> None:
-        """Adds what `to_dict` of other findings gave."""
+        """Adds other findings, as given by `to_dict`."""
         self.counts.update(values["counts"])
         self.violations = [*self.violations, *values["violations"]][:MOST]
 

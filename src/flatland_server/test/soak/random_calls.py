@@ -180,7 +180,7 @@ SHARED_NAMES = [f"shared{index}" for index in range(SHARED)]
 def call_at_random(
     server: Server, master: Master, seed: int, clients: int, calls: int, findings: Findings
 ) -> None:
-    """Has clients make so many calls each, and compares the world with what it must be.
+    """Has clients make `calls` calls each, and compares the world with the expected one.
 
     The world is empty but for its own models before, and is so again at the end.
     """

@@ -27,7 +27,7 @@ class RandomFiles:
     Args:
         folder: an empty folder.
         seed: of the changes.
-        findings: what is counted and found.
+        findings: to which counts and violations are added.
     """
 
     def __init__(self, folder: Path, seed: int, findings: Findings) -> None:
@@ -121,7 +121,7 @@ def is_of_a_whole_file(message: str) -> bool:
 
 
 def snapshot(world: World) -> Dict[str, Any]:
-    """What a failed spawn must not change."""
+    """The state that a failed spawn must not change."""
     transport: Any = world.transport
     return {
         "models": sorted(world.models),

@@ -20,7 +20,7 @@ START = 2.0  # s; a start takes 1 to 2
 
 
 def killed_server(master: Master, folder: Path, findings: Findings) -> None:
-    """A server is killed and started again: publishers and subscribers of before go on."""
+    """A server is killed and started again: earlier publishers and subscribers continue."""
     with ended(Server(master, folder / "killed.log")) as server, contextlib.ExitStack() as clients:
         echo, out = folder / "echo.txt", "/odometry/filtered/twist/twist/linear/x"
         pub = ["rostopic", "pub", "-r", "20", "/cmd_vel", "geometry_msgs/Twist"]

@@ -22,7 +22,7 @@ VICTIM = "victim"  # may be deleted by its context menu
 def publish_at_random(
     server: Server, master: Master, seed: int, count: int, findings: Findings
 ) -> None:
-    """Publishes so many messages to each topic; then the robots can still be driven."""
+    """Publishes `count` messages to each topic; then the robots can still be driven."""
     rng = random.Random(f"ros messages {seed}")
     for name in (ROBOT, VICTIM):
         findings.expect(server.spawn(name).success, f"seed {seed}: {name} is not spawned")

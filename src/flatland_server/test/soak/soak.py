@@ -1,4 +1,4 @@
-"""A soak: one server that is disturbed in rounds, and what it holds after each of them."""
+"""A soak: one server that is disturbed in rounds, and its resources after each of them."""
 
 import contextlib
 import random
@@ -17,10 +17,10 @@ from waiting import wait_until
 
 CALLS, MESSAGES, SIGNALS = 100, 50, 2  # of a client, to each topic, to starting servers
 REST = 200
-"""Equal readings in a row of files and threads, 5 ms apart: the server is at rest."""
+"""Equal readings in a row of files and threads, 5 ms apart, for the server to be at rest."""
 WARM_UP = 0.2  # of the time
 MOST_GROWTH = 1.05
-"""Of the memory, from the warm-up on."""
+"""Largest ratio of the memory at the end to that after the warm-up."""
 
 
 class Soak:
@@ -39,9 +39,9 @@ class Soak:
         self.findings = Findings()
         self.rounds = 0
         self.start = Usage(0.0, 0, 0)
-        """Before the first round."""
+        """Resources before the first round."""
         self.usages: List[Usage] = []
-        """After each round."""
+        """Resources after each round."""
         self._tracebacks = 0
 
     def run(self, seconds: float, report: Callable[[str], None]) -> Dict[str, Any]:
@@ -105,7 +105,7 @@ class Soak:
         self.rounds += 1
 
     def _usage_at_rest(self) -> Usage:
-        """What the server holds when threads of closed connections have ended."""
+        """The server's resources when the threads of closed connections have ended."""
         usages: List[Usage] = []
 
         def is_at_rest() -> bool:
@@ -117,7 +117,7 @@ class Soak:
         return usages[-1]
 
     def _check_usage(self) -> None:
-        """Notes what the server holds: no more files and threads than at the start."""
+        """Records the server's resources: no more files and threads than at the start."""
         pid = self._server.process.pid
         with self.findings.part("comparisons of descriptors and threads"):
             wait_until(

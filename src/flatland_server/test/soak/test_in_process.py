@@ -1,4 +1,4 @@
-"""Spoilt files and random messages in worlds of this process, and what a soak makes of findings."""
+"""Spoilt files and random messages in worlds of this process, and the findings of a soak."""
 
 import random
 from io import BytesIO

@@ -1,4 +1,4 @@
-"""What a process holds: memory, open files, threads."""
+"""Resources of a process: memory, open files, threads."""
 
 import os
 from pathlib import Path
@@ -16,7 +16,7 @@ class Usage(NamedTuple):
 
     @classmethod
     def of(cls, pid: int) -> "Usage":
-        """The present ones of a process."""
+        """The present resources of a process."""
         status = Path(f"/proc/{pid}/status").read_text()
         values = dict(line.split(":", 1) for line in status.splitlines())
         files = len(os.listdir(f"/proc/{pid}/fd"))

@@ -1,4 +1,4 @@
-"""What the unit tests of the server share: worlds out of YAML text, and simulated time."""
+"""Shared by the unit tests of the server: worlds from YAML text, and simulated time."""
 
 import socket
 from functools import partial

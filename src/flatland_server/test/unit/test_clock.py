@@ -19,7 +19,7 @@ class Publisher:
     """A fake of rospy's."""
 
     sent: ClassVar[List[Tuple[str, Any]]] = []
-    listeners: ClassVar[Dict[str, Any]] = {}  # by topic: they are told of subscribers
+    listeners: ClassVar[Dict[str, Any]] = {}  # by topic, to be notified of subscribers
 
     def __init__(self, topic: str, _: Any, listener: Any = None, **__: Any) -> None:
         self.topic = topic

@@ -70,7 +70,7 @@ class Parts:
 
     @property
     def motion(self) -> List[Any]:
-        """All that can be seen of the bodies, the contacts since the last call, and mechanisms."""
+        """The visible state of bodies and mechanisms, and the contacts since the last call."""
         events, self.events = self.events, []
         bodies = [(*body.pose, *body.velocity, body.awake) for body in self.bodies]
         more = [joint.angle for joint in self.joints]

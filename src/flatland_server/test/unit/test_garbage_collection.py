@@ -1,4 +1,4 @@
-"""What is excluded from garbage collection; the server's objects are freed nevertheless."""
+"""Objects excluded from garbage collection; the server's objects are freed nevertheless."""
 
 import atexit
 import gc
@@ -17,7 +17,7 @@ OFFICE = Path(__file__).resolve().parents[2] / "worlds" / "office" / "world.yaml
 
 @pytest.fixture
 def frozen_office() -> Iterator[World]:
-    """The office, loaded and excluded; with automatic collection off, for exact counts."""
+    """The office, excluded from collection; automatic collection is off, for exact counts."""
     world = World.from_file(OFFICE)
     gc.disable()
     exclude_from_garbage_collection()
@@ -27,7 +27,7 @@ def frozen_office() -> Iterator[World]:
     world.close()
     del world
     gc.collect()
-    gc.freeze()  # the collected tests again: src/conftest.py
+    gc.freeze()  # excludes the collected tests again, as src/conftest.py does
 
 
 def test_a_collection_does_not_traverse_what_was_loaded(frozen_office):

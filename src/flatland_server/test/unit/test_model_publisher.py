@@ -1,4 +1,4 @@
-"""What the server says of its models, with stand-ins for rospy's publishers."""
+"""The server's messages about its models, with stand-ins for rospy's publishers."""
 
 import math
 
@@ -39,7 +39,7 @@ class Publisher:
 
 @pytest.fixture
 def published(files, monkeypatch):
-    """The publishers by topic, the simulation, and what publishes its models."""
+    """The publishers by topic, the simulation, and the publisher of its models."""
     made = {}
 
     def make(topic, *arguments, **options):
@@ -54,7 +54,7 @@ def published(files, monkeypatch):
 
 
 class WorldSimulation:
-    """A simulation manager, as far as the publisher knows it."""
+    """The part of a simulation manager that the publisher uses."""
 
     def __init__(self, files, world):
         self.world = files.load(world)

@@ -32,7 +32,7 @@ LAYERS = (  # each may import those before it
 )
 PUBLIC_FRONT = "flatland_server/__init__.py"
 ENTRIES = (PUBLIC_FRONT, "flatland_server/__main__.py")
-"""What a user starts from: above all folders."""
+"""The files that users start from: above all folders."""
 
 IMPORT_MODULES = """
 import importlib

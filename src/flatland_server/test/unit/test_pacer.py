@@ -24,7 +24,7 @@ class Loop:
         self.simulated_time = 0.0
         self.waits: List[float] = []
         self.steps: List[float] = []
-        """When steps have begun, since the start [s]."""
+        """Times at which steps have begun, since the start [s]."""
         self.ticks: List[float] = []
         self.pacer.start(self.simulated_time)
 
@@ -42,7 +42,7 @@ class Loop:
                 self.pacer.end_tick(self.simulated_time)
 
     def run_slow_step(self, duration: float) -> None:
-        """One round, in which the step takes so long [s]."""
+        """Runs one round with a step of this duration [s]."""
         usual, self.step_duration = self.step_duration, duration
         self.run(1)
         self.step_duration = usual

@@ -16,7 +16,7 @@ PYTHON_PACKAGES = sorted(name for name in PACKAGES if (ROOT / "src" / name / "se
 
 
 def rospack(*arguments):
-    """What rospack prints about this clone and the system's packages."""
+    """The output of rospack about this clone and the system's packages."""
     return subprocess.run(
         ["rospack", *arguments],
         env={**os.environ, "ROS_PACKAGE_PATH": f"{ROOT}:/usr/share"},
@@ -43,7 +43,7 @@ def imported(folder):
 
 
 def test_each_package_is_found_once_in_its_place():
-    """Whatever lies in build/, devel/ or an install space in the clone."""
+    """Also if build/, devel/ or an install space in the clone have copies."""
     found = [line.split(" ", 1) for line in rospack("list")]
 
     ours = sorted((name, path) for name, path in found if path.startswith(f"{ROOT}/"))

@@ -11,7 +11,7 @@ COUNT = 200_000
 
 
 def noise_of(key, nanoseconds=0, count=COUNT):
-    """In units of the standard deviation."""
+    """The noise of ranges in units of the standard deviation."""
     ranges = np.full(count, 50.0, np.float32)
     return (RangeNoise(key, 2.0, 100.0)(ranges, nanoseconds).astype(np.float64) - 50.0) / 2.0
 

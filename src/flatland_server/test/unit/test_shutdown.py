@@ -16,7 +16,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExc
 
 @pytest.fixture
 def codes(monkeypatch):
-    """The codes with which the process was to exit, and events of that."""
+    """The exit codes that were passed to os._exit, and an event for that."""
     codes = SimpleNamespace(list=[], event=threading.Event())
 
     def exit(code):

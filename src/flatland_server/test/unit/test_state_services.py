@@ -1,4 +1,4 @@
-"""The services that load worlds, beside each other."""
+"""Concurrent calls of the services that load worlds."""
 
 import pytest
 from std_srvs.srv import TriggerRequest

@@ -1,6 +1,6 @@
-"""What the tests of the documentation share: its examples in a folder, and simulated time.
+"""Shared by the tests of the documentation: its examples in a folder, and simulated time.
 
-The examples are in `examples/`, copied from the documentation's pages. What is broken there is
+The examples are in `examples/`, copied from the documentation's pages. Defects there are
 mended: indentation, and the commas that are missing in covariance matrices.
 """
 
@@ -33,12 +33,12 @@ class RobotSimulation(Harness):
         return self
 
     def pose(self, body: str = "base") -> Pose:
-        """Where a body of the robot is."""
+        """The pose of a body of the robot."""
         return self.world.get_model("robot").bodies[body].pose
 
     @property
     def frames(self) -> Set[Tuple[str, str]]:
-        """The frames that were published so far, after their parents."""
+        """The transforms published so far, as pairs of parent and child."""
         return {(each.parent, each.child) for each in self.transport.transforms.values()}
 
 
@@ -73,7 +73,7 @@ class Documented:
 
     @property
     def tricycle(self) -> str:
-        """What of the tutorial's cleaner comes before its plugins."""
+        """The tutorial's cleaner up to its plugins."""
         return self.text("cleaner.model.yaml").partition("plugins:")[0]
 
     @staticmethod
@@ -99,7 +99,7 @@ class Documented:
 
         Args:
             plugins: a page's, or the entry of one.
-            model: what comes before the plugins; by default a disc named "base".
+            model: the file up to the plugins; by default a disc named "base".
             namespace: of the robot.
             pose: of the robot.
         """
@@ -113,7 +113,7 @@ class Documented:
         return self.model("robot.model.yaml").plugins[0].reader
 
     def model(self, name: str) -> ModelConfig:
-        """What a model file says."""
+        """The configuration in a model file."""
         return ModelConfig.from_file(self.folder / name, AnyLayer())
 
     def _write(self, plugins: str, model: str) -> None:

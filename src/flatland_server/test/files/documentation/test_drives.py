@@ -29,7 +29,7 @@ class Drive(NamedTuple):
         example: the example of its page.
         model: the model that it is part of.
         topics: that the example publishes to.
-        frames: that it publishes, after their parents.
+        frames: that it publishes, as pairs of parent and child.
     """
 
     least: str

@@ -10,6 +10,6 @@ PLUGINS = (
     "ModelTfPublisher, OmniDrive, RandomWall, TricycleDrive, Tween"
 )
 
-# What is wrong: the file, the text in it that is replaced (None is all of it) by another one, and
-# the whole message.
+# A mistake: the file, the text in it that is replaced (None is all of it), its replacement, and the
+# whole message.
 Case = Tuple[str, Optional[str], Union[str, bytes], str]

@@ -22,7 +22,7 @@ calls: List[Tuple[Any, ...]] = []
 """The calls so far: (plugin, hook, arguments of the hook ...)."""
 
 actions: Dict[str, Callable[..., None]] = {}
-"""What plugins do in a hook, by its name; called with the plugin and the hook's arguments."""
+"""The plugins' actions by name of the hook; called with the plugin and the hook's arguments."""
 
 
 class _Hooks:

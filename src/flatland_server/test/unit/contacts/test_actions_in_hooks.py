@@ -1,4 +1,4 @@
-"""What a plugin may do to its body in contact hooks, and what it may not."""
+"""Actions of a plugin on its body in contact hooks: allowed ones and refused ones."""
 
 from typing import Callable, List
 

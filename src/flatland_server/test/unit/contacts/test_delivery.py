@@ -1,4 +1,4 @@
-"""Which contacts the core reports, and which plugins get them, when and in which order."""
+"""The contacts that the core reports, and their delivery to plugins: time and order."""
 
 from typing import Any, Dict, List, Tuple
 

@@ -1,4 +1,4 @@
-"""The forces between two bodies that touch, and what `pre_solve` can change about them."""
+"""The forces between two bodies that touch, and their changes by `pre_solve`."""
 
 import math
 from typing import Dict, List

@@ -1,4 +1,4 @@
-"""What a contact hook gets to know: which fixtures touch, on which side, and where."""
+"""The data that contact hooks get: the touching fixtures, their sides, and the points."""
 
 import math
 

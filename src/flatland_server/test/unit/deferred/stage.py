@@ -24,11 +24,11 @@ HOOKS = (
 FAR = Pose(-3.0, 2.0, 0.5)
 
 plans: Dict[Tuple[str, str], Callable[[], None]] = {}
-"""What the plugin of a model does in its next call of a hook, by (model, hook)."""
+"""The action of a model's plugin in its next call of a hook, by (model, hook)."""
 
 starts: "Counter[str]" = Counter()
 ends: "Counter[str]" = Counter()
-"""How often the plugins of each model were started and shut down."""
+"""The numbers of starts and shutdowns of each model's plugins."""
 
 
 class Actor(ModelPlugin):

@@ -25,11 +25,11 @@ models: [{name: robot, model: robot.yaml}]
 """
 
 kept: List[Any] = []
-"""What the plugins have kept: (plugin, contact, further argument of the hook)."""
+"""The contacts kept by plugins: (plugin, contact, further argument of the hook)."""
 
 
 class Keeper(ModelPlugin):
-    """Keeps all contacts and what comes with them."""
+    """Keeps all contacts and the other arguments of their hooks."""
 
     def on_initialize(self, config):
         pass

@@ -7,7 +7,7 @@ from flatland_server import DistanceGrid, UsageError
 
 
 def distance(point, walls):
-    """From a point to the nearest of some segments [m]."""
+    """The distance from a point to the nearest of some segments [m]."""
     a, b = walls[:, :2], walls[:, 2:]
     along = b - a
     t = np.clip(((point - a) * along).sum(1) / (along**2).sum(1), 0, 1)
@@ -36,7 +36,7 @@ def test_points_are_as_far_from_walls_as_they_should_be():
         points = [space.point(rng) for _ in range(500)]
         distances = [distance(np.array(point), walls) for point in points]
         assert min(distances) >= clearance
-        assert min(distances) < clearance + 0.1  # and no farther than the grid is coarse
+        assert min(distances) < clearance + 0.1  # within the grid's resolution
         assert all(space.contains_point(*point) for point in points)
         assert space.contains(np.array(points)).all()
 

@@ -1,4 +1,4 @@
-"""Steps in which no plugin is due go straight to the core, and nothing else can tell."""
+"""Steps in which no plugin is due go straight to the core, with the same results."""
 
 import random
 from typing import Any, List
@@ -20,7 +20,7 @@ Float = messages.get("std_msgs/Float64")
 
 
 class Clocked(ModelPlugin):
-    """Notes what it is told and when it is due, at a rate that can be commanded."""
+    """Notes its messages and the times of its updates, at a rate that can be commanded."""
 
     rate = 7.0
 
@@ -102,7 +102,7 @@ def make():
 
 
 class Actions:
-    """What a program does between steps, at random; equal for equal seeds."""
+    """Random actions of a program between steps, equal for equal seeds."""
 
     def __init__(self, seed: int) -> None:
         self.rng = random.Random(seed)

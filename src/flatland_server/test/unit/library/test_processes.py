@@ -6,7 +6,7 @@ import sys
 
 
 def test_a_spawned_process_can_import_what_this_one_has_imported():
-    # What a spawned process does before it calls the function: multiprocessing.spawn.prepare().
+    # A spawned process first runs multiprocessing.spawn.prepare(), and then the function.
     program = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); import flatland_server"
     result = subprocess.run(
         [sys.executable, "-c", program, json.dumps(sys.path)],

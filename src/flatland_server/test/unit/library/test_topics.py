@@ -1,4 +1,4 @@
-"""The topics of a simulation: what is computed, and when, and what is sent."""
+"""The topics of a simulation: messages that are computed, their times, and sent messages."""
 
 import pytest
 from library.parts import LOADER, Float

@@ -1,4 +1,4 @@
-"""Which hooks of plugins are called, when and in which order; the random numbers of plugins."""
+"""The calls of plugins' hooks: their times and their order; the random numbers of plugins."""
 
 from plugin_manager.recorders import calls, step, world_of
 

@@ -1,4 +1,4 @@
-"""Plugins that break the contract in one way each, and what the checks say of them."""
+"""Plugins that break the contract in one way each, and the messages of the checks."""
 
 import logging
 import weakref
@@ -320,4 +320,4 @@ BROKEN: Dict[Callable[[CheckedPlugin], Iterator[str]], Dict[Type[Beacon], str]] 
         GoesOnSending: 'after its end: expected no transform, found one of "lamp"',
     },
 }
-"""For each check of the contract, plugins that do not pass it, and what it says of them."""
+"""For each check of the contract, plugins that do not pass it, and its messages."""

@@ -1,4 +1,4 @@
-"""Pictures of a world: what they show, and that it does not depend on earlier ones."""
+"""Pictures of a world: their content, which does not depend on earlier pictures."""
 
 import io
 import logging
@@ -306,7 +306,7 @@ def test_without_a_size_the_longer_side_has_1600_pixels(simulation):
 
 def test_a_plot_is_in_metres(simulation):
     class Axes:
-        """What is used of Matplotlib's."""
+        """The part of Matplotlib's Axes that is used."""
 
         def imshow(self, image, extent, interpolation):
             self.image, self.extent = image, extent

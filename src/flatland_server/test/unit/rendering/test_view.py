@@ -1,4 +1,4 @@
-"""Which part of the world a picture shows."""
+"""The part of the world that a picture shows."""
 
 import math
 

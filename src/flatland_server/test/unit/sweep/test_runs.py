@@ -269,7 +269,7 @@ def test_the_clearance_is_the_distance_of_outlines(shape):
 
 @pytest.mark.parametrize("without", ["", "box"])
 def test_the_least_clearance_of_a_way_is_that_of_all_its_poses(folder, without):
-    """What is left out, since it cannot be nearer than before, makes no difference."""
+    """Skipping obstacles that cannot be nearer than the least clearance makes no difference."""
     with Simulation(folder / "world.yaml") as simulation:
         if without:
             simulation.delete(without)  # the walls are the nearest

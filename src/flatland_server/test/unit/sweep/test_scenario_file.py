@@ -1,4 +1,4 @@
-"""Scenario files: what they say, their scenarios, and what is wrong in them."""
+"""Scenario files: their settings, their scenarios, and errors in them."""
 
 from contextlib import closing
 
@@ -15,7 +15,7 @@ BOX_CHOSEN_BY_PARAMETER = (
     "{name: box, model: box.model.yaml, pose: [0, 2, 0.3]}",
     'name: box\n    pose: [0, 2, 0.3]\n    model: $eval param("/box", "box") .. ".model.yaml"',
 )
-"""What is replaced in the world file, and by what."""
+"""A string of the world file, and its replacement."""
 
 
 def test_scenarios_are_in_the_order_of_worlds_controllers_parameters_and_seeds(settings_of):
@@ -100,7 +100,7 @@ def test_what_is_wrong_is_told_with_its_place(settings_of, keys, message):
         settings_of(**keys)
 
     assert message in str(error.value)
-    assert str(error.value).count("scenarios.yaml:") == 1  # nothing that only follows from it
+    assert str(error.value).count("scenarios.yaml:") == 1  # no errors that only follow from it
 
 
 @pytest.mark.parametrize(

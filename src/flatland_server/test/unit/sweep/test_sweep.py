@@ -1,4 +1,4 @@
-"""flatland sweep: what it writes, that it can be interrupted, and what it survives."""
+"""flatland sweep: its output, interruptions, and the failures that it survives."""
 
 import base64
 import csv
@@ -199,7 +199,7 @@ def test_the_report_stands_alone_and_shows_runs_without_success(settings_of, cap
 
 
 class Window:
-    """In place of the real one: frames of 0.1 s, closed after so many."""
+    """In place of the real one: frames of 0.1 s, closed after some."""
 
     frames = 0
 

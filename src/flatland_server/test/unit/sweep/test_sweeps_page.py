@@ -1,4 +1,4 @@
-"""docs/sweeps.md: its files and commands work, and its tables name what there is."""
+"""docs/sweeps.md: its files and commands work, and its tables are complete."""
 
 import importlib.util
 import re

@@ -1,4 +1,4 @@
-"""What is said where SDL lacks a library to open an X display."""
+"""The message where SDL lacks a library to open an X display."""
 
 import ctypes
 

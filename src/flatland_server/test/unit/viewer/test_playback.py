@@ -1,4 +1,4 @@
-"""How many steps are made in a frame of the window."""
+"""The number of steps in a frame of the window."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What the window's keys and the mouse do, without a window."""
+"""Effects of the window's keys and of the mouse, without a window."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Models that are spawned within walls or other models: there, with a warning."""
+"""Models that are spawned within walls or other models: accepted, with a warning."""
 
 import logging
 import time

@@ -78,7 +78,7 @@ class Witness(ModelPlugin):
 
 
 class Timed(ModelPlugin):
-    """Logs when it is due, and what it is told."""
+    """Logs the times of its updates, and its messages."""
 
     def on_initialize(self, config):
         self.update_timer = UpdateTimer(config.get_float("rate"))

@@ -13,7 +13,7 @@ def error(message: str) -> YamlError:
 
 
 def messages(collector: ProblemCollector) -> list:
-    """What the collector would raise; empties it."""
+    """The messages of the error that the collector would raise; empties it."""
     return [problem.message for problem in collector.take().problems]
 
 

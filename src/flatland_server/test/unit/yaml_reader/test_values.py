@@ -14,7 +14,7 @@ TYPES = ["static", "kinematic", "dynamic"]
 
 
 WRONG_VALUES: Dict[str, Any] = {
-    # what is wrong: text of the file, how it is read, message after "<file>:"
+    # mistake: text of the file, getter, message after "<file>:"
     "a word for a number": (
         "mass: heavy",
         lambda r: r.get_float("mass"),
