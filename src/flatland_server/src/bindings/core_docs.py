@@ -12,7 +12,7 @@ Scope = Union[ast.Module, ast.ClassDef]
 
 
 def docs_of(scope: Scope, source: str) -> Iterator[Tuple[str, str]]:
-    """The functions, methods and properties of a scope: name and docstring, in their order."""
+    """The names and docstrings of a scope's functions, methods and properties, in order."""
     versions: Dict[str, List[Tuple[str, str]]] = {}
     for each in scope.body:
         if not isinstance(each, ast.FunctionDef):

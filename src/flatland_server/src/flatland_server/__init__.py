@@ -1,6 +1,6 @@
 """Flatland's server: worlds in YAML, moved by Box2D, with robots made of plugins.
 
-What is listed here is the public interface, for plugins and for programs that step a world:
+The names exported here are the public interface, for plugins and for programs that step a world:
 
     from flatland_server import ModelPlugin, Timekeeper, YamlReader
 

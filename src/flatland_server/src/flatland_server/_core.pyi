@@ -35,7 +35,7 @@ class _WithoutConstructor(metaclass=_Metaclass):
         """Raises TypeError."""
 
 class GoneError(ReferenceError):
-    """Something is used that has been removed from its world."""
+    """A handle of an object that has been removed from its world is used."""
 
 class World(metaclass=_Metaclass):
     """A physical world.
@@ -54,7 +54,7 @@ class World(metaclass=_Metaclass):
     ) -> Body:
         """Adds a static body of two-sided walls, one fixture each. It cannot be moved or removed.
 
-        Of more than 500,000 walls, Box2D has those near dynamic bodies.
+        Of more than 500,000 walls, Box2D holds only those near dynamic bodies.
 
         Args:
             segments: shape (n, 4), rows of x1, y1, x2, y2 [m].
@@ -81,7 +81,7 @@ class World(metaclass=_Metaclass):
         """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
 
         Raises:
-            Exception: what the contact listener has raised, after the step.
+            Exception: raised by the contact listener; the step is complete.
         """
     def step_until_contact(self, dt: float, count: int) -> int:
         """Makes at most `count` steps, and at least one, as `step` does.
@@ -96,13 +96,13 @@ class World(metaclass=_Metaclass):
             The number of steps.
 
         Raises:
-            Exception: what the contact listener has raised, after the step.
+            Exception: raised by the contact listener; the step is complete.
         """
     @property
     def completed_steps(self) -> int:
         """Number of steps that the last call of `step_until_contact` has completed.
 
-        In the contact listener, those before the step that is being made.
+        In the contact listener, the present step does not count.
         """
     def scan(
         self,
@@ -122,23 +122,23 @@ class World(metaclass=_Metaclass):
             reflectance_layers: bits of those layers that return an intensity of 255.
 
         Returns:
-            Ranges, shape (n,): the distance to what each beam meets first [m], or +infinity
-            (REP 117). Intensities, shape (n,): 255 for what reflects, 0 for the rest. A shape that
-            contains the pose is not seen.
+            Ranges, shape (n,): the distance of the nearest hit of each beam [m], or +infinity
+            (REP 117). Intensities, shape (n,): 255 for hits on reflectance layers, else 0. Shapes
+            that contain the pose are not seen.
         """
     def save_state(self) -> bytes:
-        """The state of all that moves: poses, velocities, contacts, joints, drives and tweens.
+        """The dynamic state: poses, velocities, contacts, joints, drives and tweens.
 
-        This world goes on, bit for bit, like one that is put into this state by `restore_state`;
-        without the call it would differ in the last bits.
+        From then on, this world and one that `restore_state` puts into this state run alike, bit
+        for bit; without the call, this world would differ in the last bits.
         """
     def restore_state(self, state: bytes) -> None:
-        """Puts a world into the saved state of one that was made alike, in the same order.
+        """Restores the saved state of a world that was built in the same way and order.
 
         Bodies, joints and so on stay valid, and no contact event is reported.
 
         Raises:
-            ValueError: the state is damaged, or is of a world of other parts. Nothing has changed.
+            ValueError: the state is damaged or does not fit this world. Nothing has changed.
         """
     def set_contact_listener(self, listener: Callable[..., None] | None) -> None:
         """Sets the function that receives contact events, or None.
@@ -152,10 +152,11 @@ class World(metaclass=_Metaclass):
         """
     @property
     def touches(self) -> list[tuple[Fixture, Fixture, list[_Pair], _Pair]]:
-        """The fixtures that touch, as the last step has found them, in a fixed order.
+        """Pairs of fixtures that touched in the last step, in a fixed order.
 
-        Each with the two fixtures, up to two points in the world [m], and the unit vector from the
-        first to the second in the world's frame; without points and zero if one is a sensor.
+        Each entry has the two fixtures, up to two contact points in the world [m], and the unit
+        vector from the first to the second in the world's frame. If one is a sensor, there are no
+        points and the vector is zero.
         """
     @property
     def body_count(self) -> int:
@@ -165,22 +166,22 @@ class World(metaclass=_Metaclass):
         """Number of joints."""
 
 class WorldBatch(metaclass=_Metaclass):
-    """Environments that begin as the same world, with a robot each; see world_batch.hpp.
+    """Environments with the same initial world and a robot each; see world_batch.hpp.
 
-    `out` are arrays of n rows, which are written to in place: ranges (n, beams) float32, poses,
+    `out` has arrays of n rows, which are written to in place: ranges (n, beams) float32, poses,
     velocities and local velocities (n, 3) float64, collided (n,) bool, steps (n,) int64.
 
     Args:
-        world: that has made no step; it is copied.
-        bodies: of the robot, the one that is observed first.
+        world: the initial one, before its first step; it is copied.
+        bodies: of the robot; the first one is observed.
         base: pose of the first body in the robot's frame.
         drive: of the robot.
-        columns: which number of the drive each number of an action is.
+        columns: index of the drive's number that each number of an action sets.
         lidar: of the robot.
         count: number of environments, n.
-        threads: that share them.
-        models: that `reset` may put elsewhere: the bodies of each, and the pose of the first body
-            in the model's frame.
+        threads: number of threads that share the environments.
+        models: models that `reset` can move: the bodies of each, and the pose of the first body in
+            the model's frame.
     """
 
     def __init__(
@@ -216,9 +217,9 @@ class WorldBatch(metaclass=_Metaclass):
     ) -> None:
         """Commands the robots, makes steps of `dt` [s], and writes the rows. Releases the GIL.
 
-        With None as `out`, no row is written, and the next call may go on: then a collision of this
-        one counts in its rows, too. With a mask, only those environments are stepped, their rows
-        written, and their actions read.
+        With None as `out`, no row is written. With `goes_on`, collisions of the previous call count
+        in the rows, too. With a mask, only its environments are stepped, their rows written, and
+        their actions read.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
@@ -230,9 +231,9 @@ class WorldBatch(metaclass=_Metaclass):
         out: tuple[Any, ...],
         model_poses: FloatArray | None,
     ) -> None:
-        """Puts environments back to the beginning, moves their robots, and writes their rows.
+        """Resets environments, moves their robots, and writes their rows.
 
-        `model_poses` of shape (n, 3 * models) are for the models, which are moved after the robots.
+        `model_poses` has shape (n, 3 * models); the models are moved after the robots.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
@@ -240,14 +241,14 @@ class WorldBatch(metaclass=_Metaclass):
     def observe(self, out: tuple[Any, ...]) -> None:
         """Writes all rows."""
     def replace(self, row: int, world: World) -> None:
-        """Lets an environment begin as another world from now on, such as one with other walls.
+        """Replaces the initial world of an environment, for instance by one with other walls.
 
-        It must have made no step, and have the same bodies, drives and lidars; it is copied.
+        The new one has made no step, and has the same bodies, drives and lidars; it is copied.
         """
     def motions(
         self, bodies: Sequence[Body], mask: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:
-        """The poses and the velocities of bodies: new arrays (n, bodies, 3), 0 without the mask.
+        """The poses and velocities of bodies: new arrays (n, bodies, 3), 0 outside of the mask.
 
         x, y [m] and yaw in [-pi, pi] [rad], and vx, vy [m/s] and omega [rad/s] of the body's
         origin, in the world's frame.
@@ -266,7 +267,7 @@ class Body(_WithoutConstructor):
 
     @property
     def id(self) -> int:
-        """A number that no other body of its world has or had. Never raises GoneError."""
+        """Unique among all present and former bodies of its world. Never raises GoneError."""
     def __eq__(self, other: object) -> bool: ...
     def __hash__(self) -> int: ...
     @property
@@ -276,7 +277,7 @@ class Body(_WithoutConstructor):
         """Removes the body with its fixtures, joints, drives, tweens and lidars.
 
         Raises:
-            Exception: what the contact listener has raised about the contacts that end by it.
+            Exception: raised by the contact listener for a contact that ends by the removal.
         """
     def add_circle(
         self,
@@ -333,7 +334,7 @@ class Body(_WithoutConstructor):
         """Its fixtures, in the order in which they were added."""
 
     def fixture(self, index: int) -> Fixture:
-        """One of its fixtures, without a list of all: a layer may have millions of walls.
+        """One of its fixtures, without making the list of `fixtures`, which may have millions.
 
         Args:
             index: from 0, in the order of `fixtures`.
@@ -343,10 +344,10 @@ class Body(_WithoutConstructor):
         """
     @property
     def overlapping(self) -> list[Body]:
-        """The other bodies with a fixture that overlaps one of this body, and is to be pushed out.
+        """The other bodies that overlap this one, and that the solver would push out of it.
 
-        Both fixtures collide, share a layer and are no sensors, and one of the bodies is dynamic.
-        Shapes that touch overlap.
+        The two fixtures collide, share a layer and are no sensors, and one of the bodies is
+        dynamic. Shapes that touch overlap.
         """
     def add_revolute(
         self,
@@ -552,7 +553,7 @@ class RelativePoses(metaclass=_Metaclass):
     """Reads the poses of bodies in the frame of another body, all in one call.
 
     Args:
-        reference: the body in the frame of which the poses are.
+        reference: the body that has the frame.
         bodies: n bodies of the same world.
     """
 
@@ -577,15 +578,15 @@ class BodyGroup(metaclass=_Metaclass):
     def clearance(self, limit: float) -> float:
         """The distance from the nearest wall or other body that one of them can touch [m].
 
-        Footprints count that collide, are no sensors, and share a layer. Overlapping ones have a
-        distance of 0.
+        Only footprints that collide, are no sensors and share a layer count. The distance of
+        overlapping ones is 0.
 
         Args:
-            limit: the result if nothing is nearer than this [m]; the search goes no farther.
+            limit: range of the search, and the result if nothing is nearer [m].
         """
 
 class Fixture(_WithoutConstructor):
-    """A handle of a shape of a body, or of a wall of a layer. Handles of the same one are equal."""
+    """A handle of a body's shape or a layer's wall. Handles of the same one are equal."""
 
     @property
     def body(self) -> Body:
@@ -630,9 +631,9 @@ class Fixture(_WithoutConstructor):
 class FixtureChecker(metaclass=_Metaclass):
     """Checks the fixtures of a body without a world.
 
-    Each method raises the same ValueError as that of Body would, for a body with the fixtures that
-    have passed so far. They matter because Box2D needs a positive moment of inertia, which is lost
-    in rounding if all fixtures of a body are small and far from its origin.
+    Each method raises the ValueError that the method of Body would raise for a body with the
+    fixtures accepted so far. These matter because Box2D needs a positive moment of inertia, which
+    is lost in rounding if all fixtures of a body are small and far from its origin.
 
     Args:
         body_type: static, kinematic or dynamic.
@@ -696,7 +697,7 @@ class Drive(_WithoutConstructor):
         """The commanded velocity [m/s, m/s, rad/s]."""
     @property
     def velocity(self) -> _Triple:
-        """The present velocity within the limits, on its way to the target [m/s, m/s, rad/s]."""
+        """The present velocity, which approaches the target within the limits [m/s, m/s, rad/s]."""
 
 class Tricycle(_WithoutConstructor):
     """A handle of a tricycle's drive."""
@@ -734,7 +735,7 @@ class Tween(_WithoutConstructor):
         """Elapsed fraction of the duration, 0 at the start and 1 at the end; before easing."""
 
 class RangeNoise(metaclass=_Metaclass):
-    """Gaussian noise of a lidar's ranges, for each time another one.
+    """Gaussian noise of a lidar's ranges, different at each time.
 
     It depends on the key, the time and the beam alone: a scan made twice has the same noise.
 
@@ -749,7 +750,7 @@ class RangeNoise(metaclass=_Metaclass):
     def key(self) -> int:
         """The key, from 0 to 2^64 - 1."""
     def __call__(self, ranges: Float32Array, nanoseconds: int) -> Float32Array:
-        """A new array of ranges with the noise of a time.
+        """Adds the noise at a time to ranges; returns a new array.
 
         Ranges stay within [0, max_range]; no return stays +inf.
 
@@ -772,7 +773,7 @@ class RangeNoise(metaclass=_Metaclass):
             ranges: shape (n, beams) [m].
             keys: a key for each scan, shape (n,).
             nanoseconds: the time of each scan [ns], shape (n,).
-            mask: which scans, shape (n,); None is all.
+            mask: of the scans that get noise, shape (n,); None is all.
         """
 
 class BeamFan(metaclass=_Metaclass):
@@ -819,7 +820,7 @@ POST_SOLVE: int
 class Contact(_WithoutConstructor):
     """A contact of two fixtures, at one of its events.
 
-    Valid only within the call that it is given to; after that its properties and methods raise
+    Valid only during the call of the listener; after that its properties and methods raise
     GoneError, except `fixture_a` and `fixture_b`. It may be kept as a key: contacts of the same two
     fixtures are equal.
     """
@@ -842,10 +843,10 @@ class Contact(_WithoutConstructor):
         """At PRE_SOLVE: sets whether the two push each other apart in this step.
 
         Args:
-            enabled: whether they do.
+            enabled: False lets them pass through each other.
 
         Raises:
-            RuntimeError: it is another event.
+            RuntimeError: the event is not PRE_SOLVE.
         """
     @property
     def points(self) -> list[_Pair]:
@@ -890,7 +891,7 @@ __version__: str
 """The version in flatland_server's package.xml when this was built."""
 
 supports_numpy_2: bool
-"""Whether this was built with a pybind11 that supports NumPy 2, from 2.12 on.
+"""Whether the core was built with a pybind11 that supports NumPy 2, from 2.12 on.
 
 Otherwise it cannot be imported with NumPy 2: scans would be wrong.
 """
@@ -909,17 +910,17 @@ class PriorityGuard(metaclass=_Metaclass):
     """
 
     def __init__(self, signal: int) -> None:
-        """Handles `signal`, which it has sent to the calling thread.
+        """Installs the handler of `signal`, which the thread gets when its CPU time is used up.
 
         Raises:
             RuntimeError: the system refuses it.
         """
 
     def arm(self, seconds: float) -> None:
-        """Allows the thread so much CPU time from now on [s]."""
+        """Limits the thread's CPU time from now on [s]."""
 
     def disarm(self) -> None:
-        """Allows it any CPU time."""
+        """Removes the limit."""
 
     @property
     def has_fired(self) -> bool:

@@ -15,7 +15,7 @@ def whole_number(value: Any, what: str, minimum: int) -> int:
     """A whole number, such as a seed or a count of steps; also one of NumPy.
 
     Raises:
-        UsageError: it is none, or below the minimum.
+        UsageError: it is not a whole number, or below the minimum.
     """
     if type(value) is int and value >= minimum:
         return value
@@ -34,7 +34,7 @@ def params_of(params: Any) -> Dict[str, Any]:
     """Parameters by name.
 
     Raises:
-        UsageError: they are no mapping of names.
+        UsageError: they are not a mapping with names as keys.
     """
     if not isinstance(params, Mapping) or not all(isinstance(name, str) for name in params):
         raise UsageError(f"expected params as a dict by name, found {shown(params)}")
@@ -42,10 +42,10 @@ def params_of(params: Any) -> Dict[str, Any]:
 
 
 def several(values: Iterable[T], what: str) -> List[T]:
-    """The entries of an argument that takes several; a single string is none.
+    """The entries of a list argument; a single string is not a list.
 
     Raises:
-        UsageError: it is something else.
+        UsageError: it is not a list or another iterable.
     """
     if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
         raise UsageError(f"expected {what} as a list, found {shown(values)}")
@@ -56,19 +56,19 @@ def folders_of(folders: Iterable[Union[str, "os.PathLike[str]"]]) -> List[Path]:
     """The argument `model_folders`.
 
     Raises:
-        UsageError: it is no list.
+        UsageError: it is not a list.
     """
     return [Path(folder) for folder in several(folders, "model_folders")]
 
 
 def finite(values: Sequence[Any], what: str) -> None:
-    """Checks that those values that are numbers are finite.
+    """Checks that all numbers among some values are finite.
 
     Raises:
         UsageError: one is not.
     """
     try:
-        if math.isfinite(sum(values)):  # then all are: one check for the most frequent case
+        if math.isfinite(sum(values)):  # fast path: a finite sum has finite terms
             return
     except (TypeError, OverflowError):
         pass
@@ -76,7 +76,7 @@ def finite(values: Sequence[Any], what: str) -> None:
         try:
             is_finite = math.isfinite(value)
         except (TypeError, OverflowError):
-            continue  # no number; the plugin knows what it takes
+            continue  # not a number: left to the plugin to check
         if not is_finite:
             raise UsageError(f"expected {what} of finite numbers, found {shown(values)}")
 

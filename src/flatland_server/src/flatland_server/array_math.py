@@ -1,10 +1,10 @@
 """Trigonometry and distances of many points.
 
-NumPy computes sines and the like with SIMD instructions, or without them if it takes the result's
-memory for a part of the argument's. For an argument with gaps, such as a column of a larger array,
-it looks too far: a result that happens to lie right behind it is computed without, and differs in
-its last bits. `cos_sin` and `headings` close the gaps first, so that the same numbers give the same
-bits wherever they lie in memory.
+NumPy computes sines and the like with SIMD instructions, unless it believes that the memory of the
+result overlaps the argument. For a strided argument, such as a column of a larger array, its check
+is too cautious: a result that lies right behind the argument is computed without SIMD, and differs
+in its last bits. `cos_sin` and `headings` make arguments contiguous first, so that equal numbers
+give equal bits wherever they lie in memory.
 """
 
 from typing import Tuple
@@ -16,7 +16,7 @@ from flatland_server.geometry import Point
 
 
 def cos_sin(angles: FloatArray) -> Tuple[FloatArray, FloatArray]:
-    """The cosines and sines of angles, of the shape of these.
+    """The cosines and sines of angles, in arrays of the same shape.
 
     Args:
         angles: [rad].
@@ -40,8 +40,8 @@ def from_segments(points: FloatArray, segments: FloatArray) -> FloatArray:
 
     Args:
         points: shape (n, 2).
-        segments: x1, y1, x2, y2, shape (m, 4), or (n, m, 4) for other ones at each point. They may
-            be of no length.
+        segments: x1, y1, x2, y2, shape (m, 4), or (n, m, 4) with m segments for each point. Their
+            length may be 0.
     """
     starts = segments[..., :2]
     steps = segments[..., 2:] - starts

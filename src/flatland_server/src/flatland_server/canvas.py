@@ -1,4 +1,4 @@
-"""What pictures of a world are drawn on, by the framework and by plugins."""
+"""The canvas for pictures of a world, drawn by the framework and by plugins."""
 
 from abc import ABC, abstractmethod
 from typing import Optional, Sequence, Tuple, Union
@@ -14,7 +14,7 @@ Points = Union[FloatArray, Sequence[Point]]
 
 
 class Canvas(ABC):
-    """A picture of the world, seen from above. What is drawn later covers what was drawn before.
+    """A picture of the world, seen from above. Later shapes cover earlier ones.
 
     Positions and lengths are in metres, in the frame of the world. Widths of lines and sizes of
     dots are in pixels, and do not depend on the scale of the picture.

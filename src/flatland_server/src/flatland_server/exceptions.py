@@ -9,7 +9,7 @@
     ├── PluginError         a plugin is unknown or cannot be imported, or fails in a `Simulation`
     ├── RecordingError      a recording cannot be written
     ├── StateError          a state cannot be saved, or does not fit the world it is loaded into
-    ├── TopicError          a topic or frame cannot have this name, or a topic not this type
+    ├── TopicError          a name is not allowed for a topic or frame, or a topic has another type
     └── UsageError          a program calls something with a wrong value, or after `close`
 
 The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint or drive is used.
@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Callable, Collection, Iterable, List, Optional, Tuple
 
 MAX_SHOWN = 50
-"""How many problems of a `YamlError` are shown."""
+"""The number of problems of a `YamlError` that are shown."""
 
 _MAX_LISTED = 30  # names in a message
 _MAX_COMPARED = 200  # words that a misspelt one is compared with
@@ -35,7 +35,7 @@ class FlatlandError(Exception):
 
 
 PLUGIN_ERRORS = (Exception, SystemExit)
-"""What ends a plugin that raises it; `sys.exit()` in a plugin does not end the simulation."""
+"""Exceptions that switch off the plugin: even `sys.exit()` in it does not end the simulation."""
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ class StateError(FlatlandError):
 
 
 class TopicError(FlatlandError):
-    """A topic or frame has a name that ROS cannot have, or a topic another type already.
+    """A name is not allowed for a topic or frame, or the topic already has another type.
 
     Args:
         message: the text of the error.
@@ -180,7 +180,7 @@ class UsageError(FlatlandError, ValueError):
 
 
 def shortened(found: str, longest: int = 80) -> str:
-    """What was found in a file, on one line and at most `longest` characters, for a message."""
+    """Text found in a file as one line of at most `longest` characters, for a message."""
     line = " ".join(found.split())
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
 

@@ -3,7 +3,7 @@
 JSON, with three additions, each an object with a single key: `{"$bytes": base64}`, `{"$array":
 [dtype, shape, base64]}` for a numpy array of numbers, and `{"$dict": [[key, value] ...]}` for a
 dict with integers as keys. Numbers come back bit for bit; tuples come back as lists.
-There is nothing else in it, so that reading a file from elsewhere runs no code of that file.
+Unlike pickle, reading a file from elsewhere runs no code of that file.
 """
 
 import base64
@@ -17,7 +17,7 @@ _NUMBERS = "biufc"
 
 
 def dumps(data: Any) -> bytes:
-    """Data as bytes.
+    """Serializes plain data.
 
     Raises:
         TypeError: a part of it is not plain data; says which.
@@ -26,7 +26,7 @@ def dumps(data: Any) -> bytes:
 
 
 def loads(data: bytes) -> Any:
-    """What `dumps` has got.
+    """The value given to `dumps`.
 
     Raises:
         ValueError: this is not the result of `dumps`.

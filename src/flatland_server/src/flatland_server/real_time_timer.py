@@ -1,4 +1,4 @@
-"""Periods of real time, for what also happens while the simulation is paused."""
+"""Periods of real time, for work that goes on while the simulation is paused."""
 
 import time
 

@@ -63,7 +63,7 @@ class UpdateTimer:
         return True
 
     def get_state(self) -> Dict[str, Any]:
-        """Its period and when it is due, for the state of a plugin that has a timer of its own.
+        """Its period and due time, for the state of a plugin that has a timer of its own.
 
         The framework itself keeps that of `Plugin.update_timer`.
         """
@@ -79,7 +79,7 @@ class UpdateTimer:
 
 
 def due_after(times: IntArray, rate: float) -> FloatArray:
-    """When the updates after those at some times are due [ns], in many environments at once.
+    """The due times of the next updates after some times [ns], in many environments at once.
 
     The same numbers as those of an `UpdateTimer` that started at time 0. Its own formula is without
     NumPy, which takes ten times as long for one number.

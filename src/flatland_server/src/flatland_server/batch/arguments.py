@@ -21,7 +21,7 @@ def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> Floa
 
     Args:
         value: what a program has passed.
-        shape: that they must have.
+        shape: the required one.
         names: of the numbers of an action.
 
     Raises:
@@ -81,7 +81,7 @@ def model_poses_of(value: Any, count: int, models: int, mask: Optional[BoolArray
 
 
 def mask_of(value: Any, count: int) -> BoolArray:
-    """Which environments are meant: an array of bool.
+    """A mask of environments: an array of bool.
 
     Raises:
         UsageError: it has another shape or type.
@@ -93,7 +93,7 @@ def mask_of(value: Any, count: int) -> BoolArray:
 
 
 def seeds_of(value: Any, count: int) -> IntArray:
-    """A seed for each environment, out of the first one or of all.
+    """The seed of each environment, given the first one or all of them.
 
     Raises:
         UsageError: they are no whole numbers of 0 or more, or not as many as environments.
@@ -110,10 +110,10 @@ def seeds_of(value: Any, count: int) -> IntArray:
 
 
 def _array(value: Any, what: str, form: str, shape: Tuple[int, ...]) -> Any:
-    """An array of a shape.
+    """A value as an array of a given shape.
 
     Raises:
-        UsageError: it is none.
+        UsageError: it is no array of this shape.
     """
     try:
         array = np.asarray(value)
@@ -125,10 +125,10 @@ def _array(value: Any, what: str, form: str, shape: Tuple[int, ...]) -> Any:
 
 
 def index_of(value: Any, count: int) -> BoolArray:
-    """An environment as a mask of n.
+    """The mask that chooses one of n environments by its index.
 
     Raises:
-        UsageError: there is none of this index.
+        UsageError: there is no environment of this index.
     """
     if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
         raise UsageError(f"expected an environment from 0 to {count - 1}, found {shown(value)}")

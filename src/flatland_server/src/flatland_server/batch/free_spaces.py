@@ -1,4 +1,4 @@
-"""Where the robots of a batch may be put at the beginning."""
+"""The free space for the initial poses of a batch's robots."""
 
 import math
 from typing import Any, Dict
@@ -17,7 +17,7 @@ class FreeSpaces:
     """The free space of a robot for each clearance, computed when it is first needed.
 
     Args:
-        world: that environments begin as.
+        world: the initial world of all environments.
         robot: its model; the other models are obstacles.
     """
 

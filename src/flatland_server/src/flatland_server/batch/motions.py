@@ -59,7 +59,7 @@ class BatchMotions:
             core: the batch.
             chosen: which environments, (n,); None: all. The others are not looked at.
             times: of the environments now [ns], (n,).
-            most: the largest number that is returned.
+            most: upper limit of the result.
         """
         for each in self._entries:
             is_due = times >= each.due

@@ -12,7 +12,7 @@ from flatland_server.plugins.plugin_factory import plugin_rng
 
 
 class BatchNoise:
-    """Adds to ranges what the lidar of a `Simulation` with an environment's seed would add.
+    """Adds the noise of the lidar in a `Simulation` with the environment's seed.
 
     Args:
         robot: its model and lidar.
@@ -27,7 +27,7 @@ class BatchNoise:
         self._new: Set[int] = set(range(count))
 
     def restart(self, environments: Sequence[int]) -> None:
-        """To be called after the seeds of environments have changed."""
+        """Makes new noise for environments with changed seeds, at the next `add`."""
         self._new.update(environments)
 
     def add(
@@ -37,12 +37,12 @@ class BatchNoise:
         nanoseconds: IntArray,
         mask: Optional[BoolArray],
     ) -> None:
-        """Adds the noise of times [ns] to ranges (n, beams), with a mask to those of some rows."""
+        """Adds the noise at times [ns] to ranges (n, beams); with a mask, only to its rows."""
         if self._make_noise is None:
             return
         self._make(seeds)
         first = self._noises[0]
-        if isinstance(first, _core.RangeNoise):  # all are
+        if isinstance(first, _core.RangeNoise):  # then all are of this type
             first.add_to_rows(ranges, self._keys, nanoseconds, mask)
             return
         for k in range(len(ranges)) if mask is None else np.flatnonzero(mask).tolist():

@@ -1,4 +1,4 @@
-"""What a batch of environments observes."""
+"""The observation of a batch of environments."""
 
 from functools import lru_cache
 from typing import List, NamedTuple, Tuple

@@ -17,7 +17,7 @@ class BatchPlugins:
     """The plugins of a batch that change its worlds.
 
     Args:
-        config: of the world that the environments begin as.
+        config: of the initial world.
         roles: of its plugins.
         count: number of environments, n.
         step_nanoseconds: length of a step.
@@ -51,7 +51,7 @@ class BatchPlugins:
             core: the batch.
             chosen: which environments, (n,); None: all.
             seeds: of the environments, (n,).
-            steps: that each has made, (n,); 0 is written for those with another world.
+            steps: made by each, (n,); set to 0 for environments that get another world.
         """
         if self._worlds:
             every = np.ones(self._count, bool)
@@ -105,5 +105,5 @@ class BatchPlugins:
         return np.concatenate([np.empty((0, 4)), *added])
 
     def close(self) -> None:
-        """Closes what was loaded."""
+        """Closes the world that was loaded last."""
         self._worlds.close()

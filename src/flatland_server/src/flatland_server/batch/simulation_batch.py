@@ -42,7 +42,7 @@ _MOST_STEPS = 2**31 - 1
 
 
 class SimulationBatch:
-    """Environments that begin as the same world, each with one robot, stepped in one C++ call.
+    """Environments with the same initial world and one robot each, stepped in one C++ call.
 
         with SimulationBatch("office", 1024, threads=2) as batch:
             actions = np.zeros((1024, 2))                # m/s and rad/s of a DiffDrive
@@ -71,8 +71,8 @@ class SimulationBatch:
         robot: name of the model that is commanded and observed; None: the only one with a drive and
             a lidar.
         lidar: name of the plugin that is read; None: the robot's only lidar.
-        threads: of the processor, that share the environments in equal parts.
-        moved: names of other models that `reset` may put elsewhere.
+        threads: number of threads; each steps an equal part of the environments.
+        moved: names of other models that `reset` can move.
         step_size: length of a step [s].
         seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
         params: parameters by absolute name, for expressions in the files and for plugins.
@@ -181,7 +181,7 @@ class SimulationBatch:
 
     @property
     def action_names(self) -> Tuple[str, ...]:
-        """What the numbers of an action are: the parameters of the drive's `command`."""
+        """The names of an action's numbers: the parameters of the drive's `command`."""
         return self._action_names
 
     @property
@@ -211,7 +211,7 @@ class SimulationBatch:
             out: arrays that the observation is written to: only the rows of those environments that
                 are stepped. By default new arrays, with all rows.
             mask: shape (n,), bool: which environments; None: all. The others stay as they are,
-                whatever their actions, which may be NaN. A mask of False alone changes nothing.
+                whatever their actions, which may be NaN. A mask of only False changes nothing.
 
         Returns:
             `out`, or new arrays.
@@ -299,13 +299,13 @@ class SimulationBatch:
         return observation
 
     def view(self, index: int) -> Simulation:
-        """A simulation with everything where it is in an environment, for pictures.
+        """A simulation that shows the present state of an environment, for pictures.
 
             batch.view(3).save_picture("robot.png", follow=batch.robot, sensors=True)
 
-        It has the environment's seed, time, poses and velocities, but not what is kept from step to
-        step, such as contacts: its steps do not go on as the environment's would. It is the same
-        simulation in all calls, and the batch closes it.
+        It has the environment's seed, time, poses and velocities, but no other state, such as that
+        of contacts: stepping it does not continue the run of the environment. All calls return the
+        same simulation, and the batch closes it.
 
         Args:
             index: of the environment.
@@ -334,7 +334,7 @@ class SimulationBatch:
         return self._plugins.added_walls(index)
 
     def free_space(self, clearance: float) -> FreeSpace:
-        """Where the robot may be put at the beginning; computed once for each clearance.
+        """The free space for initial poses of the robot; computed once for each clearance.
 
         Args:
             clearance: distance [m] of the robot's origin from all walls that it collides with, and
@@ -361,7 +361,7 @@ class SimulationBatch:
     # Its end
 
     def close(self) -> None:
-        """Frees all environments. What follows raises a UsageError, except for facts."""
+        """Frees all environments. Later calls raise a UsageError, except for the facts above."""
         if self._core is not None:
             self._core = None
             self._world.close()
@@ -380,7 +380,7 @@ class SimulationBatch:
         return self._core
 
     def _load_one(self, index: int) -> Tuple[_core.WorldBatch, BoolArray]:
-        """The core, after the plugins of an environment are loaded, and the mask of that one.
+        """Loads one environment's world; returns the core and the environment's mask.
 
         Raises:
             UsageError: there is no such environment, or the batch is closed.
@@ -403,7 +403,7 @@ class SimulationBatch:
         return out
 
     def _arrays(self, rows: BatchObservation) -> Tuple[Any, ...]:
-        """What the core writes to."""
+        """The arrays that the core writes to."""
         return (*rows[:5], self._steps)
 
     def _observe(self, rows: BatchObservation) -> None:
@@ -416,9 +416,9 @@ class SimulationBatch:
     def _finish(
         self, rows: BatchObservation, mask: Optional[BoolArray], is_new: bool = False
     ) -> None:
-        """Completes what the core has written of the environments that the mask chooses.
+        """Completes the rows of the environments in the mask, which the core has written.
 
-        Writes their times, and adds noise. In new arrays, writes the rows of the others, too.
+        Writes their times, and adds noise. In new arrays, writes all other rows, too.
         """
         if is_new and mask is not None and not mask.all():
             self._observe(rows)

@@ -34,10 +34,10 @@ class BatchWorlds:
         return self._differ
 
     def load(self, core: _core.WorldBatch, chosen: BoolArray, seeds: IntArray) -> BoolArray:
-        """Loads the worlds of chosen environments again where the seed has changed.
+        """Reloads the worlds of chosen environments after a change of their seed.
 
         Returns:
-            Which environments have another world now: they are at its beginning.
+            The mask of environments with a new world, which has made no step.
         """
         is_other: BoolArray = chosen & (self._loaded != seeds)
         for k in np.flatnonzero(is_other).tolist():

@@ -1,4 +1,4 @@
-"""Arguments that several subcommands have."""
+"""Arguments shared by several subcommands."""
 
 import argparse
 import math
@@ -10,7 +10,7 @@ from flatland_server.library.simulation import Simulation
 from flatland_server.tools.params_argument import add_params
 
 Subparsers = Any
-"""argparse's class of them has no public name."""
+"""The result of argparse's `add_subparsers`; its class has no public name."""
 
 
 def add_world(parser: argparse.ArgumentParser) -> None:

@@ -1,4 +1,4 @@
-"""The command line: which subcommand is run, and how its errors are reported."""
+"""The command line: runs a subcommand, and reports its errors."""
 
 import argparse
 import atexit
@@ -15,7 +15,7 @@ from flatland_server.exceptions import FlatlandError, YamlError
 SUBCOMMANDS = (check, map_to_lines, render, run, sweep, view, worlds)
 
 _INTERRUPTED = 130
-"""The exit code of a program that Ctrl-C has ended, as shells have it."""
+"""The exit code of a program ended by Ctrl-C, as in shells."""
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -28,7 +28,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
         The exit code: 0, or 1 if something is wrong with files, models or the machine. Arguments
         that the command does not know end the process with 2.
     """
-    atexit.register(gc.freeze)  # what is left at exit need not be collected
+    atexit.register(gc.freeze)  # no garbage collection at exit, to save time
     parser = argparse.ArgumentParser(
         prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."
     )

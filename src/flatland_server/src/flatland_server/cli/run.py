@@ -14,7 +14,7 @@ from flatland_server.exceptions import MissingPackageError, suggestion
 from flatland_server.library.simulation import Simulation
 
 _CHUNK = 0.05
-"""Real time between checks of the clock and of Ctrl-C [s]; one call makes the steps of it."""
+"""Real time between checks of the clock and of Ctrl-C [s]: the duration of one call of `step`."""
 
 _INTERRUPTED = 130
 
@@ -169,10 +169,10 @@ def _progress_bar(
 
 @contextlib.contextmanager
 def _interrupts() -> Iterator[Callable[[], bool]]:
-    """Has Ctrl-C and a request to terminate end the run between steps, not within one.
+    """Makes SIGINT (Ctrl-C) and SIGTERM end the run between steps, not within one.
 
     Yields:
-        Whether one has come. The second one ends the process at once.
+        A function that tells whether a signal has come. A second one ends the process at once.
     """
     received = []
 

@@ -148,9 +148,9 @@ def _pool(sweep: Sweep, options: argparse.Namespace, report: Callable[[str], Non
 
 @contextmanager
 def _interrupts() -> Iterator[None]:
-    """Has Ctrl-C and a request to terminate raise a KeyboardInterrupt.
+    """Makes SIGINT (Ctrl-C) and SIGTERM raise a KeyboardInterrupt.
 
-    So does Ctrl-C in a process that a shell has started in the background.
+    SIGINT also in a background process, for which the shell has switched it off.
     """
     numbers = (signal.SIGINT, signal.SIGTERM)
     former = {each: signal.signal(each, signal.default_int_handler) for each in numbers}

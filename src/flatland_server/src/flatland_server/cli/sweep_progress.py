@@ -36,7 +36,7 @@ class Progress:
         print(message, file=sys.stderr, flush=True)
 
     def show(self) -> None:
-        """Shows how far it is."""
+        """Shows the progress."""
 
     def end(self) -> None:
         """Shows the last state."""

@@ -67,7 +67,7 @@ def replay(
 
 
 def _comparison(now: Result, before: Result, folder: Path) -> str:
-    """Whether a result is the one of the sweep."""
+    """A line that compares a result with that of the sweep."""
     new, old = ({**r.row, **r.returned, "error": r.error} for r in (now, before))
     # NaN differs from itself; its string does not.
     different = [n for n in {**old, **new} if repr(new.get(n)) != repr(old.get(n))]

@@ -26,7 +26,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class ComposedFile(NamedTuple):
-    """The documents of a file. All that read it share their nodes, which must not be changed."""
+    """The documents of a file. Their nodes are shared by all readers and must not be changed."""
 
     documents: Tuple[yaml.Node, ...]
     value_count: int
@@ -34,18 +34,18 @@ class ComposedFile(NamedTuple):
     is_plain: bool
     """Whether it has no directives (`$include`, `$eval`), no aliases, no tags and no `<<`."""
     content: bytes
-    """What they were composed from."""
+    """The file's bytes."""
 
     @property
     def size(self) -> int:
-        """About how much memory it takes [500 bytes]."""
+        """Its approximate memory [500 bytes]."""
         return self.value_count + len(self.content) // 500
 
 
 _kept: "OrderedDict[Path, ComposedFile]" = OrderedDict()
 """The files that were read last, the latest at the end."""
 _lock = threading.Lock()
-"""Of `_kept`: models are read in several threads."""
+"""Guards `_kept`: models are read in several threads."""
 
 
 def compose_file(path: Path, count_before: int = 0) -> ComposedFile:
@@ -53,7 +53,7 @@ def compose_file(path: Path, count_before: int = 0) -> ComposedFile:
 
     Args:
         path: of the file.
-        count_before: the number of values in other files that count for its limit, too.
+        count_before: the number of values in other files, counted towards the same limit.
 
     Raises:
         YamlError: it is missing, unreadable, empty, not YAML, nested too deeply or too large.
@@ -85,7 +85,7 @@ def _compose(path: Path, content: bytes, count_before: int) -> ComposedFile:
         mark = error.problem_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (None, None)
         problem = shortened(" ".join(part for part in (error.context, error.problem) if part))
-        if mark and text[mark.index : mark.index + 1] == "\t":  # the parser does not name it
+        if mark and text[mark.index : mark.index + 1] == "\t":  # the parser does not say so
             problem = "lines are indented by spaces, found a tab"
         raise YamlError(path, f"is not valid YAML: {problem}", line, column) from None
     except (yaml.YAMLError, RecursionError, ValueError) as error:

@@ -1,4 +1,4 @@
-"""What users write for a file: a path, a `package://` URI, or a name in one of several folders."""
+"""File names as users write them: paths, `package://` URIs, and names in one of several folders."""
 
 import os
 import pkgutil
@@ -14,12 +14,12 @@ _HOME = "~/"
 
 
 def to_path(name: Union[str, Path]) -> Path:
-    """The path that a name means: itself, or for `package://name/path`, one in a package.
+    """The path of a name: the name itself, or the file of a `package://name/path`.
 
     A path may begin with `~/`, the home folder: no shell expands it in `world_path:=~/world.yaml`,
     in a request of a service, or in a file. A package is a ROS package on ROS_PACKAGE_PATH, or else
     an installed Python package. Of the folders of a Python package (see `config.packages`), the
-    first counts that has the path.
+    first one with the path is used.
 
     Raises:
         FlatlandError: there is no such package.
@@ -61,12 +61,12 @@ def is_bare(name: Union[str, Path]) -> bool:
 
 
 def nor_in(folders: Sequence[Path]) -> str:
-    """For the error of a file that is missing: the other folders where it was looked up, if any."""
+    """The part of a missing file's error that lists the other folders searched; may be empty."""
     return f", nor in {listed([str(folder) for folder in folders])}" if folders else ""
 
 
 def _unknown_package(name: str) -> FlatlandError:
-    """The error for a package that is not there, in the words of the user's world: ROS or pip."""
+    """The error for an unknown package, worded for users of ROS or of pip."""
     if "ROS_PACKAGE_PATH" in os.environ:
         known = list(ros_packages())
         kind, question = "ROS", "is the workspace's setup.bash sourced?"

@@ -54,7 +54,7 @@ def is_file(path: Path) -> bool:
 
 
 def why_not_a_file(path: Path) -> str:
-    """For a path that is no regular file: what it is instead, such as "is a folder"."""
+    """The kind of a path that is no regular file, for messages, such as "is a folder"."""
     if os.path.isdir(path):
         return "is a folder"
     return "is not a regular file" if os.path.exists(path) else "is not there"

@@ -18,7 +18,7 @@ TIME_LIMIT = 1.0  # s of processor time for all expressions of a file together
 _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machine
 
 _SEED = "math.randomseed(1)"
-"""Makes math.random return the numbers of a new process: 1 is the initial seed of Lua 5.1."""
+"""Resets math.random to the state of a new process: 1 is the initial seed of Lua 5.1."""
 
 _WORKER = Path(__file__).with_name("lua_worker.py")
 
@@ -42,7 +42,7 @@ class LuaEvaluator:
         self._time_left = TIME_LIMIT
 
     def restart_time(self) -> None:
-        """Begins another file, the expressions of which have a time limit of their own."""
+        """Restarts the time limit, which holds for the expressions of one file."""
         self._time_left = TIME_LIMIT
 
     def restart_random(self) -> None:
@@ -132,7 +132,7 @@ class LuaEvaluator:
             pass  # the worker has ended; `_receive` reports that
 
     def _processor_time(self) -> float:
-        """What the worker and this thread have used [s]. A busy machine makes no file wrong."""
+        """CPU time of the worker and this thread [s]: independent of the machine's load."""
         assert self._worker is not None
         clock = ctypes.c_int()
         if ctypes.CDLL(None).clock_getcpuclockid(self._worker.pid, ctypes.byref(clock)) != 0:
@@ -143,7 +143,7 @@ class LuaEvaluator:
         """The next message of the worker.
 
         Args:
-            end: the `_processor_time` at which it must be there.
+            end: the latest `_processor_time` at which it may arrive.
 
         Raises:
             LuaError: it does not come in time, or the worker has ended.
@@ -158,7 +158,7 @@ class LuaEvaluator:
                 self.close()
                 raise LuaError(self._too_slow())
             if not select.select([pipe], [], [], max(remaining, 0.001))[0]:
-                continue  # the worker has waited for the processor
+                continue  # not timed out yet: the worker has waited for a CPU
             chunk = os.read(pipe, 65536)
             if not chunk:
                 self.close()

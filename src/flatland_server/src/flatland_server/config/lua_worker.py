@@ -6,9 +6,9 @@ Lua's own functions (a pattern that backtracks, a string repeated a billion time
 stopped by killing the process.
 
 The process has little memory and processor time, cannot open a file or a socket, cannot start
-another process, and ends with its parent. (A filter of system calls would add the few that need
-neither, such as deleting a file; it would need a table of their numbers for each processor, and an
-expression has no means to make a system call.)
+another process, and ends with its parent. (A filter of system calls would also stop the few that
+need none of these, such as deleting a file; but it needs a table of their numbers for each
+processor, and an expression has no means to make a system call.)
 
 The protocol is JSON, one message per line. Input: `{"code": ...}`. Output: `{"value": ...}`,
 `{"error": ...}`, or `{"call": "env" | "param", "arguments": [...]}`, to which the parent process
@@ -160,7 +160,7 @@ def _send(message: Dict[str, Any]) -> None:
 
 
 def _end_with_parent(parent: int) -> None:
-    """Has the kernel kill this process when the thread that has started it ends (Linux).
+    """Makes the kernel kill this process when the thread that has started it ends (Linux).
 
     Args:
         parent: the process of that thread.
@@ -174,8 +174,8 @@ def _end_with_parent(parent: int) -> None:
 
 
 def _limit_resources() -> None:
-    """Takes away what evaluating an expression does not need."""
-    with open("/proc/self/statm") as file:  # pathlib takes an eighth of the start
+    """Limits memory, files and processes to the needs of evaluating an expression."""
+    with open("/proc/self/statm") as file:  # importing pathlib: an eighth of the start
         pages = int(file.read().split()[0])
     memory = pages * resource.getpagesize() + MEMORY_LIMIT
     limits = {
@@ -190,7 +190,7 @@ def _limit_resources() -> None:
 
 
 def _limit_cpu_time() -> None:
-    """Has the kernel kill this process if it computes for longer than `CPU_LIMIT` from now on."""
+    """Makes the kernel kill this process if it computes for longer than `CPU_LIMIT` from now on."""
     _, hard = resource.getrlimit(resource.RLIMIT_CPU)
     soft = int(time.process_time()) + CPU_LIMIT
     resource.setrlimit(

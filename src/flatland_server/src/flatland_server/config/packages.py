@@ -1,7 +1,7 @@
-"""Where packages lie: ROS packages on ROS_PACKAGE_PATH, and installed Python packages.
+"""The folders of packages: of ROS packages on ROS_PACKAGE_PATH, and of installed Python packages.
 
-A package of robots has the same files under catkin and under pip, in different places. Folder by
-folder, `package_folders("my_robots")` are those in which its `worlds/` may lie:
+A package of robots has the same files under catkin and under pip, in different places.
+`package_folders("my_robots")` are the folders that may contain its `worlds/`:
 
 | installed by | folder |
 | --- | --- |

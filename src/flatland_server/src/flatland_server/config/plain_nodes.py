@@ -1,4 +1,4 @@
-"""Worlds and models that a program describes, as dicts and lists, in the form of parsed files."""
+"""Worlds and models as dicts and lists, converted to and from the nodes of parsed files."""
 
 from os import PathLike, fspath
 from typing import Any, Callable, Dict, Mapping, Sequence
@@ -18,11 +18,11 @@ _CONVERTERS: Dict[str, Callable[[Any], Any]] = {
 }
 
 NO_LINE = -2
-"""The line of a mark that is in no file."""
+"""The line number of a mark without a file."""
 
 
 def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
-    """A copy of a file's content that consists of Python's own types alone.
+    """A copy of a file's content in Python's built-in types.
 
     Args:
         content: None, booleans, numbers, strings, paths, and lists, tuples, arrays and dicts of
@@ -32,7 +32,7 @@ def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
         depth: the number of lists and dicts around it.
 
     Raises:
-        FlatlandError: something in it is none of these.
+        FlatlandError: a part of it has another type.
     """
     where = f"{name}: {path}" if path else name
     if depth > _MAX_DEPTH:
@@ -62,7 +62,7 @@ def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
 
 
 def to_node(content: Any, name: str) -> yaml.Node:
-    """The YAML node of what `plain_copy` has returned, for a `YamlReader`.
+    """The YAML node of a result of `plain_copy`, for a `YamlReader`.
 
     Args:
         content: strings that begin with "$eval" or "$include" are evaluated later, as in a file.
@@ -72,7 +72,7 @@ def to_node(content: Any, name: str) -> yaml.Node:
 
 
 def to_content(node: yaml.Node) -> Any:
-    """What `to_node` makes a node of: None, booleans, numbers, strings, lists and dicts.
+    """The inverse of `to_node`: None, booleans, numbers, strings, lists and dicts.
 
     Args:
         node: with its expressions and includes resolved.

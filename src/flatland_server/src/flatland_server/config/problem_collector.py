@@ -6,7 +6,7 @@ from typing import Dict, Iterator, List, Optional
 from flatland_server.exceptions import MAX_SHOWN, Problem, YamlError
 
 MAX_ENTRIES = 1_000_000
-"""The number of entries in all lists of a document that are read, each use of an alias counted."""
+"""The maximum number of list entries in a document; each use of an alias counts."""
 
 
 class ProblemCollector:
@@ -27,7 +27,7 @@ class ProblemCollector:
         self._entries = [0] if entries is None else entries
 
     def count_entries(self, count: int) -> bool:
-        """Counts entries of lists that are about to be read; returns whether they are too many.
+        """Counts entries of lists about to be read; returns whether the document has too many.
 
         A list that is used a thousand times, by its alias, within another such list has a million
         entries, in a file of a few kilobytes.
@@ -61,7 +61,7 @@ class ProblemCollector:
 
     @contextmanager
     def part(self) -> Iterator["ProblemCollector"]:
-        """A collector for an entry of a list, for the time in which that is read.
+        """A collector for an entry of a list, while that is read.
 
         A YamlError ends the block and is noted. At the end of the block, the problems of the entry
         are added to those of the document.
@@ -75,10 +75,10 @@ class ProblemCollector:
 
 
 class MutedCollector(ProblemCollector):
-    """For a section that is missing or not a map: that is noted, and what follows from it is not.
+    """Drops problems in a section that is missing or not a map, which is noted already.
 
     Args:
-        document: the collector in which it is noted.
+        document: the collector in which that is noted.
     """
 
     def __init__(self, document: ProblemCollector) -> None:

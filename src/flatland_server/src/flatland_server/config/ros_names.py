@@ -1,4 +1,4 @@
-"""Checks of names that ROS gets: of topics, frames, namespaces, models, layers, bodies and plugins.
+"""Checks of names for ROS: of topics, frames, namespaces, models, layers, bodies and plugins.
 
 A name has at most 255 characters. ROS itself has no limit, but bags and logs are named after
 topics, and 255 is the limit of a file's name (NAME_MAX).
@@ -12,13 +12,13 @@ from flatland_server.exceptions import shortened
 MAX_LENGTH = 255  # characters
 
 TOPIC = f'a topic of letters, digits, "_" and "/", at most {MAX_LENGTH} characters'
-"""What `is_topic` expects, for messages."""
+"""The names that `is_topic` accepts, as a phrase for error messages."""
 
 FRAME = f"a name without spaces or empty parts, at most {MAX_LENGTH} characters (it names a frame)"
-"""What `is_frame` expects, for messages."""
+"""The names that `is_frame` accepts, as a phrase for error messages."""
 
 _TOPIC_NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
-_FRAME = re.compile(r"/?[^\s/]+(/[^\s/]+)*")  # what tf2 takes, without spaces
+_FRAME = re.compile(r"/?[^\s/]+(/[^\s/]+)*")  # the names that tf2 accepts, without spaces
 
 
 def is_topic(name: str) -> bool:

@@ -32,10 +32,11 @@ def find_world(name: Union[str, Path]) -> Path:
         name: of a shipped world; or a path, or a `package://` URI.
 
     Returns:
-        The world's file. What a path names is not looked up.
+        The world's file; for a path, whether it exists or not.
 
     Raises:
-        FlatlandError: there is neither a shipped world nor a file of this name, or no package.
+        FlatlandError: a name that is no path is neither a shipped world nor a file; or there is no
+            such package.
     """
     path = to_path(name)
     if isinstance(name, Path) or "/" in name or path.suffix in _SUFFIXES or is_file(path):

@@ -47,7 +47,7 @@ class Expressions:
             raise error_at(node, f"$eval: {problem}, in: {place}") from None
 
     def restart_time(self) -> None:
-        """Begins another file, the expressions of which have a time limit of their own."""
+        """Restarts the time limit, which holds for the expressions of one file."""
         self._lua.restart_time()
 
     def restart_random(self) -> None:

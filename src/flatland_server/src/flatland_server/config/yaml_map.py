@@ -1,4 +1,4 @@
-"""One map of a YAML document: which keys it has, and the problems that are found in it."""
+"""One map of a YAML document: its keys, and the problems found in it."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +17,7 @@ REQUIRED: Any = object()
 
 
 class YamlMap:
-    """A map, the keys of it that were read, and the problems found in it.
+    """A map, its keys that were read so far, and the problems found in it.
 
     Args:
         node: the composed mapping; its marks name the file.
@@ -144,7 +144,7 @@ class YamlMap:
     def suggestion(self, word: str, known: Iterable[str]) -> str:
         """A hint for a misspelt word; see `flatland_server.exceptions.suggestion`.
 
-        It takes time, and is empty if the problem will not be shown because of those before it.
+        To save time, it is empty if there are already more problems than are shown.
 
         Args:
             word: as it was found.
@@ -153,19 +153,19 @@ class YamlMap:
         return "" if self._problems.is_full else suggestion(word, known)
 
     def raise_problems(self) -> None:
-        """Raises what was noted so far, where going on would only lead to further problems.
+        """Raises the problems noted so far, if reading on would only cause more.
 
         Raises:
-            YamlError: something was noted in this document or entry, its sections included.
+            YamlError: a problem was noted in this document or entry, its sections included.
         """
         if not self._problems.is_empty:
             raise self._problems.take()
 
     def finish(self) -> None:
-        """Refuses keys that no getter has asked for, and raises all that was noted.
+        """Refuses keys that no getter has asked for, and raises all problems.
 
         Raises:
-            YamlError: something was noted in this document or entry, its sections included. The
+            YamlError: a problem was noted in this document or entry, its sections included. The
                 message for an unknown key suggests the most similar known one.
         """
         self._note_unknown_keys()
@@ -210,7 +210,7 @@ class YamlMap:
     def _get(
         self, key: str, default: Any, converter: Callable[[yaml.Node], Any], placeholder: Any
     ) -> Any:
-        """The same; if it is missing or wrong, notes that and returns the placeholder."""
+        """Like `_value`, but notes a missing or wrong value and returns the placeholder."""
         try:
             return self._value(key, default, converter)
         except YamlError as error:
@@ -249,7 +249,7 @@ def file_of(node: yaml.Node) -> Path:
 
 @lru_cache(maxsize=64)
 def _path(name: str) -> Path:
-    """Cached, since each map of a file asks for it: making paths took a twentieth of a spawn."""
+    """A path, cached: each map of a file needs it, and making them took a twentieth of a spawn."""
     return Path(name)
 
 

@@ -1,4 +1,4 @@
-"""Checked values from YAML files, and errors with file and line for what is wrong.
+"""Checked values from YAML files, and errors with file and line.
 
 A `YamlReader` reads one map. Its getters name a key, the type of its value and a default; `finish`
 refuses the keys that no getter has asked for. The getter decides about the type, not YAML: `1e3`
@@ -189,8 +189,8 @@ class YamlReader(YamlMap):
             default: the value if the key is missing; without it, the key is required.
 
         Raises:
-            YamlError: at once, with all that was noted before: which other keys are expected
-                depends on the choice, so that there is no placeholder.
+            YamlError: at once, with all problems noted before: the choice decides about the other
+                keys, so that there is no placeholder.
         """
         try:
             return cast(str, self._value(key, default, one_of(choices)))

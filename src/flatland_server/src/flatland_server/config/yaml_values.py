@@ -25,7 +25,7 @@ _MOST_ITEMS = 12  # of a list in a description
 
 
 class ConversionError(Exception):
-    """A node is not what was expected. The message says what was, such as "a whole number"."""
+    """A node has another form than expected. The message is the expected one: "a whole number"."""
 
 
 def is_null(node: yaml.Node) -> bool:

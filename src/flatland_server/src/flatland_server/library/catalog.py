@@ -28,10 +28,10 @@ class Catalog(Mapping[str, T]):
         self._unknown = unknown
 
     def __getitem__(self, name: str) -> T:
-        """The thing of this name.
+        """The value of this name.
 
         Raises:
-            FlatlandError: there is none.
+            FlatlandError: there is no such name.
         """
         if name not in self._names():
             raise self._unknown(str(name))
@@ -53,7 +53,7 @@ class Catalog(Mapping[str, T]):
     def get(self, name: str, default: Default) -> Union[T, Default]: ...
 
     def get(self, name: str, default: Any = None) -> Any:
-        """The thing of this name, or the default."""
+        """The value of this name, or the default."""
         return self._make(name) if name in self._names() else default
 
     def __repr__(self) -> str:

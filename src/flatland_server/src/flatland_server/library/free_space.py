@@ -13,7 +13,7 @@ from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
 
 _MAX_SQUARES = 4_000_000
-_HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in sides
+_HALF_DIAGONAL = math.sqrt(0.5)  # of a square, in units of its side
 
 
 class FreeSpace:
@@ -47,7 +47,7 @@ class FreeSpace:
 
     @property
     def area(self) -> float:
-        """Of all reachable squares [m^2]."""
+        """The area of all reachable squares [m^2]."""
         return len(self._rows) * self.resolution**2
 
     def contains(self, points: FloatArray) -> BoolArray:
@@ -119,7 +119,7 @@ class FreeSpace:
 
 
 class DistanceGrid:
-    """How far places are from obstacles, on a grid of squares; and the `FreeSpace` of a robot.
+    """Distances to obstacles on a grid of squares, and the `FreeSpace` of a robot.
 
     Args:
         walls: shape (n, 4), x1, y1, x2, y2 [m].
@@ -192,7 +192,7 @@ class DistanceGrid:
 
     @property
     def diagonal(self) -> float:
-        """No two places are farther apart than this [m]."""
+        """The diagonal of the grid [m]: no two places are farther apart."""
         return math.hypot(*self._distances.shape) * self.resolution
 
     def distance(self, x: float, y: float) -> float:
@@ -212,7 +212,7 @@ class DistanceGrid:
     def free_space(self, clearance: float) -> FreeSpace:
         """The places that are connected with the start; computed once for each clearance.
 
-        If the start's square is not free, the nearest free one counts. There may be none.
+        If the start's square is not free, the nearest free one is used. The result may be empty.
 
         Args:
             clearance: distance from all obstacles [m]: 0 or more, and at most `farthest`.
@@ -273,19 +273,19 @@ def _shared_grid(
 
 
 def _span(a: float, b: float, reach: float, resolution: float) -> slice:
-    """The rows or columns between two distances from the grid's first one, and so far beyond."""
+    """The rows or columns from `reach` before two coordinates [m] to `reach` behind them."""
     first = math.floor((min(a, b) - reach) / resolution)
     last = math.ceil((max(a, b) + reach) / resolution)
     return slice(max(first, 0), max(last, 0))
 
 
 def discs_of(models: Iterable[Tuple[Pose, float]]) -> FloatArray:
-    """Obstacles out of the poses and radii of models: shape (m, 3)."""
+    """Obstacles from the poses and radii of models: shape (m, 3)."""
     return np.array([[pose.x, pose.y, radius] for pose, radius in models]).reshape(-1, 3)
 
 
 def connected(free: BoolArray, start: Tuple[int, int]) -> BoolArray:
-    """The squares that free ones connect, side by side, with a start."""
+    """The free squares connected with a start through shared sides."""
     reached = np.zeros_like(free)
     reached[start] = free[start]
     before = 0

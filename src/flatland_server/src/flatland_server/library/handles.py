@@ -98,7 +98,7 @@ class ModelHandle:
                 of its front wheel.
 
         Raises:
-            UsageError: these are not as many values as the drive takes, or they are not finite.
+            UsageError: the number of values is wrong, or one is not finite.
             ModelError: the model has no drive, or several ones.
         """
         if self._command_revision != self._current.value:
@@ -149,7 +149,7 @@ class ModelHandle:
         return self._names[hook]
 
     def _only_drive(self) -> "DriveHandle":
-        """Its drive; a ModelError unless it has one."""
+        """Its only drive; raises a ModelError if it has none or several."""
         names = self._plugins_with("command")
         if len(names) != 1:
             found = f"has {listed(names)}: use drives[...].command" if names else "has none"
@@ -177,7 +177,7 @@ class ModelHandle:
 class SensorHandle(Generic[Reading]):
     """A plugin that measures something, by its name; see `ModelPlugin.read`.
 
-    Only the world's files say what kind of sensor has a name. A program can tell type checkers:
+    The kind of a sensor is known from the world's files alone. To declare it for type checkers:
 
         laser: SensorHandle[Float32Array] = robot.sensors["laser"]
 
@@ -204,7 +204,7 @@ class SensorHandle(Generic[Reading]):
 
     @property
     def quantities(self) -> Tuple[str, ...]:
-        """What `read` may be asked for besides what it gives by default."""
+        """The quantities that `read` can return besides its default one."""
         return self._model.plugin(self.name).quantities
 
     @overload
@@ -216,8 +216,8 @@ class SensorHandle(Generic[Reading]):
     def read(self, quantity: str = "") -> Any:
         """Measures now, at the time of the simulation.
 
-        Equals what a message of this time says, its noise included, and changes nothing in the run.
-        docs/library.md says what the built-in ones return: a new object each time.
+        The result equals the content of a message at this time, noise included; the run does not
+        change. docs/library.md lists the results of the built-in sensors: a new object each time.
 
         Args:
             quantity: one of `quantities`; by default the main one, such as a laser's ranges.
@@ -275,7 +275,7 @@ class DriveHandle:
             values: those that the drive takes; see `ModelHandle.command`.
 
         Raises:
-            UsageError: these are not as many values as it takes, or they are not finite.
+            UsageError: the number of values is wrong, or one is not finite.
         """
         if self._revision != self._current.value:
             self._command = self._model.plugin(self.name).command

@@ -83,7 +83,7 @@ class Recorder(Tap):
         self._patterns = None if topics is None or topics == "all" else _compiled(topics)
         self._wanted: Dict[str, bool] = {}
         self._waiting: List[_Message] = []
-        self._transforms: Dict[int, TransformQueue] = {}  # those that wait, by their time
+        self._transforms: Dict[int, TransformQueue] = {}  # the waiting ones, by their time
         self._sequences: Dict[str, int] = {}
         self._static_frames: Set[str] = set()
         self._clock_type = get("rosgraph_msgs/Clock")
@@ -113,10 +113,10 @@ class Recorder(Tap):
         return wanted
 
     def unmatched(self, names: Collection[str]) -> List[str]:
-        """The topics to record that are not there.
+        """The topics to record that do not exist.
 
         Args:
-            names: of the topics that are there.
+            names: of the existing topics.
         """
         known = {*names, *_ALWAYS}
         return [
@@ -131,16 +131,16 @@ class Recorder(Tap):
 
     def receive_transform(self, transform: Transform) -> None:
         now = self._timekeeper.nanoseconds
-        if now not in self._transforms:  # those of one time are one message
+        if now not in self._transforms:  # all transforms of one time are one message
             self._transforms[now] = TransformQueue()
             self._waiting.append(_Message(now, "/tf", self._transforms[now], False))
         self._transforms[now].add(transform)
 
     def write_step(self) -> None:
-        """Writes what was published since the last call, and the time; call it after each step.
+        """Writes the messages since the last call, and the time; call it after each step.
 
         Raises:
-            MessageError: an object that was published is no message, or has a wrong value.
+            MessageError: a published object is no message, or has a wrong value.
             RecordingError: the file cannot be written, or is closed.
         """
         if not self._is_open:
@@ -148,7 +148,7 @@ class Recorder(Tap):
         now = self._timekeeper.nanoseconds
         waiting, self._waiting = self._waiting, []
         self._transforms.clear()
-        # The time comes before all messages of it, as the server sends it.
+        # A time comes before its messages, in the order in which the server sends them.
         for each in waiting:
             if each.nanoseconds < now:
                 self._write(each)

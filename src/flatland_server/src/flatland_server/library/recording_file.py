@@ -23,7 +23,7 @@ _in_use: Set[Path] = set()
 class RecordingFile(ABC):
     """A file that is being written, under its name with ".active" until it is closed.
 
-    It is closed at the latest when it is garbage or the program ends.
+    It is closed at the latest when it is garbage-collected or the program ends.
 
     Args:
         path: of the file; one of this name is replaced when this one is closed.
@@ -138,7 +138,7 @@ _KINDS: Dict[str, Type[RecordingFile]] = {".bag": BagFile, ".mcap": McapFile}
 
 
 def open_recording(path: Union[str, "os.PathLike[str]"]) -> RecordingFile:
-    """Begins a recording in the format that the file's name ends with.
+    """Begins a recording in the format of the file's extension.
 
     Raises:
         RecordingError: the format is unknown, the file cannot be written, or a package is missing.
@@ -151,7 +151,7 @@ def open_recording(path: Union[str, "os.PathLike[str]"]) -> RecordingFile:
 
 
 def _end(finish: Callable[[], None], active: Path, path: Path, process: int) -> None:
-    """Finishes a file, and gives it its name; nothing in a fork of the process that writes it."""
+    """Finishes and renames a file; does nothing in a fork of the process that writes it."""
     if os.getpid() != process:
         return
     _in_use.discard(active)
@@ -161,7 +161,7 @@ def _end(finish: Callable[[], None], active: Path, path: Path, process: int) -> 
 
 
 def _package(module: str, suffix: str) -> Any:
-    """A module of a package that is installed for recording alone."""
+    """Imports a module that only recording needs, or says how to install it."""
     try:
         return import_module(module)
     except ImportError as error:

@@ -31,7 +31,7 @@ class SimulatedTopics(Run):
         return self.world.topics
 
     def subscribe(self, *topics: str) -> None:
-        """Has topics computed from now on, for `last`; as with ROS, others cost nothing.
+        """Makes plugins compute topics from now on, for `last`; as with ROS, others cost nothing.
 
         Args:
             topics: their names; "/tf" for `transforms`. They need not exist yet.
@@ -48,11 +48,11 @@ class SimulatedTopics(Run):
     def last(self, topic: str) -> Any:
         """The newest message of a topic; None if there is none yet.
 
-        The first call for a topic subscribes to it, and has its plugin publish what it measures
-        now. Further messages come as they do with ROS, at the rate of the plugin: scans, fixes and
-        odometry are published at the begin of a step, so that after it they are a step older than
-        `poses`; what a Bumper, a BoolSensor and an Imu publish is of the end of a step. A sensor's
-        `read` is always of now.
+        The first call for a topic subscribes to it, and makes its plugin publish a measurement at
+        once. Further messages come as with ROS, at the rate of the plugin: scans, fixes and
+        odometry are published at the beginning of a step, so that after it they are a step older
+        than `poses`; Bumper, BoolSensor and Imu publish at the end of a step. A sensor's `read`
+        always measures at the present time.
 
         Args:
             topic: its name.

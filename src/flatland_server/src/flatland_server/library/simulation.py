@@ -40,7 +40,7 @@ class Simulation(SimulatedTopics):
             of one as a dict, or a `WorldConfig`, which can be read once for many simulations.
         seed: of all random numbers.
         step_size: length of a step [s].
-        topics: those that are computed from the beginning; see `subscribe`.
+        topics: the ones subscribed to from the beginning; see `subscribe`.
         params: parameters by absolute name, for expressions in the files and for plugins.
         simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
         model_folders: folders to search for model files that are not beside the world file.
@@ -91,7 +91,7 @@ class Simulation(SimulatedTopics):
         )
 
     def close(self) -> None:
-        """Stops all plugins. What follows raises a UsageError; poses may still be read."""
+        """Stops all plugins. Later calls raise a UsageError; poses may still be read."""
         try:
             super().close()
         finally:
@@ -119,7 +119,7 @@ class Simulation(SimulatedTopics):
 
     @property
     def contacts(self) -> List[Touch]:
-        """What touches what, as the last step has found it, in a fixed order."""
+        """The pairs of bodies that touched in the last step, in a fixed order."""
         return touches(self.world)
 
     def spawn(

@@ -1,4 +1,4 @@
-"""What touches what, as plain values."""
+"""Pairs of touching bodies, as plain values."""
 
 from dataclasses import dataclass
 from typing import List, Optional, Tuple
@@ -29,7 +29,7 @@ class Touch:
     normal: Point
 
     def of(self, model: str) -> bool:
-        """Whether a model or layer takes part.
+        """Whether one of the two bodies belongs to a model or layer.
 
         Args:
             model: its name.
@@ -38,7 +38,7 @@ class Touch:
 
 
 def touches(world: World) -> List[Touch]:
-    """What touches what since the last step, in a fixed order.
+    """The pairs of bodies that touched in the last step, in a fixed order.
 
     Bodies that plugins have created by themselves, outside of models, are left out.
     """

@@ -27,7 +27,7 @@ def world_content(
         with Simulation(content) as sim: ...
 
     Includes and expressions are resolved, the models are dicts within it, and the paths of maps are
-    absolute. What is switched off by `enabled: false` is left out of `models`. Other values are
+    absolute. Entries with `enabled: false` are left out of `models`. Other values are
     checked when the world is loaded.
 
     Args:
@@ -52,7 +52,7 @@ def read_world_content(
     preprocessor: YamlPreprocessor,
     folders: Sequence[Path] = (),
 ) -> Dict[str, Any]:
-    """The same, with parameters and expressions of a preprocessor.
+    """Like `world_content`, with the parameters and expressions of a preprocessor.
 
     Args:
         world: as for `world_content`.

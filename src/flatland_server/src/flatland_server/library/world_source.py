@@ -17,8 +17,8 @@ from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.transport.transport import Transport
 
 WorldSource = Union[str, "os.PathLike[str]", Mapping[str, Any], WorldConfig]
-"""The name of a shipped world, the path of a world file, the content of one as a dict, or what was
-read already (`WorldConfig.from_content`), for many simulations of the same world.
+"""The name of a shipped world, the path of a world file, the content of one as a dict, or a
+`WorldConfig`, which is read once for many simulations of the same world.
 """
 
 
@@ -34,7 +34,7 @@ def open_world(
     """Loads a world.
 
     Args:
-        source: what to load.
+        source: the world.
         transport: as for `World`.
         seed: as for `World`.
         simplify_map: as for `World.from_file`.

@@ -1,6 +1,6 @@
 """Makes a layer of line segments from a map of map_server.
 
-An image layer takes a pixel's grey value for what it is; here map_server's own parameters count:
+An image layer compares grey values with a threshold alone; here map_server's parameters apply:
 `negate`, `occupied_thresh` and `mode` (http://wiki.ros.org/map_server, section 1.2).
 """
 
@@ -59,7 +59,7 @@ class ServerMap:
         return cls(path, image, resolution, origin, occupied_thresh, negate)
 
     def is_bright(self, image: Image.Image) -> BoolArray:
-        """Which pixels are not occupied: shape (height, width), the top row first."""
+        """The mask of free and unknown pixels: shape (height, width), the top row first."""
         if image.mode.startswith(("I", "F")):
             raise YamlError(self.image, "expected 8 bits per channel, as map_server does")
         grey = np.asarray(image.convert("RGB"), dtype=np.float32).mean(axis=2)
@@ -75,7 +75,7 @@ class LineMap:
         source: the map.
         outlines: of the occupied pixels [px]: shape (n, 4), x1, y1, x2, y2.
         lines: the same with fewer corners [px]: shape (m, 4).
-        deviation: the largest distance between them [m].
+        deviation: the largest distance between outlines and lines [m].
     """
 
     source: ServerMap

@@ -121,7 +121,7 @@ def read_image(path: Path, is_bright: Callable[[Image.Image], BoolArray]) -> Seg
 
     Args:
         path: of the image.
-        is_bright: which of its pixels are bright: shape (height, width), the top row first.
+        is_bright: returns the mask of bright pixels: shape (height, width), the top row first.
 
     Returns:
         Shape (n, 4), x1, y1, x2, y2.
@@ -144,7 +144,7 @@ def read_image(path: Path, is_bright: Callable[[Image.Image], BoolArray]) -> Seg
     except Image.DecompressionBombError:
         limit = f"{_MAX_PIXELS // 1_000_000} million pixels"
         raise YamlError(path, f"expected an image of at most {limit}, found more") from None
-    except Exception as error:  # Pillow's decoders raise whatever a faulty file leads to
+    except Exception as error:  # Pillow's decoders may raise anything on a faulty file
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         raise YamlError(path, f"cannot be read as an image: {shortened(reason)}") from None
 
@@ -185,7 +185,7 @@ def _read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
 
 
 def _simplified(segments: Segments, config: MapConfig, tolerance: float) -> Segments:
-    """Outlines [px] with fewer segments, and a line in the log that says how many."""
+    """Outlines [px] with fewer segments; logs their number."""
     before = len(segments)
     with log_if_slow(f"{config.path}: simplifying {before} segments takes a while ..."):
         simplified = simplify(segments, tolerance).segments

@@ -13,7 +13,7 @@ import numpy as np
 from flatland_server.arrays import BoolArray, FloatArray, Segments
 
 TOLERANCES = (0.0, 1.0, 2.0)
-"""How far outlines may move [px], by the level of `simplify_map`: none, moderate, strong."""
+"""Tolerance of outlines [px], by the level of `simplify_map`: none, moderate, strong."""
 
 Corner = Tuple[float, float]
 
@@ -88,7 +88,7 @@ def _chains(segments: Segments) -> List[FloatArray]:
 
 
 def _essential(line: FloatArray, tolerance: float) -> Tuple[BoolArray, float]:
-    """Which corners of a line are kept, and how far the others are from the line of those.
+    """The mask of a line's corners to keep, and the largest distance of the others from the result.
 
     Of a closed line, the corner farthest from the first one is kept. The distance to a segment is
     convex along another, so that it is largest at a corner; and each point of the new line is the

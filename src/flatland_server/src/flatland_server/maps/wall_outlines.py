@@ -14,7 +14,7 @@ from flatland_server.arrays import BoolArray, Int32Array, IntArray, Segments
 
 
 def bright_pixels(image: Image.Image, occupied_thresh: float) -> BoolArray:
-    """Which pixels are brighter than a threshold.
+    """The mask of pixels brighter than a threshold.
 
     Args:
         image: of any mode; colours are converted to their luminance, alpha is ignored.

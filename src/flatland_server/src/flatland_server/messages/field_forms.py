@@ -1,4 +1,4 @@
-"""How the fields of messages are serialized.
+"""Serialization of message fields.
 
 Consecutive numbers are packed together, also those of nested messages: the pose of an Odometry is
 one `struct.pack` of seven numbers.
@@ -25,14 +25,14 @@ from flatland_server.messages.wire_form import (
 
 _TIMES = {"time": "I", "duration": "i"}
 _BYTES = ("uint8", "char")
-"""Arrays of these are `bytes`."""
+"""The types of items for which arrays are `bytes`."""
 
 Definitions = Callable[[str], Definition]
 """The definition of a message type, by its name."""
 Types = Callable[[str], "WireForm"]
 """The wire form of a message type, by its name."""
 Factory = Callable[[str], Callable[[], Any]]
-"""What makes a time, a duration or a message of a type, by the type's name."""
+"""Returns the constructor of a time, a duration or a message, by the name of the type."""
 
 
 class _Field(NamedTuple):
@@ -199,7 +199,7 @@ class _Bytes(_Single):
         value = self._get(message)
         if isinstance(value, np.ndarray):
             value = value.astype(np.uint8, casting="safe", copy=False).tobytes()
-        self._write_length(len(value), chunks)  # an int, of which `bytes` makes zeros, has none
+        self._write_length(len(value), chunks)  # an int, which `bytes` would take, has no len
         chunks.append(bytes(value))
 
     def read_value(self, reader: Reader) -> bytes:

@@ -16,7 +16,7 @@ _LENGTH = struct.Struct("<I")
 
 
 class LazyWalls(Walls):  # type: ignore[misc, valid-type]
-    """A Walls that is made when it is sent: never if its topic has no subscribers.
+    """A Walls message that is serialized when it is sent, hence never without subscribers.
 
     Args:
         write: writes the serialized message into a buffer. rospy calls it on a thread of its own

@@ -163,7 +163,7 @@ def _python_type(kind: FieldType) -> Any:
 
 
 def _default(kind: FieldType, factory: Factory) -> Callable[[], Any]:
-    """What makes the default value of a field."""
+    """The constructor of a field's default value."""
     if kind.is_array:
         return _default_array(kind, factory)
     if kind.base in NUMBERS or kind.base == "string":

@@ -20,7 +20,7 @@ class SerializedMarkerArray(PreparedMessage, MarkerArray):  # type: ignore[misc,
 
 
 class LazyMarkerArray(MarkerArray):  # type: ignore[misc, valid-type]
-    """A MarkerArray that is made when it is sent: never if its topic has no subscribers.
+    """A MarkerArray that is made when it is sent, hence never without subscribers.
 
     Args:
         make: returns the array. rospy calls it on a thread of its own when a subscriber connects to

@@ -1,7 +1,7 @@
 """The fields and constants of ROS's common messages, for machines without ROS.
 
-Their names, types and order are what makes a program's messages those of ROS: the MD5 sum of a type
-is computed of them, and a test compares it with ROS's own. The form is a shorthand of the .msg
+Their names, types and order must be those of ROS: the MD5 sum of a type is computed from them, and
+a test compares it with ROS's own. The form is a shorthand of the .msg
 grammar. A line defines a type; indented lines continue it. Its parts, separated by semicolons, are
 a type with one or more fields or constants:
 

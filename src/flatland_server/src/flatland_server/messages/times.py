@@ -34,11 +34,11 @@ class _Seconds:
         self.secs, self.nsecs = divmod(self.to_nsec(), _NANO)
 
     def to_sec(self) -> float:
-        """In seconds."""
+        """Converts to seconds."""
         return self.secs + self.nsecs / 1e9
 
     def to_nsec(self) -> int:
-        """In nanoseconds."""
+        """Converts to nanoseconds."""
         return self.secs * _NANO + self.nsecs
 
     def is_zero(self) -> bool:
@@ -84,7 +84,7 @@ class Time(_Seconds):
             raise TypeError(f"expected a time of 0 or later, found {self.to_sec():g} s")
 
     def to_time(self) -> float:
-        """In seconds."""
+        """Converts to seconds."""
         return self.to_sec()
 
     def __add__(self, other: "Duration") -> "Time":

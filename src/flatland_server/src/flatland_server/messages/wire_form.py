@@ -11,10 +11,10 @@ from typing import Any, List, Optional, Sequence, Tuple
 from flatland_server.exceptions import MessageError
 
 WRONG_VALUE = (struct.error, ArithmeticError, AttributeError, TypeError, ValueError)
-"""What wrong values of fields raise while they are written."""
+"""The exceptions that wrong field values raise during serialization."""
 
 LENGTH = struct.Struct("<I")
-"""Of strings and arrays."""
+"""The length of a string or array, which precedes its content."""
 
 
 class Reader:
@@ -43,7 +43,7 @@ class Reader:
         return form.unpack(self.bytes(form.size))
 
     def length(self, fixed: Optional[int] = None) -> int:
-        """The length of a string or an array; it is not in the data if it is fixed."""
+        """The length of a string or an array; a fixed one is not in the data."""
         return int(self.numbers(LENGTH)[0]) if fixed is None else fixed
 
 
@@ -60,11 +60,11 @@ class Part(ABC):
 
     @abstractmethod
     def problem(self, message: Any) -> Optional[str]:
-        """The first field with a value that cannot be written, what it expects, what it has."""
+        """The first field that cannot be written, with the expected and the found value."""
 
 
 class WireForm:
-    """How messages of a type are serialized."""
+    """The serialized form of a message type."""
 
     def __init__(self, parts: Sequence[Part]) -> None:
         self._parts = parts
@@ -75,15 +75,15 @@ class WireForm:
             part.write(message, chunks)
 
     def read(self, message: Any, reader: Reader) -> None:
-        """Sets all fields of a message that has its nested messages."""
+        """Sets all fields of a message, in which nested messages exist already."""
         for part in self._parts:
             part.read(message, reader)
 
     def problem(self, message: Any) -> str:
-        """What is wrong with a message that could not be written."""
+        """The problem of a message that could not be written."""
         return next(filter(None, (part.problem(message) for part in self._parts)), ": wrong value")
 
 
 def with_owner(owner: str, problem: str) -> str:
-    """A problem of a field, with the name of what the field belongs to."""
+    """A problem of a field, with the path of the message that contains it."""
     return f"{owner}{problem}" if problem.startswith(":") else f"{owner}.{problem}"

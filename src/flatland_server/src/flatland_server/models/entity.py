@@ -9,7 +9,7 @@ from flatland_server.exceptions import StateError
 
 
 class Entity(ABC):
-    """A model or a layer: what a contact is with, as plugins see it."""
+    """A model or a layer: the partner in a contact, as plugins see it."""
 
     @property
     @abstractmethod
@@ -64,7 +64,7 @@ class Entities:
         return owner
 
     def find(self, body_id: int) -> Optional[Entity]:
-        """The same, or None if it has no owner, such as a body that a plugin has created."""
+        """Like `owner`, but None for a body without one, such as a body created by a plugin."""
         return self._owners.get(body_id)
 
     def describe(self, fixture: _core.Fixture) -> List[Any]:

@@ -80,8 +80,8 @@ class Footprint:
 
         Args:
             reader: the entry.
-            registry: the layers that there are.
-            checker: has checked the body's footprints before this one.
+            registry: the layers that footprints may name.
+            checker: has the body's previous footprints.
 
         Raises:
             YamlError: something in it is wrong, or Box2D cannot take the shape.

@@ -24,7 +24,7 @@ class LayerConfig:
 
     Attributes:
         names: of the layer and its collision layers.
-        bits: those of its names, together.
+        bits: of all its names, together.
         color: of its walls.
         min_z: lower edge of its upright walls in rviz [m].
         max_z: upper edge of its upright walls in rviz [m].
@@ -72,7 +72,7 @@ class LayerConfig:
 
     @staticmethod
     def read_map_path(reader: YamlReader) -> Optional[Path]:
-        """The map file that an entry names, if any; other problems of the entry do not matter."""
+        """The map file that an entry names, if any; other problems of the entry are ignored."""
         reader.get_string("map", "")
         return reader.get_path("map") if reader.has("map") else None
 

@@ -30,7 +30,7 @@ class ModelConfig:
         joints: its joints.
         plugins: its plugins, which read their own keys when they start.
         is_read: whether it was read from `path` or `content`; otherwise a program has made it.
-        content: what it was read from, if that was no file: plain data.
+        content: the plain data that it was read from, if not a file.
     """
 
     path: Path
@@ -66,7 +66,7 @@ class ModelConfig:
         registry: CollisionFilterRegistry,
         preprocessor: Optional[YamlPreprocessor] = None,
     ) -> "ModelConfig":
-        """Reads what would be the content of a model file; see `from_file`.
+        """Reads the content of a model file from plain data; see `from_file`.
 
         Args:
             content: plain data; see `plain_nodes.plain_copy`.
@@ -239,7 +239,7 @@ class Model(Entity):
         return reach
 
     def overlapping(self) -> List[Entity]:
-        """The layers and other models that it is within, and that physics pushes it out of.
+        """The layers and other models that it overlaps, and that physics pushes it out of.
 
         Sensors, and footprints that do not collide with each other, do not count.
         """

@@ -24,7 +24,7 @@ class PluginConfig:
         """Reads the keys that all plugins have.
 
         Raises:
-            YamlError: there is no type or no name, or no frame can have the name.
+            YamlError: there is no type or no name, or the name is not allowed for a frame.
         """
         plugin = cls(reader.get_string("type"), reader.get_frame("name"), reader)
         for key in ("type", "name"):

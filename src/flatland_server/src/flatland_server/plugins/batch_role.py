@@ -1,4 +1,4 @@
-"""What a plugin declares for batches of environments: a `BatchRole`, and what it consists of."""
+"""A plugin's declaration for batches of environments: `BatchRole` and its parts."""
 
 from abc import ABC, abstractmethod
 from typing import Callable, NamedTuple, Optional, Sequence, Tuple, Union
@@ -9,7 +9,7 @@ from flatland_server import _core
 from flatland_server.arrays import Float32Array, FloatArray, IntArray, Segments
 
 AddNoise = Callable[[Float32Array, int], Float32Array]
-"""Ranges with noise, of ranges [m] without it and the simulated time [ns]: such as `RangeNoise`."""
+"""Returns ranges [m] with noise at a simulated time [ns], as `RangeNoise` does."""
 
 
 class CoreDrive(NamedTuple):
@@ -17,8 +17,8 @@ class CoreDrive(NamedTuple):
 
     drive: Union[_core.Drive, _core.Tricycle]
     columns: Tuple[int, ...]
-    """Which of the drive's numbers each value of a command is: of vx, vy and omega of a `Drive`, or
-    of the speed and the steering angle of a `Tricycle`. The others are 0."""
+    """The index of the drive's number that each value of a command sets: among vx, vy and omega of
+    a `Drive`, or the speed and the steering angle of a `Tricycle`. The others are 0."""
     limits: Tuple[float, ...]
     """The greatest magnitude of each value; 0 is no limit."""
 
@@ -30,7 +30,7 @@ class CoreLidar(NamedTuple):
     range: float
     """The largest distance that is measured [m]."""
     make_noise: Optional[Callable[[np.random.Generator], AddNoise]]
-    """Makes the noise of a plugin out of its random numbers (`Plugin.rng`); None: no noise."""
+    """Makes the noise of a plugin from its random numbers (`Plugin.rng`); None: no noise."""
 
 
 class BatchMotion(ABC):
@@ -65,8 +65,8 @@ class BatchMotion(ABC):
         Args:
             environment: its index.
             rng: the random numbers of the plugin there (`Plugin.rng`).
-            walls: of each layer of its world (`World.layers`), where a plugin adds some by chance;
-                None: they are those of the plugin's world.
+            walls: of each layer of its world (`World.layers`), if plugins add some at random; None:
+                the walls are those of the plugin's world.
         """
 
     @abstractmethod
@@ -80,13 +80,13 @@ class BatchMotion(ABC):
         """The velocities of the bodies that it moves until its next update.
 
         Args:
-            environments: indices of those k that are updated, in increasing order.
+            environments: indices of the k environments to update, in increasing order.
             poses: of `bodies` there, (k, m, 3): x, y [m] and yaw in [-pi, pi] [rad].
             velocities: of their origins, in the world's frame [m/s, m/s, rad/s], (k, m, 3).
             step_size: of the simulation [s].
 
         Returns:
-            Those of the origins of `moved`, in the world's frame, (k, bodies, 3).
+            Velocities of the origins of `moved`, in the world's frame, (k, bodies, 3).
         """
 
 
@@ -102,7 +102,7 @@ class BatchRole(NamedTuple):
     lidar: Optional[CoreLidar] = None
     """The lidar that its `read` reads."""
     make_motion: Optional[Callable[[int], BatchMotion]] = None
-    """Makes the motion of the bodies of which it sets the velocities at its updates, in so many
+    """Makes the motion of the bodies that the plugin moves at its updates, for a number of
     environments. Called when all models and plugins of the world have been made."""
     varies_by_seed: bool = False
     """Whether `on_initialize` changes the world at random, as by adding walls: each environment

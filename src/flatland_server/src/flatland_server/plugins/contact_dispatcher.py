@@ -95,7 +95,7 @@ class ContactDispatcher:
             self._update_core([entity for entity in changed if entity is not None])
 
     def refresh(self, entity: Entity) -> None:
-        """Must be called when an entity has got new bodies, for the plugins of the world."""
+        """Extends the reported contacts to new bodies of an entity, for plugins of the world."""
         if any(None in by_entity for by_entity in self._listeners.values()):
             self._update_core([entity])
 

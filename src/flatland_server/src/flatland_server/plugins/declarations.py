@@ -41,7 +41,7 @@ from flatland_server.plugins.plugin import Plugin
 logger = logging.getLogger(__name__)
 
 GROUP = "flatland_server.plugins"
-"""Of the entry points."""
+"""The group of the entry points."""
 
 _CLASS = re.compile(r"(?P<module>\w+(\.\w+)*)\s*:\s*(?P<name>\w+)")
 _SEPARATOR = re.compile(r"::|[./]")
@@ -84,7 +84,7 @@ class PluginDeclaration:
 
     @property
     def _namespace(self) -> str:
-        """Where the class is: not always in one named as the package that declares it.
+        """The namespace or top-level module of the class; not always named like its package.
 
         Packages of C++ plugins mostly use the namespace flatland_plugins.
         """
@@ -101,7 +101,7 @@ def discover() -> List[PluginDeclaration]:
 
 
 def _identities(declaration: PluginDeclaration) -> Set[Tuple[str, str]]:
-    """What tells that two declarations mean the same plugin: one of these is equal."""
+    """The keys of a declaration; two with a key in common mean the same plugin."""
     name = declaration.name
     return {(name, declaration.package), (name, declaration.class_path)}
 

@@ -20,7 +20,7 @@ class ContactSides(NamedTuple):
     """A contact as seen from a model."""
 
     entity: Entity
-    """What the model touches: a `Layer` or a `Model`, which may be the model itself."""
+    """The `Layer` or `Model` that the model touches; it may be the model itself."""
     this_fixture: _core.Fixture
     """The fixture of the model."""
     other_fixture: _core.Fixture
@@ -55,8 +55,8 @@ class ModelPlugin(Plugin):
         """Measures now: `simulation.models["robot"].sensors["name"].read()`.
 
         To be overridden by sensors. Called between steps, whether topics have subscribers or not.
-        It changes nothing that the plugin publishes later, and has the errors that a message of
-        this time would have.
+        It changes nothing that the plugin publishes later, and has the measurement errors of a
+        message at this time.
 
         Args:
             timekeeper: has the time.
@@ -81,7 +81,7 @@ class ModelPlugin(Plugin):
         raise NotImplementedError(f"{type(self).__name__} takes no commands")
 
     def get_body(self, config: YamlReader, key: str = "body", default: Any = REQUIRED) -> ModelBody:
-        """The body with the name that is the value of a key of the configuration.
+        """The body named by a key of the configuration.
 
         Args:
             config: the plugin's configuration.
@@ -118,7 +118,7 @@ class ModelPlugin(Plugin):
         return set(names)
 
     def get_joint(self, config: YamlReader, key: str) -> Optional[Joint]:
-        """The joint with the name that is the value of a key of the configuration.
+        """The joint named by a key of the configuration.
 
         Args:
             config: the plugin's configuration.
@@ -140,7 +140,7 @@ class ModelPlugin(Plugin):
         """A contact as seen from this model.
 
         Args:
-            contact: as a hook has got it.
+            contact: as passed to a hook.
 
         Returns:
             None if the model is not part of the contact, or the other body belongs neither to a

@@ -38,9 +38,8 @@ a `ModelPlugin` at contacts of its model, for a `WorldPlugin` at all contacts.
 A plugin fails if one of its hooks or callbacks raises an exception. This is logged, and the plugin
 is shut down and not called again; all others go on.
 
-What a hook may do: models can be spawned, moved and deleted in any hook; within a step, this takes
-effect at its end. Contact hooks may set velocities and apply forces and impulses, but not place,
-add or remove bodies.
+Any hook may spawn, move and delete models; within a step, this takes effect at its end. Contact
+hooks may set velocities and apply forces and impulses, but not place, add or remove bodies.
 """
 
 from typing import Any, Callable, Optional
@@ -83,7 +82,7 @@ class Plugin:
     """
 
     def __init_subclass__(cls, **arguments: Any) -> None:
-        """Gives a class that overrides a hook no inherited `batch_role`."""
+        """Drops the inherited `batch_role` of a class that overrides a hook."""
         super().__init_subclass__(**arguments)
         if "batch_role" not in vars(cls) and not any(
             cls.batch_role is base.batch_role
@@ -104,7 +103,7 @@ class Plugin:
 
     @property
     def update_timer(self) -> Optional[UpdateTimer]:
-        """In which steps the step hooks are called; None is every step. May be set in any hook."""
+        """The timer of the step hooks; None: they are called in every step. Any hook may set it."""
         return self._update_timer
 
     @update_timer.setter
@@ -136,7 +135,7 @@ class Plugin:
         return None
 
     def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:
-        """The frame that is the value of a key of the configuration, such as `odom_frame_id`.
+        """The frame named by a key of the configuration, such as `odom_frame_id`.
 
         For frames outside of the model, which are used as they are written, unless they begin with
         "~": `~odom` is `<namespace>_odom`, or `odom` without a namespace, so that several models
@@ -218,11 +217,11 @@ class Plugin:
 
         Args:
             contact: with the points where the two fixtures touch.
-            impulse: what was applied at each of these points to keep the fixtures apart [N s].
+            impulse: applied at each of these points to keep the fixtures apart [N s].
         """
 
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
-        """Draws what the plugin shows in a picture of the world, such as a lidar's returns.
+        """Draws the plugin's part of a picture of the world, such as a lidar's returns.
 
         Called between steps, when a picture with sensors is asked for. It must not change anything:
         a run is the same with pictures and without.
@@ -233,7 +232,7 @@ class Plugin:
         """
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes what the plugin measures now, to those of its topics that have subscribers.
+        """Publishes a new measurement on those of its topics that have subscribers.
 
         To be overridden by sensors. Called between steps, when one of its topics is read for the
         first time (`Simulation.last`). It changes nothing that the plugin publishes later.
@@ -264,8 +263,8 @@ class Plugin:
         """Restores a state: of this plugin, or of the same plugin in another process.
 
         Called between steps on a plugin that has just been initialized, when all models and bodies
-        are there, in their places. What it publishes from now on must not depend on whether it has
-        lived since the beginning or was restored.
+        are there, in their places. What it publishes afterwards must be the same as without saving
+        and restoring.
 
         Args:
             state: as `get_state` has returned it.

@@ -24,7 +24,7 @@ class PluginFactory:
     """Makes plugins, each with a node and a random number generator of its own.
 
     Args:
-        root_node: of which theirs are parts.
+        root_node: the parent of their nodes.
         loader: finds plugin classes.
         seed: the world's seed.
     """

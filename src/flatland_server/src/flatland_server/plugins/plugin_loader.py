@@ -37,7 +37,7 @@ class PluginLoader:
         self._declarations = None if declarations is None else list(declarations)
 
     def load(self, type: str, base: Type[P]) -> Type[P]:
-        """The class that a type in a YAML file means.
+        """The class of a type in a YAML file.
 
         Args:
             type: such as `Laser` or `flatland_plugins::Laser`.

@@ -45,12 +45,12 @@ class PluginRevision:
         self.value = 0
 
     def change(self) -> None:
-        """A plugin has been started, stopped or switched off, or all have been replaced."""
+        """Counts that a plugin was started, stopped or switched off, or all were replaced."""
         self.value += 1
 
 
 class PluginFailure(NamedTuple):
-    """Why a plugin was switched off."""
+    """A plugin that was switched off, and the reason."""
 
     owner: str
     """The name of its model; empty for a plugin of the world."""
@@ -103,12 +103,12 @@ class PluginManager:
         self.plan = self._schedule.plan
         self._step_calls = NO_CALLS
         self.on_failure: Optional[FailureHandler] = None
-        """Called when a plugin has failed and is switched off; without it, that is logged."""
+        """Called when a plugin has failed and is switched off; None: failures are logged."""
         self._revision = revision
-        self._starting = 0  # calls of `start` that are being made, each within the one before
+        self._starting = 0  # nesting depth of the current calls of `start`
 
     def take_over_warnings(self, former: "PluginManager") -> None:
-        """Does not repeat warnings that were given before the world was reset."""
+        """Suppresses warnings that were given before the world was reset."""
         self._root_node.take_over_warnings(former._root_node)
 
     @property
@@ -121,7 +121,7 @@ class PluginManager:
         return [(owner, each) for owner, plugins in self._plugins.items() for each in plugins]
 
     def failure_of(self, plugin: Plugin) -> Optional[PluginFailure]:
-        """Why a plugin was switched off; None if it runs."""
+        """The failure that has switched a plugin off; None if it runs."""
         return self._failures.get(plugin)
 
     def switch_off(self, plugin: Plugin, failure: PluginFailure) -> None:
@@ -151,7 +151,7 @@ class PluginManager:
         return list(self._failures.values())
 
     def refresh(self, entity: Entity) -> None:
-        """Must be called when an entity has got new bodies."""
+        """Must be called after new bodies were added to an entity."""
         self._contacts.refresh(entity)
 
     def start(
@@ -230,7 +230,7 @@ class PluginManager:
             return 0
         steps = self._schedule.steps_without_calls(timekeeper, revision, limit)
         if steps > 0:
-            self._step_calls = NO_CALLS  # or those of the last step would keep plugins alive
+            self._step_calls = NO_CALLS  # the calls of the last step would keep plugins alive
         return steps
 
     def pass_over(self, nanoseconds: int) -> None:
@@ -262,13 +262,13 @@ class PluginManager:
             self._schedule.renew_plan()
 
     def draw(self, canvas: Canvas, timekeeper: Timekeeper) -> None:
-        """Has all running plugins draw what they show in pictures."""
+        """Calls `draw` of all running plugins."""
         for _, plugin in self.all_plugins():
             if plugin not in self._failures:
                 self._call(plugin, "draw", plugin.draw, canvas, timekeeper)
 
     def publish_now(self, topic: str, timekeeper: Timekeeper) -> None:
-        """Has the running plugins that have a topic publish to it; see `Plugin.publish_now`.
+        """Calls `Plugin.publish_now` of the running plugins that publish a topic.
 
         Args:
             topic: its absolute name.

@@ -24,7 +24,7 @@ def running_plugin(frame: Optional[FrameType]) -> Optional[Plugin]:
 
 
 def describe_running(frame: Optional[FrameType]) -> str:
-    """What a thread is running, for logs: the plugin if there is one, and the line of code."""
+    """The plugin (if any) and the line of code that a thread is running, for logs."""
     if frame is None:
         return "unknown code"
     place = f"{frame.f_code.co_filename}:{frame.f_lineno}, in {frame.f_code.co_name}"

@@ -1,4 +1,4 @@
-"""The schedule: which plugins are called in a step, and how many steps call none.
+"""The schedule: the plugins to call in a step, and the number of steps that call none.
 
     state    a plugin                      its step hooks are called
     steady   without a rate, with work     in every step
@@ -59,7 +59,7 @@ class ScheduledPlugin:
     order: int
     """Unique; plugins are called in this order, in which they were started."""
     timer: Optional[UpdateTimer] = None
-    """When it is due; None if that is at every step."""
+    """The timer that says when it is due; None: at every step."""
     is_idle: bool = False
     is_removed: bool = False
 

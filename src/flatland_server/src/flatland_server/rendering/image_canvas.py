@@ -17,21 +17,21 @@ from flatland_server.geometry import Point
 from flatland_server.rendering.view import View
 
 _FINE = 4
-"""How much larger masks are."""
+"""The scale of masks, relative to the image."""
 
 _COARSE = 2
-"""The same for large areas and for dots that lie far apart, for which it is quick enough."""
+"""The scale of masks of large areas and of dots that lie far apart, to save time."""
 
 _LARGE = 1 << 17  # px
 _LABEL_OFFSET = (4, 3)  # px
 _FONT_SIZE = 18  # px
 _PIXEL_FONT_SIZE = 11  # px
 _LABEL_COLOR = (238, 238, 236)
-_LABEL_GROUND = 200  # of 255: how far a label covers what is behind it
+_LABEL_GROUND = 200  # of 255: opacity behind a label
 _LARGEST = 1e6  # px; Pillow computes with 32 bits
 
 _Draw = Callable[[ImageDraw.ImageDraw, FloatArray, int], None]
-"""Draws on a mask that is enlarged by a factor; the array is the shape's pixels there: (n, 2)."""
+"""Draws on a mask enlarged by a factor; the array has the shape's points on the mask: (n, 2)."""
 
 
 class ImageCanvas(Canvas):
@@ -144,9 +144,9 @@ class ImageCanvas(Canvas):
         Args:
             pixels: of the shape: shape (n, 2).
             grow: how far the shape extends beyond them [px].
-            color: what the image gets.
+            color: blended into the image.
             draw: is called with these pixels on the mask.
-            is_fine: whether the mask is enlarged as much if it is large.
+            is_fine: whether to use `_FINE` for a large mask, too.
         """
         if not np.isfinite(pixels).all():
             return
@@ -170,7 +170,7 @@ class ImageCanvas(Canvas):
 def _letters(text: str) -> Image.Image:
     """A string as a mask, in Pillow's own font, the same on all machines.
 
-    Before Pillow 10.1 that is one of pixels, which is enlarged.
+    Before Pillow 10.1 it is a bitmap font, which is enlarged.
     """
     try:
         font, height = ImageFont.load_default(size=_FONT_SIZE), _FONT_SIZE

@@ -24,7 +24,7 @@ def save_line_map_picture(path: Path, line_map: LineMap) -> None:
 
     Args:
         path: of the picture; SVG if it ends in .svg, or else PNG, JPEG ...
-        line_map: what is drawn.
+        line_map: the map and its lines.
 
     Raises:
         FlatlandError: the file cannot be written, or its kind is not known.

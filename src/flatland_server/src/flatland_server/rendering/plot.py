@@ -1,4 +1,4 @@
-"""A world in a Matplotlib figure, below what a notebook plots."""
+"""Draws a world in a Matplotlib figure, as the background of a notebook's plots."""
 
 from typing import Any, Optional
 
@@ -20,7 +20,7 @@ def plot(
     Args:
         renderer: of the world.
         ax: the axes; by default those that pyplot has at present.
-        view: what is shown; by default the whole world.
+        view: the section to show; by default the whole world.
         sensors: as for `Renderer.image`.
         names: as for `Renderer.image`.
 

@@ -1,4 +1,4 @@
-"""Draws a world, again and again: `Renderer`; and once: `render`."""
+"""Draws a world: repeatedly with a `Renderer`, once with `render`."""
 
 import io
 import math
@@ -20,17 +20,17 @@ from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 
 LONGER_SIDE = 1600
-"""Of a picture of the whole world, if no size is given [px]."""
+"""The longer side of a picture of the whole world, if no size is given [px]."""
 
 FOLLOWED_SIZE = (800, 800)
-"""Of a picture around a model, if no size is given [px]."""
+"""The size of a picture around a model, if none is given [px]."""
 
 
 class Renderer:
-    """Draws pictures of a world, and keeps what does not move for the next one.
+    """Draws pictures of a world, and keeps the ground and the walls for the next one.
 
     Args:
-        world: what is drawn; it may be reset, and its models and walls may change.
+        world: to draw; it may be reset, and its models and walls may change.
         timekeeper: has the time at which sensors measure; by default it is 0.
     """
 
@@ -73,7 +73,7 @@ class Renderer:
         """A picture of the world as it is now.
 
         Args:
-            view: what it shows; by default the whole world.
+            view: the section to show; by default the whole world.
             sensors: whether plugins draw what they measure; see `Plugin.draw`.
             names: whether the names of the models are written beside them.
             trails: lines through positions in the world [m]: shape (n, 2) each.
@@ -102,7 +102,7 @@ class Renderer:
     def _draw(
         self, canvas: Canvas, view: View, sensors: bool, names: bool, trails: Iterable[Points]
     ) -> None:
-        """Draws what moves."""
+        """Draws everything but the ground and the walls."""
         models = list(self.world.models.values())
         scene.draw_trails(canvas, trails)
         if sensors:

@@ -1,4 +1,4 @@
-"""What a picture of a world shows, from the ground up: grid, walls, sensors, bodies, names."""
+"""The parts of a picture of a world, from the ground up: grid, walls, sensors, bodies, names."""
 
 import math
 from typing import Iterable, Tuple
@@ -15,7 +15,7 @@ from flatland_server.rendering.view import View
 from flatland_server.simulation.world import World
 
 BACKGROUND: Rgba = (238 / 255, 238 / 255, 236 / 255, 1.0)
-"""As in flatland_viz."""
+"""The background colour of flatland_viz."""
 
 _GRID: Rgba = (223 / 255, 223 / 255, 222 / 255, 1.0)
 _NAME: Rgba = (32 / 255, 32 / 255, 32 / 255, 1.0)
@@ -58,7 +58,7 @@ def draw_walls(canvas: Canvas, layers: Iterable[Layer], scale: float) -> None:
 
 
 def draw_trails(canvas: Canvas, trails: Iterable[Points]) -> None:
-    """Draws where something has been."""
+    """Draws lines through past positions."""
     for trail in trails:
         canvas.path(trail, _TRAIL, _TRAIL_WIDTH)
 
@@ -81,9 +81,9 @@ def draw_name(canvas: Canvas, model: Model) -> None:
 
 
 def bounds(world: World) -> Tuple[Point, Point]:
-    """The lower left and the upper right corner of what there is in the world [m].
+    """The lower left and the upper right corner of the contents of a world [m].
 
-    Around the walls and the origins of the models; or around the models, if there are no walls.
+    Contents are the walls and the origins of the models; without walls, the models.
     """
     models = list(world.models.values())
     places = [layer.segments.reshape(-1, 2) for layer in world.layers]

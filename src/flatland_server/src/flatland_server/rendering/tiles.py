@@ -40,7 +40,7 @@ class Tiles:
                 tile = self._tile((view.scale, column, row), layers)
                 image.paste(tile, (column * _SIDE - view.left, row * _SIDE - view.top))
         while len(self._tiles) > max(_KEPT, len(columns) * len(rows)):
-            del self._tiles[next(iter(self._tiles))]  # the one not used for longest
+            del self._tiles[next(iter(self._tiles))]  # the least recently used one
         return image
 
     def _have_changed(self, layers: Sequence[Layer]) -> bool:
@@ -60,5 +60,5 @@ class Tiles:
             canvas = ImageCanvas(tile, view)
             draw_ground(canvas, view)
             draw_walls(canvas, layers, scale)
-        self._tiles[key] = tile  # at the end: the one used last
+        self._tiles[key] = tile  # to the end: the most recently used one
         return tile

@@ -1,4 +1,4 @@
-"""Which part of the world a picture shows, and how large."""
+"""The section of the world that a picture shows, and its scale."""
 
 import math
 from dataclasses import dataclass, replace

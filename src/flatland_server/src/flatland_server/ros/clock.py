@@ -18,7 +18,7 @@ _MAX_NUMBERS = 3 * 50
 
 
 def warn_of_other_times() -> None:
-    """Logs a warning if the time of other nodes is not the time of the stamps here."""
+    """Logs a warning if other nodes use another time than the stamps of this one."""
     if not rospy.get_param("/use_sim_time", False):
         rospy.logwarn(
             "/use_sim_time is not set: other nodes go by real time, though stamps are simulated "

@@ -96,7 +96,7 @@ class DebugVisualization:
         self._walls_due = [now + delay for delay in _AGAIN_DELAYS]
 
     def _follow_models(self) -> bool:
-        """Adds displays of new models and removes those of deleted ones. Returns whether any."""
+        """Adds displays of new models and removes those of deleted ones; returns whether any."""
         present = self._world.models
         gone = [
             name for name, shown in self._models.items() if present.get(name) is not shown.model

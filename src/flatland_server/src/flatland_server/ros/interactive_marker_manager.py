@@ -24,7 +24,7 @@ from flatland_server.simulation.simulation_manager import SimulationManager
 
 _DELETE = 1
 _HANDLE_Z = 0.05
-"""Above the outlines of models [m]: the mouse picks what is on top."""
+"""The height of handles [m]: above the outlines of models, since the mouse picks the topmost."""
 
 _DRAG_TIMEOUT = 3.0
 """Real seconds without feedback after which a drag ends: rviz sends it every 0.25 s."""
@@ -32,7 +32,7 @@ _DRAG_TIMEOUT = 3.0
 _WARNING_PERIOD = 3.0  # s of ROS time, per drag that leaves the world
 
 _KEEP_ALIVE_PERIOD = rospy.Duration(0.5)
-"""Of ROS time, simulated or not: rviz uses it to time out servers."""
+"""In ROS time, simulated or not, which rviz uses to time out servers."""
 
 _REAL_KEEP_ALIVE_PERIOD = 1.0
 """The same in real seconds, for pauses: a new subscriber shows nothing before the first message."""
@@ -45,7 +45,7 @@ class _Handle(NamedTuple):
     centre: Pose
     """The middle of its footprints, in the model's frame."""
     pose: Tuple[float, float, float]
-    """Of its base, at the last update."""
+    """The pose of its base, at the last update."""
 
 
 class InteractiveMarkerManager:
@@ -119,10 +119,10 @@ class InteractiveMarkerManager:
         return gone, new
 
     def _follow_poses(self) -> bool:
-        """Moves the markers of models that have moved. Returns whether any.
+        """Moves the markers of models that have moved; returns whether there are any.
 
-        Except those that are being dragged: rviz keeps a pose that it receives during a drag for
-        the end, so that a model would jump back from where the mouse has left it.
+        Models that are being dragged are left out: rviz would apply a pose received during a drag
+        at its end, so that the model would jump back from the place where the mouse has left it.
         """
         has_moved = False
         for name, shown in self._shown.items():
@@ -181,8 +181,8 @@ def _pose_message(pose: Pose) -> object:
 def _circle_around(model: Model) -> Tuple[Pose, float]:
     """A circle around a model as it is now: its centre, in the model's frame, and its radius [m].
 
-    The centre is that of the bounding box of the model's footprints, but for sensors if there are
-    others.
+    The centre is that of the bounding box of the model's footprints, without sensors if there are
+    other footprints.
     """
     to_model = model.pose.inverse()
     solid: List[Tuple[float, float]] = []
@@ -194,7 +194,7 @@ def _circle_around(model: Model) -> Tuple[Pose, float]:
                 (sensors if footprint.sensor else solid).append(point)
     points = solid or sensors or [(0.0, 0.0)]
     xs, ys = zip(*points)
-    # To the millimetre: what is symmetric has its centre at its origin.
+    # To the millimetre: a symmetric model has its centre exactly at its origin.
     x, y = round((min(xs) + max(xs)) / 2, 3), round((min(ys) + max(ys)) / 2, 3)
     return Pose(x, y, 0.0), max(math.dist((x, y), point) for point in points)
 

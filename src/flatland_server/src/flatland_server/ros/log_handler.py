@@ -12,7 +12,7 @@ _OTHERS = ("ros", "tf2_ros", "PIL")
 
 
 class RosLogHandler(logging.Handler):
-    """Forwards what ROS-free modules and plugins log to rosout."""
+    """Forwards log records of ROS-free modules and plugins to rosout."""
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.name.startswith(_OTHERS) or record.levelno < logging.INFO:
@@ -22,7 +22,7 @@ class RosLogHandler(logging.Handler):
 
 
 def tolerate_write_errors() -> None:
-    """Has the present log handlers report once that they cannot write, and do without.
+    """Makes the present log handlers report a write error once, and then drop records.
 
     A disk may be full, and a pipe closed. Python's handlers then print a traceback for each record,
     and ROS's raise the error in the code that logs.

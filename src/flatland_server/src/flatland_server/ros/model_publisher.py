@@ -43,7 +43,7 @@ class ModelPublisher:
     def __init__(self, manager: SimulationManager, rate: float) -> None:
         self._manager = manager
         self._timer = RealTimeTimer(1.0 / rate)
-        self._described: List[object] = [None]  # what the last list was made of; none so far
+        self._described: List[object] = [None]  # the content of the last list; none so far
         self._sent: Dict[Model, Tuple[Any, ...]] = {}  # motion of each model in the last message
         self._next_full = 0.0
         self._subscribers = 0

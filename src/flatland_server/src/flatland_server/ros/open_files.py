@@ -4,7 +4,7 @@ import logging
 import resource
 
 ENOUGH = 65536
-"""As many open files are asked for; the usual soft limit is 1,024."""
+"""The number of open files to ask for; the usual soft limit is 1,024."""
 _FEW = 4096
 
 logger = logging.getLogger(__name__)

@@ -30,7 +30,7 @@ T = TypeVar("T")
 _SHUTDOWN_CHECK_PERIOD = 0.1  # s
 
 REGISTRATION_LIMIT = 5.0
-"""Real time that the ROS master has to hear of topics before a service answers [s]."""
+"""Real time that a service waits for the ROS master to register topics, before it answers [s]."""
 
 
 class RosTransport(Transport):
@@ -48,13 +48,13 @@ class RosTransport(Transport):
         """Whether the simulation runs, so that it checks `is_ending` regularly."""
         self.is_ending = False
         self.before_sending: Callable[[], None] = lambda: None
-        """Called before anything is sent and before callbacks, to send what must arrive first."""
+        """Called before messages are sent and callbacks are run, to send what must arrive first."""
         self._waiting: Deque[Callable[[], None]] = deque()
         self._arrival = threading.Event()
         self._transforms = TransformQueue()
         self._subscriber_counter = SubscriberCounter()
         self.publisher_counts: CounterType[str] = Counter()
-        """How many publishers each topic has, by its absolute name."""
+        """The number of publishers of each topic, by its absolute name."""
         self._tf = rospy.Publisher(
             "/tf", TFMessage, self._subscriber_counter, queue_size=100, tcp_nodelay=True
         )
@@ -161,7 +161,7 @@ class RosTransport(Transport):
 
         Raises:
             rospy.ServiceException: the simulation is shutting down.
-            Exception: the one that the future has.
+            Exception: that of the future.
         """
         while not wait([future], _SHUTDOWN_CHECK_PERIOD).done:
             if self.is_ending:

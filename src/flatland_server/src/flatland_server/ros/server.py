@@ -54,7 +54,7 @@ def run_node(name: str, simulate: Simulate) -> int:
     Returns:
         The exit code.
     """
-    atexit.register(gc.freeze)  # what is left at exit need not be collected
+    atexit.register(gc.freeze)  # no garbage collection at exit, to save time
     rospy.init_node(name, disable_signals=True)
     logging.getLogger().addHandler(RosLogHandler())
     tolerate_write_errors()

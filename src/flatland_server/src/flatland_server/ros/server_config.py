@@ -31,7 +31,7 @@ class ServerConfig(NamedTuple):
 
     @classmethod
     def read(cls) -> "ServerConfig":
-        """Reads and checks them.
+        """Reads and checks the parameters.
 
         Raises:
             FlatlandError: one is missing or invalid.

@@ -45,8 +45,8 @@ class ServiceManager:
     The `message` of an error begins with the name of an exception class (see
     `flatland_server.exceptions`; `ValueError` for a rate), for programs to tell errors apart.
 
-    A model that is spawned within a wall or another model is there: `success` is true, and
-    `message` is a warning, which is empty otherwise.
+    A model within a wall or another model is spawned all the same: `success` is true, and
+    `message` is a warning; otherwise `message` is empty.
     """
 
     def __init__(self, manager: SimulationManager, transport: RosTransport) -> None:

@@ -36,7 +36,7 @@ from flatland_server.simulation.world_state import read_state, write_state
 Offer = Callable[[str, Any, Type[Any], Callable[[Any], Any]], None]
 
 _DEFAULT_TIMEOUT = 10.0
-"""How long /step waits for messages if the request does not say so [s of real time]."""
+"""Real time that /step waits for messages if the request does not say [s]."""
 
 
 class StateServices:
@@ -128,7 +128,7 @@ def _set_param(name: str, value: str) -> None:
 
 
 def _absolute(name: str) -> Path:
-    """The path of a request; the server's working directory says nothing to a client."""
+    """The path in a request; absolute, since clients do not know the server's working directory."""
     path = to_path(name)
     if not path.is_absolute():
         raise ValueError(f'expected an absolute path, found "{name}"')

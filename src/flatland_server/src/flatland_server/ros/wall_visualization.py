@@ -58,13 +58,13 @@ class WallVisualization:
         return topics
 
     def update(self, layers: List[Layer]) -> bool:
-        """Publishes the walls of layers that have others than before.
+        """Publishes the walls of layers where they have changed.
 
         Args:
-            layers: those of the world; other ones after it was reset or reloaded.
+            layers: those of the world; new objects after it was reset or reloaded.
 
         Returns:
-            Whether there are other topics.
+            Whether the topics have changed.
         """
         has_other_topics = layers is not self._layers and self._follow_names(layers)
         self._layers = layers
@@ -86,7 +86,7 @@ class WallVisualization:
         self._shown.clear()
 
     def _follow_names(self, layers: List[Layer]) -> bool:
-        """Opens and closes topics. Returns whether any."""
+        """Opens and closes topics if names of layers have changed; returns whether they have."""
         names = [name for layer in layers for name in layer.config.names]
         if names == list(self._flat):
             return False

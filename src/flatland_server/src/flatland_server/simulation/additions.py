@@ -1,4 +1,4 @@
-"""What has been added to a world since it was made from its files, for saved states."""
+"""Models and walls added to a world since it was made from its files, for saved states."""
 
 from typing import Dict, List, Mapping, Optional
 
@@ -13,8 +13,8 @@ class Additions:
     """Models and walls in the order in which they were added.
 
     Those that come with the world, or that plugins add in `on_initialize`, are not additions:
-    rebuilding the world or the plugin brings them back. Models are noted nevertheless, so that it
-    is known which of them exist.
+    rebuilding the world or the plugin brings them back. Such models are noted nevertheless, since
+    they may be deleted.
     """
 
     def __init__(self) -> None:
@@ -27,8 +27,9 @@ class Additions:
         """Notes a model.
 
         Args:
-            entry: what it was made from.
-            comes_with_another: whether making the world or another model makes this one, too.
+            entry: the model's entry.
+            comes_with_another: whether a rebuild of the world or of another model repeats this
+                addition.
         """
         self._count += 1
         self._entries[entry.name] = entry
@@ -40,7 +41,7 @@ class Additions:
         self._orders.pop(name, None)
 
     def add_walls(self, layer: int, segments: Segments) -> None:
-        """Notes walls of a layer, which do not come with the world or a model."""
+        """Notes walls of a layer that no rebuild of the world or of a model repeats."""
         self._count += 1
         self.walls.append(WallsState(self._count, layer, segments.copy()))
 

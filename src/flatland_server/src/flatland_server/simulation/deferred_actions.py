@@ -30,25 +30,25 @@ class DeferredActions:
     - within `changing(model)`, while the plugins of a model are started or stopped: those that
       cannot be run before this has ended. Others run at once.
 
-    What has been deferred is run by `run_pending`, once neither is the case any more.
+    Deferred actions are run by `run_pending`, once neither is the case any more.
     """
 
     def __init__(self) -> None:
         self.lock = _Lock()
         """A context in which all actions are deferred. May be nested."""
         self.pending: Deque[Tuple[Callable[[], Any], str]] = deque()
-        """The deferred actions, each with what to log if it fails."""
+        """The deferred actions, each with the log message for a failure."""
         self._changing: Set[str] = set()
         self._is_running = False
 
     @property
     def is_locked(self) -> bool:
-        """Whether all actions are deferred at the moment."""
+        """Whether every action would be deferred at the moment."""
         return self.lock.depth > 0
 
     @property
     def is_free(self) -> bool:
-        """Whether no action is deferred at the moment."""
+        """Whether every action would run at once at the moment."""
         return not self.lock.depth and not self._changing
 
     @contextmanager
@@ -63,16 +63,16 @@ class DeferredActions:
     def run_or_defer(
         self, action: Callable[[], R], failure: str, *, unless_changing: str = ""
     ) -> Optional[R]:
-        """Runs an action, and after it those that it has caused; or defers it.
+        """Runs an action and the deferred ones that it has caused; or defers it.
 
         Args:
             action: changes the world. An exception that it raises at once is the caller's; if it
                 is deferred, a `FlatlandError` is logged.
-            failure: what has failed then, for the log.
+            failure: the text of this log message, such as "the world is not reset".
             unless_changing: a model; the action has to wait while this is started or stopped.
 
         Returns:
-            What the action has returned; None if it is deferred.
+            The result of the action; None if it is deferred.
         """
         if self.is_locked or unless_changing in self._changing:
             self.pending.append((action, failure))

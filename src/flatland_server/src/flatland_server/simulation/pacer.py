@@ -5,7 +5,7 @@ from collections import deque
 from typing import Callable, Deque, List, Tuple
 
 _MAX_BACKLOG = 0.25
-"""How much delay is caught up by steps without a wait [s]; a longer delay is never caught up."""
+"""The longest delay that steps without a wait catch up [s]; the excess is given up."""
 
 _MAX_TICK_PERIOD = 0.02
 """The longest wait before the next tick [s]; also the period of ticks during a pause."""
@@ -14,7 +14,7 @@ _MIN_TICK_PERIOD = 0.001
 """Time between ticks while steps follow each other without a wait [s]."""
 
 _MAX_STEP_STARTS = 1001
-"""How many step start times are kept, for jitter statistics."""
+"""The number of step start times kept for jitter statistics."""
 
 _METERING_PERIOD = 1.0
 """Real time over which the real-time factor is measured [s]."""
@@ -48,7 +48,7 @@ class Pacer:
         self._clock = clock
         self._now = 0.0  # the clock's time when it was last read
         self._due = 0.0  # the time of the next step
-        self._last_due = 0.0  # and of the last one, from which the next one's is counted
+        self._last_due = 0.0  # the time of the last step, from which the next one is counted
         self._tick_due = 0.0
         self._metered: Tuple[float, float] = (0.0, 0.0)  # real and simulated time [s]
         self._step_starts: Deque[float] = deque(maxlen=_MAX_STEP_STARTS)
@@ -70,14 +70,14 @@ class Pacer:
 
     @property
     def wait_time(self) -> float:
-        """How long to wait before the next step or tick [s]; 0 if a step is due already."""
+        """Time until the next step or tick [s]; 0 if a step is due already."""
         wait = self._due - self._now
         if wait <= 0.0:
             return 0.0
         return wait if wait < _MAX_TICK_PERIOD else _MAX_TICK_PERIOD
 
     def begin_step(self, is_paused: bool) -> bool:
-        """Whether to make a step now. During a pause this is never so."""
+        """Whether to make a step now; never during a pause."""
         if self._now < self._due:
             self._now = self._clock()
             if self._now < self._due:

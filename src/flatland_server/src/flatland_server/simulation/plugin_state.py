@@ -19,7 +19,7 @@ class PluginState:
     name: str
     type: str
     failure: Optional[str]
-    """Why it was switched off; None if it runs."""
+    """The reason why it was switched off; None if it runs."""
     rng: Dict[str, Any]
     timer: Optional[Dict[str, Any]]
     state: Any
@@ -98,8 +98,9 @@ def collect(manager: PluginManager) -> List[PluginState]:
 
 
 def restore_failures(manager: PluginManager, states: Sequence[PluginState]) -> None:
-    """Switches off the plugins that had failed: before bodies get their places, as this may move
-    them.
+    """Switches off the plugins that had failed.
+
+    Call it before bodies get their places: it may move them.
 
     Raises:
         StateError: the states are not those of these plugins.
@@ -135,7 +136,7 @@ def _pairs(
 
 
 def without_hooks(manager: PluginManager) -> List[str]:
-    """The running plugins with attributes that are not saved, as `model/plugin`."""
+    """The running plugins that do not override `get_state`, as `model/plugin`."""
     return [
         plugin.node.owner
         for _, plugin in manager.all_plugins()

@@ -24,7 +24,7 @@ class Run:
     `SimulationManager` steps it in real time, `Simulation` at the calls of a program.
 
     Args:
-        world: what is stepped.
+        world: to step.
         timekeeper: counts the simulated time.
         raise_failures: whether the exception of a plugin ends the step with a PluginError;
             otherwise it is logged. In both cases the plugin is switched off.
@@ -112,10 +112,10 @@ class Run:
     def _step_up_to(self, limit: int) -> int:
         """Makes as many steps as are possible in one call of the core, and at least one.
 
-        The result, and what the hooks of plugins see, is that of so many single steps. It ends
-        before a step in which a plugin is due, after one in which a contact hook was called, and
-        after one that is followed by callbacks, so that `transport.process()` may be called between
-        any two steps that affect each other.
+        The same as this many single steps, also for the hooks of plugins. The call ends before a
+        step in which a plugin is due, after one in which a contact hook was called, and after one
+        that is followed by callbacks, so that `transport.process()` may be called between any two
+        steps that affect each other.
 
         Args:
             limit: of the number of steps, 1 or more.
@@ -142,7 +142,7 @@ class Run:
         return 1
 
     def _step_as_planned(self, count: int) -> bool:
-        """Makes steps, 1 or more, if that is one call of the core, without hooks: by the plan.
+        """Makes steps, 1 or more, if by the plan they call no hooks; in one call of the core.
 
         To be called only if there are no messages to deliver, and subscribers are those of the
         plan.
@@ -202,8 +202,8 @@ class Run:
     def reset(self: R, seed: Optional[int] = None, *, keep_time: bool = False) -> R:
         """Rebuilds the world as it was loaded, and returns this run.
 
-        What follows equals, bit for bit, a run of a newly loaded world. Models that were spawned
-        are gone, and those that were deleted are back. Topics stay connected.
+        The run from then on equals, bit for bit, that of a newly loaded world. Models that were
+        spawned are gone, and those that were deleted are back. Topics stay connected.
 
         Args:
             seed: of all random numbers from now on; None is the same as before.
@@ -240,9 +240,9 @@ class Run:
     def save_state(self) -> bytes:
         """The state of the world and the time, for `load_state`: here, or in another process.
 
-        From here on, this run goes on, bit for bit, like each one that loads the state; without the
-        call it would differ in the last bits. See docs/plugins/programs_and_states.md about what is
-        saved of plugins.
+        From then on, this run and each one that loads the state are equal, bit for bit; without the
+        call this one would differ in the last bits. docs/plugins/programs_and_states.md tells what
+        is saved of plugins.
 
         Raises:
             StateError: a plugin's state cannot be saved, or a model has no file that it could be
@@ -306,7 +306,7 @@ class Run:
             raise UsageError("the simulation is closed")
 
     def close(self) -> None:
-        """Stops all plugins. What follows raises a UsageError; poses may still be read."""
+        """Stops all plugins. Later calls raise a UsageError; poses may still be read."""
         if not self._is_closed:
             self._is_closed = True
             self.world.close()

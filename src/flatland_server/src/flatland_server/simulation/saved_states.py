@@ -14,7 +14,7 @@ from flatland_server.timekeeper import Timekeeper
 
 
 def save(world: World, timekeeper: Timekeeper) -> WorldState:
-    """The present state of a world. From here on, it goes on like each one that restores it.
+    """The present state of a world. From then on, it runs like each one that restores the state.
 
     Raises:
         StateError: a plugin's state cannot be saved, or a model has no file that it could be read

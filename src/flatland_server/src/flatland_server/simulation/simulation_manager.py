@@ -16,7 +16,7 @@ class SimulationManager(Run):
     """Steps a world at a rate of real time, and runs the callbacks of subscriptions in between.
 
     Args:
-        world: what is stepped.
+        world: to step.
         timekeeper: counts the simulated time.
         update_rate: steps per second of real time; infinity is as fast as the machine can.
         clock: returns the real time [s].
@@ -98,7 +98,7 @@ class SimulationManager(Run):
     def request_steps(
         self, count: int = 1, expected: Sequence[str] = (), timeout: float = 10.0
     ) -> "Future[int]":
-        """Has `run` make steps during a pause, one after the other without waits.
+        """Makes `run` make steps during a pause, one after the other without waits.
 
         Args:
             count: how many.
@@ -135,7 +135,7 @@ class SimulationManager(Run):
         """
         pacer, transport = self._pacer, self.transport
         pacer.start(self.timekeeper.seconds)
-        is_hurrying = ends_request = False  # makes the steps of a request; has made its last one
+        is_hurrying = ends_request = False  # is making the steps of a request; has made the last
         try:
             while goes_on():
                 transport.process(0.0 if is_hurrying else pacer.wait_time)
@@ -175,7 +175,7 @@ class SimulationManager(Run):
         return False
 
     def _end_request(self) -> None:
-        """Reports the end of a request. What its steps have published was sent by the last tick."""
+        """Reports the end of a request; the last tick has sent all messages of its steps."""
         request, self._request = self._request, None
         self.transport.returns_on_arrival = False
         if request is not None:

@@ -31,8 +31,7 @@ class StepRequest:
                 hint = suggestion(topic, arrivals.topics)
                 raise ValueError(f"nothing in the simulation subscribes to {topic}{hint}")
         self.done: Future[int] = Future()
-        """Has the simulated time after the last step [ns], or the exception that has ended the
-        request."""
+        """The simulated time after the last step [ns], or the exception that ended the request."""
         self._left = count
         self._has_begun = False
         self._expected = expected
@@ -56,7 +55,7 @@ class StepRequest:
         return not self.done.done()
 
     def step_made(self) -> None:
-        """A step has been made."""
+        """Counts a step that was made."""
         self._left -= 1
 
     @property

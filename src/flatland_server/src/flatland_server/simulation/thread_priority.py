@@ -81,7 +81,7 @@ class ThreadPriority:
 
 
 def _guard_this_thread() -> _core.PriorityGuard:
-    """A guard that logs what this thread was running when it took the priority away."""
+    """A guard that takes the priority away, and logs the code that this thread was running."""
     if threading.current_thread() is threading.main_thread():  # the one that runs Python's handlers
         # The handler may have interrupted code that holds a lock of logging or rospy: it only
         # hands the text over to a thread. SimpleQueue.put is reentrant.

@@ -59,7 +59,7 @@ class World:
 
     Attributes:
         contents: all that a reset makes anew.
-        plugin_revision: changes whenever `plugins_of` may give something else for a model.
+        plugin_revision: changes whenever the result of `plugins_of` may change.
         transport: carries topics, transforms and parameters.
 
     Raises:
@@ -120,7 +120,7 @@ class World:
         return cls(config, transport, seed=seed, loader=loader)
 
     def _start(self) -> None:
-        """Adds what the files name, and starts all plugins."""
+        """Adds the layers and models of the files, and starts all plugins."""
         contents = self.contents
         contents.add_layers_and_models()
         contents.plugins.start(contents.config.plugins, WorldPlugin, "", "", self)
@@ -380,11 +380,11 @@ class World:
     def reset(self, seed: Optional[int] = None) -> None:
         """Rebuilds the world as it was loaded: its models, plugins, walls and random numbers.
 
-        What follows equals, bit for bit, a run of a newly loaded world. No file is read. Models and
-        plugins are new objects, and the former ones are gone; topics stay connected.
+        The run from then on equals, bit for bit, that of a newly loaded world. No file is read.
+        Models and plugins are new objects, and the former ones are gone; topics stay connected.
 
-        In a plugin's hook, this happens at the end of the step; a failure is then logged. What is
-        requested in the same step after it fails, too.
+        In a plugin's hook, this happens at the end of the step; a failure is then logged. Changes
+        requested after it in the same step fail.
 
         Args:
             seed: of all random numbers from now on; None is the same as before.
@@ -497,7 +497,7 @@ class World:
 
     @property
     def plugins_without_state_hooks(self) -> List[str]:
-        """The running plugins of which a saved state has no attributes, as `model/plugin`."""
+        """The running plugins that do not override `get_state`, as `model/plugin`."""
         return plugin_state.without_hooks(self.contents.plugins)
 
 

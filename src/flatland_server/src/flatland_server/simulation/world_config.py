@@ -108,7 +108,7 @@ class WorldConfig:
         simplify_map: int = 0,
         model_folders: Sequence[Path] = (),
     ) -> "WorldConfig":
-        """Reads what would be the content of a world file; see `from_file`.
+        """Reads the content of a world file from plain data; see `from_file`.
 
         Args:
             content: plain data; see `plain_nodes.plain_copy`. Relative paths in it are relative to

@@ -1,4 +1,4 @@
-"""All that a world consists of; a reset makes it anew."""
+"""The contents of a world; a reset makes new ones."""
 
 from typing import Dict, List, Optional
 
@@ -36,7 +36,7 @@ class WorldContents:
         plugins: of the world and its models.
         plan: the time until which steps call no hooks.
         deferred: changes that wait until they are safe.
-        additions: models and walls that have been added since.
+        additions: models and walls that have been added since the world was made.
         is_starting: whether the contents are still being made.
     """
 
@@ -65,7 +65,7 @@ class WorldContents:
         self.is_starting = True
 
     def add_layers_and_models(self) -> None:
-        """Adds those of the files.
+        """Adds the layers and models of the files.
 
         Raises:
             FlatlandError: a model cannot be created, or a plugin of one does not start.
@@ -116,7 +116,7 @@ class WorldContents:
                 del self.models[name]
                 self._remove_bodies(model)
                 for other in in_order[in_order.index(model) + 1 :]:
-                    self.remove_model(other)  # spawned by the plugins of the one that has failed
+                    self.remove_model(other)  # spawned by the failed model's plugins
                 raise
         self.additions.add_model(entry, self._comes_with_another)
         self.deferred.run_pending()
@@ -151,7 +151,7 @@ class WorldContents:
 
     @property
     def _comes_with_another(self) -> bool:
-        """Whether making the world or a model again adds again what is added now."""
+        """Whether a rebuild of the world or of a model repeats an addition made now."""
         return self.is_starting or self.plugins.is_starting
 
     def close(self) -> None:

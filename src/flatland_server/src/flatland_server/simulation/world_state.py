@@ -1,7 +1,7 @@
-"""The state of a world, as plain data: what a saved state consists of.
+"""The content of a saved state of a world, as plain data.
 
-What the world's files determine is not in it: a state is loaded by rebuilding the world from its
-files, repeating what has been added and deleted since, and then setting what has changed.
+It does not include the world's files: loading a state rebuilds the world from its files, repeats
+additions and deletions made since, and then sets the values that have changed.
 """
 
 from dataclasses import asdict, dataclass
@@ -18,20 +18,20 @@ _FORMAT_KEY = "flatland_state"
 
 @dataclass(frozen=True)
 class ModelState:
-    """A model that exists."""
+    """An existing model, and how to make it again."""
 
     name: str
     order: Optional[int]
-    """When it was added, among all additions since the world was made; None: with the world."""
+    """Its index among all additions since the world was made; None: it came with the world."""
     namespace: str
     path: str
-    """Of its file, if it was added later."""
+    """The path of its file, if it was added later."""
     pose: List[float]
-    """With which it was added."""
+    """The pose with which it was added."""
     move_revision: int
     """See `Model.move_revision`."""
     content: Optional[Dict[str, Any]] = None
-    """What it was read from, if that was no file; see `ModelConfig.content`."""
+    """The plain data that it was read from, if not a file; see `ModelConfig.content`."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Fingerprints of scenarios: equal ones have equal results, which are computed once.
 
-A fingerprint covers what the scenario file says and what the files contain that it names: worlds,
-models and maps, the controller's file and the policy. Modules that a controller imports are not
+A fingerprint covers the scenario file and the contents of the files that it names: worlds, models
+and maps, the controller's file and the policy. Modules that a controller imports are not
 covered, nor are plugins.
 """
 
@@ -36,7 +36,7 @@ _LENGTH = 16
 
 
 class Fingerprints:
-    """Computes the fingerprints of a sweep's scenarios, and so checks what it consists of.
+    """Computes the fingerprints of a sweep's scenarios, and so checks its worlds and controllers.
 
     Args:
         settings: of the sweep.
@@ -62,7 +62,7 @@ class Fingerprints:
         for world in settings.worlds:
             file = world_file(world.source, settings.folder)
             with Simulation(file, params=world_params(first)) as simulation:
-                # It names what is wrong by its place in the files.
+                # Loads the original files, so that errors name their lines.
                 self._params_read |= simulation.transport.params_read
         self._worlds = self._fingerprints_of_worlds()
         self._controllers = {
@@ -82,7 +82,7 @@ class Fingerprints:
         return _digest(parts)
 
     def _fingerprints_of_worlds(self) -> Dict[str, str]:
-        """Of each world with its models and maps, as each combination of parameters has it."""
+        """The fingerprints of worlds with models and maps, for each combination of parameters."""
         found: Dict[str, str] = {}
         with closing(SweepWorlds(self._settings.folder)) as worlds:
             for world, parameters in product(self._settings.worlds, self._settings.parameters):
@@ -104,7 +104,7 @@ class Fingerprints:
         return [n for n in world_params(combined) if n not in self._params_read] + arguments
 
     def _maps(self, content: Dict[str, Any], preprocessor: YamlPreprocessor) -> Dict[str, str]:
-        """The files of a world's maps; leaves their names in the world, the same in any folder."""
+        """The fingerprints of map files; in the content, only the names of their paths remain."""
         maps: Dict[str, str] = {}
         for layer in content.get("layers") or ():
             if layer.get("map"):
@@ -119,7 +119,7 @@ class Fingerprints:
 
 
 def _controller(controller: Controller, folder: Path, parameters: Mapping[str, Any]) -> str:
-    """Of a controller's function, with its file."""
+    """The fingerprint of a controller's function, with its file."""
     function = find_controller(controller, folder)
     arguments_of(controller, function, parameters, folder)
     parts = [controller.target, dict(controller.arguments)]

@@ -46,8 +46,8 @@ work(int(sys.argv[1]))
 """
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Number of threads of NumPy in a worker: 1, unless the user has set it. There are as many workers
-as CPUs; and several threads may round a matrix product in another way.
+"""Variables with NumPy's number of threads: 1 in a worker, unless the user has set them. There are
+as many workers as CPUs; and several threads may round a matrix product in another way.
 """
 
 T = TypeVar("T")
@@ -164,7 +164,7 @@ class LocalPool:
         return Done(scenario, answer, worker.seconds, self._attempts[scenario.number])
 
     def _note_death(self, worker: "_Worker", death: str) -> Optional[Done[Any]]:
-        """Has the scenario of a dead worker run again, or gives it up.
+        """Queues the scenario of a dead worker again, or gives it up.
 
         Raises:
             FlatlandError: too many workers have died before they were ready.
@@ -247,7 +247,7 @@ class _Worker:
         return message
 
     def death(self) -> str:
-        """Waits for its end, and says what it was: "was killed by SIGKILL"."""
+        """Waits for its end; returns the cause, such as "was killed by SIGKILL"."""
         code = self._process.wait()
         if code < 0:
             return f"was killed by {signal.Signals(-code).name}"
@@ -265,7 +265,7 @@ class _Worker:
 
 
 def work(descriptor: int) -> None:
-    """Runs what is sent: the program of a worker.
+    """The program of a worker: runs the scenarios that its parent sends.
 
     Args:
         descriptor: of the socket.

@@ -1,6 +1,6 @@
-"""The parameters of a sweep: their combinations, and the worlds as they change them.
+"""The parameters of a sweep: their combinations, and their effect on worlds.
 
-A name says what a parameter is:
+The name of a parameter decides about its kind:
 
     /disc_radius                           `param("/disc_radius")` in the world's files
     controller.speed                       an argument of the controller
@@ -52,7 +52,7 @@ def world_params(parameters: Mapping[str, Any]) -> Dict[str, Any]:
 
 
 def world_key(world: str, parameters: Mapping[str, Any]) -> str:
-    """A key for a world as parameters change it: equal ones are equal worlds."""
+    """A key for a world changed by parameters: equal keys mean equal worlds."""
     parts = [world, world_params(parameters), world_changes(parameters)]
     return json.dumps(parts, sort_keys=True)
 
@@ -121,7 +121,7 @@ class SweepWorlds:
         self._last: Optional[Tuple[str, Dict[str, Any], Dict[str, Any]]] = None
 
     def content(self, source: str, parameters: Mapping[str, Any]) -> Dict[str, Any]:
-        """A world as the parameters of a scenario have it: a new dict.
+        """The content of a world changed by the parameters of a scenario: a new dict.
 
         Args:
             source: as it is written in the scenario file.
@@ -138,7 +138,7 @@ class SweepWorlds:
                 value = str(self._folder / to_path(value))
             set_value(content, place, value)
         if any(map(_names_a_file, changes)):
-            content = self._read(content)  # again, with the files that have been put in
+            content = self._read(content)  # again, with the new models and maps
         return content
 
     def close(self) -> None:

@@ -1,7 +1,7 @@
 """Workers on a Ray cluster. Ray hands out scenarios; each is run by a worker process beside it.
 
 A scenario that crashes or hangs therefore costs one of our processes, and is treated as on one
-machine: the same attempts, limits and reasons. Ray itself repeats what is lost with a machine.
+machine: the same attempts, limits and reasons. Ray itself repeats scenarios lost with a machine.
 """
 
 import os
@@ -15,7 +15,7 @@ from flatland_server.sweep.runner import ScenarioRunner
 from flatland_server.sweep.settings import Scenario, SweepSettings
 
 LOCAL = "local"
-"""In place of an address: a Ray of its own on this machine."""
+"""Instead of an address: starts a cluster on this machine alone."""
 
 _RETRIES = 3  # of Ray, for machines that are lost
 
@@ -46,7 +46,7 @@ class RayPool:
         report: Callable[[str], None] = lambda _: None,
         excluded: Optional[Path] = None,
     ) -> None:
-        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # tells its makers nothing
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # no usage statistics
         try:
             import ray
         except ImportError as error:

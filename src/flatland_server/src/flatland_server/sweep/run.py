@@ -64,8 +64,8 @@ class SweepRun:
     Args:
         simulation: at time 0.
         settings: of the sweep.
-        task: what is to be done.
-        robot: what is driven; None for a world that runs by itself.
+        task: of the robot.
+        robot: the driven model; None for a world that runs by itself.
         goal: x, y [m]; None if there is none.
         seed: of the scenario.
         parameters: of the scenario, by name.
@@ -79,7 +79,7 @@ class SweepRun:
         seed: of the scenario.
         parameters: values of the sweep's parameters in this scenario, by name.
         rng: random numbers for the controller, seeded by the scenario.
-        path: positions of the robot at the begin and after each `step` [m].
+        path: positions of the robot at the beginning and after each `step` [m].
         outcome: how it has ended: "goal", "collision", "time limit", "returned"; "" before.
     """
 
@@ -144,21 +144,21 @@ class SweepRun:
 
     @property
     def distance(self) -> float:
-        """From the origin of the robot's first body to the goal [m]; NaN without a goal."""
+        """Distance from the origin of the robot's first body to the goal [m]; NaN without one."""
         if self.goal is None:
             return math.nan
         return math.dist(self.robot.pose[:2], self.goal)
 
     @property
     def bearing(self) -> float:
-        """Of the goal as seen from the robot, to the left of its heading [rad]; NaN without one."""
+        """Bearing of the goal, positive to the left of the heading [rad]; NaN without a goal."""
         if self.goal is None:
             return math.nan
         x, y, yaw = self.robot.pose
         return wrap_angle(math.atan2(self.goal[1] - y, self.goal[0] - x) - yaw)
 
     def step(self, duration: Optional[float] = None) -> bool:
-        """Lets time pass, until the run is over at the latest.
+        """Advances the time, at most until the run is over.
 
         Args:
             duration: a multiple of the step size [s]; by default the control period.
@@ -236,5 +236,5 @@ class SweepRun:
             self.outcome = "collision"
 
     def _measure_clearance(self) -> None:
-        """Notes how near the robot is to what it could hit, if it has not been nearer."""
+        """Updates the smallest distance of the robot from obstacles."""
         self._clearance = self._bodies.clearance(self._clearance)

@@ -24,13 +24,13 @@ from flatland_server.sweep.run import RunObserver, RunOver, SweepRun
 from flatland_server.sweep.settings import RANDOM, Scenario, SweepSettings, SweepWorld, Task
 
 _KEPT_WORLDS = 4
-"""Worlds that stay loaded: scenarios come world by world."""
+"""The number of worlds that stay loaded; scenarios come world by world."""
 
 _LONGEST_ERROR = 300
 
 _TRIES = 200
 _DRAWN = 256
-"""Places that are drawn in each try."""
+"""The number of places drawn in each try."""
 
 Row = Dict[str, Any]
 """The result of a scenario: None, booleans, numbers and strings by the names of columns."""
@@ -41,8 +41,8 @@ class Result:
     """The result of a scenario. Equal scenarios have equal results.
 
     Attributes:
-        row: what was measured; empty if it was not run to the end.
-        returned: what the controller has returned, by name.
+        row: the measured values; empty if it was not run to the end.
+        returned: the values that the controller has returned, by name.
         error: why it could not be run to the end; empty if it was.
         traceback: of an exception of the controller.
     """
@@ -170,7 +170,7 @@ def _failed(run: SweepRun, error: BaseException) -> Result:
     run.outcome = "error"
     frames = traceback.extract_tb(error.__traceback__)
     place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
-    if isinstance(error, FlatlandError):  # it says itself what is wrong
+    if isinstance(error, FlatlandError):  # its message is enough
         place = ""
     reason = f"{type(error).__name__}: {error}{place}"
     text = "".join(traceback.format_exception(type(error), error, error.__traceback__))
@@ -241,8 +241,8 @@ def _draw_start_and_goal(
 
     Args:
         simulation: at time 0, with the robot where the world file puts it.
-        robot: what is driven.
-        task: what is to be done.
+        robot: the driven model.
+        task: of the robot.
         seed: of the scenario. Equal seeds give equal places, whatever the controller is.
 
     Raises:
@@ -273,7 +273,7 @@ def _draw_start_and_goal(
 
 
 def _free_space(simulation: Simulation, robot: ModelHandle, margin: float) -> FreeSpace:
-    """Where the robot can be, with a margin [m]."""
+    """The free space of the robot, with a margin [m]."""
     walls = [layer.segments for layer in simulation.world.layers]
     others = [each.model for each in simulation.models.values() if each.name != robot.name]
     clearance = robot.model.radius + margin
@@ -286,7 +286,7 @@ def _free_space(simulation: Simulation, robot: ModelHandle, margin: float) -> Fr
 
 
 def _at_distance(poses: FloatArray, middle: Point, task: Task) -> FloatArray:
-    """The poses that are as far from a point as start and goal may be."""
+    """The poses at a distance from a point that the task allows between start and goal."""
     apart = np.hypot(poses[:, 0] - middle[0], poses[:, 1] - middle[1])
     least, largest = task.goal_distance
     return np.asarray(poses[(apart >= least) & (apart <= largest)])

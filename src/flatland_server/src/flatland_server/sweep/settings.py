@@ -17,7 +17,7 @@ RANDOM = "random"
 
 @dataclass(frozen=True)
 class Task:
-    """Where a robot starts, and where it is to go.
+    """The start and the goal of a robot.
 
     Attributes:
         robot: the model that is driven; None: the only one with a drive, if there is one.
@@ -151,7 +151,7 @@ def scenarios_of(settings: SweepSettings) -> List[Scenario]:
 
 
 def scenario_of(settings: SweepSettings, number: int) -> Scenario:
-    """The scenario of a number.
+    """The scenario with a number.
 
     Raises:
         UsageError: there is none.

@@ -64,7 +64,7 @@ class Written(NamedTuple):
     failed: int
     """Number of scenarios that could not be run to the end."""
     example: Dict[str, Any]
-    """The row of the first one with the most frequent reason; empty if there is none."""
+    """The row of the first failed scenario with the most frequent reason; empty if none failed."""
     problem: str
     """Why there is no Parquet file; empty if there is one."""
 
@@ -105,7 +105,7 @@ class Sweep:
         """The scenarios that are not done yet.
 
         Args:
-            with_failed: whether those are among them that could not be run to the end.
+            with_failed: whether to include those that could not be run to the end.
         """
         entries = [(each, self._journal.entries.get(key)) for each, key in self._keys()]
         return [

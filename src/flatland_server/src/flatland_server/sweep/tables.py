@@ -208,7 +208,7 @@ def write_file(path: Path, content: bytes) -> None:
 
 
 def _text(value: Any) -> str:
-    """A value as CSV has it."""
+    """A value as text in a CSV file."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float) and not math.isfinite(value):

@@ -1,6 +1,6 @@
 """For tests of plugins: worlds out of a few lines, simulated time, and the contract of plugins.
 
-Nothing here needs pytest or a ROS master. A robot with a plugin, and what it publishes:
+Nothing here needs pytest or a ROS master. A robot with a plugin, and its messages:
 
     from flatland_server.testing import robot
 
@@ -14,7 +14,7 @@ Nothing here needs pytest or a ROS master. A robot with a plugin, and what it pu
 
 A wrong configuration: `refusal("type: Laser, name: laser, bdoy: base")` is the message. A whole
 world, from a dict or YAML: `load({"layers": [...], "models": [...]})`, and `WorldFiles` for the
-files that it names. What holds for every plugin: `check_plugin`.
+files that it names. The contract of all plugins: `check_plugin`.
 """
 
 from flatland_server.testing.contract import PluginContractError, check_plugin

@@ -1,4 +1,4 @@
-"""Checks of what a plugin does while time passes. Each yields what it finds wrong."""
+"""Checks of a plugin's behaviour while time passes. Each yields the problems that it finds."""
 
 import logging
 import math
@@ -17,7 +17,7 @@ from flatland_server.testing.checked_plugin import (
 Problems = Iterator[str]
 
 SECONDS = 0.5
-"""How long simulations last [s]."""
+"""The duration of simulations [s]."""
 
 
 def check_messages(case: CheckedPlugin) -> Problems:
@@ -46,7 +46,7 @@ def check_rates(case: CheckedPlugin) -> Problems:
 
 def _check_period(run: ObservedRun, period: int, label: str) -> Problems:
     steps: Dict[Any, List[int]] = {}
-    stamps: List[Tuple[str, int, int]] = []  # of what, its stamp, and when it was sent
+    stamps: List[Tuple[str, int, int]] = []  # topic or frame, stamp, time of sending
     for event in run.transport.events:
         steps.setdefault(event.topic, []).append(event.step)
         header = getattr(event.message, "header", None)

@@ -28,7 +28,7 @@ from flatland_server.testing.harness import Harness
 from flatland_server.testing.observation import ObservingLoader, ObservingTransport
 
 KeyPath = Tuple[Union[str, int], ...]
-"""Where a key is in an entry, such as ("angle", "min") or ("pedestrians", 0, "pose")."""
+"""The place of a key in an entry, such as ("angle", "min") or ("pedestrians", 0, "pose")."""
 
 Document = Dict[str, Any]
 
@@ -53,7 +53,7 @@ class Names(NamedTuple):
 
 
 class ObservedRun(NamedTuple):
-    """A simulation of the plugin, and what observes it."""
+    """A simulation of the plugin, with the objects that observe it."""
 
     simulation: Harness
     transport: ObservingTransport
@@ -171,7 +171,7 @@ class CheckedPlugin:
     def refusal(self, entry: Document) -> List[str]:
         """The lines of the message that an entry is refused with; none if it is loaded.
 
-        Anything that it raises other than a FlatlandError is raised here too. A model's plugin is
+        Exceptions other than a FlatlandError are passed on. A model's plugin is
         spawned with its model into a world that is loaded once: the walls are read once.
         """
         try:

@@ -1,4 +1,4 @@
-"""Checks of what a plugin reads and refuses. Each yields what it finds wrong."""
+"""Checks of the keys and values that a plugin reads and refuses. Each yields problems."""
 
 import re
 from typing import Any, Iterator, List

@@ -1,4 +1,4 @@
-"""The contract of plugins: what holds for every one of them."""
+"""The contract that all plugins keep."""
 
 import contextlib
 from typing import Any, Callable, Collection, Iterator, Mapping, Optional, Tuple, Union
@@ -32,7 +32,7 @@ CHECKS: Tuple[Callable[[CheckedPlugin], Iterator[str]], ...] = (
     behaviour_checks.check_bad_messages,
     behaviour_checks.check_end,
 )
-"""What `check_plugin` checks, in this order. Each yields what it finds wrong."""
+"""The checks of `check_plugin`, in their order. Each yields the problems that it finds."""
 
 _MOST_SHOWN = 20
 
@@ -59,16 +59,15 @@ def check_plugin(
       later does not depend on when the subscriber came.
     - The model's namespace is put before its topics and frames exactly once; topics that begin with
       "/" stay outside of it, and so do the frames of `odom_frame_id`, `ground_truth_frame_id` and
-      `world_frame_id`, unless they begin with "~". Topics and frames are called what the entry
-      says.
+      `world_frame_id`, unless they begin with "~". Topics and frames have the names in the entry.
     - With an `update_rate` or `pub_rate` it publishes at that rate of simulated time.
     - Equal seeds give equal messages, poses and walls; a `MessageWriter` makes the bytes of its
       message.
     - A run goes on with the same messages from a state that was saved and loaded in a new world; a
       reset world runs as it did first.
     - Pictures of the world change nothing in the run.
-    - What a program reads (`ModelPlugin.read`) is the same twice at one time, and without
-      subscribers; it changes nothing in the run.
+    - Two readings by a program (`ModelPlugin.read`) at one time are equal, also without
+      subscribers; they change nothing in the run.
     - An empty message, or one of NaN or infinities, does not make it fail.
     - Its end leaves no topic, subscription, transform, body or joint behind, and nothing refers to
       the plugin any more. A deleted model can be spawned again.

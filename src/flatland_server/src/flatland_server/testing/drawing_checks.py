@@ -1,4 +1,4 @@
-"""A check of how a plugin draws itself in pictures. It yields what it finds wrong."""
+"""A check of a plugin's drawing in pictures. It yields the problems that it finds."""
 
 from PIL import Image
 

@@ -1,4 +1,4 @@
-"""Checks of the names of topics and frames. Each yields what it finds wrong."""
+"""Checks of the names of topics and frames. Each yields the problems that it finds."""
 
 from typing import Any, Callable, Iterator, List, Tuple
 
@@ -17,7 +17,7 @@ Problems = Iterator[str]
 Rename = Callable[[str], str]
 
 SECONDS = 0.5
-"""How long simulations last [s]."""
+"""The duration of simulations [s]."""
 
 _NAMESPACE = "robot1"
 _PREFIX = "renamed_"

@@ -1,4 +1,4 @@
-"""What a plugin does in a world: the keys that it reads, and all that it publishes."""
+"""Observes a plugin in a world: the keys that it reads, and all that it publishes."""
 
 import gc
 from contextlib import ExitStack, contextmanager
@@ -47,7 +47,7 @@ class Event(NamedTuple):
 
 
 def serialized(message: Any) -> bytes:
-    """A message as bytes; of what is no ROS message, its description."""
+    """A message as bytes; for an object that is no ROS message, its description."""
     if not hasattr(message, "serialize"):
         return repr(message).encode()
     buffer = BytesIO()
@@ -103,7 +103,7 @@ class ObservingTransport(LocalTransport):
         super().send_transform(transform)
 
     def count_step(self) -> None:
-        """Must be called after each step."""
+        """Counts a step; must be called after each."""
         self.step += 1
 
     @contextmanager
@@ -154,7 +154,7 @@ class _ObservingPublisher(Publisher):
 
 
 def _is_same(data: bytes, message: Any) -> bool:
-    """Whether bytes say what a message says, but for the number of its header's sequence."""
+    """Whether bytes equal a serialized message, except for the sequence number of its header."""
     received = type(message)().deserialize(data)
     if hasattr(received, "header"):
         received.header.seq = message.header.seq
@@ -194,7 +194,7 @@ class ObservingLoader(PluginLoader):
         return Observed
 
     def living_plugins(self) -> int:
-        """How many of the plugins are still referred to."""
+        """The number of the plugins that are still referred to."""
         gc.collect()
         return sum(plugin() is not None for plugin in self.plugins)
 

@@ -1,4 +1,4 @@
-"""Checks of what a plugin measures when a program reads it. Each yields what it finds wrong."""
+"""Checks of the readings of a sensor by a program. Each yields the problems that it finds."""
 
 from typing import Any, List
 
@@ -36,7 +36,7 @@ def check_readings(case: CheckedPlugin) -> Problems:
 
 
 def _readings(run: ObservedRun) -> List["_Reading"]:
-    """What the plugin measures now, if it is a sensor."""
+    """The present readings of the plugin; none if it is no sensor."""
     plugins: List[Any] = list(run.simulation.world.plugins_of(ROBOT).values())
     return [
         _Reading(read(run.simulation.timekeeper))

@@ -1,4 +1,4 @@
-"""What is wrong with the keys of plugins in files that have other problems, too.
+"""Problems with the keys of plugins, in files that have other problems, too.
 
 Plugins read their own keys when they start, for which their model must exist. Here each model is
 put into a world of its own, with the bodies that can be read and empty ones instead of the others.

@@ -1,4 +1,4 @@
-"""Which subscriptions have received a message since the last step, for control in lockstep."""
+"""The subscriptions with a message since the last step, for control in lockstep."""
 
 from typing import Dict, List, Optional
 
@@ -29,12 +29,12 @@ class Arrivals:
             self._subscriptions.pop(arrival.topic, None)
 
     def note(self, topic: str) -> None:
-        """All subscriptions of a topic have got a message."""
+        """Notes a message for all subscriptions of a topic."""
         for each in self._subscriptions.get(topic, []):
             each.note()
 
     def next_step(self) -> None:
-        """A step has ended: no subscription has got a message since."""
+        """Notes the end of a step: no subscription has got a message since."""
         self.step += 1
 
     @property
@@ -66,5 +66,5 @@ class Arrival:
         self._arrivals = arrivals
 
     def note(self) -> None:
-        """It has got a message."""
+        """Notes a message."""
         self.step = self._arrivals.step

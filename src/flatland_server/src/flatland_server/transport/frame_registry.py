@@ -1,4 +1,4 @@
-"""Which plugin publishes which frame."""
+"""The plugins that publish each frame."""
 
 import logging
 from typing import Dict, List, Set, Tuple
@@ -86,7 +86,7 @@ class FrameRegistry:
         )
 
     def take_over_warnings(self, former: "FrameRegistry") -> None:
-        """Does not repeat what the registry of the same world before a reset has warned of."""
+        """Suppresses warnings that the registry of the same world has given before a reset."""
         self._warned |= former._warned
         self._warned_odometry |= former._warned_odometry
 

@@ -133,7 +133,7 @@ class LocalTransport(Transport):
                 tap.receive(topic, message, True)
 
     def close_tap(self, tap: Tap) -> None:
-        """Ends what `open_tap` has begun.
+        """Stops passing messages to a tap.
 
         Args:
             tap: receives no further message.
@@ -177,7 +177,7 @@ class LocalTransport(Transport):
         self.arrivals.next_step()
 
     def _deliver(self) -> None:
-        """Runs the callbacks for what was published; what they publish waits for the next step."""
+        """Runs the callbacks for published messages; what they publish waits for the next step."""
         published, self._published = self._published, []
         for topic, callback, message in published:
             if callback in self._callbacks.get(topic, ()):
@@ -186,7 +186,7 @@ class LocalTransport(Transport):
 
     @contextmanager
     def without_delivery(self) -> Iterator[None]:
-        """Meanwhile, published messages can be read by `last` but reach no callback."""
+        """A context in which published messages can be read by `last` but reach no callback."""
         self._is_delivering = False
         try:
             yield
@@ -269,5 +269,5 @@ class _LocalSubscription(Subscription):
 
 
 def absolute_name(name: str) -> str:
-    """A name of a topic or parameter from the root on, as without a namespace."""
+    """The absolute name of a topic or parameter, for the empty namespace."""
     return name if name.startswith("/") else f"/{name}"

@@ -189,7 +189,7 @@ class Node:
         self._frames.claim_odometry(frame_id, self.owner)
 
     def take_over_warnings(self, former: "Node") -> None:
-        """Does not repeat warnings about frames that were given before the world was reset.
+        """Suppresses warnings about frames that were given before the world was reset.
 
         Args:
             former: the node before the reset.

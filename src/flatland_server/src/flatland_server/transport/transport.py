@@ -84,7 +84,7 @@ class Transport(ABC):
         activity: counts messages to be delivered, and changes of subscribers. While it stays the
             same, `process` and `flush` have nothing to do. NaN, which equals nothing, if a
             transport does not know.
-        arrivals: which subscriptions have got a message since the last step.
+        arrivals: the subscriptions with a message since the last step.
         returns_on_arrival: whether `process` returns once callbacks have run, instead of waiting
             for its timeout.
     """
@@ -188,4 +188,4 @@ class Transport(ABC):
         """Sends what was collected during the step, and resets the count of arrivals."""
 
     def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)
-        """Drops what the former world has left, such as messages that are not delivered yet."""
+        """Drops the remains of the former world, such as messages that are not delivered yet."""

@@ -7,11 +7,11 @@ import ctypes
 from contextlib import suppress
 
 _PACKAGES = {"libX11.so.6": "libx11-6", "libXext.so.6": "libxext6"}
-"""Debian's packages with them."""
+"""The Debian package of each library."""
 
 
 def missing_libraries() -> str:
-    """What is missing, and the command that installs it on Debian; empty if nothing is."""
+    """The missing libraries, and the command to install them on Debian; empty if there are none."""
     missing = dict(_PACKAGES)
     for library in _PACKAGES:
         with suppress(OSError):

@@ -6,10 +6,10 @@ from typing import Optional, Sequence, Tuple
 from flatland_server.library.simulation import Simulation
 
 SPEED = 0.5
-"""How fast a robot drives [m/s]; twice as fast with Shift."""
+"""The speed of a robot [m/s]; doubled with Shift."""
 
 TURN = 1.0
-"""How fast it turns [rad/s], or how far a tricycle steers [rad]; the same with Shift."""
+"""The yaw rate [rad/s], or a tricycle's steering angle [rad]; unchanged by Shift."""
 
 
 class KeyboardDrive:

@@ -1,4 +1,4 @@
-"""How much simulated time passes in real time: rate, pause and single steps."""
+"""Maps real time to simulated time: rate, pause and single steps."""
 
 import math
 from typing import Callable, List, Tuple
@@ -7,7 +7,7 @@ RATES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 """The rates that `faster` and `slower` choose from: simulated seconds per second."""
 
 _LONGEST_FRAME = 0.25
-"""Real time that is simulated after a frame that took longer [s]."""
+"""The longest frame that is simulated completely [s of real time]; the excess is dropped."""
 
 _METERING_PERIOD = 0.5
 """Real time over which the rate is measured [s]."""
@@ -16,7 +16,7 @@ _EPSILON = 1e-9
 
 
 class Playback:
-    """Says how many steps are due, and measures how many are made.
+    """Makes the steps that are due, and measures their rate.
 
     Args:
         rate: simulated seconds per second of real time.

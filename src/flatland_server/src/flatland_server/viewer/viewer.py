@@ -1,4 +1,4 @@
-"""What the window shows and what its keys do, without a window."""
+"""The content of the window and the actions of its keys, independent of a window."""
 
 import math
 import time
@@ -62,7 +62,7 @@ class Viewer:
         self.shows_trail = False
         self.shows_help = False
         self.message = ""
-        """What happened last, for the user."""
+        """A message to the user about the last event."""
         self._clock = clock
         self._renderer = Renderer(simulation.world, simulation.timekeeper)
         self._trail: List[Point] = []

@@ -74,7 +74,7 @@ class MarkerServer(public_rospy.MarkerServer):
         return True
 
     def doSetPose(self, update: Any, name: str, pose: Any, header: Any) -> None:  # noqa: N802
-        """Ignores the pose of a feedback, which the library calls this with.
+        """Ignores the pose in a client's feedback, for which the library calls this.
 
         The library would send it with the next change of any marker. rviz keeps it for the end of
         the drag, and puts the model back there.

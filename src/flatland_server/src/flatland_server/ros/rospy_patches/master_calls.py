@@ -23,7 +23,7 @@ ANSWER_LIMIT = 3.0
 """Real time that the master has to answer [s]."""
 
 NO_ANSWER = (OSError, http.client.HTTPException, xmlrpc.client.Error, ExpatError)
-"""What a call raises if there is no answer, or only a part of one."""
+"""The exceptions of a call without an answer, or with a part of one."""
 
 Key = Tuple[str, str]
 """The kind of a registration, and the name of the topic or service."""

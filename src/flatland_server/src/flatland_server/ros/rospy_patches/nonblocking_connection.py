@@ -53,7 +53,7 @@ class NonblockingConnection(QueuedConnection):
     """A connection to a subscriber, with the interface that rospy's publishers use."""
 
     def __init__(self, connection: Any, queue_size: int) -> None:
-        self._unsent = b""  # what the thread is sending, or must send first
+        self._unsent = b""  # data that the thread is sending, or must send first
         super().__init__(connection, queue_size)
 
     def write_data(self, data: bytes) -> bool:

@@ -66,7 +66,7 @@ def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
 
 @dataclass(frozen=True)
 class RospyCalls:
-    """What the server does through rospy; by default, without any patch.
+    """The operations of rospy that the server uses; by default, without any patch.
 
     Attributes:
         send_bytes: publishes a serialized message; not for latched topics.

@@ -140,7 +140,7 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
         self._condition = threading.Condition()
 
     def take_over(self, opened: Dict[Key, str]) -> None:
-        """Records what is open, and registered, already."""
+        """Records the topics and services that are open and registered already."""
         self._open.update(opened)
         self._known.update(opened)
 
@@ -151,8 +151,8 @@ class Registrar(RegistrationListener):  # type: ignore[misc]
     def stop(self) -> None:
         """Ends the thread, so that rospy can unregister what is still open.
 
-        Before, what was closed is unregistered, if the master answers. rospy calls this when its
-        shutdown has begun.
+        Before, closed topics and services are unregistered, if the master answers. rospy calls this
+        when its shutdown has begun.
         """
         with self._condition:
             self._condition.wait_for(lambda: not self._changed or self._has_failed, _END_LIMIT)

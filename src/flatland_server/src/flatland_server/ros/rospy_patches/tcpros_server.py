@@ -140,7 +140,7 @@ class _Handshake:
         self._expect(_LENGTH.size)
 
     def _expect(self, size: int) -> None:
-        """Has the socket reported as readable only when it holds so many bytes, or has ended."""
+        """Makes the socket count as readable only when it holds this many bytes, or has ended."""
         self._size = size
         self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, size)
 
