@@ -3,7 +3,7 @@
 import unittest
 from functools import reduce
 from math import gcd
-from typing import Any, Callable, List, Optional, Type
+from typing import Any, Callable, Iterable, List, Optional, Type
 
 import numpy as np
 import rospy
@@ -56,5 +56,9 @@ def publish_rate(recorder: Recorder, count: int) -> float:
     loses messages.
     """
     recorder.next(count)
-    stamps = sorted({message.header.stamp.to_nsec() for message in list(recorder.messages)})
-    return 1e9 / reduce(gcd, np.diff(stamps).tolist())
+    return 1e9 / period({message.header.stamp.to_nsec() for message in list(recorder.messages)})
+
+
+def period(times: Iterable[int]) -> int:
+    """The longest period of which all times are a number apart [ns]."""
+    return reduce(gcd, np.diff(sorted(times)).tolist())

@@ -8,7 +8,7 @@ from flatland_msgs.srv import Reset
 from geometry_msgs.msg import Twist, TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from rostest_tools import RecordingCase, publish_rate
+from rostest_tools import RecordingCase, period, publish_rate
 from sensor_msgs.msg import LaserScan
 from service_calls import call
 from tf2_msgs.msg import TFMessage
@@ -124,7 +124,9 @@ class Server(RecordingCase):
         stamps |= {t.header.stamp.to_nsec() for m in self.tf.messages[2:] for t in m.transforms}
         stamps = {stamp for stamp in stamps if min(ticks) <= stamp <= newest}
         self.assertGreater(len(stamps), 50)
-        self.assertEqual(stamps - ticks, set())
+        # Equal sets if no tick was lost, as on a busy machine.
+        self.assertEqual(period(ticks), 5_000_000)
+        self.assertEqual(period(ticks | stamps), 5_000_000)
 
     def test_topics_come_at_their_rates(self):
         self.assertEqual(publish_rate(self.scan, 10), 10.0)
