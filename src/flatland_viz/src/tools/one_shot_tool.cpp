@@ -24,9 +24,15 @@ void OneShotTool::onInitialize() {
 }
 
 bool OneShotTool::eventFilter(QObject* watched, QEvent* event) {
-  if (event->type() == QEvent::KeyPress) {
+  if (event->type() == QEvent::KeyPress || event->type() == QEvent::KeyRelease) {
     const auto* key = static_cast<QKeyEvent*>(event);
-    if (key->isAutoRepeat() && key->key() == QChar(shortcut_key_).toUpper().unicode()) return true;
+    if (key->key() == QChar(shortcut_key_).toUpper().unicode()) {
+      // X repeats a key by a release and a press of one time. Qt takes the press for a new one if
+      // it was not received together with the release.
+      const bool is_repeat = key->isAutoRepeat() || key->timestamp() == released_at_;
+      if (event->type() == QEvent::KeyPress && is_repeat) return true;
+      if (event->type() == QEvent::KeyRelease) released_at_ = key->timestamp();
+    }
   }
   return rviz::Tool::eventFilter(watched, event);
 }

@@ -26,6 +26,7 @@ class OneShotTool : public rviz::Tool {
 
   static bool is_handing_over_;
   QPointer<rviz::Tool> previous_;
+  unsigned long released_at_ = 0;  ///< X's time of the last release of its key [ms].
   bool is_first_of_toolbar_ = false;
 };
 
