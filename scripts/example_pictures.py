@@ -7,13 +7,13 @@ import numpy as np
 from example_run import EXAMPLES, PERIOD, ExampleRun
 from PIL import Image
 
-from flatland_server.rendering.image_canvas import ImageCanvas
-from flatland_server.rendering.renderer import Renderer
-from flatland_server.sweep.report import draw_goal
-from flatland_server.sweep.run import RunObserver
-from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario_file import read_scenario_file
-from flatland_server.sweep.settings import scenario_of
+from flatland2d.rendering.image_canvas import ImageCanvas
+from flatland2d.rendering.renderer import Renderer
+from flatland2d.sweep.report import draw_goal
+from flatland2d.sweep.run import RunObserver
+from flatland2d.sweep.runner import ScenarioRunner
+from flatland2d.sweep.scenario_file import read_scenario_file
+from flatland2d.sweep.settings import scenario_of
 
 MOVING = Path(__file__).resolve().parents[1] / "docs" / "images" / "flatland.gif"
 PICTURES = {  # launch arguments, time [s], and options of the drawing

@@ -8,7 +8,7 @@ from typing import Any, Dict, List
 import numpy as np
 
 import scenario
-from flatland_server import Float32Array, Simulation, SimulationBatch
+from flatland2d import Float32Array, Simulation, SimulationBatch
 from scenario import Scenario
 
 SUBSTEPS = {"": 1, "20 x 5 ms": 20}

@@ -17,7 +17,8 @@ from blocks import blocks_of
 from svg import BLUE, GREY, ORANGE, RED, TEAL, Svg
 
 from flatland_plugins.scan_writer import ScanWriter
-from flatland_server import Simulation, UpdateTimer, messages
+from flatland2d import Simulation, messages
+from flatland_server import UpdateTimer
 from flatland_server.plugins.plugin import CONTACT_HOOKS, STEP_HOOKS
 
 ROOT = Path(__file__).resolve().parents[2]

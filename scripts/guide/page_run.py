@@ -20,9 +20,9 @@ from blocks import Block, Needs, blocks_of, needs_of
 from console import Shell, commands_of, pattern_of, without_colors
 from forks import Forks
 
-from flatland_server import FlatlandError
+from flatland2d import FlatlandError
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
-from flatland_server.tools.check_world import load
+from flatland2d.cli.check import load
 
 SHOWN = "text"
 """The language of blocks that are neither files nor programs, such as definitions of messages."""

@@ -8,12 +8,9 @@ PACKAGES = find_packages(str(SOURCES), include=["flatland_server", "flatland_ser
 
 setup(
     **generate_distutils_setup(
-        packages=["flatland2d", *PACKAGES],
-        # flatland2d has a folder of its own: in the devel space, importing a package puts the
-        # folder around it first on sys.path, and there flatland_server has no extension module.
-        package_dir={"": "src", "flatland2d": "src/short_name/flatland2d"},
+        packages=PACKAGES,
+        package_dir={"": "src"},
         package_data={
-            "flatland2d": ["py.typed"],
             "flatland_server": ["py.typed", "*.pyi", "messages/definitions/*/*.msg"],
         },
     )

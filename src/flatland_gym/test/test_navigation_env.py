@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 
 import flatland_gym
 from flatland_gym import RewardWeights
-from flatland_server import FlatlandError, UsageError, world_content
+from flatland2d import FlatlandError, UsageError, world_content
 
 pytestmark = pytest.mark.slow
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from environments import assert_same, make
 
-from flatland_server import UsageError
+from flatland2d import UsageError
 
 pytest.importorskip("stable_baselines3")
 

@@ -5,9 +5,9 @@ import json
 import pytest
 
 from flatland_gym import SCENARIOS
-from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario_file import read_scenario_file
-from flatland_server.sweep.settings import scenarios_of
+from flatland2d.sweep.runner import ScenarioRunner
+from flatland2d.sweep.scenario_file import read_scenario_file
+from flatland2d.sweep.settings import scenarios_of
 
 POLICY = "package://flatland_gym/policies/discs.npz"
 

@@ -15,7 +15,7 @@ from flatland_gym.networks import Network
 from flatland_gym.policy_node import PolicyNode
 from flatland_gym.ppo import Ppo
 from flatland_gym.train import main
-from flatland_server import FlatlandError, UsageError, messages
+from flatland2d import FlatlandError, UsageError, messages
 
 SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
 

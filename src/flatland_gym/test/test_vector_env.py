@@ -15,8 +15,8 @@ from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
 from flatland_gym.multi_world_fleet import MultiWorldFleet
 from flatland_gym.navigation_world import NavigationWorld
-from flatland_server import DistanceGrid, UsageError, world_content
-from flatland_server.library.world_source import exported_plugins
+from flatland2d import DistanceGrid, UsageError, world_content
+from flatland2d.world_source import exported_plugins
 
 pytestmark = pytest.mark.slow
 

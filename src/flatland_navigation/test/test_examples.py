@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from flatland_server.sweep.fingerprints import Fingerprints
-from flatland_server.sweep.runner import ScenarioRunner
-from flatland_server.sweep.scenario_file import read_scenario_file
-from flatland_server.sweep.settings import scenarios_of
+from flatland2d.sweep.fingerprints import Fingerprints
+from flatland2d.sweep.runner import ScenarioRunner
+from flatland2d.sweep.scenario_file import read_scenario_file
+from flatland2d.sweep.settings import scenarios_of
 
 pytestmark = pytest.mark.slow
 

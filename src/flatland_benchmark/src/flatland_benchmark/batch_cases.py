@@ -10,7 +10,7 @@ import numpy as np
 
 from flatland_benchmark.case import Case, Figures
 from flatland_server.arrays import BoolArray
-from flatland_server.batch.simulation_batch import SimulationBatch
+from flatland2d.batch.simulation_batch import SimulationBatch
 
 _CLEARANCE = 0.3
 """Clearance of the robots' starts [m]."""

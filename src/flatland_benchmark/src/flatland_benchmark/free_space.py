@@ -8,7 +8,7 @@ import yaml
 from PIL import Image
 
 from flatland_server.arrays import BoolArray, FloatArray
-from flatland_server.library.free_space import connected
+from flatland2d.free_space import connected
 from flatland_server.maps.wall_outlines import bright_pixels
 
 

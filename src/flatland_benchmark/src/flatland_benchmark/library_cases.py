@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict, List
 import yaml
 
 from flatland_benchmark.case import Case, Figures
-from flatland_server import Simulation
+from flatland2d import Simulation
 
 _BEAMS = (64, 360, 1081)
 _SELDOM = 20

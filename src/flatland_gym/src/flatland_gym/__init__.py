@@ -17,7 +17,7 @@ from flatland_gym.policy import Policy
 from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
 from flatland_gym.scenarios import SCENARIOS, Scenario
 from flatland_gym.settings import NavigationSettings
-from flatland_server import MissingPackageError
+from flatland2d import MissingPackageError
 
 __all__ = [
     "SCENARIOS",

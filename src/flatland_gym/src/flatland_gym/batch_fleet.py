@@ -8,14 +8,8 @@ from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.settings import NavigationSettings
-from flatland_server import (
-    BatchObservation,
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Simulation,
-    SimulationBatch,
-)
+from flatland2d import BatchObservation, Simulation, SimulationBatch
+from flatland_server import BoolArray, FloatArray, IntArray
 
 
 class BatchFleet(Fleet):

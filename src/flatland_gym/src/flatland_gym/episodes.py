@@ -13,7 +13,8 @@ import numpy as np
 
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FreeSpace, Point, Pose, Segments, UsageError, from_segments
+from flatland2d import FreeSpace, Point, Pose, UsageError
+from flatland_server import Segments, from_segments
 
 _TRIES = 500
 _TRIES_OF_MODELS = 60

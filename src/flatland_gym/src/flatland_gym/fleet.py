@@ -13,7 +13,8 @@ from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.robot_simulation import RobotSimulation
 from flatland_gym.settings import NavigationSettings
-from flatland_server import BatchObservation, FloatArray, IntArray, Simulation
+from flatland2d import BatchObservation, Simulation
+from flatland_server import FloatArray, IntArray
 
 
 class Fleet(RobotRows, ABC):

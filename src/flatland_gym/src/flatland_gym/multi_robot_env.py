@@ -14,7 +14,8 @@ from flatland_gym.rewards import Transition
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.robot_simulation import RobotSimulation
 from flatland_gym.settings import NavigationSettings, is_whole, require_seed
-from flatland_server import BatchObservation, FloatArray, MissingPackageError, UsageError
+from flatland2d import BatchObservation, MissingPackageError, UsageError
+from flatland_server import FloatArray
 
 try:
     from pettingzoo import ParallelEnv

@@ -9,7 +9,8 @@ from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FloatArray, IntArray, PluginError, Simulation
+from flatland2d import PluginError, Simulation
+from flatland_server import FloatArray, IntArray
 
 
 class MultiWorldFleet(Fleet):

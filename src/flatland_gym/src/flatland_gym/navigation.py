@@ -18,7 +18,8 @@ from flatland_gym.observations import as_dict, bounds, goal_distances, observe
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
 from flatland_gym.robot import Robot
 from flatland_gym.settings import NavigationSettings
-from flatland_server import BoolArray, Float32Array, FloatArray, IntArray, UsageError
+from flatland2d import UsageError
+from flatland_server import BoolArray, Float32Array, FloatArray, IntArray
 
 Steps = Tuple[FloatArray, BoolArray, BoolArray]
 """Rewards, terminations and truncations."""

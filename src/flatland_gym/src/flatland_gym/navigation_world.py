@@ -10,15 +10,8 @@ import numpy as np
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
 from flatland_gym.scenarios import SCENARIOS
 from flatland_gym.settings import NavigationSettings, WorldName
-from flatland_server import (
-    DistanceGrid,
-    Pose,
-    Simulation,
-    UsageError,
-    WorldConfig,
-    find_robot,
-    world_content,
-)
+from flatland2d import DistanceGrid, Pose, Simulation, UsageError, find_robot, world_content
+from flatland_server import WorldConfig
 
 PARKING = 5000.0
 """x and y [m] for models out of play: far from all walls, beyond the range of any lidar."""

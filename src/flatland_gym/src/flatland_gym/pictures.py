@@ -6,7 +6,7 @@ from typing import Any, Optional, Sequence
 import numpy as np
 from PIL import Image, ImageDraw
 
-from flatland_server import FlatlandError, MissingPackageError, Point, Pose, Simulation, UsageError
+from flatland2d import FlatlandError, MissingPackageError, Point, Pose, Simulation, UsageError
 
 RENDER_MODES = ("human", "rgb_array", "ansi")
 

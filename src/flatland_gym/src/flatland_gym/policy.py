@@ -10,7 +10,8 @@ from typing import Any, Dict, List, Tuple, Union
 import numpy as np
 
 from flatland_gym.observations import observe
-from flatland_server import FlatlandError, Float32Array, FloatArray, PoseLike, UsageError
+from flatland2d import FlatlandError, UsageError
+from flatland_server import Float32Array, FloatArray, PoseLike
 
 _FORMAT = "flatland policy 1"
 

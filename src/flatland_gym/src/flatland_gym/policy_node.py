@@ -7,7 +7,8 @@ from typing import Any, Callable, Optional, Tuple
 import numpy as np
 
 from flatland_gym.policy import Policy
-from flatland_server import Pose, UsageError, messages, yaw_of
+from flatland2d import Pose, UsageError, messages
+from flatland_server import yaw_of
 
 _EARLY = 0.2
 """A scan is used for an action that is due at most this fraction of a period later."""

@@ -8,7 +8,8 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FloatArray, UsageError, World, find_robot
+from flatland2d import UsageError, find_robot
+from flatland_server import FloatArray, World
 
 Content = Dict[str, Any]
 """A world, a model or a plugin as plain data; see `flatland_server.world_content`."""

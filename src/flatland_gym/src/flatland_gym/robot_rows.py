@@ -1,6 +1,7 @@
 """Measurements of n robots, as arrays with a row for each."""
 
-from flatland_server import BatchObservation, BoolArray, Float32Array, FloatArray
+from flatland2d import BatchObservation
+from flatland_server import BoolArray, Float32Array, FloatArray
 
 
 class RobotRows:

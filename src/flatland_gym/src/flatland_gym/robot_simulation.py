@@ -8,13 +8,8 @@ from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings
-from flatland_server import (
-    BoolArray,
-    ModelHandle,
-    ModelPlugin,
-    Pose,
-    Simulation,
-)
+from flatland2d import ModelHandle, Pose, Simulation
+from flatland_server import BoolArray, ModelPlugin
 
 
 class RobotSimulation:

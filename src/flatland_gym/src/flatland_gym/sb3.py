@@ -5,7 +5,7 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Union
 import numpy as np
 
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
-from flatland_server import MissingPackageError, UsageError
+from flatland2d import MissingPackageError, UsageError
 
 try:
     from stable_baselines3.common.vec_env import VecEnv

@@ -9,7 +9,8 @@ from gymnasium import spaces
 from flatland_gym.policy import Policy
 from flatland_gym.ppo import Progress, TrainingInterrupted
 from flatland_gym.sb3 import NavigationVecEnv
-from flatland_server import Float32Array, UsageError
+from flatland2d import UsageError
+from flatland_server import Float32Array
 
 # After flatland_gym.sb3, which reports missing packages.
 import torch  # isort: skip

@@ -8,7 +8,7 @@ from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from flatland_gym.rewards import RewardWeights, Transition
-from flatland_server import UsageError
+from flatland2d import UsageError
 
 WorldName = Any
 """The name of a scenario or of a shipped world, the path of a world file, or its content."""

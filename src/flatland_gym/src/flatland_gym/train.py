@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 
 from flatland_gym.policy import Policy
-from flatland_server import FlatlandError, MissingPackageError
+from flatland2d import FlatlandError, MissingPackageError
 
 if TYPE_CHECKING:
     from flatland_gym.ppo import Progress

@@ -4,15 +4,7 @@ import struct
 from io import BytesIO
 from typing import Any, Sequence, Tuple
 
-from flatland_server import (
-    MessageWriter,
-    Pose,
-    fill_pose,
-    fill_twist,
-    header,
-    messages,
-    quaternion,
-)
+from flatland_server import MessageWriter, Pose, fill_pose, fill_twist, header, messages, quaternion
 
 Odometry = messages.get("nav_msgs/Odometry")
 TwistWithCovarianceStamped = messages.get("geometry_msgs/TwistWithCovarianceStamped")

@@ -6,14 +6,7 @@ from pathlib import Path
 from typing import Tuple
 
 from flatland_plugins.crowd_config import PedestrianConfig
-from flatland_server import (
-    BodyConfig,
-    Circle,
-    Footprint,
-    Model,
-    ModelConfig,
-    Pose,
-)
+from flatland_server import BodyConfig, Circle, Footprint, Model, ModelConfig, Pose
 
 _MASS = 80.0
 """Of each pedestrian [kg]."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flatland_server import PluginError, Simulation, SimulationBatch
+from flatland2d import PluginError, Simulation, SimulationBatch
 
 DOOR = {
     "bodies": [

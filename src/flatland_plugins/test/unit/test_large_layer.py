@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flatland_server import Simulation
+from flatland2d import Simulation
 
 pytestmark = pytest.mark.slow
 

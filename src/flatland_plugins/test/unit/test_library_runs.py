@@ -6,7 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from busy_town import Town, serialized
 
-from flatland_server import Simulation, SimulationManager
+from flatland2d import Simulation
+from flatland_server import SimulationManager
 from flatland_server.transport.tap import Tap
 
 pytestmark = pytest.mark.slow

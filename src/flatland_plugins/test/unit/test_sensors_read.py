@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from flatland_server import Simulation, quaternion
+from flatland2d import Simulation
+from flatland_server import quaternion
 from flatland_server.testing import WorldFiles
 
 DISC = {"type": "circle", "radius": 0.2, "density": 5}

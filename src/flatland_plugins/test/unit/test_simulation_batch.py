@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 from batch_world import WORLD
 
-from flatland_server import (
-    BatchObservation,
-    Simulation,
-    SimulationBatch,
-)
+from flatland2d import BatchObservation, Simulation, SimulationBatch
 
 OFFICE = "office"
 SUBSTEPS = 20

@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 from batch_world import WALLS, WORLD
 
-from flatland_server import (
-    BatchObservation,
-    BatchRole,
-    ModelError,
-    ModelPlugin,
-    PluginError,
-    PluginLoader,
-    SimulationBatch,
-    UsageError,
-)
+from flatland2d import BatchObservation, ModelError, PluginError, SimulationBatch, UsageError
+from flatland_server import BatchRole, ModelPlugin, PluginLoader
 
 
 def test_facts_of_the_robot(world_of):

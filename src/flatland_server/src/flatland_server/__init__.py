@@ -1,6 +1,7 @@
 """Flatland's server: worlds in YAML, moved by Box2D, with robots made of plugins.
 
-The names exported here are the public interface, for plugins and for programs that step a world:
+The names exported here are the public interface for plugins; programs that step a world import from
+`flatland2d`:
 
     from flatland_server import ModelPlugin, Timekeeper, YamlReader
 
@@ -35,8 +36,6 @@ from flatland_server._core import (
 from flatland_server._core import __version__ as __version__
 from flatland_server.array_math import cos_sin, from_segments, headings, squared_distances
 from flatland_server.arrays import BoolArray, Float32Array, FloatArray, IntArray, PoseLike, Segments
-from flatland_server.batch.observation import BatchObservation
-from flatland_server.batch.simulation_batch import SimulationBatch
 from flatland_server.canvas import Canvas
 from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import REQUIRED, Color, YamlReader
@@ -55,16 +54,8 @@ from flatland_server.exceptions import (
     YamlError,
 )
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
-from flatland_server.library.free_space import DistanceGrid, FreeSpace
-from flatland_server.library.handles import DriveHandle, ModelHandle, SensorHandle
-from flatland_server.library.recorder import Recorder
-from flatland_server.library.robot import find_robot
-from flatland_server.library.simulation import Simulation
-from flatland_server.library.touch import Touch
-from flatland_server.library.world_content import world_content
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.models.entity import Entity
 from flatland_server.models.footprint import Circle, Footprint, Polygon
 from flatland_server.models.joint import Joint
 from flatland_server.models.layer import Layer
@@ -73,15 +64,12 @@ from flatland_server.models.model_body import BodyConfig, ModelBody
 from flatland_server.plugins.batch_role import BatchMotion, BatchRole, CoreDrive, CoreLidar
 from flatland_server.plugins.model_plugin import ContactSides, ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginDeclaration, PluginLoader
-from flatland_server.simulation.run import Run
-from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.world import World, WorldPlugin
 from flatland_server.simulation.world_config import ModelEntry, WorldConfig
-from flatland_server.sweep.run import SweepRun
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.message_writer import MessageWriter
-from flatland_server.transport.node import Frames, Node, Publisher, Subscription, Transport
+from flatland_server.transport.node import Frames, Node, Publisher, Subscription
 from flatland_server.update_timer import UpdateTimer
 
 __all__ = [
@@ -89,7 +77,6 @@ __all__ = [
     "REQUIRED",
     "TWEEN_MODES",
     "BatchMotion",
-    "BatchObservation",
     "BatchRole",
     "BeamFan",
     "Body",
@@ -104,17 +91,13 @@ __all__ = [
     "ContactSides",
     "CoreDrive",
     "CoreLidar",
-    "DistanceGrid",
     "Drive",
-    "DriveHandle",
-    "Entity",
     "Fixture",
     "FlatlandError",
     "Float32Array",
     "FloatArray",
     "Footprint",
     "Frames",
-    "FreeSpace",
     "GoneError",
     "IntArray",
     "Joint",
@@ -131,7 +114,6 @@ __all__ = [
     "ModelConfig",
     "ModelEntry",
     "ModelError",
-    "ModelHandle",
     "ModelPlugin",
     "Node",
     "PluginDeclaration",
@@ -144,23 +126,14 @@ __all__ = [
     "Problem",
     "Publisher",
     "RangeNoise",
-    "Recorder",
     "RecordingError",
     "RelativePoses",
-    "Run",
     "Segments",
-    "SensorHandle",
-    "Simulation",
-    "SimulationBatch",
-    "SimulationManager",
     "StateError",
     "Subscription",
-    "SweepRun",
     "Timekeeper",
     "TopicError",
-    "Touch",
     "Transform",
-    "Transport",
     "Tricycle",
     "Tween",
     "UpdateTimer",
@@ -175,7 +148,6 @@ __all__ = [
     "cos_sin",
     "fill_pose",
     "fill_twist",
-    "find_robot",
     "from_segments",
     "header",
     "headings",
@@ -183,7 +155,6 @@ __all__ = [
     "quaternion",
     "ros_time",
     "squared_distances",
-    "world_content",
     "wrap_angle",
     "yaw_of",
 ]

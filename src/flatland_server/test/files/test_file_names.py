@@ -7,7 +7,7 @@ import pytest
 from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
-from flatland_server.tools.check_world import main
+from flatland2d.cli.check import main
 
 MODEL = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]\n"
 

@@ -216,6 +216,6 @@ def test_the_topics_of_a_deleted_model_may_have_another_type(files):
 
 def test_check_world_reports_a_topic_of_two_types(files):
     path = files.write("two.model.yaml", TWO.format("x", "x"))
-    from flatland_server.tools.check_world import check
+    from flatland2d.cli.check import check
 
     assert check(str(path), None)[0].startswith(f"{path}:5:")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from typing_extensions import assert_type
 
-from flatland2d import (
+from flatland_server import (
     Body,
     Canvas,
     Contact,

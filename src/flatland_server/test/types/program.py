@@ -8,19 +8,17 @@ from typing_extensions import assert_type
 
 from flatland2d import (
     BatchObservation,
-    BoolArray,
-    Float32Array,
-    FloatArray,
     ModelHandle,
     Pose,
     SensorHandle,
     Simulation,
     SimulationBatch,
-    SweepRun,
     Touch,
     Velocity,
     messages,
 )
+from flatland2d.sweep import SweepRun
+from flatland_server import BoolArray, Float32Array, FloatArray
 
 World = dict[str, Any]
 

@@ -7,7 +7,7 @@ import gymnasium as gym
 from typing_extensions import assert_type
 
 import flatland_gym
-from flatland2d import FloatArray
+from flatland_server import FloatArray
 from flatland_gym import NavigationVectorEnv, Policy, RewardWeights, Transition
 from flatland_gym.evaluation import evaluate
 from flatland_gym.ppo import Ppo

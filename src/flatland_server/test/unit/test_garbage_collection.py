@@ -8,7 +8,7 @@ from typing import Iterator
 
 import pytest
 
-from flatland_server.cli import main
+from flatland2d.cli import main
 from flatland_server.ros.server import exclude_from_garbage_collection
 from flatland_server.simulation.world import World
 

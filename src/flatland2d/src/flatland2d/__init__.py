@@ -1,0 +1,77 @@
+"""Flatland as a library: worlds stepped by a program, alone or thousands in one call, without ROS.
+
+The names exported here are what a program needs:
+
+    from flatland2d import Simulation
+
+Plugins import from `flatland_server`, the simulator itself. `flatland2d.sweep` has the type of a sweep's
+runs. Other modules are implementation: they may change.
+"""
+
+from flatland2d.batch.observation import BatchObservation
+from flatland2d.batch.simulation_batch import SimulationBatch
+from flatland2d.free_space import DistanceGrid, FreeSpace
+from flatland2d.handles import DriveHandle, ModelHandle, SensorHandle
+from flatland2d.recorder import Recorder
+from flatland2d.robot import find_robot
+from flatland2d.simulation import Simulation
+from flatland2d.touch import Touch
+from flatland2d.world_content import world_content
+from flatland_server import (
+    FlatlandError,
+    Float32Array,
+    FloatArray,
+    LayerError,
+    MessageError,
+    MissingPackageError,
+    ModelError,
+    PluginDeclaration,
+    PluginError,
+    PluginLoader,
+    Point,
+    Pose,
+    Problem,
+    RecordingError,
+    StateError,
+    TopicError,
+    UsageError,
+    Velocity,
+    YamlError,
+    messages,
+)
+from flatland_server import __version__ as __version__
+
+__all__ = [
+    "BatchObservation",
+    "DistanceGrid",
+    "DriveHandle",
+    "FlatlandError",
+    "Float32Array",
+    "FloatArray",
+    "FreeSpace",
+    "LayerError",
+    "MessageError",
+    "MissingPackageError",
+    "ModelError",
+    "ModelHandle",
+    "PluginDeclaration",
+    "PluginError",
+    "PluginLoader",
+    "Point",
+    "Pose",
+    "Problem",
+    "Recorder",
+    "RecordingError",
+    "SensorHandle",
+    "Simulation",
+    "SimulationBatch",
+    "StateError",
+    "TopicError",
+    "Touch",
+    "UsageError",
+    "Velocity",
+    "YamlError",
+    "find_robot",
+    "messages",
+    "world_content",
+]

@@ -1,0 +1,64 @@
+"""The free space for the initial poses of a batch's robots."""
+
+import math
+from typing import Any, Dict
+
+import numpy as np
+
+from flatland_server.arguments import shown
+from flatland_server.arrays import FloatArray
+from flatland_server.exceptions import UsageError
+from flatland2d.free_space import DistanceGrid, FreeSpace, discs_of
+from flatland2d.robot import Robot
+from flatland_server.simulation.world import World
+
+
+class FreeSpaces:
+    """The free space of a robot for each clearance, computed when it is first needed.
+
+    Args:
+        world: the initial world of all environments.
+        robot: its model; the other models are obstacles.
+    """
+
+    def __init__(self, world: World, robot: Robot) -> None:
+        self._world = world
+        self._robot = robot.model
+        self._spaces: Dict[float, FreeSpace] = {}
+
+    def of(self, clearance: Any) -> FreeSpace:
+        """The free space with a distance [m] from all walls and the circles around other models.
+
+        Raises:
+            UsageError: the clearance is not usable, or leaves no place.
+        """
+        is_number = isinstance(clearance, (int, float, np.number))
+        if not (is_number and math.isfinite(clearance) and clearance > 0.0):
+            raise UsageError(f"expected a clearance above zero, found {shown(clearance)}")
+        if clearance not in self._spaces:
+            self._spaces[clearance] = self._compute(clearance)
+        return self._spaces[clearance]
+
+    def _compute(self, clearance: float) -> FreeSpace:
+        others = [each for each in self._world.models.values() if each is not self._robot]
+        grid = DistanceGrid(
+            self._walls(),
+            self._robot.pose[:2],
+            clearance,
+            discs=discs_of((each.pose, each.radius) for each in others),
+            resolution=min(max(clearance / 6.0, 0.02), 0.1),
+        )
+        space = grid.free_space(clearance)
+        if space.area == 0.0:
+            raise UsageError(f"no place has a clearance of {clearance:g} m")
+        return space
+
+    def _walls(self) -> FloatArray:
+        """The walls that the robot collides with: shape (n, 4)."""
+        bits = 0
+        for body in self._robot.physics_bodies:
+            for fixture in body.fixtures:
+                bits |= fixture.layers
+        config = self._world.config
+        walls = [config.walls_of(layer) for layer in config.layers if layer.bits & bits]
+        return np.concatenate([np.empty((0, 4)), *walls])

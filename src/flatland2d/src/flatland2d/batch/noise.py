@@ -1,0 +1,61 @@
+"""The noise of the lidars of a batch."""
+
+from typing import List, Optional, Sequence, Set
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, Float32Array, IntArray
+from flatland2d.robot import Robot
+from flatland_server.plugins.batch_role import AddNoise
+from flatland_server.plugins.plugin_factory import plugin_rng
+
+
+class BatchNoise:
+    """Adds the noise of the lidar in a `Simulation` with the environment's seed.
+
+    Args:
+        robot: its model and lidar.
+        count: number of environments, n.
+    """
+
+    def __init__(self, robot: Robot, count: int) -> None:
+        self._robot = robot
+        self._make_noise = robot.core_lidar.make_noise
+        self._noises: List[Optional[AddNoise]] = [None] * count
+        self._keys = np.zeros(count, np.uint64)
+        self._new: Set[int] = set(range(count))
+
+    def restart(self, environments: Sequence[int]) -> None:
+        """Makes new noise for environments with changed seeds, at the next `add`."""
+        self._new.update(environments)
+
+    def add(
+        self,
+        ranges: Float32Array,
+        seeds: IntArray,
+        nanoseconds: IntArray,
+        mask: Optional[BoolArray],
+    ) -> None:
+        """Adds the noise at times [ns] to ranges (n, beams); with a mask, only to its rows."""
+        if self._make_noise is None:
+            return
+        self._make(seeds)
+        first = self._noises[0]
+        if isinstance(first, _core.RangeNoise):  # then all are of this type
+            first.add_to_rows(ranges, self._keys, nanoseconds, mask)
+            return
+        for k in range(len(ranges)) if mask is None else np.flatnonzero(mask).tolist():
+            noise = self._noises[k]
+            assert noise is not None
+            ranges[k] = noise(ranges[k], int(nanoseconds[k]))
+
+    def _make(self, seeds: IntArray) -> None:
+        """Makes the noise of environments with new seeds."""
+        assert self._make_noise is not None
+        for k in self._new:
+            rng = plugin_rng(int(seeds[k]), self._robot.model.name, self._robot.lidar.name)
+            noise = self._noises[k] = self._make_noise(rng)
+            if isinstance(noise, _core.RangeNoise):
+                self._keys[k] = noise.key
+        self._new.clear()

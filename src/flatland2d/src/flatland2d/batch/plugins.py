@@ -1,0 +1,109 @@
+"""The effects of plugins in a batch: worlds that they change at random, bodies that they move."""
+
+from typing import Any, Callable, Optional, Sequence, Tuple
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland2d.batch.motions import BatchMotions
+from flatland2d.batch.robot import PluginRole
+from flatland2d.batch.worlds import BatchWorlds
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
+
+
+class BatchPlugins:
+    """The plugins of a batch that change its worlds.
+
+    Args:
+        config: of the initial world.
+        roles: of its plugins.
+        count: number of environments, n.
+        step_nanoseconds: length of a step.
+        open: loads the world with another seed.
+    """
+
+    def __init__(
+        self,
+        config: WorldConfig,
+        roles: Sequence[PluginRole],
+        count: int,
+        step_nanoseconds: int,
+        open: Callable[[int], World],
+    ) -> None:
+        self._config = config
+        self._count = count
+        self._step = step_nanoseconds
+        self._worlds = BatchWorlds(roles, count, open)
+        self._motions = BatchMotions(roles, count, step_nanoseconds)
+
+    def load(
+        self,
+        core: _core.WorldBatch,
+        chosen: Optional[BoolArray],
+        seeds: IntArray,
+        steps: IntArray,
+    ) -> None:
+        """Loads the worlds of environments with new seeds, if worlds depend on the seed.
+
+        Args:
+            core: the batch.
+            chosen: which environments, (n,); None: all.
+            seeds: of the environments, (n,).
+            steps: made by each, (n,); set to 0 for environments that get another world.
+        """
+        if self._worlds:
+            every = np.ones(self._count, bool)
+            is_other = self._worlds.load(core, every if chosen is None else chosen, seeds)
+            if is_other.any():
+                steps[is_other] = 0
+                self.begin(is_other, seeds)
+
+    def begin(self, chosen: Optional[BoolArray], seeds: IntArray) -> None:
+        """Resets environments, with their seeds (n,)."""
+        if self._motions:
+            every = range(self._count)
+            for k in every if chosen is None else np.flatnonzero(chosen).tolist():
+                self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
+
+    def step(
+        self,
+        core: _core.WorldBatch,
+        chosen: Optional[BoolArray],
+        commands: FloatArray,
+        count: int,
+        steps: IntArray,
+        out: Tuple[Any, ...],
+    ) -> None:
+        """Makes steps, with the updates of plugins between them.
+
+        Args:
+            core: the batch.
+            chosen: which environments are stepped, (n,); None: all.
+            commands: of all robots.
+            count: of the steps.
+            steps: that each environment has made before, (n,).
+            out: arrays that the core writes to.
+        """
+        made, step_size = 0, self._step * 1e-9
+        if self._motions:
+            core.require_actions(commands, chosen)  # before anything is moved
+        while self._motions:
+            now = self._motions.update(core, chosen, (steps + made) * self._step, count - made)
+            if now == count - made:
+                break
+            core.step(commands, now, step_size, None, goes_on=made > 0, mask=chosen)
+            made += now
+        core.step(commands, count - made, step_size, out, goes_on=made > 0, mask=chosen)
+
+    def added_walls(self, environment: int) -> FloatArray:
+        """Walls that plugins have added to an environment: (m, 4)."""
+        counts = [len(self._config.walls_of(layer)) for layer in self._config.layers]
+        walls = self._worlds.walls(environment) or []
+        added = [segments[count:] for segments, count in zip(walls, counts)]
+        return np.concatenate([np.empty((0, 4)), *added])
+
+    def close(self) -> None:
+        """Closes the world that was loaded last."""
+        self._worlds.close()

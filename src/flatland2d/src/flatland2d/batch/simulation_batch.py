@@ -1,0 +1,438 @@
+"""Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
+
+import os
+from typing import Any, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.arguments import (
+    folders_of,
+    params_of,
+    several,
+    shown,
+    whole_number,
+)
+from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
+from flatland2d.batch.arguments import (
+    actions_of,
+    index_of,
+    mask_of,
+    model_poses_of,
+    poses_of,
+    seeds_of,
+)
+from flatland2d.batch.free_spaces import FreeSpaces
+from flatland2d.batch.noise import BatchNoise
+from flatland2d.batch.observation import BatchObservation
+from flatland2d.batch.plugins import BatchPlugins
+from flatland2d.batch.robot import roles_of
+from flatland2d.batch.view import BatchView
+from flatland_server.exceptions import UsageError
+from flatland2d.free_space import FreeSpace
+from flatland2d.robot import find_robot
+from flatland2d.simulation import Simulation
+from flatland2d.world_source import WorldSource, exported_plugins, open_world
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.simulation.world import World
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+
+_MOST_STEPS = 2**31 - 1
+
+
+class SimulationBatch:
+    """Environments with the same initial world and one robot each, stepped in one C++ call.
+
+        with SimulationBatch("office", 1024, threads=2) as batch:
+            actions = np.zeros((1024, 2))                # m/s and rad/s of a DiffDrive
+            observation = batch.step(actions, substeps=20)
+            observation.ranges, observation.poses, observation.collided
+            observation = batch.reset(observation.collided)
+
+    An environment has the same poses, velocities and ranges, bit for bit, as a `Simulation` of the
+    same world and seed, for any number of environments and threads, and independent of the other
+    environments; with a layer of more than 500,000 walls, up to rounding. Robots of different
+    environments do not see each other.
+
+    Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars and tweens
+    work, and plugins that only observe are left out. Those that set velocities of bodies at their
+    updates, such as Crowd, do so in all environments at once (`BatchMotion`). The lidar has its
+    noise; poses and velocities are the true ones, whatever the noise of odometry.
+
+    The arrays of an observation are new ones in each call, unless the caller passes some as `out`.
+    The batch keeps no reference to them and never writes to them later. A batch is used by one
+    thread at a time; `step` and `reset` release the GIL.
+
+    Args:
+        world: the name of a shipped world such as "office", the path of a world file, or the
+            content of one as a dict.
+        num_envs: number of environments, n.
+        robot: name of the model that is commanded and observed; None: the only one with a drive and
+            a lidar.
+        lidar: name of the plugin that is read; None: the robot's only lidar.
+        threads: number of threads; each steps an equal part of the environments.
+        moved: names of other models that `reset` can move.
+        step_size: length of a step [s].
+        seed: of environment 0; environment k has `seed + k`. Or a seed for each environment.
+        params: parameters by absolute name, for expressions in the files and for plugins.
+        simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
+        model_folders: where model files are looked up that are not beside the world file.
+        loader: finds plugin classes; by default those that installed packages declare.
+
+    Raises:
+        FlatlandError: there is no such world, something in its files is wrong, it has no such robot
+            or lidar, or a plugin that acts by itself (`Plugin.batch_role`).
+    """
+
+    def __init__(
+        self,
+        world: WorldSource,
+        num_envs: int,
+        *,
+        robot: Optional[str] = None,
+        lidar: Optional[str] = None,
+        threads: int = 1,
+        moved: Sequence[str] = (),
+        step_size: float = 0.005,
+        seed: Union[int, Sequence[int], IntArray] = 0,
+        params: Mapping[str, Any] = {},
+        simplify_map: int = 0,
+        model_folders: Sequence[Union[str, "os.PathLike[str]"]] = (),
+        loader: Optional[PluginLoader] = None,
+    ) -> None:
+        self._num_envs = whole_number(num_envs, "a number of environments", 1)
+        self._threads = whole_number(threads, "a number of threads", 1)
+        self._step_nanoseconds = Timekeeper(step_size).step_nanoseconds
+        self._seeds = seeds_of(seed, self._num_envs)
+        self._params, self._loader = params_of(params), loader
+        self._world = open_world(
+            world,
+            LocalTransport(self._params, ()),
+            seed=int(self._seeds[0]),
+            simplify_map=simplify_map,
+            model_folders=folders_of(model_folders),
+            loader=loader,
+        )
+        roles = roles_of(self._world)
+        self._robot = find_robot(self._world, robot, lidar)
+        self._view = BatchView(self._world, self.step_size, self._params, loader)
+        self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
+        if self._robot.model in self._moved:
+            raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
+        core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
+        self._action_names = self._robot.action_names
+        self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
+            self._world.physics,
+            bodies=self._robot.model.physics_bodies,
+            base=self._robot.model.base.config.pose,
+            drive=core_drive.drive,
+            columns=list(core_drive.columns),
+            lidar=core_lidar.lidar,
+            count=self._num_envs,
+            threads=self._threads,
+            models=[(each.physics_bodies, each.base.config.pose) for each in self._moved],
+        )
+        self._beams = self._core.beams
+        self._steps = np.zeros(self._num_envs, np.int64)
+        self._plugins = BatchPlugins(
+            self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open
+        )
+        self._plugins.begin(None, self._seeds)
+        self._noise = BatchNoise(self._robot, self._num_envs)
+        self._spaces = FreeSpaces(self._world, self._robot)
+
+    # Facts
+
+    @property
+    def num_envs(self) -> int:
+        """The number of environments, n."""
+        return self._num_envs
+
+    @property
+    def threads(self) -> int:
+        """The number of threads."""
+        return self._threads
+
+    @property
+    def step_size(self) -> float:
+        """Length of a step [s]."""
+        return self._step_nanoseconds * 1e-9
+
+    @property
+    def seeds(self) -> IntArray:
+        """The seeds of the environments: a new array (n,)."""
+        return self._seeds.copy()
+
+    @property
+    def robot(self) -> str:
+        """The name of the model that is commanded and observed."""
+        return self._robot.model.name
+
+    @property
+    def beams(self) -> int:
+        """The number of beams of the lidar."""
+        return self._beams
+
+    @property
+    def max_range(self) -> float:
+        """The largest distance that the lidar measures [m]."""
+        return self._robot.core_lidar.range
+
+    @property
+    def action_names(self) -> Tuple[str, ...]:
+        """The names of an action's numbers: the parameters of the drive's `command`."""
+        return self._action_names
+
+    @property
+    def action_limits(self) -> FloatArray:
+        """The least and the greatest value of each number of an action: a new array (2, k).
+
+        Infinite if the drive has no limit. The drive obeys a command beyond them as far as it can.
+        """
+        limits = np.array([limit or np.inf for limit in self._robot.core_drive.limits])
+        return np.stack([-limits, limits])
+
+    # Steps
+
+    def step(
+        self,
+        actions: ArrayLike,
+        substeps: int = 20,
+        out: Optional[BatchObservation] = None,
+        mask: Optional[ArrayLike] = None,
+    ) -> BatchObservation:
+        """Commands robots, makes steps in their environments, and observes.
+
+        Args:
+            actions: shape (n, k), of float32 or float64: a row for each environment, as its
+                `Simulation` would pass to `command`.
+            substeps: number of steps, during which the commands hold.
+            out: arrays that the observation is written to: only the rows of those environments that
+                are stepped. By default new arrays, with all rows.
+            mask: shape (n,), bool: which environments; None: all. The others stay as they are,
+                whatever their actions, which may be NaN. A mask of only False changes nothing.
+
+        Returns:
+            `out`, or new arrays.
+
+        Raises:
+            UsageError: the actions are no finite numbers of this shape, the mask or `out` does not
+                fit, or the batch is closed. Nothing has changed.
+        """
+        core = self._require_open()
+        chosen = None if mask is None else mask_of(mask, self._num_envs)
+        commands = actions_of(
+            actions, (self._num_envs, len(self._action_names)), self._action_names
+        )
+        substeps = whole_number(substeps, "a number of steps", 1)
+        if substeps > _MOST_STEPS:
+            raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
+        observation = self._rows(out)
+        arrays = self._arrays(observation)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
+        try:
+            self._plugins.step(core, chosen, commands, substeps, self._steps, arrays)
+        except ValueError as error:  # an action is not finite
+            raise UsageError(str(error)) from None
+        self._finish(observation, chosen, is_new=out is None)
+        return observation
+
+    def reset(
+        self,
+        mask: Optional[ArrayLike] = None,
+        seeds: Union[int, Sequence[int], IntArray, None] = None,
+        poses: Optional[ArrayLike] = None,
+        out: Optional[BatchObservation] = None,
+        model_poses: Optional[ArrayLike] = None,
+    ) -> BatchObservation:
+        """Puts environments back to the beginning of the world, at time 0, and observes.
+
+        Args:
+            mask: shape (n,), bool: which environments; None: all.
+            seeds: as for the class, from now on; None: as before. Only those of environments that
+                are reset count.
+            poses: shape (n, 3): where the robots are put, x, y [m] and yaw [rad], as by
+                `Simulation.move`; None: as in the world file. Only those of environments that are
+                reset count; see `free_poses`.
+            out: arrays that the observation is written to: only the rows of those environments that
+                are reset. By default new arrays, with all rows.
+            model_poses: shape (n, m, 3): where the m models of `moved` are put after that; None: as
+                in the world file.
+
+        Returns:
+            `out`, or new arrays.
+
+        Raises:
+            UsageError: an argument has a wrong shape or value, or the batch is closed. Nothing has
+                changed.
+        """
+        core = self._require_open()
+        chosen = None if mask is None else mask_of(mask, self._num_envs)
+        placed = None if poses is None else poses_of(poses, self._num_envs, chosen)
+        others = None
+        if model_poses is not None:
+            others = model_poses_of(model_poses, self._num_envs, len(self._moved), chosen)
+            others = others if self._moved else None
+        new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
+        observation = self._rows(out)
+        seeds_now = self._seeds if new_seeds is None else new_seeds
+        self._plugins.load(core, chosen, seeds_now, self._steps)
+        core.reset(chosen, placed, self._arrays(observation), others)
+        self._change_seeds(new_seeds, chosen)
+        self._plugins.begin(chosen, self._seeds)
+        self._finish(observation, chosen, is_new=out is None)
+        return observation
+
+    def observe(self, out: Optional[BatchObservation] = None) -> BatchObservation:
+        """Observes all environments as they are.
+
+        Args:
+            out: arrays that the observation is written to; by default new ones.
+
+        Raises:
+            UsageError: `out` does not fit, or the batch is closed.
+        """
+        self._require_open()
+        observation = self._rows(out)
+        self._observe(observation)
+        return observation
+
+    def view(self, index: int) -> Simulation:
+        """A simulation that shows the present state of an environment, for pictures.
+
+            batch.view(3).save_picture("robot.png", follow=batch.robot, sensors=True)
+
+        It has the environment's seed, time, poses and velocities, but no other state, such as that
+        of contacts: stepping it does not continue the run of the environment. All calls return the
+        same simulation, and the batch closes it.
+
+        Args:
+            index: of the environment.
+
+        Raises:
+            UsageError: there is no such environment, or the batch is closed.
+        """
+        core, chosen = self._load_one(index)
+        poses, velocities = core.motions(self._view.bodies, chosen)
+        nanoseconds = int(self._steps[index]) * self._step_nanoseconds
+        seed = int(self._seeds[index])
+        return self._view.show(seed, nanoseconds, poses[index], velocities[index])
+
+    # Places
+
+    def added_walls(self, index: int) -> FloatArray:
+        """Walls that plugins have added to an environment: a new array (m, 4), x1, y1, x2, y2 [m].
+
+        Args:
+            index: of the environment.
+
+        Raises:
+            UsageError: there is no such environment, or the batch is closed.
+        """
+        self._load_one(index)
+        return self._plugins.added_walls(index)
+
+    def free_space(self, clearance: float) -> FreeSpace:
+        """The free space for initial poses of the robot; computed once for each clearance.
+
+        Args:
+            clearance: distance [m] of the robot's origin from all walls that it collides with, and
+                from the circles around all other models; but not from `added_walls`.
+
+        Raises:
+            UsageError: the clearance is not usable, or leaves no place.
+        """
+        return self._spaces.of(clearance)
+
+    def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:
+        """Random poses for `reset`, uniformly distributed over `free_space` and all headings.
+
+        Args:
+            count: of the poses.
+            clearance: as for `free_space`.
+            rng: the random numbers.
+
+        Returns:
+            Shape (count, 3): x, y [m] and yaw [rad] of the robot's origin.
+        """
+        return self.free_space(clearance).poses(count, rng)
+
+    # Its end
+
+    def close(self) -> None:
+        """Frees all environments. Later calls raise a UsageError, except for the facts above."""
+        if self._core is not None:
+            self._core = None
+            self._world.close()
+            self._plugins.close()
+            self._view.close()
+
+    def __enter__(self) -> "SimulationBatch":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _require_open(self) -> _core.WorldBatch:
+        if self._core is None:
+            raise UsageError("the batch is closed")
+        return self._core
+
+    def _load_one(self, index: int) -> Tuple[_core.WorldBatch, BoolArray]:
+        """Loads one environment's world; returns the core and the environment's mask.
+
+        Raises:
+            UsageError: there is no such environment, or the batch is closed.
+        """
+        core, chosen = self._require_open(), index_of(index, self._num_envs)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
+        return core, chosen
+
+    def _open(self, seed: int) -> World:
+        """The world with another seed."""
+        loader = self._loader or exported_plugins()
+        return World(self._world.config, LocalTransport(self._params, ()), seed=seed, loader=loader)
+
+    def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
+        if out is None:
+            return BatchObservation.empty(self._num_envs, self._beams)
+        if not isinstance(out, BatchObservation):
+            raise UsageError(f"expected a BatchObservation as out, found {shown(out)}")
+        out.check(self._num_envs, self._beams)
+        return out
+
+    def _arrays(self, rows: BatchObservation) -> Tuple[Any, ...]:
+        """The arrays that the core writes to."""
+        return (*rows[:5], self._steps)
+
+    def _observe(self, rows: BatchObservation) -> None:
+        """Writes the rows of all environments."""
+        core = self._require_open()
+        self._plugins.load(core, None, self._seeds, self._steps)
+        core.observe(self._arrays(rows))
+        self._finish(rows, None)
+
+    def _finish(
+        self, rows: BatchObservation, mask: Optional[BoolArray], is_new: bool = False
+    ) -> None:
+        """Completes the rows of the environments in the mask, which the core has written.
+
+        Writes their times, and adds noise. In new arrays, writes all other rows, too.
+        """
+        if is_new and mask is not None and not mask.all():
+            self._observe(rows)
+            return
+        nanoseconds = self._steps * self._step_nanoseconds
+        if mask is None:
+            np.multiply(nanoseconds, 1e-9, out=rows.times)
+        else:
+            rows.times[mask] = nanoseconds[mask] * 1e-9
+        self._noise.add(rows.ranges, self._seeds, nanoseconds, mask)
+
+    def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
+        if seeds is None:
+            return
+        chosen = np.arange(self._num_envs) if mask is None else np.flatnonzero(mask)
+        self._seeds[chosen] = seeds[chosen]
+        self._noise.restart(chosen.tolist())

@@ -1,0 +1,68 @@
+"""A simulation that shows an environment of a batch: for pictures."""
+
+from typing import Any, List, Mapping, Optional
+
+from flatland_server import _core
+from flatland_server.arrays import FloatArray
+from flatland2d.simulation import Simulation
+from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.simulation.world import World
+
+
+class BatchView:
+    """Makes a `Simulation` when it is first needed, and later only moves its bodies.
+
+    Args:
+        world: of the batch.
+        step_size: length of a step [s].
+        params: of the world's plugins.
+        loader: finds their classes.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        step_size: float,
+        params: Mapping[str, Any],
+        loader: Optional[PluginLoader],
+    ) -> None:
+        self._world = world
+        self._step_size = step_size
+        self._params = params
+        self._loader = loader
+        self._simulation: Optional[Simulation] = None
+
+    @property
+    def bodies(self) -> List[_core.Body]:
+        """The bodies of all models of the batch's world, in the order of `show`'s poses."""
+        return _bodies_of(self._world)
+
+    def show(
+        self, seed: int, nanoseconds: int, poses: FloatArray, velocities: FloatArray
+    ) -> Simulation:
+        """The simulation with a seed, at a time, with its bodies at these poses (n, 3)."""
+        if self._simulation is None:
+            self._simulation = Simulation(
+                self._world.config,
+                seed=seed,
+                step_size=self._step_size,
+                params=self._params,
+                loader=self._loader,
+            )
+        elif self._simulation.seed != seed:
+            self._simulation.reset(seed)
+        bodies = _bodies_of(self._simulation.world)
+        for body, pose, velocity in zip(bodies, poses.tolist(), velocities.tolist()):
+            body.pose, body.velocity = tuple(pose), tuple(velocity)
+        self._simulation.timekeeper.jump_to(nanoseconds)
+        return self._simulation
+
+    def close(self) -> None:
+        """Closes the simulation."""
+        if self._simulation is not None:
+            self._simulation.close()
+
+
+def _bodies_of(world: World) -> List[_core.Body]:
+    """The bodies of all models, in the order of their creation."""
+    return [body for model in world.models.values() for body in model.physics_bodies]

@@ -1,0 +1,121 @@
+"""Arguments shared by several subcommands."""
+
+import argparse
+import math
+import re
+from pathlib import Path
+from typing import Any, Callable, Tuple
+
+import yaml
+
+from flatland2d.simulation import Simulation
+
+Subparsers = Any
+"""The result of argparse's `add_subparsers`; its class has no public name."""
+
+
+def add_world(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments that name a world and how it is simulated."""
+    parser.add_argument(
+        "world",
+        metavar="WORLD",
+        help="a world file, or the name of a world that `flatland worlds` lists",
+    )
+    parser.add_argument(
+        "--seed", type=whole_from(0), default=0, help="of all random numbers (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--step-size",
+        type=positive,
+        default=0.005,
+        metavar="S",
+        help="simulated seconds per step (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--models",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="where models are looked up that are not beside the world file",
+    )
+    add_params(parser)
+
+
+def add_params(parser: argparse.ArgumentParser) -> None:
+    """Adds `--param NAME=VALUE`, which may be repeated: `params` is a list of such pairs."""
+    parser.add_argument(
+        "--param",
+        dest="params",
+        type=_pair,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a parameter for expressions and plugins, with a value in YAML: --param robots=3",
+    )
+
+
+def _pair(text: str) -> Tuple[str, Any]:
+    name, separator, value = text.partition("=")
+    try:
+        if name and separator:
+            return name.rstrip(":"), yaml.safe_load(value)  # `:=` as for a node
+    except yaml.YAMLError:
+        pass
+    raise argparse.ArgumentTypeError(f'expected NAME=VALUE with a value in YAML, found "{text}"')
+
+
+def open_simulation(options: argparse.Namespace, **more: Any) -> Simulation:
+    """The simulation of the world that `add_world`'s arguments name.
+
+    Raises:
+        FlatlandError: there is no such world, or something in it is wrong.
+    """
+    return Simulation(
+        options.world,
+        seed=options.seed,
+        step_size=options.step_size,
+        model_folders=options.models,
+        params=dict(options.params),
+        **more,
+    )
+
+
+def positive(text: str) -> float:
+    """A number above zero."""
+    return _number(text, lambda value: 0.0 < value < math.inf, "a number above 0")
+
+
+def not_negative(text: str) -> float:
+    """A number of zero or more."""
+    return _number(text, lambda value: 0.0 <= value < math.inf, "a number of 0 or more")
+
+
+def whole_from(minimum: int) -> Callable[[str], int]:
+    """A whole number of at least `minimum`."""
+
+    def whole(text: str) -> int:
+        if text.isdecimal() and int(text) >= minimum:
+            return int(text)  # exact, where a float would be rounded
+        expected = f"a whole number of {minimum} or more"
+        return int(_number(text, lambda value: value >= minimum and value == int(value), expected))
+
+    return whole
+
+
+def size(text: str) -> Tuple[int, int]:
+    """A size such as 640x480 [px]."""
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f'expected a size such as 640x480, found "{text}"')
+    return int(found[1]), int(found[2])
+
+
+def _number(text: str, holds: Callable[[float], bool], expected: str) -> float:
+    try:
+        value = float(text)
+        if holds(value):
+            return value
+    except (OverflowError, ValueError):
+        pass
+    raise argparse.ArgumentTypeError(f'expected {expected}, found "{text}"')

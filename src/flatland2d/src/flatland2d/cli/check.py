@@ -1,0 +1,194 @@
+"""flatland check: reports all that is wrong in files.
+
+A file is a world, a model or a map: its keys tell which.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence
+
+import numpy as np
+
+from flatland2d.cli.arguments import Subparsers, add_params
+from flatland2d.cli.plugin_problems import plugin_problems
+from flatland2d.rendering.renderer import Renderer, save
+from flatland_server.config.file_names import to_path
+from flatland_server.config.shipped_worlds import shipped_worlds
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import FlatlandError, YamlError
+from flatland_server.geometry import Pose
+from flatland_server.maps.map_reader import read_map
+from flatland_server.models.collision_filter_registry import AnyLayer, CollisionFilterRegistry
+from flatland_server.models.layer import LayerConfig
+from flatland_server.models.model import ModelConfig
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import ModelEntry, WorldConfig
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.transport import Transport
+
+_MAP_NAME = "map"
+"""The name of the layer in which a map alone is shown."""
+
+_MAP_COLOR = (0.4, 0.4, 0.4, 1.0)
+
+_MODEL_KEYS = ("bodies",)
+_WORLD_KEYS = ("properties", "layers", "models")
+_MAP_KEYS = ("image", "data", "resolution", "scale", "origin", "occupied_thresh")
+
+
+class Loaded(NamedTuple):
+    """A file that is valid: the world that it makes, and a line about it."""
+
+    world: World
+    summary: str
+
+
+def load(
+    path: Path,
+    preprocessor: YamlPreprocessor,
+    model_folders: Sequence[Path] = (),
+    transport: Optional[Transport] = None,
+) -> Loaded:
+    """Loads a world file; or a model or map file, into an otherwise empty world.
+
+    Args:
+        path: of the file.
+        preprocessor: for its expressions.
+        model_folders: where models are looked up that are not beside the world file.
+        transport: for the plugins; by default one without parameters.
+
+    Raises:
+        FlatlandError: something in the files is wrong, or the file is none of these.
+    """
+    reader = YamlReader.from_file(path, preprocessor)
+    if any(map(reader.has, _MODEL_KEYS)):
+        return _load_model(path, reader, transport)
+    if any(map(reader.has, _WORLD_KEYS)):
+        config = WorldConfig.read(reader, preprocessor, model_folders=model_folders)
+        world = World(config, transport)
+        return Loaded(world, _contents(world))
+    if any(map(reader.has, _MAP_KEYS)):
+        return _load_map(path, preprocessor)
+    raise reader.error(
+        'expected a world, which has the keys "properties" and "layers", a model ("bodies"), or a '
+        'map ("image" or "data", "resolution" or "scale", "origin"); found none of these keys'
+    )
+
+
+def _load_model(path: Path, reader: YamlReader, transport: Optional[Transport]) -> Loaded:
+    registry = AnyLayer()
+    model = ModelConfig.read(reader, registry)
+    entry = ModelEntry(path.name.split(".")[0], "", Pose(), model)
+    world = World(WorldConfig(10, 10, registry, (), (entry,), ()), transport)
+    return Loaded(world, _contents(world))
+
+
+def _load_map(path: Path, preprocessor: YamlPreprocessor) -> Loaded:
+    segments = read_map(path, preprocessor)
+    registry = CollisionFilterRegistry()
+    layer = LayerConfig((_MAP_NAME,), registry.register(_MAP_NAME), _MAP_COLOR, 0.0, 1.0, path)
+    world = World(WorldConfig(10, 10, registry, (layer,), (), (), {path: segments}))
+    corners = segments.reshape(-1, 2)
+    width, height = np.ptp(corners, axis=0) if len(corners) else (0.0, 0.0)
+    size = f"{width:.4g} x {height:.4g} m"
+    return Loaded(world, f"a map of {_count(len(segments), 'segment')}, {size}")
+
+
+def _contents(world: World) -> str:
+    """The numbers of layers, models and other parts of a world."""
+    models = world.models.values()
+    counts = (
+        _count(len(world.layers), "layer"),
+        _count(sum(len(layer.segments) for layer in world.layers), "segment"),
+        _count(len(models), "model"),
+        _count(sum(len(model.bodies) for model in models), "body", "bodies"),
+        _count(world.plugin_count, "plugin"),
+    )
+    return ", ".join(counts)
+
+
+def _count(number: int, noun: str, plural: str = "") -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
+def check(
+    name: str,
+    picture: Optional[Path],
+    model_folders: Sequence[Path] = (),
+    params: Dict[str, Any] = {},  # noqa: B006 (only read)
+) -> List[str]:
+    """Checks a file, and prints a summary if it is valid.
+
+    Args:
+        name: of a world, model or map file: its path, or a `package://` URI.
+        picture: the image file to draw the world into, if any.
+        model_folders: where models are looked up that are not beside the world file.
+        params: parameters by name, for expressions and plugins.
+
+    Returns:
+        The problems, a line for each; empty if there are none.
+    """
+    transport = LocalTransport(params)
+    preprocessor = YamlPreprocessor(transport.get_param)
+    path = Path(name)
+    try:
+        path = to_path(name)
+        world, summary = load(path, preprocessor, model_folders, transport)
+    except YamlError as error:
+        others = plugin_problems(path, preprocessor, model_folders, transport)
+        every = YamlError.of([*error.problems, *others])
+        return every.lines(lambda problem: problem.with_column)
+    except FlatlandError as error:
+        return [f"{path}: {error}"]
+    finally:
+        preprocessor.close()
+    print(f"{path}: {summary}")
+    problems = []
+    if picture is not None:
+        try:
+            save(picture, Renderer(world), names=True)
+        except FlatlandError as error:
+            problems = [str(error)]
+    world.close()
+    return problems
+
+
+def add_parser(commands: Subparsers) -> None:
+    """Adds the subcommand."""
+    description = (
+        "Check world, model and map files. All that is wrong is reported at once, as "
+        "file:line:column: message."
+    )
+    parser = commands.add_parser("check", help="check files", description=description)
+    parser.add_argument("files", nargs="+", metavar="FILE", help="world, model or map file")
+    parser.add_argument(
+        "--render",
+        type=Path,
+        metavar="FILE",
+        help="draw the world as it would look at the start, into a .png, .svg ...",
+    )
+    parser.add_argument(
+        "--models",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="as the server's ~models: look up models there that are not beside the world file",
+    )
+    add_params(parser)
+    parser.set_defaults(execute=_execute, parser=parser)
+
+
+def _execute(options: argparse.Namespace) -> int:
+    if options.render is not None and len(options.files) > 1:
+        options.parser.error("--render takes a single FILE")
+    worlds = shipped_worlds()
+    problems: List[str] = []
+    for name in options.files:
+        file = str(worlds.get(name, name))
+        problems += check(file, options.render, options.models, dict(options.params))
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    return 1 if problems else 0

@@ -1,0 +1,58 @@
+"""The command line: runs a subcommand, and reports its errors."""
+
+import argparse
+import atexit
+import gc
+import logging
+import os
+import sys
+from typing import List, Optional
+
+from flatland_server._core import __version__
+from flatland2d.cli import check, map_to_lines, render, run, sweep, view, worlds
+from flatland_server.exceptions import FlatlandError, YamlError
+
+SUBCOMMANDS = (check, map_to_lines, render, run, sweep, view, worlds)
+
+_INTERRUPTED = 130
+"""The exit code of a program ended by Ctrl-C, as in shells."""
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    """Runs the command.
+
+    Args:
+        arguments: of the command line; by default those of the process.
+
+    Returns:
+        The exit code: 0, or 1 if something is wrong with files, models or the machine. Arguments
+        that the command does not know end the process with 2.
+    """
+    atexit.register(gc.freeze)  # no garbage collection at exit, to save time
+    parser = argparse.ArgumentParser(
+        prog="flatland", description="A 2D robot simulator: worlds in YAML, robots of plugins."
+    )
+    parser.add_argument("--version", action="version", version=f"flatland {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for subcommand in SUBCOMMANDS:
+        subcommand.add_parser(commands)
+    options = parser.parse_args(arguments)
+    logging.basicConfig(format="%(message)s", level=logging.WARNING)
+    try:
+        code: int = options.execute(options)
+        sys.stdout.flush()
+    except YamlError as error:
+        code = _fail("\n".join(error.lines(lambda problem: problem.with_column)))
+    except FlatlandError as error:
+        code = _fail(f"flatland: {error}")
+    except BrokenPipeError:  # such as `flatland worlds | head -1`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 1
+    except KeyboardInterrupt:
+        code = _INTERRUPTED
+    return code
+
+
+def _fail(message: str) -> int:
+    print(message, file=sys.stderr)
+    return 1

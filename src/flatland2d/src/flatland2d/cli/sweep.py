@@ -1,0 +1,161 @@
+"""flatland sweep: runs all scenarios of a file, or replays one of them."""
+
+import argparse
+import os
+import signal
+import sys
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+from typing import Callable, Iterator
+
+from flatland2d.cli.arguments import Subparsers, whole_from
+from flatland2d.cli.sweep_progress import show_progress
+from flatland2d.cli.sweep_replay import replay
+from flatland2d.sweep.local_pool import LocalPool
+from flatland2d.sweep.ray_pool import RayPool
+from flatland2d.sweep.report import summary_cells, text_table
+from flatland2d.sweep.scenario_file import read_scenario_file
+from flatland2d.sweep.sweep import JOURNAL, Pool, Sweep
+
+_INTERRUPTED = 130
+
+
+def add_parser(commands: Subparsers) -> None:
+    """Adds the subcommand."""
+    parser = commands.add_parser(
+        "sweep",
+        help="run many scenarios: worlds, controllers, parameters, seeds",
+        description="Run all scenarios of a file, and write a table, a summary and a report. "
+        "Ctrl-C ends it; the same command runs the rest.",
+    )
+    parser.add_argument("file", type=Path, metavar="FILE", help="the scenario file")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the results (default: FILE_results, without the ending of FILE)",
+    )
+    parser.add_argument(
+        "--jobs",
+        type=whole_from(1),
+        metavar="N",
+        help="scenarios at a time (default: the number of CPUs)",
+    )
+    parser.add_argument(
+        "--ray",
+        metavar="ADDRESS",
+        help='run on a Ray cluster, such as "auto" or ray://head:10001; "local" starts one here',
+    )
+    parser.add_argument(
+        "--pictures",
+        type=whole_from(0),
+        default=20,
+        metavar="N",
+        help="runs without success that the report shows (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--retry-failed",
+        action="store_true",
+        help="run those again, too, that could not be run to the end",
+    )
+    parser.add_argument(
+        "--restart", action="store_true", help="forget the results that the folder has"
+    )
+    parser.add_argument(
+        "--no-progress", dest="progress", action="store_false", help="show no progress"
+    )
+    parser.add_argument(
+        "--replay", type=whole_from(1), metavar="ID", help="run one scenario alone, by its number"
+    )
+    parser.add_argument(
+        "--view", action="store_true", help="with --replay: show the run in a window"
+    )
+    parser.add_argument(
+        "--record",
+        metavar="BAG",
+        help="with --replay: record messages: .bag for ROS, .mcap for Foxglove",
+    )
+    parser.set_defaults(execute=_execute, parser=parser)
+
+
+def _execute(options: argparse.Namespace) -> int:
+    if options.replay is None and (options.view or options.record):
+        options.parser.error("--view and --record are of --replay")
+    settings = read_scenario_file(options.file)
+    folder = options.out or Path(f"{options.file.stem}_results")
+    if options.replay is not None:
+        return replay(settings, options.replay, folder, options.view, options.record)
+    if options.restart and (folder / JOURNAL).exists():
+        (folder / JOURNAL).unlink()
+    with ExitStack() as stack:
+        stack.enter_context(_interrupts())
+        sweep = stack.enter_context(closing(Sweep(settings, folder)))
+        try:
+            return _run(sweep, options, stack)
+        except KeyboardInterrupt:
+            done = len(sweep.scenarios) - len(sweep.rest())
+            print(
+                f"interrupted: {done} of {len(sweep.scenarios)} scenarios are done; the same "
+                "command runs the rest",
+                file=sys.stderr,
+            )
+            return _INTERRUPTED
+
+
+def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
+    """Runs the rest of a sweep, and writes the results."""
+    rest = sweep.rest(options.retry_failed)
+    done = len(sweep.scenarios) - len(rest)
+    for name in sweep.unused:
+        where = (
+            "no file of the worlds reads it" if name.startswith("/") else "there is no controller"
+        )
+        print(f'the parameter "{name}" changes nothing: {where}', file=sys.stderr)
+    if sweep.other_count:
+        print(
+            f"{options.file} or a file that it names has changed: {sweep.other_count} results in "
+            f"{sweep.folder} are of other scenarios and left out",
+            file=sys.stderr,
+        )
+    if done:
+        print(f"{done} of {len(sweep.scenarios)} scenarios are done already", file=sys.stderr)
+    progress = stack.enter_context(show_progress(len(sweep.scenarios), done, options.progress))
+    pool = stack.enter_context(closing(_pool(sweep, options, progress.say)))
+    for result in sweep.run(rest, pool):
+        progress.count(result)
+    progress.end()
+    written = sweep.write(pool, options.pictures)
+    print(text_table(*summary_cells(written.summary)))
+    print(f"results in {sweep.folder}: results.csv, summary.csv, report.html ...")
+    if written.problem:
+        print(f"no results.parquet: {written.problem}", file=sys.stderr)
+    if written.failed:
+        print(
+            f"{written.failed} of {len(sweep.scenarios)} scenarios failed to run to the end, most "
+            f"often by: {written.example['error']}\n"
+            f"--replay {written.example['scenario']} shows it; results.csv has all reasons (error)",
+            file=sys.stderr,
+        )
+    return 1 if written.failed else 0
+
+
+def _pool(sweep: Sweep, options: argparse.Namespace, report: Callable[[str], None]) -> Pool:
+    """The workers that run the scenarios."""
+    if options.ray is not None:
+        return RayPool(sweep.settings, options.ray, options.jobs, report, sweep.folder)
+    return LocalPool(sweep.settings, options.jobs or len(os.sched_getaffinity(0)), report)
+
+
+@contextmanager
+def _interrupts() -> Iterator[None]:
+    """Makes SIGINT (Ctrl-C) and SIGTERM raise a KeyboardInterrupt.
+
+    SIGINT also in a background process, for which the shell has switched it off.
+    """
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    former = {each: signal.signal(each, signal.default_int_handler) for each in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, handler)

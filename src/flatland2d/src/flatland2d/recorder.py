@@ -1,0 +1,236 @@
+"""Records the topics of a world in this process into a file, for rosbag, rviz or Foxglove.
+
+with Recorder(transport, timekeeper, "run.bag", topics=["/scan", "/odom"]) as recorder:
+    for _ in range(200):
+        manager.step()
+        recorder.write_step()
+"""
+
+import os
+import re
+import struct
+from io import BytesIO
+from typing import (
+    Any,
+    Callable,
+    Collection,
+    Dict,
+    Iterable,
+    List,
+    NamedTuple,
+    Optional,
+    Pattern,
+    Set,
+    Union,
+)
+
+from flatland_server.config.ros_names import is_topic
+from flatland_server.exceptions import MessageError, RecordingError, shortened
+from flatland_server.geometry import Pose, Transform
+from flatland2d.recording_file import open_recording
+from flatland_server.messages.message_types import get
+from flatland_server.timekeeper import Timekeeper
+from flatland_server.transport.local_transport import LocalTransport
+from flatland_server.transport.serialized_transforms import TransformQueue
+from flatland_server.transport.tap import Tap
+
+_ALWAYS = ("/clock", "/tf", "/tf_static")
+_WORLD_FRAME = "map"
+_TICK = struct.Struct("<2I")
+_SEQUENCE = struct.Struct("<I")
+
+
+class _Message(NamedTuple):
+    """A message that waits for the end of its step."""
+
+    nanoseconds: int
+    topic: str
+    content: Any  # a message or a TransformQueue
+    is_latched: bool
+
+
+class Recorder(Tap):
+    """Records messages with the simulated time at which they were published or sent.
+
+    The times of the steps and the transforms are always recorded, as `/clock` and `/tf`, and the
+    identity from `map` to the frames of odometry as `/tf_static`: without them, rviz could not show
+    the other topics. As with `rosbag record`, a recorded topic counts as subscribed to.
+
+    Args:
+        transport: has the topics.
+        timekeeper: has the time.
+        path: of the file, which ends with .bag or .mcap. It has ".active" appended until it is
+            closed; then it replaces a file of the same name.
+        topics: names of topics, or regular expressions that match whole names; by default all.
+        odometry_frames: returns the present frames of odometry: `lambda: world.odometry_frames`.
+
+    Raises:
+        RecordingError: the file cannot be written, a package for it is not installed, or a topic is
+            neither a name nor a regular expression.
+    """
+
+    def __init__(
+        self,
+        transport: LocalTransport,
+        timekeeper: Timekeeper,
+        path: Union[str, "os.PathLike[str]"],
+        topics: Optional[Iterable[str]] = None,
+        odometry_frames: Callable[[], Collection[str]] = frozenset,
+    ) -> None:
+        self._transport = transport
+        self._timekeeper = timekeeper
+        self._odometry_frames = odometry_frames
+        self._patterns = None if topics is None or topics == "all" else _compiled(topics)
+        self._wanted: Dict[str, bool] = {}
+        self._waiting: List[_Message] = []
+        self._transforms: Dict[int, TransformQueue] = {}  # the waiting ones, by their time
+        self._sequences: Dict[str, int] = {}
+        self._static_frames: Set[str] = set()
+        self._clock_type = get("rosgraph_msgs/Clock")
+        self._transforms_type = get("tf2_msgs/TFMessage")
+        self._is_open = True
+        self._file = open_recording(path)
+        transport.open_tap(self)
+        try:
+            self.write_step()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the recording goes on: until `close`."""
+        return self._is_open
+
+    def wants(self, topic: str) -> bool:
+        wanted = self._wanted.get(topic)
+        if wanted is None:
+            wanted = self._wanted[topic] = (
+                self._patterns is None
+                or topic in _ALWAYS
+                or any(pattern.fullmatch(topic) for pattern in self._patterns)
+            )
+        return wanted
+
+    def unmatched(self, names: Collection[str]) -> List[str]:
+        """The topics to record that do not exist.
+
+        Args:
+            names: of the existing topics.
+        """
+        known = {*names, *_ALWAYS}
+        return [
+            pattern.pattern
+            for pattern in self._patterns or ()
+            if not any(map(pattern.fullmatch, known))
+        ]
+
+    def receive(self, topic: str, message: Any, is_latched: bool) -> None:
+        now = self._timekeeper.nanoseconds
+        self._waiting.append(_Message(now, topic, message, is_latched))
+
+    def receive_transform(self, transform: Transform) -> None:
+        now = self._timekeeper.nanoseconds
+        if now not in self._transforms:  # all transforms of one time are one message
+            self._transforms[now] = TransformQueue()
+            self._waiting.append(_Message(now, "/tf", self._transforms[now], False))
+        self._transforms[now].add(transform)
+
+    def write_step(self) -> None:
+        """Writes the messages since the last call, and the time; call it after each step.
+
+        Raises:
+            MessageError: a published object is no message, or has a wrong value.
+            RecordingError: the file cannot be written, or is closed.
+        """
+        if not self._is_open:
+            raise RecordingError(f"{self._file.path}: the recording is closed")
+        now = self._timekeeper.nanoseconds
+        waiting, self._waiting = self._waiting, []
+        self._transforms.clear()
+        # A time comes before its messages, in the order in which the server sends them.
+        for each in waiting:
+            if each.nanoseconds < now:
+                self._write(each)
+        self._write_data("/clock", self._clock_type, now, _TICK.pack(*divmod(now, 1_000_000_000)))
+        self._write_static_frames(now)
+        for each in waiting:
+            if each.nanoseconds >= now:
+                self._write(each)
+
+    def close(self) -> None:
+        """Finishes the file. Messages since the last `write_step` are written."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        self._transport.close_tap(self)
+        try:
+            for each in self._waiting:
+                self._write(each)
+        finally:
+            self._file.close()
+
+    def __enter__(self) -> "Recorder":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _write(self, each: _Message) -> None:
+        if isinstance(each.content, TransformQueue):
+            self._write_data(
+                each.topic, self._transforms_type, each.nanoseconds, each.content.take()
+            )
+            return
+        kind = type(each.content)
+        if not hasattr(kind, "_md5sum"):
+            found = shortened(repr(each.content))
+            raise MessageError(f'expected a message on the topic "{each.topic}", found {found}')
+        data = self._numbered(each.topic, kind, _serialized(each.content))
+        self._write_data(each.topic, kind, each.nanoseconds, data, each.is_latched)
+
+    def _write_data(
+        self, topic: str, kind: Any, nanoseconds: int, data: bytes, is_latched: bool = False
+    ) -> None:
+        self._file.write(topic, kind, nanoseconds, data, is_latched)
+
+    def _numbered(self, topic: str, kind: Any, data: bytes) -> bytes:
+        """A serialized message with the number that rospy gives it, the first of its header."""
+        if not kind._has_header:
+            return data
+        number = self._sequences[topic] = self._sequences.get(topic, 0) + 1
+        return _SEQUENCE.pack(number) + data[_SEQUENCE.size :]
+
+    def _write_static_frames(self, now: int) -> None:
+        """Writes the identity from the map to all frames of odometry if there is a new one."""
+        frames = self._static_frames.union(self._odometry_frames()) - {_WORLD_FRAME}
+        if frames == self._static_frames:
+            return
+        self._static_frames = frames
+        queue = TransformQueue()
+        for frame in sorted(frames):
+            queue.add(Transform(now, _WORLD_FRAME, frame, Pose()))
+        self._write_data("/tf_static", self._transforms_type, now, queue.take(), is_latched=True)
+
+
+def _serialized(message: Any) -> bytes:
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def _compiled(topics: Iterable[str]) -> List[Pattern[str]]:
+    patterns = []
+    for topic in [topics] if isinstance(topics, str) else topics:
+        try:
+            patterns.append(re.compile(f"/{topic}" if _is_relative(topic) else topic))
+        except (re.error, TypeError):
+            raise RecordingError(
+                "expected the name of a topic, or a regular expression that matches names, "
+                f"found {shortened(repr(topic))}"
+            ) from None
+    return patterns
+
+
+def _is_relative(topic: str) -> bool:
+    return isinstance(topic, str) and is_topic(topic) and not topic.startswith("/")

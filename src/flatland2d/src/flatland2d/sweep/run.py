@@ -1,0 +1,240 @@
+"""The run of a scenario, as its controller sees it: the simulation, the robot, the goal, time."""
+
+import math
+from typing import Any, Dict, List, Mapping, Optional, Sequence
+
+import numpy as np
+
+from flatland_server import _core
+from flatland_server.exceptions import UsageError
+from flatland_server.geometry import Point, Pose, wrap_angle
+from flatland2d.handles import ModelHandle
+from flatland2d.simulation import Simulation
+from flatland2d.sweep.settings import SweepSettings, Task, steps_in
+
+METRICS = (
+    "outcome",
+    "success",
+    "collision",
+    "time",
+    "time_to_goal",
+    "path_length",
+    "min_clearance",
+    "goal_distance",
+    "start_x",
+    "start_y",
+    "start_yaw",
+    "goal_x",
+    "goal_y",
+)
+"""The measured values of each scenario, in the order of the table's columns."""
+
+
+class RunObserver:
+    """The base of observers of runs; its methods do nothing, and must change nothing."""
+
+    def on_begin(self, run: "SweepRun") -> None:
+        """Called before the first step."""
+
+    def on_step(self, run: "SweepRun") -> None:
+        """Called after each step of the physics."""
+
+    def on_end(self, run: "SweepRun") -> None:
+        """Called after the last step, before the simulation is closed."""
+
+
+class RunOver(BaseException):
+    """Ends a controller that goes on stepping after the run is over.
+
+    No Exception, so that no controller handles it.
+    """
+
+
+class SweepRun:
+    """A scenario while it is simulated. A controller commands the robot and calls `step`.
+
+        def towards_the_goal(run, speed=0.5):
+            while run.is_running:
+                run.robot.command(speed, run.bearing)
+                run.step()
+
+    The run is over when the robot has reached the goal or collided, when the time is up, or when
+    the controller returns.
+
+    Args:
+        simulation: at time 0.
+        settings: of the sweep.
+        task: of the robot.
+        robot: the driven model; None for a world that runs by itself.
+        goal: x, y [m]; None if there is none.
+        seed: of the scenario.
+        parameters: of the scenario, by name.
+        observers: called at each step.
+
+    Attributes:
+        simulation: the world; see `Simulation`. Its time passes by `step` of the run.
+        robot: handle of the robot.
+        goal: x, y [m], or None.
+        goal_radius: how near to the goal the robot has arrived [m].
+        seed: of the scenario.
+        parameters: values of the sweep's parameters in this scenario, by name.
+        rng: random numbers for the controller, seeded by the scenario.
+        path: positions of the robot at the beginning and after each `step` [m].
+        outcome: how it has ended: "goal", "collision", "time limit", "returned"; "" before.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        settings: SweepSettings,
+        task: Task,
+        *,
+        robot: Optional[ModelHandle] = None,
+        goal: Optional[Point] = None,
+        seed: int = 0,
+        parameters: Mapping[str, Any] = {},
+        observers: Sequence[RunObserver] = (),
+    ) -> None:
+        self.simulation = simulation
+        self.goal = goal
+        self.seed = seed
+        self.parameters = dict(parameters)
+        self.rng = np.random.default_rng([seed, 1])
+        self.outcome = ""
+        self.path: List[Point] = []
+        self._robot = robot
+        self._settings = settings
+        self.goal_radius = task.goal_radius
+        self._limit = steps_in(settings.time_limit, settings.step_size, "time_limit")
+        self._steps = 0
+        self._observers = observers
+        self._has_collided = False
+        self._has_arrived = False
+        self._length = 0.0
+        self._clearance = math.inf
+        self._start = Pose()
+        if robot is not None:
+            self._body = robot.model.base.physics_body
+            self._start = robot.pose
+            self._place = self._start[:2]
+            self.path.append(self._place)
+            self._bodies = _core.BodyGroup(robot.model.physics_bodies)
+            self._measure_clearance()
+
+    @property
+    def robot(self) -> ModelHandle:
+        """Handle of the robot.
+
+        Raises:
+            UsageError: the world has no robot, or several ones and the scenario file names none.
+        """
+        if self._robot is None:
+            raise UsageError('expected a model with a drive; name one of several by "robot"')
+        return self._robot
+
+    @property
+    def is_running(self) -> bool:
+        """Whether the run goes on."""
+        return not self.outcome
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.simulation.time
+
+    @property
+    def distance(self) -> float:
+        """Distance from the origin of the robot's first body to the goal [m]; NaN without one."""
+        if self.goal is None:
+            return math.nan
+        return math.dist(self.robot.pose[:2], self.goal)
+
+    @property
+    def bearing(self) -> float:
+        """Bearing of the goal, positive to the left of the heading [rad]; NaN without a goal."""
+        if self.goal is None:
+            return math.nan
+        x, y, yaw = self.robot.pose
+        return wrap_angle(math.atan2(self.goal[1] - y, self.goal[0] - x) - yaw)
+
+    def step(self, duration: Optional[float] = None) -> bool:
+        """Advances the time, at most until the run is over.
+
+        Args:
+            duration: a multiple of the step size [s]; by default the control period.
+
+        Returns:
+            Whether the run goes on. If it did not before, this does not return: the controller
+            ends.
+
+        Raises:
+            UsageError: the duration is no multiple of the step size.
+            PluginError: a plugin has failed.
+        """
+        if self.outcome:
+            raise RunOver()
+        if duration is None:
+            duration = self._settings.control_period
+        for _ in range(steps_in(duration, self.simulation.step_size, "the duration")):
+            self.simulation.step()
+            self._measure()
+            for observer in self._observers:
+                observer.on_step(self)
+            if self.outcome:
+                break
+        if self._robot is not None:
+            self.path.append(self._place)
+            self._measure_clearance()
+        return self.is_running
+
+    def end(self) -> None:
+        """Ends the run after its controller has returned."""
+        self.outcome = self.outcome or "returned"
+
+    def metrics(self) -> Dict[str, Any]:
+        """The measured values so far, by the names in METRICS; docs/sweeps.md explains them."""
+        found: Dict[str, Any] = dict.fromkeys(METRICS)
+        found["outcome"] = self.outcome
+        found["time"] = self.simulation.time
+        found.update(zip(("goal_x", "goal_y"), self.goal or ()))
+        if self._robot is None:
+            return found
+        found.update(zip(("start_x", "start_y", "start_yaw"), self._start))
+        found["collision"] = self._has_collided
+        found["path_length"] = self._length
+        if math.isfinite(self._clearance):
+            found["min_clearance"] = self._clearance
+        if self.goal is not None:
+            found["success"] = self._has_arrived
+            found["goal_distance"] = math.dist(self._place, self.goal)
+            found["time_to_goal"] = self.simulation.time if self._has_arrived else None
+        return found
+
+    def _measure(self) -> None:
+        """Updates the metrics after a step."""
+        self._steps += 1
+        if self._robot is not None:
+            x, y, _ = self._body.pose
+            self._length += math.dist(self._place, (x, y))
+            self._place = (x, y)
+            name = self._robot.name
+            for touch in self.simulation.contacts:
+                if touch.points and touch.of(name) and touch.model_a != touch.model_b:
+                    self._collide()
+                    break
+            goal = None if self._has_collided else self.goal
+            if goal is not None and math.dist(self._place, goal) < self.goal_radius:
+                self._has_arrived = True
+                self.outcome = "goal"
+        if not self.outcome and self._steps >= self._limit:
+            self.outcome = "time limit"
+
+    def _collide(self) -> None:
+        self._has_collided = True
+        self._clearance = 0.0
+        if self._settings.collision_ends:
+            self.outcome = "collision"
+
+    def _measure_clearance(self) -> None:
+        """Updates the smallest distance of the robot from obstacles."""
+        self._clearance = self._bodies.clearance(self._clearance)

@@ -1,0 +1,262 @@
+"""A sweep: runs the scenarios without a result, and writes tables, a summary and a report."""
+
+import fcntl
+import json
+import os
+import shlex
+from collections import Counter
+from dataclasses import asdict
+from pathlib import Path
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Protocol,
+    Tuple,
+    TypeVar,
+)
+
+from flatland_server.exceptions import FlatlandError
+from flatland2d.sweep.fingerprints import Fingerprints
+from flatland2d.sweep.local_pool import Done
+from flatland2d.sweep.report import draw, report_html, unsuccessful
+from flatland2d.sweep.runner import Result, ScenarioRunner
+from flatland2d.sweep.settings import Scenario, SweepSettings, scenarios_of
+from flatland2d.sweep.tables import (
+    Entry,
+    rows_of,
+    summary_rows,
+    table_of,
+    timing_table,
+    write_csv,
+    write_file,
+    write_parquet,
+)
+
+JOURNAL = "journal.jsonl"
+
+_FORMAT = "flatland sweep 1"
+
+T = TypeVar("T")
+
+
+class Pool(Protocol):
+    """The interface of `LocalPool` and `RayPool`."""
+
+    def map(
+        self, function: Callable[[ScenarioRunner, Scenario], T], scenarios: Iterable[Scenario]
+    ) -> Iterator[Done[T]]:
+        """Calls a function with each scenario; yields each when it is done, in any order."""
+
+    def close(self) -> None:
+        """Stops all workers at once."""
+
+
+class Written(NamedTuple):
+    """The outcome of writing the results."""
+
+    summary: List[Dict[str, Any]]
+    """See `summary_rows`."""
+    failed: int
+    """Number of scenarios that could not be run to the end."""
+    example: Dict[str, Any]
+    """The row of the first failed scenario with the most frequent reason; empty if none failed."""
+    problem: str
+    """Why there is no Parquet file; empty if there is one."""
+
+
+class Sweep:
+    """The scenarios of a file, and the folder that has their results.
+
+    Args:
+        settings: the content of the scenario file.
+        folder: of the results; it is made if it is not there.
+
+    Attributes:
+        scenarios: all of them.
+        unused: the parameters that change nothing, by name.
+
+    Raises:
+        FlatlandError: a world or a controller cannot be used, or the folder not be written.
+    """
+
+    def __init__(self, settings: SweepSettings, folder: Path) -> None:
+        self.settings = settings
+        self.folder = folder
+        self.scenarios = scenarios_of(settings)
+        fingerprints = Fingerprints(settings)
+        self.unused = fingerprints.unused
+        self._fingerprints = {each.number: fingerprints.of(each) for each in self.scenarios}
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FlatlandError(f"{folder}: cannot be made: {error.strerror}") from None
+        self._journal = Journal(folder / JOURNAL)
+
+    def close(self) -> None:
+        """Closes the journal."""
+        self._journal.close()
+
+    def rest(self, with_failed: bool = False) -> List[Scenario]:
+        """The scenarios that are not done yet.
+
+        Args:
+            with_failed: whether to include those that could not be run to the end.
+        """
+        entries = [(each, self._journal.entries.get(key)) for each, key in self._keys()]
+        return [
+            scenario
+            for scenario, entry in entries
+            if entry is None or (with_failed and entry.result.error)
+        ]
+
+    @property
+    def other_count(self) -> int:
+        """Number of results in the folder of scenarios that are not, or no longer, in the sweep."""
+        return len(set(self._journal.entries) - set(self._fingerprints.values()))
+
+    def run(self, scenarios: Iterable[Scenario], pool: Pool) -> Iterator[Result]:
+        """Runs scenarios; each result is in the journal before it is yielded."""
+        for done in pool.map(ScenarioRunner.run, scenarios):
+            result = done.answer or Result({}, {}, done.failure)
+            entry = Entry(result, done.seconds, done.attempts)
+            self._journal.add(self._fingerprints[done.scenario.number], entry)
+            yield result
+
+    def write(self, pool: Pool, pictures: int) -> Written:
+        """Writes the tables, the summary and the report of all scenarios, which must be done.
+
+        Args:
+            pool: draws the pictures.
+            pictures: how many runs without success are drawn, at most.
+
+        Raises:
+            FlatlandError: a file cannot be written.
+        """
+        results = [(each, self._journal.entries[key]) for each, key in self._keys()]
+        rows = rows_of(results)
+        summary = summary_rows(results)
+        table = table_of(rows)
+        write_csv(self.folder / "results.csv", table)
+        write_csv(self.folder / "summary.csv", table_of(summary))
+        write_csv(self.folder / "timing.csv", timing_table(results))
+        problem = ""
+        try:
+            write_parquet(self.folder / "results.parquet", table)
+        except FlatlandError as error:
+            problem = str(error)
+            if (self.folder / "results.parquet").exists():  # of other results
+                (self.folder / "results.parquet").unlink()
+        chosen = _evenly([row["scenario"] for row in unsuccessful(rows)], pictures)
+        to_draw = [self.scenarios[number - 1] for number in chosen]
+        drawn = {done.scenario.number: done.answer or b"" for done in pool.map(draw, to_draw)}
+        document = report_html(
+            self.settings.file.name,
+            f"flatland sweep {shlex.quote(self.settings.file.name)} --replay",
+            summary,
+            rows,
+            [(rows[number - 1], drawn[number]) for number in chosen if drawn[number]],
+        )
+        write_file(self.folder / "report.html", document.encode())
+        failed = [row for row in rows if row["status"] == "failed"]
+        reasons = Counter(row["error"] for row in failed)
+        example = max(failed, key=lambda row: reasons[row["error"]], default={})
+        return Written(summary, len(failed), example, problem)
+
+    def _keys(self) -> Iterator[Tuple[Scenario, str]]:
+        """The scenarios with their fingerprints."""
+        return ((each, self._fingerprints[each.number]) for each in self.scenarios)
+
+
+def _evenly(numbers: List[int], count: int) -> List[int]:
+    """At most `count` of some numbers, from all parts of the list."""
+    if len(numbers) <= count:
+        return numbers
+    return [numbers[i * len(numbers) // count] for i in range(count)]
+
+
+# The journal
+
+
+class Journal:
+    """The results so far, by the fingerprints of their scenarios, and the file that they are in.
+
+    A line is written at once and in one piece when a scenario is done. The last one may be
+    incomplete after a crash; it is then cut off, and its scenario is run again.
+
+    Args:
+        path: of the file; created if it does not exist.
+
+    Attributes:
+        entries: by fingerprint.
+
+    Raises:
+        FlatlandError: the file cannot be written, is something else, or another sweep writes it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        try:
+            self._file = open(path, "a+b", buffering=0)  # noqa: SIM115
+        except OSError as error:
+            raise FlatlandError(f"{path}: cannot be written: {error.strerror}") from None
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self.entries, end = _read(path)
+            os.ftruncate(self._file.fileno(), end)
+            if end == 0:
+                self._write({"format": _FORMAT})
+        except BlockingIOError:
+            self.close()
+            raise FlatlandError(f"{path.parent}: another sweep writes its results there") from None
+        except BaseException:
+            self.close()
+            raise
+
+    def add(self, fingerprint: str, entry: Entry) -> None:
+        """Writes the result of a scenario."""
+        self.entries[fingerprint] = entry
+        times = {"seconds": entry.seconds, "attempts": entry.attempts}
+        self._write({"scenario": fingerprint, **asdict(entry.result), **times})
+
+    def close(self) -> None:
+        """Closes the file."""
+        self._file.close()
+
+    def _write(self, content: Dict[str, Any]) -> None:
+        line = json.dumps(content).encode() + b"\n"
+        try:
+            if self._file.write(line) != len(line):
+                raise OSError(0, "the disk is full")
+        except OSError as error:
+            raise FlatlandError(f"{self._path}: cannot be written: {error.strerror}") from None
+
+
+def read_entries(path: Path) -> Dict[str, Entry]:
+    """The results of a journal, by fingerprint; none if there is no such file.
+
+    Raises:
+        FlatlandError: it is no journal, or is damaged.
+    """
+    return _read(path)[0] if path.exists() else {}
+
+
+def _read(path: Path) -> Tuple[Dict[str, Entry], int]:
+    """The entries of a journal, and the size of its complete lines [bytes]."""
+    content = path.read_bytes()
+    end = content.rfind(b"\n") + 1
+    entries: Dict[str, Entry] = {}
+    try:
+        lines = [json.loads(line) for line in content[:end].splitlines()]
+        if lines and lines[0]["format"] != _FORMAT:
+            raise ValueError
+        for line in lines[1:]:
+            result = Result(line["row"], line["returned"], line["error"], line["traceback"])
+            entries[line["scenario"]] = Entry(result, line["seconds"], line["attempts"])
+    except (ValueError, KeyError, TypeError):
+        raise FlatlandError(f"{path}: is no journal of a sweep, or is damaged") from None
+    return entries, end

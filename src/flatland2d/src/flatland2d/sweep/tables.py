@@ -1,0 +1,216 @@
+"""The tables of a sweep, with typed columns, as CSV and Parquet; and their summary.
+
+Equal tables are equal files, byte for byte.
+"""
+
+import csv
+import io
+import json
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
+
+from flatland_server.exceptions import FlatlandError
+from flatland2d.sweep.intervals import mean, rate
+from flatland2d.sweep.run import METRICS
+from flatland2d.sweep.runner import Result
+from flatland2d.sweep.settings import Scenario
+
+BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
+
+
+class Column(NamedTuple):
+    """A column of a table.
+
+    Attributes:
+        name: unique in its table.
+        type: "bool", "int64", "float64" or "string".
+        values: of that type, or None.
+    """
+
+    name: str
+    type: str
+    values: List[Any]
+
+
+Table = List[Column]
+
+_SUMMARISED = ("success", "collision", "time_to_goal", "path_length", "min_clearance")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A scenario that is done.
+
+    Attributes:
+        result: of the scenario.
+        seconds: of real time.
+        attempts: how often it was begun.
+    """
+
+    result: Result
+    seconds: float
+    attempts: int
+
+
+Results = Sequence[Tuple[Scenario, Entry]]
+
+
+def rows_of(results: Results) -> List[Dict[str, Any]]:
+    """A row for each scenario, in the order of their numbers."""
+    returned = sorted({name for _, entry in results for name in entry.result.returned})
+    rows = []
+    for scenario, entry in results:
+        result = entry.result
+        row = scenario.columns
+        row["status"] = "failed" if result.error else "done"
+        row.update({name: result.row.get(name) for name in METRICS})
+        row.update({name: result.returned.get(name) for name in returned})
+        row["error"] = result.error or None
+        rows.append(row)
+    return rows
+
+
+def timing_table(results: Results) -> Table:
+    """Real time and attempts, which differ from one run of the sweep to the next."""
+    columns: Dict[str, List[Any]] = {
+        "scenario": [scenario.number for scenario, _ in results],
+        "seconds": [round(entry.seconds, 6) for _, entry in results],
+        "attempts": [entry.attempts for _, entry in results],
+    }
+    return [column(name, values) for name, values in columns.items()]
+
+
+def summary_rows(results: Results) -> List[Dict[str, Any]]:
+    """A row for each world, controller and combination of parameters.
+
+    `scenarios`, and of these `failed`: could not be run to the end; they are left out of the rates
+    and means. For each of these three columns: the rate or mean, and `_low` and `_high`, the ends
+    of its confidence interval; for means also `_count`.
+    """
+    groups: Dict[str, List[Tuple[Scenario, Entry]]] = {}
+    for scenario, entry in results:
+        groups.setdefault(repr(scenario.group), []).append((scenario, entry))
+    names = [*_SUMMARISED, *_numeric_names(entry for _, entry in results)]
+    return [_summary(group, names) for group in groups.values()]
+
+
+def _numeric_names(entries: Iterable[Entry]) -> List[str]:
+    """The names of returned values that are numbers or booleans."""
+    kinds: Dict[str, bool] = {}
+    for entry in entries:
+        for name, value in entry.result.returned.items():
+            kinds[name] = kinds.get(name, True) and not isinstance(value, str)
+    return sorted(name for name, is_number in kinds.items() if is_number)
+
+
+def _summary(group: Results, names: Sequence[str]) -> Dict[str, Any]:
+    done = [entry.result for _, entry in group if not entry.result.error]
+    row = {**group[0][0].group, "scenarios": len(group), "failed": len(group) - len(done)}
+    for name in names:
+        values = [{**result.returned, **result.row}.get(name) for result in done]
+        row.update(_estimate(name, [value for value in values if value is not None]))
+    return row
+
+
+def _estimate(name: str, values: List[Any]) -> Dict[str, Any]:
+    """A rate of booleans, or a mean of numbers; None where there is no value."""
+    is_rate = all(isinstance(value, bool) for value in values)
+    if is_rate:
+        interval = rate(sum(values), len(values))
+    else:
+        interval = mean([float(value) for value in values])
+    shown = [None if number != number else number for number in interval]
+    found = dict(zip((name, f"{name}_low", f"{name}_high"), shown))
+    return found if name in ("success", "collision") else {**found, f"{name}_count": len(values)}
+
+
+def column(name: str, values: Iterable[Any]) -> Column:
+    """A column of the type that fits all values.
+
+    Numbers that are not all whole are float64; values of several types, and lists, are strings.
+    """
+    found = [json.dumps(v) if isinstance(v, (list, dict)) else v for v in values]
+    types = {type(value) for value in found if value is not None}
+    if not types or types == {bool}:
+        return Column(name, BOOL if types else FLOAT, found)
+    is_small = all(abs(v) < 1 << 63 for v in found if isinstance(v, int))
+    if types == {int} and is_small:
+        return Column(name, INT, found)
+    if types <= {int, float} and is_small:
+        return Column(name, FLOAT, [None if v is None else float(v) for v in found])
+    return Column(name, STRING, [None if v is None else _text(v) for v in found])
+
+
+def table_of(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """A table of rows: the columns in the order in which rows have them first."""
+    names: Dict[str, None] = {}
+    for row in rows:
+        names.update(dict.fromkeys(row))
+    return [column(name, [row.get(name) for row in rows]) for name in names]
+
+
+def write_csv(path: Path, table: Table) -> None:
+    """Writes a table as CSV: floats so that they can be read back exactly; None is empty.
+
+    Raises:
+        FlatlandError: the file cannot be written.
+    """
+    file = io.StringIO(newline="")
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow([each.name for each in table])
+    for row in zip(*(each.values for each in table)):
+        writer.writerow(["" if value is None else _text(value) for value in row])
+    write_file(path, file.getvalue().encode())
+
+
+def write_parquet(path: Path, table: Table) -> None:
+    """Writes a table as Parquet.
+
+    Raises:
+        FlatlandError: pyarrow is not installed, or the file cannot be written.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise FlatlandError(
+            "a Parquet file needs pyarrow: pip install 'flatland2d[sweep]', or in a ROS workspace "
+            f"as docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
+        ) from None
+    types = {
+        BOOL: pyarrow.bool_(),
+        INT: pyarrow.int64(),
+        FLOAT: pyarrow.float64(),
+        STRING: pyarrow.string(),
+    }
+    arrays = [pyarrow.array(each.values, types[each.type]) for each in table]
+    content = pyarrow.Table.from_arrays(arrays, names=[each.name for each in table])
+    buffer = pyarrow.BufferOutputStream()
+    pyarrow.parquet.write_table(content, buffer)
+    write_file(path, buffer.getvalue().to_pybytes())
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Writes a file atomically: whatever happens, it is the former or the new one.
+
+    Raises:
+        FlatlandError: it cannot be written.
+    """
+    temporary = path.with_name(f".{path.name}.new")
+    try:
+        temporary.write_bytes(content)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise FlatlandError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _text(value: Any) -> str:
+    """A value as text in a CSV file."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and not math.isfinite(value):
+        return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
+    return repr(value) if isinstance(value, float) else str(value)

@@ -1,0 +1,66 @@
+"""Drives a robot by the keys that are held down."""
+
+import inspect
+from typing import Optional, Sequence, Tuple
+
+from flatland2d.simulation import Simulation
+
+SPEED = 0.5
+"""The speed of a robot [m/s]; doubled with Shift."""
+
+TURN = 1.0
+"""The yaw rate [rad/s], or a tricycle's steering angle [rad]; unchanged by Shift."""
+
+
+class KeyboardDrive:
+    """Commands a robot's drive, whenever keys are pressed or released.
+
+    Args:
+        simulation: has the robot.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._commanded: Tuple[str, Tuple[float, ...]] = ("", ())
+
+    def command(
+        self, model: str, *, forwards: float, left: float, turn: float, is_fast: bool
+    ) -> None:
+        """Commands a model, if it is another one than before, or the keys have changed.
+
+        Args:
+            model: its name; one that has no drive is not commanded.
+            forwards: 1, 0, or -1 for backwards.
+            left: 1, 0, or -1 for to the right; for drives that move sideways.
+            turn: 1, 0, or -1 for clockwise.
+            is_fast: whether to drive twice as fast.
+        """
+        factor = 2.0 if is_fast else 1.0
+        wanted = (factor * SPEED * forwards, factor * SPEED * left, TURN * turn)
+        former, values = self._commanded
+        if former != model and any(values):
+            self._send(former, (0.0, 0.0, 0.0))
+        if (former, values) != (model, wanted) and (any(values) or any(wanted)):
+            self._send(model, wanted)
+        self._commanded = (model, wanted)
+
+    def forget(self) -> None:
+        """Must be called after a reset: robots have no commands any more."""
+        self._commanded = ("", ())
+
+    def _send(self, model: str, wanted: Sequence[float]) -> None:
+        drive = first_drive(self._simulation, model)
+        if drive is None:
+            return
+        parameters = inspect.signature(
+            self._simulation.models[model].plugin(drive).command
+        ).parameters
+        # Drives take vx and omega, or vx, vy and omega; a tricycle a speed and an angle.
+        values = wanted if len(parameters) == 3 else (wanted[0], wanted[2])
+        self._simulation.models[model].drives[drive].command(*values)
+
+
+def first_drive(simulation: Simulation, model: str) -> Optional[str]:
+    """The name of a model's first drive; None if it has none, or is not there."""
+    handle = simulation.models.get(model)
+    return next(iter(handle.drives), None) if handle is not None else None

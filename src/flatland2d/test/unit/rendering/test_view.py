@@ -1,0 +1,76 @@
+"""The part of the world that a picture shows."""
+
+import math
+
+import pytest
+
+from flatland_server.exceptions import FlatlandError
+from flatland2d.rendering.view import View, fitting_size
+
+
+def test_x_is_to_the_right_and_y_upwards():
+    view = View.around((0, 0), 10.0, (200, 100))
+
+    assert view.pixels([(0, 0), (5, 0), (0, 4)]).tolist() == [[100, 50], [150, 50], [100, 10]]
+
+
+def test_positions_are_the_inverse_of_pixels():
+    view = View.around((3.2, -1.7), 37.0, (320, 200))
+
+    assert view.position(tuple(view.pixels([(2.5, 0.5)])[0])) == pytest.approx((2.5, 0.5))
+    assert view.center == pytest.approx((3.2, -1.7), abs=0.5 / 37.0)
+
+
+def test_an_area_fits_with_a_margin():
+    view = View.of((-2, -1), (8, 4), (400, 400))
+
+    left, right, bottom, top = view.extent
+    assert left == pytest.approx(-2.26, abs=0.05)
+    assert right == pytest.approx(8.26, abs=0.05)
+    assert bottom < -1 < 4 < top
+
+
+def test_the_size_that_fits_has_the_shape_of_the_area():
+    assert fitting_size((0, 0), (20, 10), 1600) == (1600, 840)
+
+
+@pytest.mark.parametrize("low", [(1.0, 1.0), (math.nan, 0.0), (-math.inf, 0.0)])
+def test_an_area_without_extent_shows_its_surroundings(low):
+    left, right, bottom, top = View.of(low, (1.0, 1.0), (100, 100)).extent
+
+    assert 2.0 <= right - left < 3.0
+    assert 2.0 <= top - bottom < 3.0
+
+
+def test_zooming_keeps_the_position_at_a_pixel():
+    view = View.around((1, 2), 20.0, (300, 200))
+
+    zoomed = view.zoomed(1.5, (70, 30))
+
+    assert zoomed.scale == pytest.approx(30.0)
+    assert zoomed.position((70, 30)) == pytest.approx(view.position((70, 30)), abs=1 / 30)
+
+
+def test_zooming_ends_before_numbers_get_too_large():
+    view = View.around((1, 2), 20.0, (300, 200))
+
+    assert view.zoomed(1e-9, (0, 0)).scale == 0.01
+    assert view.zoomed(1e9, (0, 0)).scale == 1e4
+
+
+def test_dragging_moves_what_is_shown_with_the_mouse():
+    view = View.around((0, 0), 20.0, (300, 200))
+
+    assert view.panned(40, -20).center == (-2.0, -1.0)
+
+
+def test_another_size_keeps_the_middle():
+    view = View.around((0.5, 0), 20.0, (300, 200))
+
+    assert view.resized((640, 480)).center == view.center
+
+
+@pytest.mark.parametrize("size", [(0, 10), (10, 16385), (3.5, 4), (3,), "big", 7, (math.nan, 3)])
+def test_a_size_that_no_picture_can_have_is_refused(size):
+    with pytest.raises(FlatlandError, match="expected a width and a height of 1 to 16384 pixels"):
+        View.around((0, 0), 1.0, size)

@@ -1,0 +1,116 @@
+"""A sweep in a small room: its files in a folder, and its settings."""
+
+from pathlib import Path
+
+import pytest
+
+from flatland2d.sweep.scenario_file import read_scenario_file
+
+WORLD = """
+properties: {}
+layers: [{name: walls, map: walls.yaml}]
+models:
+  - {name: robot, model: robot.model.yaml, pose: [-3, 0, 0]}
+  - {name: box, model: box.model.yaml, pose: [0, 2, 0.3]}
+"""
+ROBOT = """
+bodies: [{name: base, footprints: [{type: circle, radius: 0.2, density: 10}]}]
+plugins:
+  - {type: DiffDrive, name: drive, body: base, odom_frame_id: odom}
+  - type: Laser
+    name: laser
+    body: base
+    range: 5
+    angle: {min: -1, max: 1, increment: 0.5}
+    noise_std_dev: 0.01
+"""
+BOX = """
+bodies:
+  - name: box
+    type: static
+    footprints:
+      - {type: polygon, points: [[-0.5, -0.3], [0.5, -0.3], [0.5, 0.3], [-0.5, 0.3]], density: 1}
+"""
+DRIVERS = '''
+import os
+import signal
+
+
+def ahead(run, speed=0.5):
+    while run.is_running:
+        run.robot.command(speed, 0.0)
+        run.step()
+
+
+def towards(run, speed=1.0):
+    """Turns to the goal, then drives there."""
+    scan = 0.0
+    while run.is_running:
+        scan += float(run.robot.sensors["laser"].read().min())
+        run.robot.command(speed if abs(run.bearing) < 0.3 else 0.0, 3.0 * run.bearing)
+        run.step()
+    return {"scan": scan, "draws": int(run.rng.integers(1000)), "note": "ok, so"}
+
+
+def dies_once(run, mark):
+    """Is killed by SIGKILL in its first attempt."""
+    if run.seed == 2 and not os.path.exists(mark):
+        open(mark, "w").close()
+        os.kill(os.getpid(), signal.SIGKILL)
+    towards(run)
+
+
+def dies(run):
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def hangs(run):
+    while True:
+        pass
+
+
+def fails(run):
+    run.step()
+    return 1 / 0
+'''
+SCENARIOS = """
+worlds: [world.yaml]
+controllers: [{name: towards, call: "drivers.py:towards"}]
+seeds: 4
+start: random
+goal: random
+goal_distance: [1, 3]
+time_limit: 5
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The files of a sweep, and the working directory."""
+    files = {
+        "world.yaml": WORLD,
+        "walls.yaml": "{type: line_segments, data: walls.dat, scale: 1, origin: [0, 0, 0]}",
+        "walls.dat": "-4 -4 4 -4\n4 -4 4 4\n4 4 -4 4\n-4 4 -4 -4\n",
+        "robot.model.yaml": ROBOT,
+        "box.model.yaml": BOX,
+        "drivers.py": DRIVERS,
+        "scenarios.yaml": SCENARIOS,
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def settings_of(folder):
+    """Reads a scenario file: that of the folder, with some keys replaced or added."""
+
+    def read(**keys):
+        path = folder / "scenarios.yaml"
+        lines = [line for line in SCENARIOS.strip().splitlines() if line.split(":")[0] not in keys]
+        lines += [f"{key}: {value}" for key, value in keys.items() if value is not None]
+        path.write_text("\n".join(lines) + "\n")
+        return read_scenario_file(Path(path))
+
+    return read

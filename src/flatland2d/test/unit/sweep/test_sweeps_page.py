@@ -1,0 +1,87 @@
+"""docs/sweeps.md: its files and commands work, and its tables are complete."""
+
+import importlib.util
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from flatland2d.cli import main
+from flatland2d.sweep.run import METRICS, SweepRun
+
+ROOT = Path(__file__).resolve().parents[5]
+PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+FILES = re.findall(r"```\w+\n# file: (\S+)\n(.*?)```", PAGE, re.DOTALL)
+COMMANDS = [
+    line
+    for block in re.findall(r"```bash\n(.*?)```", PAGE, re.DOTALL)
+    for line in block.splitlines()
+    if line.startswith("flatland ")
+]
+
+
+class Window:
+    """In place of the real one: closed at once."""
+
+    is_open = False
+
+    def __init__(self, viewer, title):
+        pass
+
+    def show_frame(self):
+        pass
+
+    def close(self):
+        pass
+
+
+@pytest.mark.slow
+def test_the_files_and_commands_work(tmp_path, monkeypatch, capsys):
+    for name, text in FILES:
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    needs = {"--ray": "ray", "--record": "rosbags", "--view": "pygame"}
+
+    for line in COMMANDS:
+        missing = [m for word, m in needs.items() if word in line and not _has(m)]
+        # A real Ray is started once, by the tests of pip.
+        if missing or "--ray" in line:
+            continue
+        if "--view" in line:
+            monkeypatch.setattr("flatland2d.viewer.window.Window", Window)
+        command, *arguments = shlex.split(line)
+        assert command == "flatland"
+        assert main(arguments) == 0, capsys.readouterr().err
+
+    report = (tmp_path / "scenarios_results" / "report.html").read_text()
+    assert "60 scenarios" in report
+    rows = (tmp_path / "scenarios_results" / "summary.csv").read_text().splitlines()
+    assert [row.split(",")[1:5] for row in rows[1:]] == [
+        [name, radius, "10", "0"]
+        for name in ("direct", "careful", "trained")
+        for radius in ("0.2", "0.35")
+    ]
+
+
+def test_the_page_has_all_arguments(capsys):
+    with pytest.raises(SystemExit):
+        main(["sweep", "--help"])
+    options = set(re.findall(r"--[a-z][a-z-]+", capsys.readouterr().out)) - {"--help"}
+
+    assert options == set(re.findall(r"^\| `(--[a-z-]+)", PAGE, re.MULTILINE))
+
+
+def test_the_page_has_all_keys_columns_and_attributes():
+    reader = (ROOT / "src/flatland_server/src/flatland_server/sweep/scenario_file.py").read_text()
+    keys = set(re.findall(r'get_\w+\(\s*"(\w+)"|_place\(reader, "(\w+)"', reader))
+    names = {a or b for a, b in keys} | set(METRICS) | {"worlds", "controllers", "parameters"}
+    attributes = [name for name in dir(SweepRun) if not name.startswith("_")]
+    of_the_command = {"end", "metrics"}
+
+    assert [name for name in sorted(names) if f"`{name}`" not in PAGE and name not in PAGE] == []
+    assert [n for n in attributes if f"`run.{n}" not in PAGE and n not in of_the_command] == []
+
+
+def _has(module):
+    return importlib.util.find_spec(module) is not None

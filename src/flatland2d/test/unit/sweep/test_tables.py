@@ -1,0 +1,109 @@
+"""Intervals, tables and journals: numbers against formulas, files against their content."""
+
+import csv
+import math
+from contextlib import closing
+
+import pytest
+
+from flatland_server.exceptions import FlatlandError
+from flatland2d.sweep.intervals import mean, rate, t_quantile
+from flatland2d.sweep.runner import Result
+from flatland2d.sweep.sweep import Journal, read_entries
+from flatland2d.sweep.tables import Entry, column, table_of, write_csv
+
+
+@pytest.mark.parametrize(
+    ("freedom", "t"),  # of published tables
+    [(1, 12.7062), (2, 4.30265), (5, 2.57058), (10, 2.22814), (30, 2.04227), (200, 1.97190)],
+)
+def test_the_quantile_of_students_t(freedom, t):
+    assert t_quantile(freedom) == pytest.approx(t, abs=1e-5)
+
+
+def test_the_quantile_goes_on_smoothly_and_ends_as_that_of_the_normal_distribution():
+    assert 0.0 < t_quantile(200) - t_quantile(201) < 1e-4
+    assert t_quantile(10**9) == pytest.approx(1.959964, abs=1e-6)
+
+
+def test_wilsons_interval():
+    found = rate(8, 10)  # from the formula by hand: (0.8 + 0.19207 +- 0.31344) / 1.38415
+
+    assert found == pytest.approx((0.8, 0.490162, 0.943318), abs=1e-6)
+    assert rate(0, 10)[:2] == (0.0, 0.0)
+    assert rate(10, 10)[::2] == (1.0, 1.0)
+    assert all(map(math.isnan, rate(0, 0)))
+
+
+def test_the_interval_of_a_mean():
+    half = 4.302653 / math.sqrt(3)  # s = 1
+
+    assert mean([1.0, 2.0, 3.0]) == pytest.approx((2.0, 2.0 - half, 2.0 + half), abs=1e-6)
+    assert mean([2.0])[0] == 2.0
+    assert math.isnan(mean([2.0]).low)
+    assert mean([2.0, math.inf]).value == math.inf
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        ([True, None], "bool"),
+        ([1, 2], "int64"),
+        ([1, 2.5], "float64"),
+        ([None, None], "float64"),
+        (["a", 1], "string"),
+        ([[1, 2], [3, 4]], "string"),
+        ([True, 1], "string"),
+        ([1 << 70], "string"),
+    ],
+)
+def test_a_column_has_the_type_that_fits(values, kind):
+    assert column("name", values).type == kind
+
+
+def test_what_csv_says_can_be_read_back(tmp_path):
+    rows = [{"a": 0.1 + 0.2, "b": True, "c": None, "d": 'x, "y"'}, {"a": math.inf, "b": False}]
+
+    write_csv(tmp_path / "table.csv", table_of(rows))
+
+    with (tmp_path / "table.csv").open(newline="") as file:
+        first, second = csv.DictReader(file)
+    assert float(first["a"]) == 0.1 + 0.2
+    assert float(second["a"]) == math.inf
+    assert (first["b"], first["c"], first["d"]) == ("true", "", 'x, "y"')
+    assert [path.name for path in tmp_path.iterdir()] == ["table.csv"]
+
+
+ENTRY = Entry(Result({"time": 0.1 + 0.2, "goal_x": math.nan}, {"n": 1}), 1.5, 1)
+
+
+def test_a_journal_goes_on_where_it_has_ended(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    with closing(Journal(path)) as journal:
+        journal.add("a", ENTRY)
+    complete = path.read_bytes()
+    path.write_bytes(complete + complete.splitlines()[1][:30])  # a crash while it was written
+
+    with closing(Journal(path)) as journal:
+        assert list(journal.entries) == ["a"]
+        assert repr(journal.entries["a"]) == repr(ENTRY)
+        journal.add("b", ENTRY)
+
+    assert list(read_entries(path)) == ["a", "b"]
+
+
+def test_a_journal_is_written_by_one_sweep_at_a_time(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    with closing(Journal(path)), pytest.raises(FlatlandError, match="another sweep"):
+        Journal(path)
+
+
+@pytest.mark.parametrize("content", ["a,b\n1,2\n", '{"format": "other"}\n', "[]\n"])
+def test_another_file_is_no_journal_and_stays_as_it_is(tmp_path, content):
+    path = tmp_path / "journal.jsonl"
+    path.write_text(content)
+
+    with pytest.raises(FlatlandError, match="no journal"):
+        Journal(path)
+
+    assert path.read_text() == content

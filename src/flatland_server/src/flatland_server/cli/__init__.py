@@ -1,5 +1,0 @@
-"""The command `flatland`: checks, draws, runs and shows worlds without ROS."""
-
-from flatland_server.cli.command import main
-
-__all__ = ["main"]

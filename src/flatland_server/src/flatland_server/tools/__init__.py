@@ -1,1 +1,0 @@
-"""Command-line tools that check and draw worlds without a ROS master."""
