@@ -1,4 +1,4 @@
-# Bash completion for scripts/run, flatland, check_world, and for roslaunch and rosrun of flatland_server.
+# Bash completion for scripts/run, flatland, rosrun flatland2d flatland, and roslaunch of flatland_server.
 # setup.bash sources it. What can be completed is read from the launch file and from `--help`, once.
 # shellcheck shell=bash
 
@@ -60,18 +60,10 @@ _flatland_complete_run() {
   [[ ${COMP_WORDS[COMP_CWORD - 1]} == :* || $word == :* ]] || _flatland_files "$word"
 }
 
-_flatland_complete_check_world() {
-  if [[ $2 == -* ]]; then
-    _flatland_reply "$2" -W "$(_flatland_options rosrun flatland_server check_world)"
-  else
-    _flatland_files "$2"
-  fi
-}
-
 # `flatland`, wherever it is: $1 is the index of the first word after it.
 _flatland_subcommand() {
   local first=$1 word=${COMP_WORDS[COMP_CWORD]} command=(flatland)
-  type -P flatland >/dev/null || command=(rosrun flatland_server flatland)
+  type -P flatland >/dev/null || command=(rosrun flatland2d flatland)
   if ((COMP_CWORD == first)); then
     if [[ -z ${_flatland_known[commands]+set} ]]; then
       _flatland_known[commands]=$("${command[@]}" --help 2>/dev/null | sed -nE 's/^    ([a-z]+) .*/\1/p')
@@ -100,17 +92,13 @@ _flatland_complete_roslaunch() {
 }
 
 _flatland_complete_rosrun() {
-  if ((COMP_CWORD > 2)) && [[ ${COMP_WORDS[1]} == flatland_server ]]; then
-    case ${COMP_WORDS[2]} in
-      check_world) _flatland_complete_check_world "$@" && return ;;
-      flatland) _flatland_subcommand 3 && return ;;
-    esac
+  if ((COMP_CWORD > 2)) && [[ ${COMP_WORDS[1]} == flatland2d && ${COMP_WORDS[2]} == flatland ]]; then
+    _flatland_subcommand 3 && return
   fi
   if declare -F _roscomplete_exe >/dev/null; then _roscomplete_exe "$@"; fi
 }
 
 complete -F _flatland_complete_run scripts/run ./scripts/run
-complete -F _flatland_complete_check_world check_world
 complete -F _flatland_complete_flatland flatland
 complete -F _flatland_complete_roslaunch -o filenames roslaunch
 complete -F _flatland_complete_rosrun rosrun

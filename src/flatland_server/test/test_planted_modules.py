@@ -33,9 +33,9 @@ def planted(tmp_path):
     assert not mark.exists(), f"imported from the working directory: {mark.read_text()}"
 
 
-def test_check_world_and_its_pictures(planted):
-    check_world = executable("flatland_server", "check_world")
-    command = [check_world, "world.yaml", "--render", "world.png"]
+def test_the_command_and_its_pictures(planted):
+    flatland = executable("flatland2d", "flatland")
+    command = [flatland, "check", "world.yaml", "--render", "world.png"]
 
     answer = subprocess.run(command, cwd=planted, capture_output=True, text=True, timeout=60)
 

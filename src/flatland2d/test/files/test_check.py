@@ -1,4 +1,4 @@
-"""The command check_world, without a ROS master and rospy: summaries, problems, pictures."""
+"""The command `flatland check`, without a ROS master and rospy: summaries, problems, pictures."""
 
 import contextlib
 import io
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flatland2d.cli.check import main
+from flatland2d.cli import main
 
 WITHOUT_ROSPY = """
 import sys
@@ -24,8 +24,8 @@ class Blockade:
             raise ImportError(f"{name} is blocked")
 
 sys.meta_path.insert(0, Blockade())
-from flatland2d.cli.check import main
-sys.exit(main(sys.argv[1:]))
+from flatland2d.cli import main
+sys.exit(main(["check", *sys.argv[1:]]))
 """
 SUMMARY = "3 layers, {} segments, 1 model, 2 bodies, 2 plugins"
 
@@ -44,14 +44,14 @@ def run(*command: object, cwd: Path) -> "subprocess.CompletedProcess[str]":
 
 @pytest.fixture
 def check(files, monkeypatch):
-    """Runs check_world in this process, on files of the folder."""
+    """Runs `flatland check` in this process, on files of the folder."""
     monkeypatch.chdir(files.folder)
 
     def check(*arguments: str) -> "subprocess.CompletedProcess[str]":
         output, errors = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
             try:
-                code: Any = main(list(arguments))
+                code: Any = main(["check", *arguments])
             except SystemExit as error:
                 code = error.code
         return subprocess.CompletedProcess(arguments, code, output.getvalue(), errors.getvalue())
@@ -61,7 +61,7 @@ def check(files, monkeypatch):
 
 @pytest.fixture
 def check_alone(files):
-    """Runs check_world as a command, with its log; rospy cannot be imported."""
+    """Runs `flatland check` as a command, with its log; rospy cannot be imported."""
 
     def check(*arguments: str) -> "subprocess.CompletedProcess[str]":
         return run(sys.executable, "-c", WITHOUT_ROSPY, *arguments, cwd=files.folder)
@@ -87,7 +87,7 @@ def test_a_good_world_is_summed_up_in_a_line(good_files, check_alone):
 
 @pytest.mark.slow
 def test_rosrun_finds_it(good_files):
-    answer = run("rosrun", "flatland_server", "check_world", "world.yaml", cwd=good_files.folder)
+    answer = run("rosrun", "flatland2d", "flatland", "check", "world.yaml", cwd=good_files.folder)
 
     summary = SUMMARY.format(segment_count(good_files))
     assert_answer(answer, 0, f"world.yaml: {summary}\n")
@@ -95,7 +95,7 @@ def test_rosrun_finds_it(good_files):
 
 @pytest.mark.slow
 def test_rosrun_returns_the_exit_code(files):
-    answer = run("rosrun", "flatland_server", "check_world", "world.yaml", cwd=files.folder)
+    answer = run("rosrun", "flatland2d", "flatland", "check", "world.yaml", cwd=files.folder)
 
     assert_answer(answer, 1, "", "world.yaml: cannot be read: No such file or directory\n")
 
@@ -263,7 +263,7 @@ def test_without_a_file_the_usage_is_printed(check):
     answer = check()
 
     assert answer.returncode == 2
-    assert answer.stderr.startswith("usage: check_world")
+    assert answer.stderr.startswith("usage: flatland check")
 
 
 # Pictures

@@ -12,7 +12,7 @@ from flatland2d import UsageError, find_robot
 from flatland_server import FloatArray, World
 
 Content = Dict[str, Any]
-"""A world, a model or a plugin as plain data; see `flatland_server.world_content`."""
+"""A world, a model or a plugin as plain data; see `flatland2d.world_content`."""
 
 
 @dataclass(frozen=True)

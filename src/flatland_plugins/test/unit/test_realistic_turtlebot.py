@@ -8,7 +8,7 @@ from readings import pose_of, twist_of, warnings
 
 from flatland_server.geometry import Pose
 from flatland_server.testing import Harness
-from flatland_server.tools import check_world
+from flatland2d.cli import main
 
 OFFICE = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds" / "office"
 MODEL = OFFICE / "turtlebot_realistic.model.yaml"
@@ -22,8 +22,8 @@ def office_with_it(office) -> Harness:
     return office
 
 
-def test_check_world_finds_no_fault_in_it():
-    assert check_world.main([str(MODEL)]) == 0
+def test_flatland_check_finds_no_fault_in_it():
+    assert main(["check", str(MODEL)]) == 0
 
 
 def test_its_body_is_that_of_the_perfect_one(office_with_it):

@@ -7,7 +7,7 @@ import pytest
 from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
-from flatland2d.cli.check import main
+from flatland2d.cli import main
 
 MODEL = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]\n"
 
@@ -70,11 +70,11 @@ def test_a_model_of_a_package_may_be_spawned(good_files, package):
     assert list(world.models) == ["robot"]
 
 
-def test_check_world_takes_a_package(package, capsys):
+def test_flatland_check_takes_a_package(package, capsys):
     (package / "box.yaml").write_text(MODEL)
 
-    assert main(["package://robots/box.yaml"]) == 0
-    assert main(["package://robts/box.yaml"]) == 1
+    assert main(["check", "package://robots/box.yaml"]) == 0
+    assert main(["check", "package://robts/box.yaml"]) == 1
 
     assert 'no ROS package is named "robts" (did you mean "robots"?)' in capsys.readouterr().err
 
@@ -242,9 +242,9 @@ def test_a_model_that_is_nowhere_is_an_error_with_the_folders(fleet, monkeypatch
     )
 
 
-def test_check_world_looks_in_folders_of_models(fleet, monkeypatch):
+def test_flatland_check_looks_in_folders_of_models(fleet, monkeypatch):
     load(fleet, "b.yaml")
     path = str(fleet.folder / "world" / "world.yaml")
 
-    assert main([path]) == 1
-    assert main([path, "--models", str(fleet.folder / "two")]) == 0
+    assert main(["check", path]) == 1
+    assert main(["check", path, "--models", str(fleet.folder / "two")]) == 0

@@ -214,7 +214,7 @@ def test_the_topics_of_a_deleted_model_may_have_another_type(files):
     assert world.transport.topics == {"/x", "/y"}
 
 
-def test_check_world_reports_a_topic_of_two_types(files):
+def test_flatland_check_reports_a_topic_of_two_types(files):
     path = files.write("two.model.yaml", TWO.format("x", "x"))
     from flatland2d.cli.check import check
 

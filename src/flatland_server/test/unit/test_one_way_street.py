@@ -19,20 +19,22 @@ LAYERS = (  # each may import those before it
     "transport",
     "plugins",
     "simulation",
-    "rendering",
-    "tools",
-    "library",
-    "batch",
-    "sweep",
-    "viewer",
-    "cli",
     "testing",
     "ros.rospy_patches",
     "ros",
+    "flatland2d.rendering",
+    "flatland2d",  # Simulation and the objects that it returns
+    "flatland2d.batch",
+    "flatland2d.sweep",
+    "flatland2d.viewer",
+    "flatland2d.cli",
 )
-PUBLIC_FRONT = "flatland_server/__init__.py"
-ENTRIES = (PUBLIC_FRONT, "flatland_server/__main__.py")
+"""Folders of flatland_server, then those of flatland2d."""
+CORE = ("flatland_server", "flatland2d")
+FRONTS = ("flatland_server/__init__.py", "flatland2d/__init__.py", "flatland2d/__main__.py")
 """The files that users start from: above all folders."""
+
+OTHERS = ("flatland_benchmark", "flatland_gym", "flatland_plugins", "flatland_viz")
 
 IMPORT_MODULES = """
 import importlib
@@ -79,21 +81,26 @@ def forbidden_imports(paths: List[Path], forbidden: Tuple[str, ...]) -> List[str
     ]
 
 
+def core_sources() -> List[Path]:
+    """The Python files of the two packages that have layers."""
+    return [path for package in CORE for path in sources(package)]
+
+
 def folder_of(module: str) -> str:
-    """The folder of flatland_server that a module or a name in it belongs to."""
-    rest = f"{module}.".partition("flatland_server.")[2]
+    """The layer that a module or a name in it belongs to."""
+    rest = f"{module}.".replace("flatland_server.", "", 1)
     folders = [folder for folder in LAYERS if folder and rest.startswith(f"{folder}.")]
     return max(folders, key=len, default="")
 
 
 def folder_imports() -> Dict[str, Set[str]]:
-    """The other folders that each folder of flatland_server imports."""
+    """The other layers that each layer imports."""
     found: Dict[str, Set[str]] = {}
-    for path in sources("flatland_server"):
-        if str(path).endswith(ENTRIES):
+    for path in core_sources():
+        if str(path).endswith(FRONTS):
             continue
         folder = folder_of(module_name(path))
-        names = [name for _, name in imports(path) if name.startswith("flatland_server.")]
+        names = [name for _, name in imports(path) if name.partition(".")[0] in CORE]
         found.setdefault(folder, set()).update({folder_of(name) for name in names} - {folder})
     return found
 
@@ -109,7 +116,7 @@ def message_imports(paths: List[Path]) -> List[str]:
 
 
 def test_ros_free_modules_need_no_ros():
-    paths = [p for p in sources("flatland_server") if not is_ros_module(p)]
+    paths = [p for p in core_sources() if not is_ros_module(p)]
     plugins = [*sources("flatland_plugins"), *sources("flatland_example_plugins")]
     modules = [module_name(path) for path in [*paths, *plugins]]
 
@@ -124,7 +131,7 @@ def test_rospy_is_really_blocked():
 
 
 def test_messages_are_asked_for_by_name():
-    paths = [p for p in sources("flatland_server") if not is_ros_module(p)]
+    paths = [p for p in core_sources() if not is_ros_module(p)]
     plugins = [*sources("flatland_plugins"), *sources("flatland_example_plugins")]
 
     assert message_imports([*paths, *plugins]) == []
@@ -134,9 +141,12 @@ def test_messages_are_asked_for_by_name():
 @pytest.mark.parametrize(
     ("package", "forbidden"),
     [
-        ("flatland_server", ("flatland_benchmark", "flatland_plugins", "flatland_viz")),
-        ("flatland_plugins", ("flatland_benchmark", "flatland_viz", *ROSPY)),
-        ("flatland_viz", ("flatland_benchmark", "flatland_plugins", "flatland_server")),
+        ("flatland_server", ("flatland2d", *OTHERS)),
+        ("flatland2d", (*OTHERS, *ROSPY)),
+        ("flatland_plugins", ("flatland2d", "flatland_benchmark", "flatland_viz", *ROSPY)),
+        ("flatland_navigation", ("flatland2d", "flatland_benchmark", "flatland_gym")),
+        ("flatland_teleop", ("flatland2d", "flatland_server")),
+        ("flatland_viz", ("flatland2d", "flatland_benchmark", "flatland_plugins", "flatland_server")),
         ("flatland_gym", ("flatland_benchmark", "flatland_plugins", "flatland_viz", *ROSPY)),
     ],
 )
@@ -145,10 +155,11 @@ def test_packages_import_one_way(package, forbidden):
 
 
 def test_every_folder_has_a_place_in_the_order():
-    folders = {path.parent for path in sources("flatland_server")}
-    names = {".".join(f.parts[len(SRC.parts) + 3 :]) for f in folders}
+    folders = {path.parent for path in core_sources()}
+    names = {".".join(f.parts[len(SRC.parts) + 2 :]) for f in folders}
+    names = {f"{name}.".replace("flatland_server.", "", 1).rstrip(".") for name in names}
 
-    assert names <= set(LAYERS)
+    assert names == set(LAYERS)
 
 
 def test_folders_import_one_way():
@@ -163,8 +174,8 @@ def test_folders_import_one_way():
 
 
 def test_nothing_within_imports_the_public_front():
-    within = [p for p in sources("flatland_server") if not str(p).endswith(PUBLIC_FRONT)]
-    modules = {module_name(path) for path in sources("flatland_server")} | {
+    within = [path for path in core_sources() if not str(path).endswith(FRONTS)]
+    modules = {module_name(path) for path in core_sources()} | {
         "flatland_server._core",
         "flatland_server._box2d_rays",
     }
@@ -172,14 +183,14 @@ def test_nothing_within_imports_the_public_front():
         f"{path.relative_to(SRC)}:{line}: imports {name}"
         for path in within
         for line, name in imports(path)
-        if name.startswith("flatland_server.") and name.count(".") == 1 and name not in modules
+        if name.partition(".")[0] in CORE and name.count(".") == 1 and name not in modules
     ]
 
     assert from_the_front == []
 
 
 def test_only_the_folder_ros_imports_rospy():
-    outside = [path for path in sources("flatland_server") if not is_ros_module(path)]
+    outside = [path for path in core_sources() if not is_ros_module(path)]
     inside = [path for path in sources("flatland_server") if is_ros_module(path)]
 
     assert forbidden_imports(outside, ROSPY) == []

@@ -11,14 +11,14 @@ import pytest
 import flatland_server
 from flatland_server import _core
 
-PACKAGES = ("flatland_server", "flatland_server.testing", "flatland_gym")
+PACKAGES = ("flatland2d", "flatland_server", "flatland_server.testing", "flatland_gym")
 PUBLIC = [
     pytest.param(value, id=f"{package}.{name}")
     for package in PACKAGES
     for name, value in vars(importlib.import_module(package)).items()
     if name in importlib.import_module(package).__all__
     and (inspect.isclass(value) or inspect.isfunction(value))
-    and value.__module__.startswith("flatland_")
+    and value.__module__.startswith("flatland")
 ]
 
 
@@ -39,7 +39,7 @@ def functions_of(value):
         return
     for name in dir(value):
         owner = next((each for each in value.__mro__ if name in vars(each)), object)
-        is_ours = owner.__module__.startswith("flatland_") and not name.startswith("_")
+        is_ours = owner.__module__.startswith("flatland") and not name.startswith("_")
         if is_ours and inspect.isroutine(getattr(value, name)):
             yield name, getattr(value, name)
 

@@ -1,4 +1,4 @@
-"""The public interface: what `from flatland_server import ...` offers."""
+"""The public interface: the fronts `flatland_server`, for plugins, and `flatland2d`, for programs."""
 
 import ast
 import inspect
@@ -14,19 +14,24 @@ import flatland2d
 import flatland_server
 
 SRC = Path(__file__).resolve().parents[3]
+FRONTS = [flatland_server, flatland2d]
+
+of_each_front = pytest.mark.parametrize("front", FRONTS, ids=lambda front: front.__name__)
 
 
-def test_all_names_exist_are_sorted_and_public():
-    names = flatland_server.__all__
+@of_each_front
+def test_all_names_exist_are_sorted_and_public(front):
+    names = front.__all__
 
     assert names == sorted(names, key=lambda name: (not name.isupper(), name.islower(), name))
     assert len(names) == len(set(names))
-    assert [name for name in names if not hasattr(flatland_server, name)] == []
+    assert [name for name in names if not hasattr(front, name)] == []
     assert [name for name in names if name.startswith("_")] == []
 
 
-def test_what_is_public_is_documented():
-    public = {name: getattr(flatland_server, name) for name in flatland_server.__all__}
+@of_each_front
+def test_what_is_public_is_documented(front):
+    public = {name: getattr(front, name) for name in front.__all__}
     classes_and_functions = {
         name: each
         for name, each in public.items()
@@ -37,8 +42,10 @@ def test_what_is_public_is_documented():
     assert [name for name, each in classes_and_functions.items() if not inspect.getdoc(each)] == []
 
 
-def test_nothing_public_is_imported_besides_all():
-    module = ast.parse((SRC / "flatland_server/src/flatland_server/__init__.py").read_text())
+@of_each_front
+def test_nothing_public_is_imported_besides_all(front):
+    name = front.__name__
+    module = ast.parse((SRC / name / "src" / name / "__init__.py").read_text())
     imported = {
         alias.name
         for node in module.body
@@ -47,7 +54,7 @@ def test_nothing_public_is_imported_besides_all():
         if not alias.name.startswith("_")
     }
 
-    assert imported == set(flatland_server.__all__)
+    assert imported == set(front.__all__)
 
 
 def test_packages_and_citation_have_the_version_that_the_library_tells():
@@ -59,8 +66,9 @@ def test_packages_and_citation_have_the_version_that_the_library_tells():
     assert citation["version"] == flatland2d.__version__
 
 
-def test_the_types_are_declared():
-    assert any(Path(folder, "py.typed").exists() for folder in flatland_server.__path__)
+@of_each_front
+def test_the_types_are_declared(front):
+    assert any(Path(folder, "py.typed").exists() for folder in front.__path__)
 
 
 @pytest.mark.parametrize("package", ["flatland_plugins", "flatland_example_plugins"])

@@ -73,7 +73,7 @@ def test_the_page_has_all_arguments(capsys):
 
 
 def test_the_page_has_all_keys_columns_and_attributes():
-    reader = (ROOT / "src/flatland_server/src/flatland_server/sweep/scenario_file.py").read_text()
+    reader = (ROOT / "src/flatland2d/src/flatland2d/sweep/scenario_file.py").read_text()
     keys = set(re.findall(r'get_\w+\(\s*"(\w+)"|_place\(reader, "(\w+)"', reader))
     names = {a or b for a, b in keys} | set(METRICS) | {"worlds", "controllers", "parameters"}
     attributes = [name for name in dir(SweepRun) if not name.startswith("_")]
