@@ -22,12 +22,12 @@ from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional
 
 import numpy as np
 
-from flatland_gym import SCENARIOS, NavigationVectorEnv, Policy
 from flatland2d.sweep.local_pool import LocalPool
 from flatland2d.sweep.ray_pool import LOCAL, RayPool
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.settings import SweepSettings, scenarios_of
+from flatland_gym import SCENARIOS, NavigationVectorEnv, Policy
 
 POLICY = (
     Path(__file__).resolve().parents[1] / "src/flatland_gym/src/flatland_gym/policies/discs.npz"

@@ -13,10 +13,10 @@ import numpy as np
 import yaml
 from roslaunch.config import load_config_default
 
+from flatland2d import Pose, Simulation
 from flatland_navigation.grid import Grid
 from flatland_navigation.navigator import Navigator, NavigatorConfig, Status
 from flatland_navigation.obstacles import scan_points
-from flatland2d import Pose, Simulation
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 PERIOD = 0.05  # s: between commands

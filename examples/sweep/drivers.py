@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from flatland2d import Pose
 from flatland_navigation.grid import Grid
 from flatland_navigation.navigator import Navigator, NavigatorConfig
 from flatland_navigation.obstacles import scan_points
-from flatland2d import Pose
 
 RADIUS = 0.2  # of the robot [m]
 RANGE = 10.0  # of its lidar [m]

@@ -16,8 +16,8 @@ import numpy as np
 from blocks import blocks_of
 from svg import BLUE, GREY, ORANGE, RED, TEAL, Svg
 
-from flatland_plugins.scan_writer import ScanWriter
 from flatland2d import Simulation, messages
+from flatland_plugins.scan_writer import ScanWriter
 from flatland_server import UpdateTimer
 from flatland_server.plugins.plugin import CONTACT_HOOKS, STEP_HOOKS
 

@@ -21,8 +21,8 @@ from console import Shell, commands_of, pattern_of, without_colors
 from forks import Forks
 
 from flatland2d import FlatlandError
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland2d.cli.check import load
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 
 SHOWN = "text"
 """The language of blocks that are neither files nor programs, such as definitions of messages."""

@@ -7,8 +7,8 @@ import pytest
 from environments import assert_same
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
-from flatland_gym.multi_robot_env import MultiRobotEnv
 from flatland2d import UsageError
+from flatland_gym.multi_robot_env import MultiRobotEnv
 
 
 def place(env, *poses):

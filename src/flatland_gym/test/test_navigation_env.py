@@ -12,8 +12,8 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
 
 import flatland_gym
-from flatland_gym import RewardWeights
 from flatland2d import FlatlandError, UsageError, world_content
+from flatland_gym import RewardWeights
 
 pytestmark = pytest.mark.slow
 

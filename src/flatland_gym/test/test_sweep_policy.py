@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from flatland_gym import SCENARIOS
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.settings import scenarios_of
+from flatland_gym import SCENARIOS
 
 POLICY = "package://flatland_gym/policies/discs.npz"
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from environments import make
 
+from flatland2d import FlatlandError, UsageError, messages
 from flatland_gym import NavigationVectorEnv, Policy, train
 from flatland_gym.evaluation import evaluate
 from flatland_gym.networks import Network
 from flatland_gym.policy_node import PolicyNode
 from flatland_gym.ppo import Ppo
 from flatland_gym.train import main
-from flatland2d import FlatlandError, UsageError, messages
 
 SETTINGS = {"world": "empty_room", "frame_skip": 2, "time_limit": 30.0}
 

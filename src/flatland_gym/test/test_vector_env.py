@@ -10,13 +10,13 @@ import pytest
 from environments import ID, assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
+from flatland2d import DistanceGrid, UsageError, world_content
+from flatland2d.world_source import exported_plugins
 from flatland_gym import SCENARIOS, multi_world_fleet
 from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.fleet import SimulationFleet
 from flatland_gym.multi_world_fleet import MultiWorldFleet
 from flatland_gym.navigation_world import NavigationWorld
-from flatland2d import DistanceGrid, UsageError, world_content
-from flatland2d.world_source import exported_plugins
 
 pytestmark = pytest.mark.slow
 

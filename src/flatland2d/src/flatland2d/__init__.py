@@ -4,8 +4,8 @@ The names exported here are what a program needs:
 
     from flatland2d import Simulation
 
-Plugins import from `flatland_server`, the simulator itself. `flatland2d.sweep` has the type of a sweep's
-runs. Other modules are implementation: they may change.
+Plugins import from `flatland_server`, the simulator itself. `flatland2d.sweep` has the type of a
+sweep's runs. Other modules are implementation: they may change.
 """
 
 from flatland2d.batch.observation import BatchObservation

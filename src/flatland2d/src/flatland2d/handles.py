@@ -3,6 +3,8 @@
 import inspect
 from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
 
+from flatland2d.catalog import Catalog
+from flatland2d.robot import plugins_with
 from flatland_server.arguments import finite, shown
 from flatland_server.exceptions import (
     ModelError,
@@ -13,8 +15,6 @@ from flatland_server.exceptions import (
     suggestion,
 )
 from flatland_server.geometry import Pose, Velocity
-from flatland2d.catalog import Catalog
-from flatland2d.robot import plugins_with
 from flatland_server.models.model import Model
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin import Plugin

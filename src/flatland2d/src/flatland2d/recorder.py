@@ -24,10 +24,10 @@ from typing import (
     Union,
 )
 
+from flatland2d.recording_file import open_recording
 from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import MessageError, RecordingError, shortened
 from flatland_server.geometry import Pose, Transform
-from flatland2d.recording_file import open_recording
 from flatland_server.messages.message_types import get
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport

@@ -4,20 +4,20 @@ import os
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
+from flatland2d.catalog import Catalog
+from flatland2d.handles import ModelHandle
+from flatland2d.recorder import Recorder
+from flatland2d.rendering.plot import plot
+from flatland2d.rendering.renderer import Renderer, save, to_array, to_png
+from flatland2d.simulated_topics import SimulatedTopics
+from flatland2d.touch import Touch, touches
+from flatland2d.world_source import WorldSource, open_world
 from flatland_server import _core
 from flatland_server.arguments import folders_of, params_of, shown, whole_number
 from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
 from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
-from flatland2d.catalog import Catalog
-from flatland2d.handles import ModelHandle
-from flatland2d.recorder import Recorder
-from flatland2d.simulated_topics import SimulatedTopics
-from flatland2d.touch import Touch, touches
-from flatland2d.world_source import WorldSource, open_world
 from flatland_server.models.model import Model
 from flatland_server.plugins.plugin_loader import PluginLoader
-from flatland2d.rendering.plot import plot
-from flatland2d.rendering.renderer import Renderer, save, to_array, to_png
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 

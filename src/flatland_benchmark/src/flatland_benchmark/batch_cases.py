@@ -8,9 +8,9 @@ from typing import Any, Dict, List, NamedTuple, Optional
 
 import numpy as np
 
+from flatland2d.batch.simulation_batch import SimulationBatch
 from flatland_benchmark.case import Case, Figures
 from flatland_server.arrays import BoolArray
-from flatland2d.batch.simulation_batch import SimulationBatch
 
 _CLEARANCE = 0.3
 """Clearance of the robots' starts [m]."""

@@ -9,10 +9,10 @@ from typing import List
 
 import numpy as np
 
+from flatland2d import Simulation
 from flatland_benchmark.case import Case, Figures
 from flatland_benchmark.figures import in_words
 from flatland_benchmark.robot_worlds import write_world
-from flatland2d import Simulation
 
 _ROBOTS = (1, 10, 100)
 _STEPS = 100

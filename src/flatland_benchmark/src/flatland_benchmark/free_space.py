@@ -7,8 +7,8 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from flatland_server.arrays import BoolArray, FloatArray
 from flatland2d.free_space import connected
+from flatland_server.arrays import BoolArray, FloatArray
 from flatland_server.maps.wall_outlines import bright_pixels
 
 

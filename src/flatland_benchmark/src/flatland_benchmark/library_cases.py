@@ -10,8 +10,8 @@ from typing import Any, Callable, Dict, List
 
 import yaml
 
-from flatland_benchmark.case import Case, Figures
 from flatland2d import Simulation
+from flatland_benchmark.case import Case, Figures
 
 _BEAMS = (64, 360, 1081)
 _SELDOM = 20

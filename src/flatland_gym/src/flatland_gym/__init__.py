@@ -13,11 +13,11 @@ without Gymnasium.
 import importlib.util
 from typing import TYPE_CHECKING, Any
 
+from flatland2d import MissingPackageError
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import RewardWeights, Transition, navigation_reward
 from flatland_gym.scenarios import SCENARIOS, Scenario
 from flatland_gym.settings import NavigationSettings
-from flatland2d import MissingPackageError
 
 __all__ = [
     "SCENARIOS",

@@ -4,11 +4,11 @@ from typing import Optional, Sequence
 
 import numpy as np
 
+from flatland2d import BatchObservation, Simulation, SimulationBatch
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.settings import NavigationSettings
-from flatland2d import BatchObservation, Simulation, SimulationBatch
 from flatland_server import BoolArray, FloatArray, IntArray
 
 

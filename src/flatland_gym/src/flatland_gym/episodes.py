@@ -11,9 +11,9 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
+from flatland2d import FreeSpace, Point, Pose, UsageError
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland2d import FreeSpace, Point, Pose, UsageError
 from flatland_server import Segments, from_segments
 
 _TRIES = 500

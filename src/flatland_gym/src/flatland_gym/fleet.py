@@ -8,12 +8,12 @@ from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Dict, List, Optional, Sequence
 
+from flatland2d import BatchObservation, Simulation
 from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.robot_simulation import RobotSimulation
 from flatland_gym.settings import NavigationSettings
-from flatland2d import BatchObservation, Simulation
 from flatland_server import FloatArray, IntArray
 
 

@@ -5,6 +5,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 from gymnasium.utils import seeding
 
+from flatland2d import BatchObservation, MissingPackageError, UsageError
 from flatland_gym.episodes import EpisodeSampler
 from flatland_gym.navigation import checked_actions, judge, observation_space, require_tries
 from flatland_gym.navigation_world import NavigationWorld, parking_place
@@ -14,7 +15,6 @@ from flatland_gym.rewards import Transition
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.robot_simulation import RobotSimulation
 from flatland_gym.settings import NavigationSettings, is_whole, require_seed
-from flatland2d import BatchObservation, MissingPackageError, UsageError
 from flatland_server import FloatArray
 
 try:

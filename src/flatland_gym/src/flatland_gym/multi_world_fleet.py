@@ -4,12 +4,12 @@ from typing import Dict, Optional, Sequence
 
 import numpy as np
 
+from flatland2d import PluginError, Simulation
 from flatland_gym.batch_fleet import BatchFleet
 from flatland_gym.episodes import Episode
 from flatland_gym.fleet import Fleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.settings import NavigationSettings
-from flatland2d import PluginError, Simulation
 from flatland_server import FloatArray, IntArray
 
 

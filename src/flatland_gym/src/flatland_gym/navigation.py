@@ -10,6 +10,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from gymnasium import spaces
 
+from flatland2d import UsageError
 from flatland_gym.episodes import EpisodeSampler
 from flatland_gym.fleet import Fleet, SimulationFleet
 from flatland_gym.multi_world_fleet import make_fleet
@@ -18,7 +19,6 @@ from flatland_gym.observations import as_dict, bounds, goal_distances, observe
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
 from flatland_gym.robot import Robot
 from flatland_gym.settings import NavigationSettings
-from flatland2d import UsageError
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray
 
 Steps = Tuple[FloatArray, BoolArray, BoolArray]

@@ -6,10 +6,10 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from flatland2d import UsageError
 from flatland_gym.navigation import Navigation
 from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode, picture, status_line
 from flatland_gym.settings import NavigationSettings, require_seed
-from flatland2d import UsageError
 
 _ONE = np.array([0])
 

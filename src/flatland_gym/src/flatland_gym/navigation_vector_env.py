@@ -13,12 +13,12 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from flatland2d import UsageError
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation
 from flatland_gym.navigation_env import metadata, picture_of, status_of
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
-from flatland2d import UsageError
 from flatland_server import BoolArray, FloatArray
 
 Seeds = Union[None, int, Sequence[Optional[int]]]

@@ -7,10 +7,10 @@ from typing import Any, Dict, List, Sequence, Set, Tuple
 
 import numpy as np
 
+from flatland2d import DistanceGrid, Pose, Simulation, UsageError, find_robot, world_content
 from flatland_gym.robot import Content, Robot, scale_footprints, set_beams
 from flatland_gym.scenarios import SCENARIOS
 from flatland_gym.settings import NavigationSettings, WorldName
-from flatland2d import DistanceGrid, Pose, Simulation, UsageError, find_robot, world_content
 from flatland_server import WorldConfig
 
 PARKING = 5000.0

@@ -9,8 +9,8 @@ from typing import Any, Dict, List, Tuple, Union
 
 import numpy as np
 
-from flatland_gym.observations import observe
 from flatland2d import FlatlandError, UsageError
+from flatland_gym.observations import observe
 from flatland_server import Float32Array, FloatArray, PoseLike
 
 _FORMAT = "flatland policy 1"

@@ -6,8 +6,8 @@ from typing import Any, Callable, Optional, Tuple
 
 import numpy as np
 
-from flatland_gym.policy import Policy
 from flatland2d import Pose, UsageError, messages
+from flatland_gym.policy import Policy
 from flatland_server import yaw_of
 
 _EARLY = 0.2

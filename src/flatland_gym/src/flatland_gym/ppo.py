@@ -11,10 +11,10 @@ from typing import Callable, List, NamedTuple, Tuple
 
 import numpy as np
 
+from flatland2d import UsageError
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.networks import Adam, Network
 from flatland_gym.policy import Policy
-from flatland2d import UsageError
 from flatland_server import BoolArray, Float32Array, FloatArray
 
 _LOG_TWO_PI = math.log(2.0 * math.pi)

@@ -7,8 +7,8 @@ from typing import Any, Dict, Tuple
 import numpy as np
 from gymnasium import spaces
 
-from flatland_gym.settings import NavigationSettings
 from flatland2d import UsageError, find_robot
+from flatland_gym.settings import NavigationSettings
 from flatland_server import FloatArray, World
 
 Content = Dict[str, Any]

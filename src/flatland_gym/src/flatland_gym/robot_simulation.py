@@ -4,11 +4,11 @@ from typing import List, Optional, Sequence
 
 import numpy as np
 
+from flatland2d import ModelHandle, Pose, Simulation
 from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.robot_rows import RobotRows
 from flatland_gym.settings import NavigationSettings
-from flatland2d import ModelHandle, Pose, Simulation
 from flatland_server import BoolArray, ModelPlugin
 
 

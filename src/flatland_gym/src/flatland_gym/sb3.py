@@ -4,8 +4,8 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Union
 
 import numpy as np
 
-from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland2d import MissingPackageError, UsageError
+from flatland_gym.navigation_vector_env import NavigationVectorEnv
 
 try:
     from stable_baselines3.common.vec_env import VecEnv

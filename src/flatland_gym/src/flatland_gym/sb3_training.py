@@ -6,10 +6,10 @@ from typing import Any, Callable, Dict, List, Tuple
 import numpy as np
 from gymnasium import spaces
 
+from flatland2d import UsageError
 from flatland_gym.policy import Policy
 from flatland_gym.ppo import Progress, TrainingInterrupted
 from flatland_gym.sb3 import NavigationVecEnv
-from flatland2d import UsageError
 from flatland_server import Float32Array
 
 # After flatland_gym.sb3, which reports missing packages.

@@ -7,8 +7,8 @@ from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from flatland_gym.rewards import RewardWeights, Transition
 from flatland2d import UsageError
+from flatland_gym.rewards import RewardWeights, Transition
 
 WorldName = Any
 """The name of a scenario or of a shipped world, the path of a world file, or its content."""

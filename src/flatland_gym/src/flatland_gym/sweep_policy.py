@@ -2,9 +2,9 @@
 
 from typing import Dict
 
-from flatland_gym.policy import Policy
 from flatland2d import SensorHandle, UsageError
 from flatland2d.sweep import SweepRun
+from flatland_gym.policy import Policy
 from flatland_server import Float32Array
 
 

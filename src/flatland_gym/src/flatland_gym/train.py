@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
 import numpy as np
 import yaml
 
-from flatland_gym.policy import Policy
 from flatland2d import FlatlandError, MissingPackageError
+from flatland_gym.policy import Policy
 
 if TYPE_CHECKING:
     from flatland_gym.ppo import Progress

@@ -7,7 +7,7 @@ import pytest
 from busy_town import Town, serialized
 
 from flatland2d import Simulation
-from flatland_server import SimulationManager
+from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.transport.tap import Tap
 
 pytestmark = pytest.mark.slow

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from readings import pose_of, twist_of, warnings
 
+from flatland2d.cli import main
 from flatland_server.geometry import Pose
 from flatland_server.testing import Harness
-from flatland2d.cli import main
 
 OFFICE = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds" / "office"
 MODEL = OFFICE / "turtlebot_realistic.model.yaml"

@@ -56,6 +56,7 @@ from flatland_server.exceptions import (
 from flatland_server.geometry import Point, Pose, Transform, Velocity, quaternion, wrap_angle
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.models.entity import Entity
 from flatland_server.models.footprint import Circle, Footprint, Polygon
 from flatland_server.models.joint import Joint
 from flatland_server.models.layer import Layer
@@ -92,6 +93,7 @@ __all__ = [
     "CoreDrive",
     "CoreLidar",
     "Drive",
+    "Entity",
     "Fixture",
     "FlatlandError",
     "Float32Array",

@@ -4,10 +4,10 @@ import sys
 
 import pytest
 
+from flatland2d.cli import main
 from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
-from flatland2d.cli import main
 
 MODEL = "bodies: [{name: base, footprints: [{type: circle, radius: 0.1, density: 1}]}]\n"
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from typing_extensions import assert_type
 
+from flatland_plugins.diff_drive import DiffDrive
 from flatland_server import (
     Body,
     Canvas,
@@ -27,7 +28,6 @@ from flatland_server import (
     WorldPlugin,
     YamlReader,
 )
-from flatland_plugins.diff_drive import DiffDrive
 
 
 class Beacon(ModelPlugin):

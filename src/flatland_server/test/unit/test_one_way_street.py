@@ -146,7 +146,10 @@ def test_messages_are_asked_for_by_name():
         ("flatland_plugins", ("flatland2d", "flatland_benchmark", "flatland_viz", *ROSPY)),
         ("flatland_navigation", ("flatland2d", "flatland_benchmark", "flatland_gym")),
         ("flatland_teleop", ("flatland2d", "flatland_server")),
-        ("flatland_viz", ("flatland2d", "flatland_benchmark", "flatland_plugins", "flatland_server")),
+        (
+            "flatland_viz",
+            ("flatland2d", "flatland_benchmark", "flatland_plugins", "flatland_server"),
+        ),
         ("flatland_gym", ("flatland_benchmark", "flatland_plugins", "flatland_viz", *ROSPY)),
     ],
 )

@@ -1,4 +1,4 @@
-"""The public interface: the fronts `flatland_server`, for plugins, and `flatland2d`, for programs."""
+"""The public fronts: `flatland_server` for plugins, `flatland2d` for programs."""
 
 import ast
 import inspect

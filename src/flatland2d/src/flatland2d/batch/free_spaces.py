@@ -5,11 +5,11 @@ from typing import Any, Dict
 
 import numpy as np
 
+from flatland2d.free_space import DistanceGrid, FreeSpace, discs_of
+from flatland2d.robot import Robot
 from flatland_server.arguments import shown
 from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import UsageError
-from flatland2d.free_space import DistanceGrid, FreeSpace, discs_of
-from flatland2d.robot import Robot
 from flatland_server.simulation.world import World
 
 

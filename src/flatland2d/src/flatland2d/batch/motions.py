@@ -4,9 +4,9 @@ from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
+from flatland2d.batch.robot import PluginRole
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
-from flatland2d.batch.robot import PluginRole
 from flatland_server.plugins.batch_role import BatchMotion
 from flatland_server.plugins.plugin_factory import plugin_rng
 from flatland_server.update_timer import due_after

@@ -4,9 +4,9 @@ from typing import List, Optional, Sequence, Set
 
 import numpy as np
 
+from flatland2d.robot import Robot
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, Float32Array, IntArray
-from flatland2d.robot import Robot
 from flatland_server.plugins.batch_role import AddNoise
 from flatland_server.plugins.plugin_factory import plugin_rng
 

@@ -4,11 +4,11 @@ from typing import Any, Callable, Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland_server import _core
-from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland2d.batch.motions import BatchMotions
 from flatland2d.batch.robot import PluginRole
 from flatland2d.batch.worlds import BatchWorlds
+from flatland_server import _core
+from flatland_server.arrays import BoolArray, FloatArray, IntArray
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
 

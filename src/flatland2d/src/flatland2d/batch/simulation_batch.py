@@ -5,15 +5,6 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from flatland_server import _core
-from flatland_server.arguments import (
-    folders_of,
-    params_of,
-    several,
-    shown,
-    whole_number,
-)
-from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
 from flatland2d.batch.arguments import (
     actions_of,
     index_of,
@@ -28,11 +19,20 @@ from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
 from flatland2d.batch.robot import roles_of
 from flatland2d.batch.view import BatchView
-from flatland_server.exceptions import UsageError
 from flatland2d.free_space import FreeSpace
 from flatland2d.robot import find_robot
 from flatland2d.simulation import Simulation
 from flatland2d.world_source import WorldSource, exported_plugins, open_world
+from flatland_server import _core
+from flatland_server.arguments import (
+    folders_of,
+    params_of,
+    several,
+    shown,
+    whole_number,
+)
+from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
+from flatland_server.exceptions import UsageError
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper

@@ -4,9 +4,9 @@ from typing import Callable, Dict, List, Optional, Sequence
 
 import numpy as np
 
+from flatland2d.batch.robot import PluginRole
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, IntArray, Segments
-from flatland2d.batch.robot import PluginRole
 from flatland_server.simulation.world import World
 
 

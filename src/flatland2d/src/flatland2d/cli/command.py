@@ -8,8 +8,8 @@ import os
 import sys
 from typing import List, Optional
 
-from flatland_server._core import __version__
 from flatland2d.cli import check, map_to_lines, render, run, sweep, view, worlds
+from flatland_server._core import __version__
 from flatland_server.exceptions import FlatlandError, YamlError
 
 SUBCOMMANDS = (check, map_to_lines, render, run, sweep, view, worlds)

@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 
 from flatland2d.cli.arguments import Subparsers, not_negative
+from flatland2d.rendering.line_map_picture import save_line_map_picture
 from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError
 from flatland_server.maps.line_map import LineMap
-from flatland2d.rendering.line_map_picture import save_line_map_picture
 
 
 def add_parser(commands: Subparsers) -> None:

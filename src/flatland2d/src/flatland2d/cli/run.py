@@ -10,8 +10,8 @@ from types import FrameType
 from typing import Callable, Iterator, Optional
 
 from flatland2d.cli.arguments import Subparsers, add_world, open_simulation, positive
-from flatland_server.exceptions import MissingPackageError, suggestion
 from flatland2d.simulation import Simulation
+from flatland_server.exceptions import MissingPackageError, suggestion
 
 _CHUNK = 0.05
 """Real time between checks of the clock and of Ctrl-C [s]: the duration of one call of `step`."""

@@ -11,10 +11,10 @@ from typing import Callable, List, Optional
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from flatland2d.rendering.view import View
 from flatland_server.arrays import FloatArray, Segments
 from flatland_server.canvas import Canvas, Points, Rgba
 from flatland_server.geometry import Point
-from flatland2d.rendering.view import View
 
 _FINE = 4
 """The scale of masks, relative to the image."""

@@ -2,9 +2,9 @@
 
 from typing import Any, Optional
 
-from flatland_server.exceptions import MissingPackageError
 from flatland2d.rendering.renderer import Renderer
 from flatland2d.rendering.view import View
+from flatland_server.exceptions import MissingPackageError
 
 
 def plot(

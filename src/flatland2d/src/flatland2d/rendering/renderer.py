@@ -8,14 +8,14 @@ from typing import Iterable, Optional, Union
 import numpy as np
 from PIL import Image
 
-from flatland_server.arrays import UInt8Array
-from flatland_server.canvas import Canvas, Points
-from flatland_server.exceptions import FlatlandError
 from flatland2d.rendering import scene
 from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.svg_canvas import SvgCanvas
 from flatland2d.rendering.tiles import Tiles
 from flatland2d.rendering.view import Size, View, fitting_size
+from flatland_server.arrays import UInt8Array
+from flatland_server.canvas import Canvas, Points
+from flatland_server.exceptions import FlatlandError
 from flatland_server.simulation.world import World
 from flatland_server.timekeeper import Timekeeper
 

@@ -3,10 +3,10 @@
 from html import escape
 from typing import List, Optional
 
+from flatland2d.rendering.view import View
 from flatland_server.arrays import FloatArray, Segments
 from flatland_server.canvas import Canvas, Points, Rgba
 from flatland_server.geometry import Point
-from flatland2d.rendering.view import View
 
 _LABEL_OFFSET = (4.0, 18.0)  # px; to the base line
 _FONT = (

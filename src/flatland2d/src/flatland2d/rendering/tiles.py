@@ -5,12 +5,12 @@ from typing import Dict, List, Sequence, Tuple
 import numpy as np
 from PIL import Image
 
-from flatland_server.arrays import Segments
-from flatland_server.canvas import Rgba
-from flatland_server.models.layer import Layer
 from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.scene import BACKGROUND, draw_ground, draw_walls
 from flatland2d.rendering.view import View
+from flatland_server.arrays import Segments
+from flatland_server.canvas import Rgba
+from flatland_server.models.layer import Layer
 
 _SIDE = 512  # px
 _KEPT = 40  # tiles; 0.8 MB each

@@ -16,10 +16,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Dict, Mapping, Optional
 
-from flatland_server.config.file_names import to_path
-from flatland_server.exceptions import FlatlandError, UsageError, suggestion
 from flatland2d.sweep.parameters import controller_arguments
 from flatland2d.sweep.settings import Controller
+from flatland_server.config.file_names import to_path
+from flatland_server.exceptions import FlatlandError, UsageError, suggestion
 
 POLICY_DRIVER = "flatland_gym.sweep_policy:drive"
 """The function that drives by a policy: found by its name, as plugins are."""

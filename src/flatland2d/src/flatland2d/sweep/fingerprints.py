@@ -13,10 +13,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Set
 
-from flatland_server.config.input_files import MAX_IMAGE, read_input
-from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland2d.simulation import Simulation
-from flatland_server.maps.map_reader import MapConfig
 from flatland2d.sweep.controllers import (
     arguments_of,
     find_controller,
@@ -31,6 +28,9 @@ from flatland2d.sweep.parameters import (
     world_params,
 )
 from flatland2d.sweep.settings import Controller, Scenario, SweepSettings
+from flatland_server.config.input_files import MAX_IMAGE, read_input
+from flatland_server.config.yaml_preprocessor import YamlPreprocessor
+from flatland_server.maps.map_reader import MapConfig
 
 _LENGTH = 16
 

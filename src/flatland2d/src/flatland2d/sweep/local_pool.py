@@ -28,9 +28,9 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 from typing import Any, Callable, Deque, Generic, Iterable, Iterator, List, Optional, TypeVar
 
-from flatland_server.exceptions import FlatlandError
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings
+from flatland_server.exceptions import FlatlandError
 
 READY = "ready"
 

@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, TypeVar
 
-from flatland_server.exceptions import FlatlandError
 from flatland2d.sweep.local_pool import Done, LocalPool
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings
+from flatland_server.exceptions import FlatlandError
 
 LOCAL = "local"
 """Instead of an address: starts a cluster on this machine alone."""

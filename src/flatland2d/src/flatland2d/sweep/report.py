@@ -6,8 +6,6 @@ from typing import Any, Dict, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
-from flatland_server.canvas import Canvas, Rgba
-from flatland_server.geometry import Point
 from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.renderer import Renderer, to_png
 from flatland2d.rendering.view import View, fitting_size
@@ -15,6 +13,8 @@ from flatland2d.sweep.intervals import CONFIDENCE
 from flatland2d.sweep.run import RunObserver, SweepRun
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario
+from flatland_server.canvas import Canvas, Rgba
+from flatland_server.geometry import Point
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2em auto; max-width: 1200px; padding: 0 1em;

@@ -5,12 +5,12 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 
-from flatland_server import _core
-from flatland_server.exceptions import UsageError
-from flatland_server.geometry import Point, Pose, wrap_angle
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
 from flatland2d.sweep.settings import SweepSettings, Task, steps_in
+from flatland_server import _core
+from flatland_server.exceptions import UsageError
+from flatland_server.geometry import Point, Pose, wrap_angle
 
 METRICS = (
     "outcome",

@@ -10,18 +10,18 @@ from typing import Any, Container, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
-from flatland_server.arrays import FloatArray
-from flatland_server.exceptions import FlatlandError, UsageError, shortened
-from flatland_server.geometry import Point, Pose
 from flatland2d.free_space import DistanceGrid, FreeSpace, discs_of
 from flatland2d.handles import ModelHandle
 from flatland2d.robot import driven_models
 from flatland2d.simulation import Simulation
-from flatland_server.simulation.world_config import WorldConfig
 from flatland2d.sweep.controllers import arguments_of, find_controller
 from flatland2d.sweep.parameters import SweepWorlds, world_key, world_params
 from flatland2d.sweep.run import RunObserver, RunOver, SweepRun
 from flatland2d.sweep.settings import RANDOM, Scenario, SweepSettings, SweepWorld, Task
+from flatland_server.arrays import FloatArray
+from flatland_server.exceptions import FlatlandError, UsageError, shortened
+from flatland_server.geometry import Point, Pose
+from flatland_server.simulation.world_config import WorldConfig
 
 _KEPT_WORLDS = 4
 """The number of worlds that stay loaded; scenarios come world by world."""

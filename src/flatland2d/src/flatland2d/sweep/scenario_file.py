@@ -3,9 +3,6 @@
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, TypeVar
 
-from flatland_server.config.input_files import is_file
-from flatland_server.config.yaml_reader import YamlReader
-from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
 from flatland2d.sweep.controllers import POLICY_DRIVER, python_file
 from flatland2d.sweep.parameters import combinations, count_combinations, world_file
 from flatland2d.sweep.settings import (
@@ -16,6 +13,9 @@ from flatland2d.sweep.settings import (
     Task,
     steps_in,
 )
+from flatland_server.config.input_files import is_file
+from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened
 from flatland_server.timekeeper import Timekeeper
 
 MAX_SCENARIOS = 10_000_000

@@ -20,7 +20,6 @@ from typing import (
     TypeVar,
 )
 
-from flatland_server.exceptions import FlatlandError
 from flatland2d.sweep.fingerprints import Fingerprints
 from flatland2d.sweep.local_pool import Done
 from flatland2d.sweep.report import draw, report_html, unsuccessful
@@ -36,6 +35,7 @@ from flatland2d.sweep.tables import (
     write_file,
     write_parquet,
 )
+from flatland_server.exceptions import FlatlandError
 
 JOURNAL = "journal.jsonl"
 

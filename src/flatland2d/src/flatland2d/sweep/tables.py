@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
-from flatland_server.exceptions import FlatlandError
 from flatland2d.sweep.intervals import mean, rate
 from flatland2d.sweep.run import METRICS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
+from flatland_server.exceptions import FlatlandError
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
 

@@ -7,14 +7,14 @@ from typing import Callable, List, Optional, Tuple
 
 from PIL import Image
 
-from flatland_server.exceptions import FlatlandError
-from flatland_server.geometry import Point
-from flatland2d.simulation import Simulation
 from flatland2d.rendering.image_canvas import ImageCanvas
 from flatland2d.rendering.renderer import Renderer
 from flatland2d.rendering.view import Size, View
+from flatland2d.simulation import Simulation
 from flatland2d.viewer.keyboard_drive import KeyboardDrive, first_drive
 from flatland2d.viewer.playback import Playback
+from flatland_server.exceptions import FlatlandError
+from flatland_server.geometry import Point
 
 _FOLLOW_WIDTH = 12.0  # m
 _RING = (0.45, 0.45, 0.87, 0.9)

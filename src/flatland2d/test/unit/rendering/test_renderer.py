@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flatland_server.exceptions import FlatlandError, ModelError
-from flatland_server.geometry import Pose
-from flatland_server.plugins.model_plugin import ModelPlugin
-from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland2d.rendering import renderer as rendering
 from flatland2d.rendering.plot import plot
 from flatland2d.rendering.renderer import Renderer, render
 from flatland2d.rendering.scene import grid_cell
 from flatland2d.rendering.view import View
+from flatland_server.exceptions import FlatlandError, ModelError
+from flatland_server.geometry import Pose
+from flatland_server.plugins.model_plugin import ModelPlugin
+from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.testing import WorldFiles
 from flatland_server.testing.harness import Harness
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError
 from flatland2d.rendering.view import View, fitting_size
+from flatland_server.exceptions import FlatlandError
 
 
 def test_x_is_to_the_right_and_y_upwards():

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from flatland2d import Pose, Simulation
-from flatland_server import _core
 from flatland2d.sweep.run import RunObserver
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import scenarios_of
+from flatland_server import _core
 
 
 def results_of(settings):

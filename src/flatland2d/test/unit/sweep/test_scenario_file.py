@@ -4,12 +4,12 @@ from contextlib import closing
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError, UsageError, YamlError
-from flatland_server.geometry import Pose
 from flatland2d.sweep.fingerprints import Fingerprints
 from flatland2d.sweep.parameters import combinations, set_value
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import scenario_of, scenarios_of
+from flatland_server.exceptions import FlatlandError, UsageError, YamlError
+from flatland_server.geometry import Pose
 
 BOX_CHOSEN_BY_PARAMETER = (
     "{name: box, model: box.model.yaml, pose: [0, 2, 0.3]}",

@@ -6,11 +6,11 @@ from contextlib import closing
 
 import pytest
 
-from flatland_server.exceptions import FlatlandError
 from flatland2d.sweep.intervals import mean, rate, t_quantile
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.sweep import Journal, read_entries
 from flatland2d.sweep.tables import Entry, column, table_of, write_csv
+from flatland_server.exceptions import FlatlandError
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from flatland_server.exceptions import FlatlandError
 from flatland2d.simulation import Simulation
 from flatland2d.viewer.viewer import Viewer
+from flatland_server.exceptions import FlatlandError
 
 SIZE = (400, 300)
 DRIVES = {
