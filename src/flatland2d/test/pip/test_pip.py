@@ -23,9 +23,9 @@ pytestmark = pytest.mark.slow
 IMPORT_ALL = """
 import importlib, pkgutil, sys
 import flatland2d, flatland_navigation, flatland_plugins, flatland_server
-for package in (flatland_navigation, flatland_server, flatland_plugins):
+for package in (flatland2d, flatland_navigation, flatland_server, flatland_plugins):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
-        if module.name.startswith("flatland_server.ros") or module.name.endswith("__main__"):
+        if module.name.endswith("__main__"):
             continue
         try:
             importlib.import_module(module.name)
@@ -104,6 +104,7 @@ def test_the_wheel_has_the_packages_worlds_and_definitions_and_nothing_else(whee
     assert not [name for name in names if "__pycache__" in name or "/test/" in name]
     server = {name.partition("/")[2] for name in names if name.startswith("flatland_server/")}
     assert {"py.typed", "_core.pyi", "worlds/office/office.png"} <= server
+    assert not [name for name in server if name.startswith("ros/")]  # the node's
     packages = {name.partition("/")[0] for name in names if name.endswith("/__init__.py")}
     assert {f"{package}/py.typed" for package in packages} <= set(names)
     assert {"flatland_gym/worlds/discs.yaml", "flatland_gym/policies/discs.npz"} <= set(names)
