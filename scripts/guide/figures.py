@@ -32,9 +32,10 @@ PACKAGES: List[Box] = [
     ("flatland_viz", "the window and rviz tools", 0, 20, 210),
     ("flatland_server.ros", "the node: topics, services, time", 1, 20, 210),
     ("flatland_plugins", "drives and sensors, found by name", 1, 246, 210),
-    ("flatland_gym", "environments for learning", 1, 472, 210),
+    ("flatland_gym", "environments for learning", 0, 472, 210),
+    ("flatland2d", "simulations, batches, sweeps", 1, 472, 210),
     ("flatland_navigation", "planner, follower, their nodes", 1, 698, 210),
-    ("flatland_server", "files, worlds, steps, library; no ROS", 2, 20, 888),
+    ("flatland_server", "files, worlds, steps, plugins; no ROS", 2, 20, 888),
     ("flatland_server._core", "bindings (pybind11), C++ core, Box2D", 3, 20, 888),
 ]
 ROW, HEIGHT, TOP = 92, 52, 34

@@ -228,7 +228,7 @@ def test_a_plugin_that_fails_is_reported_in_the_end(folder, capsys, monkeypatch)
 )
 def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):
     process = subprocess.Popen(
-        [sys.executable, "-m", "flatland_server", "run", "world.yaml", "--progress", *arguments],
+        [sys.executable, "-m", "flatland2d", "run", "world.yaml", "--progress", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
@@ -269,7 +269,7 @@ def test_ctrl_c_completes_the_recording(folder):
     arguments = ["run", "world.yaml", "--rate", "1", "--progress"]
     arguments += ["--record", "run.bag", "--topics", "/scan"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "flatland_server", *arguments], stderr=subprocess.PIPE
+        [sys.executable, "-m", "flatland2d", *arguments], stderr=subprocess.PIPE
     )
     while b"0.2 s" not in process.stderr.read1(1000):
         assert process.poll() is None
@@ -306,7 +306,7 @@ def test_a_window_without_pygame_is_an_error_that_says_what_to_install(folder, c
 @pytest.mark.slow
 def test_rosrun_finds_it(folder):
     answer = subprocess.run(
-        ["rosrun", "flatland_server", "flatland", "worlds"], stdout=subprocess.PIPE, text=True
+        ["rosrun", "flatland2d", "flatland", "worlds"], stdout=subprocess.PIPE, text=True
     )
 
     assert answer.returncode == 0
@@ -316,7 +316,7 @@ def test_rosrun_finds_it(folder):
 @pytest.mark.slow
 def test_a_closed_pipe_is_no_traceback(folder):
     answer = subprocess.run(
-        f"{sys.executable} -m flatland_server worlds | true",
+        f"{sys.executable} -m flatland2d worlds | true",
         shell=True,
         stderr=subprocess.PIPE,
         text=True,

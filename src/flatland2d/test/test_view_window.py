@@ -45,7 +45,7 @@ class View:
         self._screenshots = Screenshots(display, "view")
         self.picture = self._screenshots.take
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "flatland_server", "view", "world.yaml", "--size", "800x800"],
+            [sys.executable, "-m", "flatland2d", "view", "world.yaml", "--size", "800x800"],
             cwd=folder,
             env=self.environment,
             stderr=subprocess.PIPE,

@@ -102,7 +102,7 @@ def flatland(tmp_path_factory):
     folder = tmp_path_factory.mktemp("flatland")
     cache = (BUILD / "CMakeCache.txt").read_text()
     [prefix] = re.findall(r"^CMAKE_INSTALL_PREFIX:PATH=/(.*)$", cache, flags=re.MULTILINE)
-    packages = ("flatland_msgs", "flatland_plugins", "flatland_server", PACKAGE.name)
+    packages = ("flatland2d", "flatland_msgs", "flatland_plugins", "flatland_server", PACKAGE.name)
     Shell(folder).run(
         f"export DESTDIR='{folder}'",
         f"cmake -DCMAKE_INSTALL_LOCAL_ONLY=1 -P '{BUILD}/cmake_install.cmake'",  # setup.bash etc.

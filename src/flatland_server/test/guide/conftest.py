@@ -53,7 +53,7 @@ def forks():
 def environment(tmp_path_factory):
     """A reader's environment: a home, the workspace, and the tutorials' command `flatland`."""
     home = tmp_path_factory.mktemp("home")
-    (home / "flatland").symlink_to(executable("flatland_server", "flatland"))
+    (home / "flatland").symlink_to(executable("flatland2d", "flatland"))
     path = f"{home}:{os.environ['PATH']}"
     return {**os.environ, "HOME": str(home), "ROS_HOME": str(home / "ros"), "PATH": path}
 

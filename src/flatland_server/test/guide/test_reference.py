@@ -95,9 +95,7 @@ def test_each_public_name_is_on_a_page_of_the_python_api(package, documented):
     names = set(importlib.import_module(package).__all__)
 
     missing = {
-        name
-        for name in names
-        if not {f"{package}.{name}", f"flatland_server.{name}"} & documented
+        name for name in names if not {f"{package}.{name}", f"flatland_server.{name}"} & documented
     }
 
     assert missing <= {"messages"}  # its page shows only the functions that plugins use

@@ -42,7 +42,7 @@ def journal(folder="out"):
 def start(*arguments):
     """Starts a sweep; returns when its first scenario is done."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "flatland_server", "sweep", "scenarios.yaml", *arguments],
+        [sys.executable, "-m", "flatland2d", "sweep", "scenarios.yaml", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
