@@ -8,9 +8,15 @@ Unlike pickle, reading a file from elsewhere runs no code of that file.
 
 import base64
 import json
-from typing import Any, Dict, List
+import math
+from dataclasses import fields
+from typing import Any, Dict, List, Type, TypeVar, Union, get_type_hints
 
 import numpy as np
+
+T = TypeVar("T")
+
+_INTEGERS = range(-(2**63), 2**63)
 
 _NUMBERS = "biufc"
 """The kinds of dtypes of arrays: booleans, integers, floating-point and complex numbers."""
@@ -35,6 +41,49 @@ def loads(data: bytes) -> Any:
         return json.loads(data, object_hook=_decode)
     except (KeyError, TypeError, RecursionError) as error:
         raise ValueError(f"not plain data: {error}") from None
+
+
+def made(cls: Type[T], content: Any, where: str) -> T:
+    """A dataclass out of plain data, if its values have the types of the attributes.
+
+    Args:
+        cls: the dataclass, of numbers, strings, bytes, lists, dicts with names, or None.
+        content: a dict of the attributes.
+        where: its place in the data, for the error.
+
+    Raises:
+        ValueError: an attribute is missing, unknown or of another type, a number is not finite, or
+            an integer has more than 64 bits.
+    """
+    kinds = get_type_hints(cls)
+    names = [each.name for each in fields(cls)]  # type: ignore[arg-type]
+    if not isinstance(content, dict) or content.keys() != set(names):
+        raise ValueError(f"{where}: expected {', '.join(names)}")
+    for name in names:
+        if not _is_of(content[name], kinds[name]):
+            raise ValueError(f"{where}.{name}: expected another value, found {content[name]!r:.60}")
+    return cls(**content)
+
+
+def _is_of(value: Any, kind: Any) -> bool:
+    """Whether a value has a type: a class, Any, Optional[...], List[...] or Dict[str, ...]."""
+    origin, parts = getattr(kind, "__origin__", None), getattr(kind, "__args__", ())
+    if kind is Any:
+        return True
+    if origin is Union:
+        return any(_is_of(value, part) for part in parts)
+    if origin is list:
+        return isinstance(value, list) and all(_is_of(each, parts[0]) for each in value)
+    if origin is dict:
+        return isinstance(value, dict) and all(
+            isinstance(key, str) and _is_of(each, parts[1]) for key, each in value.items()
+        )
+    if kind in (int, float):
+        is_number = isinstance(value, (int, kind)) and not isinstance(value, bool)
+        return is_number and (
+            value in _INTEGERS if isinstance(value, int) else math.isfinite(value)
+        )
+    return isinstance(value, kind)
 
 
 def _encode(value: Any, where: str) -> Any:

@@ -74,8 +74,19 @@ class UpdateTimer:
 
         Args:
             state: of `get_state`.
+
+        Raises:
+            ValueError: it is not the state of a timer.
         """
-        self._period, self._start, self.due = state["period"], state["start"], state["due"]
+        period, start, due = (state[key] for key in ("period", "start", "due"))
+        if not (
+            all(isinstance(each, (int, float)) for each in (period, start, due))
+            and period >= 0.0
+            and math.isfinite(start)
+            and due >= -1.0
+        ):
+            raise ValueError(f"expected the state of a timer, found {state}")
+        self._period, self._start, self.due = period, start, due
 
 
 def due_after(times: IntArray, rate: float) -> FloatArray:

@@ -11,8 +11,9 @@ from pathlib import Path
 from soak.findings import Findings
 from soak.random_files import RandomFiles
 from soak.random_messages import send_random_messages
+from soak.random_states import load_random_states
 
-FILES, STEPS = 400, 400
+FILES, STEPS, STATES = 400, 400, 100
 LIMIT = 120.0  # s
 
 
@@ -40,6 +41,7 @@ def main() -> None:
         (Path(name) / "files").mkdir()
         RandomFiles(Path(name) / "files", seed, findings).run(FILES, LIMIT / 3)
         send_random_messages(Path(name) / "messages", seed, STEPS, findings)
+        load_random_states(Path(name) / "states", seed, STATES, findings)
     print(json.dumps(findings.to_dict()))
 
 

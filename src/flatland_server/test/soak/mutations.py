@@ -69,16 +69,20 @@ class Mutator:
 
     # Values
 
+    def spoil_data(self, document: Any) -> None:
+        """Changes a value in maps and lists."""
+        self._rng.choice(self._tree)(document, self._rng.choice(_places(document)))
+
     def _spoil_tree(self, content: bytes) -> bytes:
         try:
             document = yaml.load(content, Loader=_LOADER)
-            places = list(_places(document))
+            places = _places(document)
         except (yaml.YAMLError, ValueError, RecursionError, TypeError):
             return content  # spoilt before
         if not places or len(places) > 5000:
             return content
         try:
-            self._rng.choice(self._tree)(document, self._rng.choice(places))
+            self.spoil_data(document)
             return yaml.dump(document, Dumper=_DUMPER, sort_keys=False, allow_unicode=True).encode()
         except RecursionError:  # nested too deeply for PyYAML, after several changes
             return content

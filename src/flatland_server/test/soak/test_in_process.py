@@ -9,11 +9,12 @@ from soak.findings import Findings
 from soak.mutations import Mutator
 from soak.random_files import RandomFiles
 from soak.random_messages import random_message, send_random_messages
+from soak.random_states import load_random_states
 from soak.soak import Soak
 from soak.usage import Usage
 
 SEED = 1
-FILES, STEPS = 500, 300
+FILES, STEPS, STATES = 500, 300, 150
 
 
 @pytest.fixture
@@ -36,6 +37,15 @@ def test_random_messages_leave_all_plugins_alive_and_all_poses_finite(tmp_path, 
 
     assert findings.violations == []
     assert findings.counts["messages in process"] > STEPS
+
+
+@pytest.mark.slow
+def test_a_spoilt_state_is_refused_or_runs_on(tmp_path, findings):
+    load_random_states(tmp_path, SEED, STATES, findings)
+
+    assert findings.violations == []
+    assert findings.counts["spoilt states refused"] > STATES / 4
+    assert findings.counts["spoilt states loaded"] > STATES / 20
 
 
 def test_what_a_failed_spawn_leaves_behind_is_found(tmp_path, findings, monkeypatch):

@@ -4,6 +4,7 @@ import pytest
 from std_srvs.srv import TriggerRequest
 
 from flatland_server.exceptions import FlatlandError
+from flatland_server.ros.client_files import ClientFiles
 from flatland_server.ros.rospy_patches import RospyCalls
 from flatland_server.ros.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -30,7 +31,8 @@ def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, m
     world = World(first, transport)
     manager = SimulationManager(world, Timekeeper(0.005))
     services = {}
-    StateServices(manager, transport, lambda name, _, __, action: services.update({name: action}))
+    offer = lambda name, _, __, action: services.update({name: action})  # noqa: E731
+    StateServices(manager, transport, ClientFiles(world, None), offer)
     monkeypatch.setattr(world, "read_config", lambda: manager.reload(second) or first)
 
     with pytest.raises(FlatlandError, match="another world was loaded while the file was read"):

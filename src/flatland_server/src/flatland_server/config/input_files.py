@@ -9,39 +9,45 @@ import errno
 import os
 import stat
 from pathlib import Path
+from typing import Callable
 
-from flatland_server.exceptions import YamlError
+from flatland_server.exceptions import FlatlandError, YamlError
 
 MIB = 1024 * 1024
 MAX_YAML = 16 * MIB  # bytes
 MAX_LINE_SEGMENTS = 64 * MIB  # bytes: a million segments
 MAX_IMAGE = 256 * MIB  # bytes
+MAX_STATE = 64 * MIB  # bytes
+
+Refusal = Callable[[Path, str], FlatlandError]
+"""Makes the error of a file, from its path and the problem."""
 
 
-def read_input(path: Path, limit: int) -> bytes:
+def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
     """The contents of a regular file.
 
     Args:
         path: of the file.
         limit: the largest size that is read [bytes].
+        refusal: the error if it is missing, unreadable, larger, or not a regular file.
 
     Raises:
-        YamlError: it is missing, unreadable, larger, or not a regular file.
+        FlatlandError: as `refusal` makes it.
     """
     # O_NONBLOCK: opening a named pipe would otherwise wait for its other end.
     flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY
     try:
         descriptor = os.open(path, flags)
         with open(descriptor, "rb") as file:
-            size = _regular_size(path, os.fstat(descriptor), limit)
+            size = _regular_size(path, os.fstat(descriptor), limit, refusal)
             content = file.read(size + 1)  # not `limit`: that much memory would be set aside
             if len(content) > size:  # it has grown, or has no size, like those in /proc
                 content += file.read(limit + 1 - len(content))
     except (OSError, ValueError) as error:  # ValueError: the name contains a zero byte
         reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise YamlError(path, f"cannot be read: {reason}") from None
+        raise refusal(path, f"cannot be read: {reason}") from None
     if len(content) > limit:
-        raise _too_large(path, limit)
+        raise refusal(path, _too_large(limit))
     return content
 
 
@@ -60,16 +66,16 @@ def why_not_a_file(path: Path) -> str:
     return "is not a regular file" if os.path.exists(path) else "is not there"
 
 
-def _regular_size(path: Path, status: os.stat_result, limit: int) -> int:
+def _regular_size(path: Path, status: os.stat_result, limit: int, refusal: Refusal) -> int:
     """The size of a regular file, not beyond the limit [bytes]."""
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if not stat.S_ISREG(status.st_mode):
-        raise YamlError(path, "expected a regular file, found a pipe, a socket or a device")
+        raise refusal(path, "expected a regular file, found a pipe, a socket or a device")
     if status.st_size > limit:
-        raise _too_large(path, limit)
+        raise refusal(path, _too_large(limit))
     return status.st_size
 
 
-def _too_large(path: Path, limit: int) -> YamlError:
-    return YamlError(path, f"expected a file of at most {limit // MIB} MiB, found a larger one")
+def _too_large(limit: int) -> str:
+    return f"expected a file of at most {limit // MIB} MiB, found a larger one"

@@ -12,6 +12,7 @@ import rospy
 
 from flatland_server.exceptions import FlatlandError, counted
 from flatland_server.ros import open_files, rospy_patches
+from flatland_server.ros.client_files import ClientFiles
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
@@ -133,7 +134,7 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     manager.on_tick.append(SlowPluginWatch().update)
     if config.map_to_odom:
         manager.on_tick.append(MapToOdom(manager.world).update)
-    ServiceManager(manager, transport)
+    ServiceManager(manager, transport, ClientFiles(manager.world, config.state_folder))
 
 
 def exclude_from_garbage_collection() -> None:

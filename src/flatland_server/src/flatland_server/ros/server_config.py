@@ -26,6 +26,8 @@ class ServerConfig(NamedTuple):
     rospy_patches: bool
     map_to_odom: bool
     models: Tuple[Path, ...]
+    state_folder: Optional[Path] = None
+    """For relative names of states; if there is one, clients name files in few folders only."""
     launch_file: Optional[Path] = None
     """The launch file that sets the parameters, to check its arguments."""
 
@@ -61,6 +63,7 @@ class ServerConfig(NamedTuple):
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),
             models=_folders("~models"),
+            state_folder=next(iter(_folders("~state_folder")), None),
             launch_file=Path(launch_file) if launch_file else None,
         )
 

@@ -28,6 +28,7 @@ from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
 from flatland_server.messages.model_markers import preview
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.ros.client_files import ClientFiles, told
 from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.ros.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -49,8 +50,11 @@ class ServiceManager:
     `message` is a warning; otherwise `message` is empty.
     """
 
-    def __init__(self, manager: SimulationManager, transport: RosTransport) -> None:
+    def __init__(
+        self, manager: SimulationManager, transport: RosTransport, files: ClientFiles
+    ) -> None:
         self._manager = manager
+        self._files = files
         self._world = manager.world
         self._transport = transport
         self._offer("spawn_model", SpawnModel, SpawnModelResponse, self._spawn_model)
@@ -60,7 +64,7 @@ class ServiceManager:
         self._offer(
             "get_model_markers", GetModelMarkers, GetModelMarkersResponse, self._get_model_markers
         )
-        StateServices(manager, transport, self._offer)
+        StateServices(manager, transport, files, self._offer)
         self._offer_empty("pause", manager.pause)
         self._offer_empty("resume", manager.resume)
         self._offer_empty("toggle_pause", manager.toggle_pause)
@@ -81,8 +85,9 @@ class ServiceManager:
             try:
                 return action(request) or response(success=True)
             except (FlatlandError, ValueError) as error:
-                rospy.logwarn("%s: %s", name, error)
-                return response(success=False, message=f"{type(error).__name__}: {error}")
+                message = told(error)
+                rospy.logwarn("%s: %s", name, message)
+                return response(success=False, message=message)
 
         rospy.Service(name, service, handle)
 
@@ -95,9 +100,8 @@ class ServiceManager:
 
     def _spawn_model(self, request: SpawnModelRequest) -> SpawnModelResponse:
         registry = self._world.registry
-        entry = self._world.read_model_entry(
-            request.yaml_path, request.name, request.ns, _to_pose(request.pose)
-        )
+        path = self._files.model_file(request.yaml_path)
+        entry = self._world.read_model_entry(path, request.name, request.ns, _to_pose(request.pose))
         warning = self._transport.call(lambda: self._add_model(entry, registry))
         if warning:
             rospy.logwarn("spawn_model: %s", warning)
@@ -124,7 +128,7 @@ class ServiceManager:
         self._transport.call(lambda: self._manager.change_rate(request.rate))
 
     def _get_model_markers(self, request: GetModelMarkersRequest) -> GetModelMarkersResponse:
-        markers = preview(self._world.read_model(request.yaml_path))
+        markers = preview(self._world.read_model(self._files.model_file(request.yaml_path)))
         return GetModelMarkersResponse(success=True, markers=MarkerArray(markers))
 
 

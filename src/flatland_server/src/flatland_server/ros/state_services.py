@@ -1,6 +1,5 @@
 """The services that control time and state: steps, resets, and saved states."""
 
-from pathlib import Path
 from typing import Any, Callable, Type
 
 import rosgraph
@@ -24,9 +23,9 @@ from flatland_msgs.srv import (
 )
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError
 from flatland_server.messages import ros_time
+from flatland_server.ros.client_files import ClientFiles
 from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -48,11 +47,15 @@ class StateServices:
     Args:
         manager: the simulation.
         transport: hands calls over to the simulation's thread.
+        files: finds the files that clients name.
         offer: offers a service; see `ServiceManager`.
     """
 
-    def __init__(self, manager: SimulationManager, transport: RosTransport, offer: Offer) -> None:
+    def __init__(
+        self, manager: SimulationManager, transport: RosTransport, files: ClientFiles, offer: Offer
+    ) -> None:
         self._manager = manager
+        self._files = files
         self._transport = transport
         offer("step", Step, StepResponse, self._step)
         offer("reset", Reset, ResetResponse, self._reset)
@@ -86,13 +89,13 @@ class StateServices:
         return TriggerResponse(success=True, message=f"{config.path} is loaded")
 
     def _open_world(self, request: OpenWorldRequest) -> OpenWorldResponse:
-        config: WorldConfig = self._manager.world.read_config(_absolute(request.path))
+        config: WorldConfig = self._manager.world.read_config(self._files.world_file(request.path))
         self._change(lambda: self._manager.reload(config, keep_time=False))
         _set_param("~world_path", str(config.path))  # viewers show it
         return OpenWorldResponse(success=True, message=f"{config.path} is open")
 
     def _save_state(self, request: SaveStateRequest) -> SaveStateResponse:
-        path = _absolute(request.path)
+        path = self._files.state(request.path)
         manager = self._manager
         state, without_hooks = self._transport.call(
             lambda: (manager.save_state(), manager.world.plugins_without_state_hooks)
@@ -105,7 +108,7 @@ class StateServices:
         return SaveStateResponse(True, message, without_hooks)
 
     def _load_state(self, request: LoadStateRequest) -> None:
-        state = read_state(_absolute(request.path))
+        state = read_state(self._files.state(request.path))
         self._change(lambda: self._manager.load_state(state))
 
     def _change(self, action: Callable[[], None]) -> None:
@@ -125,11 +128,3 @@ def _set_param(name: str, value: str) -> None:
         Master(rosgraph.get_master_uri()).set_parameter(rospy.resolve_name(name), value)
     except NO_ANSWER:
         rospy.logwarn("the ROS master does not answer: %s is not set to %s", name, value)
-
-
-def _absolute(name: str) -> Path:
-    """The path in a request; absolute, since clients do not know the server's working directory."""
-    path = to_path(name)
-    if not path.is_absolute():
-        raise ValueError(f'expected an absolute path, found "{name}"')
-    return path

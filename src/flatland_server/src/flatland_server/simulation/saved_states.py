@@ -4,7 +4,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Dict, List, Union
 
-from flatland_server.exceptions import StateError
+from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.world import World
@@ -38,17 +38,19 @@ def restore(state: WorldState, world: World) -> None:
     """Puts a world that was just rebuilt, with the state's seed, into a state.
 
     Raises:
-        FlatlandError: the state does not fit, or the file of a model is missing.
+        StateError: the state does not fit, or the file of a model is missing.
     """
     contents = world.contents
-    _check_walls(state, contents.config)
-    _replay_additions(state, world)
-    plugin_state.restore_failures(contents.plugins, state.plugins)
     try:
+        _check_walls(state, contents.config)
+        _replay_additions(state, world)
+        plugin_state.restore_failures(contents.plugins, state.plugins)
         contents.physics.restore_state(state.physics)
-    except ValueError as error:
-        raise StateError(str(error)) from None
-    plugin_state.restore(contents.plugins, state.plugins)
+        plugin_state.restore(contents.plugins, state.plugins)
+    except StateError:
+        raise
+    except (FlatlandError, ValueError) as error:
+        raise StateError(f"the state cannot be restored: {error}") from error
 
 
 def _wall_counts(config: WorldConfig) -> Dict[str, int]:

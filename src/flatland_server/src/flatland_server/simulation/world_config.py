@@ -217,6 +217,17 @@ class WorldConfig:
         """
         if not isinstance(source, (str, Path)):
             return ModelConfig.from_content(source, self.registry, preprocessor)
+        return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)
+
+    def find_model(self, source: Union[str, Path]) -> Path:
+        """The path of a model file: as named, beside the world file, or in a folder of models.
+
+        Args:
+            source: its name, which may be a `package://name/path`.
+
+        Raises:
+            ModelError: there is no such file.
+        """
         if not str(source):
             raise ModelError("expected the path of a model file, found an empty string")
         folders = self.model_folders if is_bare(source) else ()
@@ -226,7 +237,7 @@ class WorldConfig:
             raise ModelError(str(error)) from None
         if not is_file(path):
             raise ModelError(f"there is no file {path.absolute()}{nor_in(folders)}")
-        return ModelConfig.from_file(path, self.registry, preprocessor)
+        return path
 
     def walls_of(self, layer: LayerConfig) -> Segments:
         """The walls of a layer in the world [m]: shape (n, 4), x1, y1, x2, y2.

@@ -4,16 +4,22 @@ It does not include the world's files: loading a state rebuilds the world from i
 additions and deletions made since, and then sets the values that have changed.
 """
 
+import stat
+import uuid
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional
 
 from flatland_server import plain_data
+from flatland_server.config.input_files import MAX_STATE, read_input
 from flatland_server.exceptions import StateError
 from flatland_server.simulation.plugin_state import PluginState
 
 _FORMAT = 1
 _FORMAT_KEY = "flatland_state"
+_BEGINNING = f'{{"{_FORMAT_KEY}":'.encode()
+"""The first bytes of each state."""
 
 
 @dataclass(frozen=True)
@@ -81,40 +87,73 @@ class WorldState:
         if found != _FORMAT:
             raise StateError(f"expected a state of format {_FORMAT}, found format {found}")
         try:
-            content["models"] = [ModelState(**each) for each in content["models"]]
-            content["walls"] = [WallsState(**each) for each in content["walls"]]
-            content["plugins"] = [PluginState(**each) for each in content["plugins"]]
-            state = cls(**content)
-        except (KeyError, TypeError) as error:
+            for name, part in (
+                ("models", ModelState),
+                ("walls", WallsState),
+                ("plugins", PluginState),
+            ):
+                if not isinstance(content.get(name), list):
+                    raise ValueError(f"{name}: expected a list")
+                content[name] = [
+                    plain_data.made(part, each, f"{name}[{index}]")
+                    for index, each in enumerate(content[name])
+                ]
+            state = plain_data.made(cls, content, "state")
+            if state.nanoseconds < 0 or any(len(each.pose) != 3 for each in state.models):
+                raise ValueError("expected a time of 0 or more, and poses of three numbers")
+        except ValueError as error:
             raise StateError(f"the state is damaged: {error}") from None
-        kinds = {"world": str, "seed": int, "nanoseconds": int, "wall_counts": dict}
-        for name, kind in {**kinds, "physics": bytes}.items():
-            if not isinstance(getattr(state, name), kind):
-                raise StateError(f'the state is damaged: "{name}" is no {kind.__name__}')
         return state
+
+
+_PARTS = {"models": ModelState, "walls": WallsState, "plugins": PluginState}
+"""The lists of a state."""
 
 
 def read_state(path: Path) -> bytes:
     """A state file's content.
 
     Raises:
-        StateError: it cannot be read.
+        StateError: it cannot be read, is no regular file, or is larger than 64 MiB.
     """
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise StateError(f"cannot read {path}: {error.strerror}") from None
+    return read_input(path, MAX_STATE, lambda path, problem: StateError(f"{path}: {problem}"))
 
 
 def write_state(path: Path, state: bytes) -> None:
     """Writes a state file: completely, or not at all.
 
+    The path may come from a client. Only a state is replaced, and no link is followed.
+
     Raises:
-        StateError: it cannot be written.
+        StateError: it cannot be written, or another file is there.
     """
-    partial = path.with_name(f"{path.name}.partial")
+    partial = path.parent / f".{uuid.uuid4().hex}.partial"
     try:
-        partial.write_bytes(state)
-        partial.replace(path)
-    except OSError as error:
-        raise StateError(f"cannot write {path}: {error.strerror}") from None
+        _require_free(path)
+        try:
+            with partial.open("xb") as file:
+                file.write(state)
+            _require_free(path)  # still
+            partial.replace(path)
+        except BaseException:
+            with suppress(OSError):
+                partial.unlink()
+            raise
+    except (OSError, ValueError) as error:  # ValueError: the name contains a zero byte
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise StateError(f"cannot write {path}: {reason}") from None
+
+
+def _require_free(path: Path) -> None:
+    """Checks that nothing is at a path, or a state in a regular file.
+
+    Raises:
+        StateError: something else is there.
+        OSError: it cannot be looked at.
+    """
+    try:
+        is_regular = stat.S_ISREG(path.lstat().st_mode)
+    except FileNotFoundError:
+        return
+    if not (is_regular and read_state(path).startswith(_BEGINNING)):
+        raise StateError(f"{path}: expected a new file or a saved state, found something else")

@@ -1,0 +1,110 @@
+"""The files that clients of services may name, and what they are told about them.
+
+A client may be anywhere in the ROS network. It gets no content of files that are not Flatland's.
+If the server has a folder of states, it names files only in the folders that its owner has named.
+"""
+
+import re
+from pathlib import Path
+from typing import Optional, Union
+
+from flatland_server.config.file_names import to_path
+from flatland_server.config.input_files import MAX_YAML, read_input
+from flatland_server.config.packages import package_folders
+from flatland_server.exceptions import FlatlandError, Problem, StateError, YamlError, shortened
+from flatland_server.simulation.world import World
+
+_LONGEST = 500  # characters of a line for a client
+_TOP_LEVEL_KEY = re.compile(rb"^[{\s]*(bodies|layers|models|plugins|properties)\s*:", re.MULTILINE)
+_PACKAGE = re.compile("package://([^/]+)/")
+
+
+class ClientFiles:
+    """Finds the files that clients name.
+
+    Args:
+        world: the simulated world.
+        state_folder: the server's `~state_folder`; None lets clients name any file.
+    """
+
+    def __init__(self, world: World, state_folder: Optional[Path]) -> None:
+        self._world = world
+        self._state_folder = state_folder
+
+    def state(self, name: str) -> Path:
+        """The path of a state file.
+
+        Raises:
+            FlatlandError: the name is relative and there is no folder of states, or it leads out of
+                that folder.
+        """
+        path = to_path(name)
+        if self._state_folder is None:
+            if path.is_absolute():
+                return path
+            raise StateError(
+                "expected an absolute path (the server has no ~state_folder), found "
+                f'"{shortened(name)}"'
+            )
+        path = self._state_folder / path
+        self._require_within(path, self._state_folder)
+        return path
+
+    def world_file(self, name: str) -> Path:
+        """The path of a world file.
+
+        Raises:
+            FlatlandError: the name is relative, or leads out of the folders for clients.
+        """
+        path = to_path(name)
+        if not path.is_absolute():
+            raise FlatlandError(f'expected an absolute path, found "{shortened(name)}"')
+        return self._readable(path, name)
+
+    def model_file(self, name: str) -> Path:
+        """The path of a model file.
+
+        Raises:
+            FlatlandError: there is no such file, or it is not in the folders for clients.
+        """
+        return self._readable(self._world.config.find_model(name), name)
+
+    def _readable(self, path: Path, name: str) -> Path:
+        if self._state_folder is not None:
+            package = _PACKAGE.match(name)
+            packages = package_folders(package[1]) if package else ()
+            self._require_within(
+                path, self._state_folder, *self._world.config.model_folders, *packages
+            )
+        return path
+
+    def _require_within(self, path: Path, *folders: Path) -> None:
+        real = path.resolve()
+        if not any(folder.resolve() in real.parents for folder in folders):
+            raise FlatlandError(
+                "expected a file in the folders that the server's ~state_folder leaves to clients, "
+                f"found {path}"
+            )
+
+
+def told(error: Union[FlatlandError, ValueError]) -> str:
+    """An error for a client: short lines, and nothing that is written in files of other kinds."""
+    lines = error.lines(_line_of) if isinstance(error, YamlError) else str(error).splitlines()
+    text = "\n".join(shortened(line, _LONGEST) for line in lines)
+    return f"{type(error).__name__}: {text}"
+
+
+def _line_of(problem: Problem) -> str:
+    if _is_of_flatland(problem.file):
+        return str(problem)
+    message = re.sub('"[^"]*"', '"..."', problem.message.partition(", found ")[0])
+    message = message.partition("is not valid YAML")[1] or message
+    return str(Problem(problem.file, message, problem.line))
+
+
+def _is_of_flatland(path: Path) -> bool:
+    """Whether a file is evidently that of a world or model: it has one of their keys."""
+    try:
+        return bool(_TOP_LEVEL_KEY.search(read_input(path, MAX_YAML)))
+    except FlatlandError:
+        return False

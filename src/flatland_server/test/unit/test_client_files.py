@@ -1,0 +1,185 @@
+"""Files that clients of services name: what they can read, write and learn."""
+
+import os
+import socket
+
+import pytest
+
+from flatland_server.exceptions import FlatlandError, ModelError, StateError, YamlError
+from flatland_server.ros.client_files import ClientFiles, told
+from flatland_server.simulation.world import World
+from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.simulation.world_state import read_state, write_state
+
+STATE = b'{"flatland_state":1}'
+BOX = "bodies: [{name: box, footprints: [{type: circle, radius: 1, density: 1}]}]\n"
+
+
+@pytest.fixture
+def world(tmp_path, loader):
+    folder = tmp_path / "worlds"
+    folder.mkdir()
+    (folder / "world.yaml").write_text("properties: {}\nlayers: []\n")
+    (folder / "box.yaml").write_text(BOX)
+    return World.from_file(folder / "world.yaml", loader=loader)
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """The folder of states of a server."""
+    folder = tmp_path / "states"
+    folder.mkdir()
+    return folder
+
+
+def a_folder(path):
+    path.mkdir()
+
+
+def a_pipe(path):
+    os.mkfifo(path)
+
+
+def a_socket(path):
+    with socket.socket(socket.AF_UNIX) as each:
+        each.bind(str(path))
+
+
+def a_device(path):
+    path.symlink_to("/dev/zero")
+
+
+def somebodys_file(path):
+    path.write_text("alias ll='ls -l'\n")
+
+
+def a_link_to_a_state(path):
+    target = path.with_name("target")
+    target.write_bytes(STATE)
+    path.symlink_to(target)
+
+
+def a_link_to_nothing(path):
+    path.symlink_to(path.with_name("nothing"))
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        *(a_folder, a_pipe, a_socket, a_device, somebodys_file),
+        *(a_link_to_a_state, a_link_to_nothing),
+    ],
+)
+def test_a_state_is_written_over_nothing_but_a_state(tmp_path, make):
+    path = tmp_path / "state"
+    make(path)
+    before = path.lstat()
+
+    with pytest.raises(StateError, match="expected a new file or a saved state"):
+        write_state(path, STATE)
+
+    assert (path.lstat().st_ino, path.lstat().st_size) == (before.st_ino, before.st_size)
+    assert not (tmp_path / "nothing").exists()
+    assert not list(tmp_path.glob(".*"))  # nothing is left behind
+
+
+def test_a_state_replaces_a_state(tmp_path):
+    path = tmp_path / "state"
+
+    for state in (STATE, STATE + b" "):
+        write_state(path, state)
+        assert path.read_bytes() == state
+    assert os.listdir(tmp_path) == ["state"]
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path):
+    with pytest.raises(StateError, match=r"cannot write .*/none/state: No such file or directory"):
+        write_state(tmp_path / "none" / "state", STATE)
+
+
+@pytest.mark.parametrize("make", [a_folder, a_pipe, a_device])
+def test_a_state_is_read_from_a_regular_file_alone(tmp_path, make):
+    path = tmp_path / "state"
+    make(path)
+
+    with pytest.raises(StateError, match=r"/state: (expected a regular file|cannot be read)"):
+        read_state(path)
+
+
+def test_a_state_has_a_largest_size(tmp_path):
+    path = tmp_path / "state"
+    with path.open("wb") as file:
+        file.truncate(65 << 20)  # takes no space
+
+    with pytest.raises(StateError, match="expected a file of at most 64 MiB, found a larger one"):
+        read_state(path)
+
+
+def test_without_a_folder_of_states_a_path_is_absolute(world, tmp_path):
+    files = ClientFiles(world, None)
+
+    assert files.state(str(tmp_path / "state")) == tmp_path / "state"
+    with pytest.raises(StateError, match=r"expected an absolute path .*~state_folder"):
+        files.state("state")
+
+
+def test_the_folder_of_states_is_for_relative_names_and_is_not_left(world, kept, tmp_path):
+    files = ClientFiles(world, kept)
+    (kept / "link").symlink_to(tmp_path)
+
+    assert files.state("night.state") == kept / "night.state"
+    assert files.state(f"{kept}/night.state") == kept / "night.state"
+    for name in ("../state", "link/state", str(tmp_path / "state"), "~/.bashrc", "/dev/null", "."):
+        with pytest.raises(FlatlandError, match="expected a file in the folders"):
+            files.state(name)
+
+
+def test_with_a_folder_of_states_worlds_and_models_are_those_of_the_servers_owner(
+    world, kept, tmp_path
+):
+    files = ClientFiles(world, kept)
+    foreign = tmp_path / "foreign.yaml"
+    foreign.write_text(BOX)
+
+    assert files.model_file("box.yaml") == world.config.path.parent / "box.yaml"
+    office = "package://flatland_server/worlds/office/world.yaml"
+    assert files.world_file(office).is_file()
+    for find in (files.model_file, files.world_file):
+        with pytest.raises(FlatlandError, match="expected a file in the folders"):
+            find(str(foreign))
+    assert ClientFiles(world, None).model_file(str(foreign)) == foreign
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["root:x:0:0:secret\n", "password: secret\n", "- secret\n", "a: [secret\n", "a: *secrets\n"],
+)
+def test_a_client_learns_nothing_from_files_of_other_kinds(world, tmp_path, content):
+    path = tmp_path / "passwords"
+    path.write_text(content)
+    model = tmp_path / "model.yaml"
+    model.write_text(f"bodies: [{{name: a, footprints: [$include {path}]}}]\n")
+
+    for read in (world.read_model, WorldConfig.from_file):
+        for file in (path, model):
+            with pytest.raises(YamlError) as error:
+                read(file)
+            assert "secret" not in told(error.value)
+
+
+def test_a_client_is_told_all_about_files_of_flatland(world, tmp_path):
+    model = tmp_path / "model.yaml"
+    model.write_text(BOX.replace("radius: 1", "radius: wide"))
+
+    with pytest.raises(YamlError) as error:
+        world.read_model(model)
+
+    assert told(error.value) == f"YamlError: {error.value}"
+    assert 'found "wide"' in told(error.value)
+
+
+def test_a_long_name_makes_a_short_line(world):
+    with pytest.raises(ModelError) as error:
+        ClientFiles(world, None).model_file("/" + "x" * 1_000_000)
+
+    assert len(told(error.value)) < 600
