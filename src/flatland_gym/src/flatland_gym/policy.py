@@ -1,6 +1,9 @@
 """A trained policy: from observations to actions. Needs NumPy alone."""
 
+import io
+import math
 import os
+import struct
 import zipfile
 import zlib
 from dataclasses import dataclass
@@ -12,8 +15,17 @@ import numpy as np
 from flatland2d import FlatlandError, UsageError
 from flatland_gym.observations import observe
 from flatland_server import Float32Array, FloatArray, PoseLike
+from flatland_server.config.input_files import MIB, read_input
 
 _FORMAT = "flatland policy 1"
+
+_LARGEST = 64 * MIB  # bytes
+
+_NOT_OF_NUMPY = (
+    *(zipfile.BadZipFile, zlib.error, EOFError, KeyError, TypeError, RuntimeError),
+    *(NotImplementedError, OverflowError, struct.error),
+)
+"""Errors of files that are no archive, or of an odd one."""
 
 _POLICIES = Path(__file__).resolve().parent / "policies"
 _SHIPPED = ("discs",)
@@ -122,11 +134,8 @@ class Policy:
         """
         if str(path) in _SHIPPED:
             path = _POLICIES / f"{path}.npz"
+        content = _arrays(read_input(Path(path), _LARGEST, _refusal), Path(path))
         try:
-            with zipfile.ZipFile(path):  # a file of another kind, or a part of one
-                pass
-            with np.load(path, allow_pickle=False) as file:
-                content = {name: file[name] for name in file.files}
             if str(content["format"]) != _FORMAT:
                 raise ValueError(f'the format is "{content["format"]}"')
             numbers = range(int(content["layers"]))
@@ -139,17 +148,22 @@ class Policy:
                 tuple(content["action_limits"].tolist()),
                 float(content["period"]),
             )
-            policy._require_layers()
+            policy._require_sound()
             return policy
-        except OSError as error:
-            raise FlatlandError(f"{path} cannot be read: {error.strerror or error}") from None
         except KeyError as error:
             raise FlatlandError(f"expected a file of a policy, but {path} lacks {error}") from None
-        except (EOFError, TypeError, ValueError, zipfile.BadZipFile, zlib.error) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise FlatlandError(f"expected a file of a policy, but {path}: {error}") from None
 
-    def _require_layers(self) -> None:
-        """Raises a ValueError unless the layers fit to each other and to the robot."""
+    def _require_sound(self) -> None:
+        """Raises a ValueError unless layers fit to each other and to the robot, and all is finite."""
+        limits = (*self.velocity_limits, *self.action_limits)
+        if not (
+            len(self.velocity_limits) == 3 and all(0.0 <= limit < math.inf for limit in limits)
+        ):
+            raise ValueError(f"its limits are {limits}")
+        if not all(0.0 < value < math.inf for value in (self.period, self.max_range)):
+            raise ValueError(f"its period is {self.period} s, its range {self.max_range} m")
         parts = sum(limit > 0.0 for limit in self.velocity_limits)
         size = self.beams + 3 + parts
         for weight, bias in zip(self.weights, self.biases):
@@ -160,6 +174,40 @@ class Policy:
             size = bias.size
         if size != len(self.action_limits):
             raise ValueError(f"{size} outputs for {len(self.action_limits)} parts of an action")
+
+
+def _refusal(path: Path, problem: str) -> FlatlandError:
+    return FlatlandError(f"{path}: {problem}")
+
+
+def _arrays(content: bytes, path: Path) -> Dict[str, Any]:
+    """The arrays of a file of NumPy's.
+
+    Raises:
+        FlatlandError: it is none, or an array takes more memory than a policy.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            if sum(each.file_size for each in archive.infolist()) > _LARGEST:
+                raise ValueError("its arrays are too large")
+            parts = {each.filename: archive.read(each) for each in archive.infolist()}
+        # From bytes, NumPy makes an array of what is there, whatever size the header tells.
+        return {name[: -len(".npy")]: _array(data) for name, data in parts.items()}
+    except (*_NOT_OF_NUMPY, ValueError) as error:
+        raise FlatlandError(f"expected a file of a policy, but {path}: {error}") from None
+
+
+def _array(data: bytes) -> Any:
+    stream = io.BytesIO(data)
+    version = np.lib.format.read_magic(stream)
+    read = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else np.lib.format.read_array_header_2_0
+    )
+    shape, is_fortran, dtype = read(stream)
+    values = np.frombuffer(data, dtype, offset=stream.tell())
+    return values.reshape(shape, order="F" if is_fortran else "C")
 
 
 def _row(name: str, value: Any, size: int) -> FloatArray:
