@@ -10,10 +10,8 @@ import pytest
 from environments import ID, assert_same, make, make_vector
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-from flatland_gym import SCENARIOS, multi_world_fleet
-from flatland_gym.batch_fleet import BatchFleet
-from flatland_gym.fleet import SimulationFleet
-from flatland_gym.multi_world_fleet import MultiWorldFleet
+from flatland_gym import SCENARIOS
+from flatland_gym.fleet import BatchFleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_server import DistanceGrid, UsageError, world_content
 from flatland_server.library.world_source import exported_plugins
@@ -62,6 +60,11 @@ def drive(env, mode, steps, seed=11):
     return results, ends
 
 
+def fleets(env):
+    """The kinds of fleets that an environment has used."""
+    return {type(fleet) for fleet in env.unwrapped.navigation._fleets.values()}
+
+
 def with_a_person_and_walls(count=2):
     """A room in which a person walks, and walls are added that differ from episode to episode."""
     room = world_content(SCENARIOS["empty_room"].world)
@@ -90,23 +93,18 @@ def with_a_cart():
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
 @pytest.mark.parametrize("count", [1, 7])
 @pytest.mark.parametrize(
-    ("world", "fleet"),
-    [
-        ("discs", BatchFleet),
-        (("discs", with_a_person_and_walls()), MultiWorldFleet),
-    ],
-    ids=["one world", "two worlds"],
+    "world", ["discs", ("discs", with_a_person_and_walls())], ids=["one world", "two worlds"]
 )
-def test_it_equals_so_many_single_environments(mode, count, world, fleet):
+def test_it_equals_so_many_single_environments(mode, count, world):
     arguments = {"world": world, **CROWDED}
     single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
     expected, ends = drive(single, mode, 80)
 
     for threads in (1, 4)[:count]:  # four threads do not share seven environments equally
         vector = make_vector(count, threads=threads, autoreset_mode=mode, **arguments)
-        assert type(vector.unwrapped.navigation.fleet) is fleet
         found, _ = drive(vector.unwrapped, mode, 80)
         assert_same(expected, found)
+        assert fleets(vector) == {BatchFleet}
 
     if count == 7:
         assert (ends > 0).all()  # there was each kind of end
@@ -139,21 +137,24 @@ def test_people_and_walls_that_differ_make_no_difference():
 
     for threads in (1, 2, 4):
         vector = make_vector(3, threads=threads, autoreset_mode="SameStep", **arguments)
-        assert type(vector.unwrapped.navigation.fleet) is BatchFleet
         assert_same(expected, drive(vector.unwrapped, "SameStep", 60)[0])
+        assert fleets(vector) == {BatchFleet}
 
 
 @pytest.mark.parametrize(
-    ("world", "fleet"),
-    [(with_a_cart(), SimulationFleet), (("empty_room", with_a_cart()), MultiWorldFleet)],
+    ("world", "kinds"),
+    [
+        (with_a_cart(), {SimulationFleet}),
+        (("empty_room", with_a_cart()), {BatchFleet, SimulationFleet}),
+    ],
     ids=["alone", "beside a batch"],
 )
-def test_a_plugin_that_acts_at_steps_has_simulations(world, fleet):
+def test_a_plugin_that_acts_at_steps_has_simulations(world, kinds):
     arguments = {**CROWDED, "world": world, "time_limit": 0.5}
     single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
     vector = make_vector(3, threads=2, autoreset_mode="SameStep", **arguments)
-    assert type(vector.unwrapped.navigation.fleet) is fleet
     assert_same(drive(single, "SameStep", 25)[0], drive(vector.unwrapped, "SameStep", 25)[0])
+    assert fleets(vector) == kinds
 
 
 CRAB = """
@@ -202,29 +203,22 @@ def test_a_drive_of_a_user_is_trained_as_it_is_driven_in_a_batch():
     single = SyncVectorEnv([lambda: make(**arguments)] * 2, autoreset_mode="SameStep")
     vector = make_vector(2, autoreset_mode="SameStep", **arguments).unwrapped
 
-    assert type(vector.navigation.fleet) is BatchFleet
     assert vector.single_action_space.high == pytest.approx([0.7, 2.0])
     vector.reset(seed=1, options={"start": [0, 0, 0], "goal": [2, 0]})
     pose = vector.step(np.array([[0.7, 0.0]] * 2))[4]["pose"][0]
     assert (pose[0], pose[1] > 0.0) == (pytest.approx(0.0, abs=1e-6), True)
     assert_same(drive(single, "SameStep", 15)[0], drive(vector, "SameStep", 15)[0])
+    assert fleets(vector) == {BatchFleet}
 
 
-def test_a_batch_is_made_when_an_episode_is_in_its_world(monkeypatch):
-    made = []
-
-    def new_batch(world, *others):
-        made.append(world.name)
-        return BatchFleet(world, *others)
-
-    monkeypatch.setattr(multi_world_fleet, "BatchFleet", new_batch)
+def test_a_batch_is_made_when_an_episode_is_in_its_world():
     env = make_vector(3, world=("discs", "doors", "empty_room"), beams=4)
+    made = env.unwrapped.navigation._fleets
     env.reset(seed=1, options={"world": "empty_room"})
-    assert made == ["empty_room"]
+    assert list(made) == [2]
     last = np.array([False, False, True])
-    for _ in range(2):
-        env.reset(options={"reset_mask": last, "world": "discs"})
-    assert made == ["empty_room", "discs"]
+    env.reset(options={"reset_mask": last, "world": "discs"})
+    assert list(made) == [2, 0]
     env.close()
 
 
@@ -232,7 +226,7 @@ def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
     env = make(world=with_a_person_and_walls(), goal_distance=(0.4, 3.0), beams=32, flatten=False)
     for seed in range(60):
         observation, info = env.reset(seed=seed)
-        walls = env.navigation.fleet.simulation(0).world.layers[0].segments
+        walls = env.navigation.simulation(0).world.layers[0].segments
         assert len(walls) == 4 + 2
         assert observation["ranges"].min() * 10 > 0.2 + 0.09  # radius and margin
         assert DistanceGrid(walls, (0.0, 0.0), 1.0).distance(*info["goal"]) > 0.2
