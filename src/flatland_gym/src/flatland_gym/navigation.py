@@ -15,6 +15,7 @@ from flatland_gym.fleet import Fleet, RobotSimulation, make_fleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import as_dict, bounds, goal_distances, observe
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
+from flatland_gym.policy import Policy
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
 from flatland_gym.robot import Robot
 from flatland_gym.settings import NavigationSettings
@@ -203,6 +204,19 @@ class Navigation:
             "pose": self.rows.poses.copy(),
             "goal": self.goals.copy(),
         }
+
+    def policy(self, weights: Sequence[Float32Array], biases: Sequence[Float32Array]) -> Policy:
+        """A policy for the robot: a network with these layers."""
+        robot = self.robot
+        return Policy(
+            tuple(weights),
+            tuple(biases),
+            robot.beams,
+            robot.max_range,
+            robot.velocity_limits,
+            robot.action_limits,
+            self._period,
+        )
 
     def simulation(self, index: int) -> Simulation:
         """The simulation that has the robot of a row, or shows it."""

@@ -156,16 +156,9 @@ class Ppo:
 
     def policy(self) -> Policy:
         """The policy as it is now."""
-        navigation = self._env.navigation
-        return Policy(
-            tuple(weight.copy() for weight in self._actor.weights),
-            tuple(bias.copy() for bias in self._actor.biases),
-            navigation.robot.beams,
-            navigation.robot.max_range,
-            navigation.robot.velocity_limits,
-            navigation.robot.action_limits,
-            navigation.settings.period,
-        )
+        layers = self._actor.weights, self._actor.biases
+        weights, biases = ([array.copy() for array in arrays] for arrays in layers)
+        return self._env.navigation.policy(weights, biases)
 
     def _roll_out(self) -> _Rollout:
         """Collects a rollout of all environments."""
