@@ -1,8 +1,6 @@
 """The vector environment, compared bit for bit with SyncVectorEnv of single ones."""
 
 import copy
-import functools
-import gc
 
 import gymnasium as gym
 import numpy as np
@@ -129,18 +127,6 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
-@pytest.mark.usefixtures("files_read_once")
-def test_people_and_walls_that_differ_make_no_difference():
-    arguments = {**CROWDED, "world": with_a_person_and_walls()}
-    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
-    expected, _ = drive(single, "SameStep", 60)
-
-    for threads in (1, 2, 4):
-        vector = make_vector(3, threads=threads, autoreset_mode="SameStep", **arguments)
-        assert_same(expected, drive(vector.unwrapped, "SameStep", 60)[0])
-        assert fleets(vector) == {BatchFleet}
-
-
 @pytest.mark.parametrize(
     ("world", "kinds"),
     [
@@ -235,65 +221,6 @@ def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
     with pytest.raises(UsageError, match="walls that a plugin of the world has added"):
         env.reset(seed=1, options={"goal": [4.4, 0.0]})
     env.close()
-
-
-@pytest.mark.usefixtures("files_read_once")
-def test_a_thousand_environments_equal_so_many_single_ones(request):
-    """In each mode, with 1, 2 and 4 threads; over an end and the reset that follows it."""
-    arguments = {"world": "empty_room", "beams": 4, "time_limit": 0.1, "goal_distance": (0.4, 1.2)}
-    gc.disable()  # it would look at all objects of all environments again and again
-    request.addfinalizer(gc.enable)
-    singles = [Remembering(make(**arguments)) for _ in range(1024)]
-    for mode in ["SameStep", "Disabled", "NextStep"]:
-        one_by_one = SyncVectorEnv(
-            [functools.partial(lambda env: env, env) for env in singles], autoreset_mode=mode
-        )
-        expected = few_steps(one_by_one, mode)
-        for threads in (1, 2, 4):
-            vector = make_vector(1024, threads=threads, autoreset_mode=mode, **arguments)
-            assert_same(expected, few_steps(vector.unwrapped, mode))
-            vector.close()
-    for env in singles:
-        env.close()
-
-
-class Remembering(gym.Wrapper):
-    """Replays the recorded results of equal calls since a reset with the same seed.
-
-    The environment is deterministic, so that it needs to make its steps only once. The first calls
-    must go at least as far as those that come later.
-    """
-
-    def __init__(self, env):
-        super().__init__(env)
-        self._answers = {}
-
-    def reset(self, *, seed=None, options=None):
-        self._calls = (*self._calls, "reset") if seed is None else (seed,)
-        return self._answer(lambda: self.env.reset(seed=seed))
-
-    def step(self, action):
-        self._calls = (*self._calls, action.tobytes())
-        return self._answer(lambda: self.env.step(action))
-
-    def _answer(self, ask):
-        if self._calls not in self._answers:
-            assert len(self._calls) == len(self._answers) + 1
-            self._answers[self._calls] = ask()
-        return self._answers[self._calls]
-
-
-def few_steps(env, mode):
-    """All results of an environment in three steps; all episodes end in the second."""
-    rng = np.random.default_rng(5)
-    results = [env.reset(seed=11)]
-    for _ in range(3):
-        results.append(env.step(rng.uniform(-1, 1, env.action_space.shape).astype(np.float32)))
-        ended = results[-1][2] | results[-1][3]
-        if mode == "Disabled" and ended.any():
-            results.append(env.reset(options={"reset_mask": ended}))
-    assert results[2][3].all()
-    return copy.deepcopy(results)
 
 
 @pytest.mark.parametrize(

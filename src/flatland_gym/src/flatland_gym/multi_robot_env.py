@@ -55,9 +55,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         self.possible_agents = list(navigation.robot_names)
         self.agents: List[str] = []
         self._rng: Optional[np.random.Generator] = None
-        self.observation_spaces = dict.fromkeys(
-            self.possible_agents, navigation.observation_space
-        )
+        self.observation_spaces = dict.fromkeys(self.possible_agents, navigation.observation_space)
         # A space of its own for each agent, so that each has its own seed.
         self.action_spaces = {
             agent: navigation.robot.action_space() for agent in self.possible_agents

@@ -148,7 +148,6 @@ class Crowd(WorldPlugin):
         }
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Restores a state that `get_state` has returned."""
         self._keep([i for i, each in enumerate(self._people) if each.config.name in state])
         for index, person in enumerate(self._people):
             for values, value in zip(self._motion.progress, state[person.config.name]):

@@ -38,7 +38,6 @@ class TwistDrive(OdometryPlugin, ABC):
     publishes_transform: ClassVar[bool] = True
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the documented keys and opens the topics."""
         body = self.get_body(config)
         twist_sub = config.get_topic("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
@@ -94,15 +93,26 @@ class TwistDrive(OdometryPlugin, ABC):
             self.on_twist(Twist())
 
 
+class VelocityDrive(TwistDrive):
+    """A drive that is given a velocity: of all three components, or of some.
+
+    Attributes:
+        columns: the components: 0 is forwards, 1 to the left, 2 the turn.
+    """
+
+    columns: ClassVar[Tuple[int, ...]]
+
+    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
+        linear, angular = read_dynamics(config)
+        config.finish()
+        self._drive = body.physics_body.add_drive(linear, angular)
+        limits = (linear.velocity_limit, linear.velocity_limit, angular.velocity_limit)
+        return CoreDrive(self._drive, self.columns, tuple(limits[k] for k in self.columns))
+
+
 def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:
     """The limits of a drive's linear and of its angular velocity."""
     return (
         DynamicsLimits.read(config, "linear_dynamics"),
         DynamicsLimits.read(config, "angular_dynamics"),
     )
-
-
-def velocity_limits(dynamics: Tuple[DynamicsLimits, DynamicsLimits]) -> Tuple[float, float]:
-    """The limits of the linear and of the angular velocity; 0 is no limit."""
-    linear, angular = dynamics
-    return linear.velocity_limit, angular.velocity_limit

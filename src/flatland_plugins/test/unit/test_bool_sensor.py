@@ -96,14 +96,6 @@ def test_only_what_is_on_its_layers_is_noticed(files, mine, others, is_noticed):
     assert said(move(world, 0.1).run()) == is_noticed
 
 
-def test_a_wall_of_another_layer_is_not_noticed(files):
-    walls = f"name: walls, map: {files.walls('wall', '0.1 -3 0.1 3')}"
-    area = "{type: circle, radius: 0.2, density: 10, sensor: true, layers: [robot]}"
-    robot = files.robot(SENSOR, footprint=area, layers=(walls, "name: robot"))
-
-    assert not said(robot.run(0.1))
-
-
 def gripper(files, *plugins: str):
     """A robot with an area between its arms, and a ball that no part of it touches."""
     lines = "".join(f"\n          - {{{plugin}}}" for plugin in plugins)
@@ -193,16 +185,6 @@ def test_one_that_is_deleted_touches_no_longer(files, seconds):
     world.world.delete_model("ball")
 
     assert not said(world.run())
-
-
-def test_the_sensors_model_can_be_deleted_while_it_is_touched(files, caplog):
-    world = move(with_ball(files), 0.1).run(0.1)
-
-    world.world.delete_model("robot")
-    world.run(0.1)
-
-    assert world.transport.topics == set()
-    assert caplog.records == []
 
 
 def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
@@ -310,11 +292,3 @@ def test_a_sensor_that_touches_from_the_beginning_says_so_at_once(files):
     world = files.robot(SENSOR, footprint=AREA, others={"ball": f"model: {ball}"})
 
     assert history(world, 0.01) == [(STEP_NS, True), (2 * STEP_NS, True)]
-
-
-def test_a_subscriber_that_comes_during_a_touch_is_told(files, no_subscribers):
-    world = move(with_ball(files, transport=no_subscribers), 0.1).run(0.1)
-
-    no_subscribers.set_subscribed_topics(None)
-
-    assert said(world.run())

@@ -204,13 +204,6 @@ def test_a_sensor_beside_a_solid_footprint_does_not_hide_its_points(files):
     assert counts == [0, 1]
 
 
-def test_footprints_of_other_layers_do_not_collide(files):
-    footprint = f"{{type: circle, radius: {RADIUS}, density: 10, layers: [other]}}"
-    robot = files.robot(BUMPER, footprint=footprint, layers=(*wall(files), "name: other"))
-
-    assert record(throw(robot, 1.0), 2.0) == []
-
-
 # Bodies to ignore
 
 

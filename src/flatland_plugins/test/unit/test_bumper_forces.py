@@ -66,15 +66,6 @@ def test_a_hit_in_the_midst_of_a_step_takes_nothing_from_the_other_forces_of_the
     assert impulse([ahead]) == pytest.approx(MASS * 60.0, rel=1e-3)
 
 
-def test_a_robot_that_is_pushed_against_a_wall_feels_the_push(files):
-    robot = press(files.robot(BUMPER, pose="[0.79, 0, 0]", layers=wall(files)), (3.0, 0.0), 1.0)
-
-    [collision] = now(robot)
-
-    assert collision.magnitude_forces == [pytest.approx(3.0, rel=1e-3)]
-    assert robot.model().base.physics_body.velocity == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
-
-
 @pytest.mark.parametrize("height", [0.0, 0.1, -0.2])
 def test_two_points_share_a_push_by_the_lever_rule(files, height):
     robot = files.robot(BUMPER, footprint=BOX, pose="[0.74, 0, 0]", layers=wall(files))

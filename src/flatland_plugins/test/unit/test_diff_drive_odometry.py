@@ -71,11 +71,3 @@ def test_the_transform_is_the_filtered_odometry(files):
     assert tuple(transform.pose) == pytest.approx(pose_of(odometry), abs=1e-9)
     assert (transform.parent, transform.roll) == (odometry.header.frame_id, 0.0)
     assert transform.nanoseconds == odometry.header.stamp.to_nsec()
-
-
-def test_all_that_is_published_together_has_one_stamp(files):
-    robot = files.robot(f"{DRIVE}, pub_rate: 30").run(0.99)
-
-    stamps = {robot.last(topic).header.stamp.to_nsec() for topic in (FILTERED, GROUND_TRUTH, TWIST)}
-
-    assert stamps == {robot.transport.transforms["base"].nanoseconds}

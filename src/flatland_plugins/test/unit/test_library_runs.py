@@ -98,22 +98,6 @@ def test_a_simulation_makes_the_run_of_the_server(tmp_path):
     assert LibraryTown(tmp_path).run_and_digest(2.0) == ServerTown(tmp_path).run_and_digest(2.0)
 
 
-@pytest.mark.slow
-def test_after_a_reset_and_from_a_state_runs_are_equal(tmp_path):
-    town = LibraryTown(tmp_path)
-    first = town.run_and_digest(1.5)
-    state = town.simulation.save_state()
-    second = town.run_and_digest(1.0)
-
-    town.simulation.reset()
-    assert town.run_and_digest(1.5) == first
-    other = LibraryTown(tmp_path, seed=99)
-    other.simulation.load_state(state)
-    assert other.simulation.seed == 4
-    assert other.simulation.time == 1.5
-    assert other.run_and_digest(1.0) == second
-
-
 def read_everything(simulation):
     for model in simulation.models.values():
         for sensor in model.sensors.values():

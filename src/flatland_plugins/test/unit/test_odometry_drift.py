@@ -104,21 +104,6 @@ def test_a_heading_that_drifts_bends_a_straight_path(files, rate):
     assert_covariance(lateral_and_yaw, covariance)
 
 
-@pytest.mark.slow
-def test_a_heading_that_drifts_does_not_close_a_circle(files):
-    time, radius, q = 4.0, 0.8, 6e-4
-    omega = math.tau / time
-    robots = swarm(files, 400, f"odom_drift: [0, 0, {q}], pub_rate: 20", step=0.025)
-
-    run_to_a_message(robots.drive(radius * omega, omega), time)
-
-    # To first order, an error of the heading at a time t turns what follows of the path, p(T) -
-    # p(t), by a quarter turn: the circle's integrals of its products over t, with the heading's.
-    r = radius
-    covariance = q * time * np.array([[1.5 * r * r, 0, r], [0, 0.5 * r * r, 0], [r, 0, 1]])
-    assert_covariance(errors(robots), covariance)
-
-
 def test_a_drift_is_in_the_bodys_frame(files):
     ahead, left = 0.01, 0.0025
     robots = swarm(
@@ -130,18 +115,6 @@ def test_a_drift_is_in_the_bodys_frame(files):
     axes = np.array([[math.cos(0.5236), -math.sin(0.5236)], [math.sin(0.5236), math.cos(0.5236)]])
     assert_covariance(error[:, :2], axes @ np.diag([ahead, left]) @ axes.T)
     assert np.abs(error[:, 2]).max() < 1e-9
-
-
-@pytest.mark.slow
-def test_a_robots_error_grows_as_it_drives(files):
-    robots = swarm(files, 100, "odom_drift: [1e-4, 1e-4, 1e-4], pub_rate: 20", step=0.025)
-    robots.drive(0.5, 0.2)
-
-    runs = (run_to_a_message(robots, seconds) for seconds in (2.0, 1.975, 1.975, 1.975))
-    sizes = [np.sqrt((errors(run) ** 2).mean(axis=0)) for run in runs]
-
-    assert np.diff(sizes, axis=0).min() > 0.0
-    assert sizes[-1].min() > 0.02
 
 
 def test_the_drift_begins_at_the_truth(files):
@@ -187,19 +160,6 @@ def test_the_transform_drifts_as_the_message_does(files):
     assert transform.pose.x != pytest.approx(robot.model().pose.x, abs=1e-3)
 
 
-def test_a_model_that_is_moved_takes_its_odometry_along(files):
-    robot = files.robot(f"{DRIVE}, odom_drift: [0.01, 0.01, 0.01]", seed=1).run(10.0)
-    before = pose_of(robot.last(FILTERED))
-    jump = Pose(2.0, -1.0, 2.0)
-
-    robot.world.move_model("robot", jump)
-    robot.run()
-
-    after = pose_of(robot.last(FILTERED))
-    assert tuple(before.inverse().compose(after).wrapped()) == pytest.approx(tuple(jump), abs=0.05)
-    assert max(map(abs, before)) > 0.1
-
-
 def test_a_twist_in_the_odometrys_frame_goes_by_the_drifted_heading(files):
     robot = files.robot(f"{DRIVE}, odom_drift: [0, 0, 1], twist_in_local_frame: false")
 
@@ -209,26 +169,3 @@ def test_a_twist_in_the_odometrys_frame_goes_by_the_drifted_heading(files):
     velocity, yaw = message.twist.twist.linear, pose_of(message).yaw
     assert (velocity.x, velocity.y) == pytest.approx((math.cos(yaw), math.sin(yaw)), abs=1e-3)
     assert abs(yaw) > 0.1
-
-
-def drifted(simulation, seconds: float) -> List[Pose]:
-    """The estimate at each step."""
-    return [pose_of(simulation.run().last(FILTERED)) for _ in range(round(seconds / 0.005))]
-
-
-def test_equal_seeds_drift_equally_and_others_do_not(files):
-    runs = [
-        drifted(files.robot(f"{DRIVE}, {DRIFT}", seed=seed).drive(0.5, 0.3), 1.0)
-        for seed in (5, 5, 6)
-    ]
-
-    assert runs[0] == runs[1]
-    assert not any(a.x == b.x for a, b in zip(runs[0][1:], runs[2][1:]))
-
-
-def test_two_robots_drift_apart(files):
-    robots = swarm(files, 2, DRIFT).run(0.1)
-
-    first, second = estimated(robots)
-
-    assert first.x != second.x

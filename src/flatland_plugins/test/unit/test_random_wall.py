@@ -256,20 +256,6 @@ def test_a_robot_without_any_footprint_is_a_point(files):
     assert set(added(world)) == COPIES
 
 
-# Chance
-
-
-def test_other_seeds_put_up_other_walls(files):
-    plugin = f"{WALLS}, num_of_walls: 5"
-
-    chosen = {
-        tuple(added(room(files, plugin, segments=office_like(), seed=seed), before=60))
-        for seed in range(6)
-    }
-
-    assert len(chosen) == 6
-
-
 # Effects
 
 

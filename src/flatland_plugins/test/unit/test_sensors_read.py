@@ -148,19 +148,6 @@ def test_a_reading_is_the_message_of_its_time(load, name, quantity, topic, of, s
 
 
 @pytest.mark.parametrize("name", PLUGINS)
-def test_readings_need_no_subscriber(load, name):
-    with_subscribers, without = load(topics=IDS), load()
-    for sim in (with_subscribers, without):
-        sim.models["robot"].sensors[name].read()  # the acceleration is the mean since a reading
-
-    for _ in range(200):
-        first, second = (
-            sim.step().models["robot"].sensors[name].read() for sim in (with_subscribers, without)
-        )
-        assert repr(first) == repr(second)
-
-
-@pytest.mark.parametrize("name", PLUGINS)
 def test_readings_go_on_from_a_saved_state(load, name):
     sim = load(topics=["/imu/filtered"]).step(203)
     state = sim.save_state()

@@ -15,7 +15,7 @@ from forklift import (
     steer_angle,
     twist_at,
 )
-from readings import GROUND_TRUTH, pose_of, twist_of, warnings
+from readings import GROUND_TRUTH, pose_of, twist_of
 
 from flatland_server.geometry import Pose
 
@@ -155,13 +155,3 @@ def test_a_wall_stops_it(files):
 
     assert robot.model().pose.x == pytest.approx(2.0 - 0.2, abs=0.02)
     assert twist_of(robot.last(GROUND_TRUTH))[0] == pytest.approx(0.0, abs=0.02)
-
-
-def test_it_can_be_deleted_in_mid_drive(files, caplog):
-    robot = forklift(files).drive(1.0, 0.6).run(1.0)
-
-    robot.world.delete_model("robot")
-    robot.drive(1.0, 0.6).run(0.1)
-
-    assert (robot.transport.topics, robot.transport.subscribed) == (set(), set())
-    assert warnings(caplog) == []
