@@ -76,26 +76,6 @@ def test_a_sensor_is_nothing_that_touches(files):
     assert not said(move(world, 0.1).run())
 
 
-@pytest.mark.parametrize(
-    ("mine", "others", "is_noticed"),
-    [
-        ("friction: 0", "friction: 0", True),
-        ("layers: [robot]", "layers: [robot]", True),
-        ("layers: [robot]", "friction: 0", True),
-        ("layers: [robot]", "layers: [person, robot]", True),
-        ("layers: [robot]", "layers: [person]", False),
-        ("friction: 0", "layers: []", False),
-        ("friction: 0", "collision: false", False),
-    ],
-)
-def test_only_what_is_on_its_layers_is_noticed(files, mine, others, is_noticed):
-    area = f"{{type: circle, radius: 0.2, density: 10, sensor: true, {mine}}}"
-    ball = f"{{type: circle, radius: 0.2, density: 10, {others}}}"
-    world = with_ball(files, footprint=area, ball=ball, layers=("name: robot", "name: person"))
-
-    assert said(move(world, 0.1).run()) == is_noticed
-
-
 def gripper(files, *plugins: str):
     """A robot with an area between its arms, and a ball that no part of it touches."""
     lines = "".join(f"\n          - {{{plugin}}}" for plugin in plugins)

@@ -85,18 +85,6 @@ def test_the_lidar_sits_at_its_origin_on_the_body(files):
     assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
 
 
-def test_beyond_its_range_it_sees_infinity(files):
-    robot = in_the_room(files, LASER.replace("range: 20", "range: 4"))
-
-    scan = robot.run().last("/scan")
-
-    expected = room_ranges((0.0, 0.0, 0.0), beam_angles(scan))
-    assert 10 < (expected > 4).sum() < 100
-    expected[expected > 4] = math.inf
-    assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
-    assert scan.range_max == 4.0
-
-
 def test_angles_may_decrease(files):
     clockwise = LASER.replace(ANGLES, "angle: {min: 2, max: -2, increment: -0.1}")
     robot = in_the_room(files, clockwise, pose="[1, 2, 0.5]")
@@ -213,14 +201,6 @@ def test_a_lidar_sees_the_footprints_of_its_layers(files, laser, target, seen):
     assert (distance == pytest.approx(1.5)) == seen
 
 
-def test_a_lidar_does_not_see_the_disc_that_it_sits_in_but_sees_its_own_mast(files):
-    mast = "{type: circle, center: [0.15, 0], radius: 0.02, density: 1}"
-    disc = "{type: circle, radius: 0.2, density: 1}"
-    robot = files.robot(AHEAD, footprint=f"{disc}, {mast}").run()
-
-    assert robot.last("/scan").ranges == pytest.approx([0.13])
-
-
 def test_what_is_on_the_layer_reflectance_shines(files):
     walls = (
         f"name: plain, map: {files.walls('plain', '2 -1 2 1')}",
@@ -258,16 +238,6 @@ def test_there_are_no_intensities_without_a_layer_reflectance(files, name, count
 
     assert len(scan.ranges) == 121
     assert list(scan.intensities) == [0.0] * count
-
-
-def test_a_scan_shows_where_bodies_are_now(files):
-    target = files.model("target", "type: DiffDrive, name: drive, body: base")
-    robot = files.robot(AHEAD, others={"target": f"model: {target}, pose: [2, 0, 0]"}).drive(1.0)
-
-    ranges = [scan.ranges[0] for scan in robot.record("/scan", 1.0)]
-
-    # The scan of time t is made before the step from t on.
-    assert ranges == pytest.approx([1.8 + 0.005 * i for i in range(200)], abs=1e-3)
 
 
 @pytest.mark.parametrize(("flag", "scans"), [("", 0), (", always_publish: true", 10)])

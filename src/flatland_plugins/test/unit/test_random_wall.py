@@ -8,7 +8,6 @@ import pytest
 
 from flatland_plugins.random_wall import copies_beside
 from flatland_server.exceptions import FlatlandError
-from flatland_server.geometry import Pose
 
 ROOM = ("-5 -3 5 -3", "5 -3 5 3", "5 3 -5 3", "-5 3 -5 -3")
 COPIES = {  # of the room's walls, 0.5 m inwards
@@ -254,46 +253,6 @@ def test_a_robot_without_any_footprint_is_a_point(files):
     world = room(files, f"{WALLS}, num_of_walls: 4", robot=ghost)
 
     assert set(added(world)) == COPIES
-
-
-# Effects
-
-
-def test_a_lidar_sees_them(files):
-    world = room(files, f"{WALLS}, num_of_walls: 4").run()
-
-    scan = world.last("/scan")
-
-    # The room is 9 by 5 m now.
-    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
-    with np.errstate(divide="ignore"):
-        expected = np.minimum(4.5 / np.abs(np.cos(angles)), 2.5 / np.abs(np.sin(angles)))
-    assert np.asarray(scan.ranges) == pytest.approx(expected, abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("layer", "stops_at"), [("walls", 4.5 - 0.2), ("bricks", 4.5 - 0.2), ("empty", 6.0)]
-)
-def test_they_stop_what_is_on_their_layer(files, layer, stops_at):
-    footprint = f"{{type: circle, radius: 0.2, density: 1, layers: [{layer}]}}"
-    robot = files.model("robot", footprint=footprint)
-    world = room(files, f"{WALLS}, num_of_walls: 4", robot=robot)
-
-    world.model().base.physics_body.velocity = (2.0, 0.0, 0.0)
-    world.run(3.0)
-
-    assert world.model().pose.x == pytest.approx(stops_at, abs=0.02)
-
-
-def test_a_bumper_calls_them_by_their_layers_name(files):
-    robot = files.model("robot", "type: Bumper, name: bumper")
-    world = room(files, f"{WALLS}, num_of_walls: 4", robot=robot)
-
-    world.world.move_model("robot", Pose(4.3, 0.0, 0.0))
-
-    [collision] = world.run().last("/collisions").collisions
-    assert (collision.entity_B, collision.body_B) == ("walls", "walls")
-    assert collision.contact_positions[0].x == pytest.approx(4.5, abs=0.02)
 
 
 def test_a_layer_may_be_named_by_any_of_its_names(files):
