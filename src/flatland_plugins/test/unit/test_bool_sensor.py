@@ -176,33 +176,6 @@ def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
     assert said(world.run())
 
 
-@pytest.mark.parametrize("kind", ["dynamic", "static"])
-def test_a_sleeping_body_that_is_moved_onto_it_is_noticed(files, kind):
-    ball = files.model("ball")
-    plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
-    world = files.load_models(
-        {"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"}
-    )
-    world.run(3.0)
-    assert not world.model("ball").base.physics_body.awake
-
-    assert said(move(world, 0.1).run())
-
-
-@pytest.mark.parametrize("kind", ["dynamic", "static"])
-def test_a_sensor_that_is_moved_onto_a_sleeping_body_notices_it(files, kind):
-    ball = files.model("ball")
-    plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
-    world = files.load_models(
-        {"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"}
-    )
-    world.run(3.0)
-
-    assert said(move(world, 0.9, name="plate").run())
-    world.run(3.0)
-    assert not said(move(world, 3.0, name="plate").run())
-
-
 def test_what_stays_and_falls_asleep_is_still_touching(files):
     world = move(with_ball(files), 0.1).run(3.0)
 
