@@ -39,6 +39,15 @@ def test_different_seeds_give_different_noise(files):
     assert not any(a[0] == b[0] or a[4] == b[4] for a, b in zip(first, second))
 
 
+def test_two_robots_have_different_noise(files):
+    other = f"model: robot.model.yaml, namespace: other, {FAR_AWAY}"
+    simulation = load(files, others={"other": other}).run(0.1)
+
+    mine, theirs = (simulation.last(f"{ns}/odometry/filtered").twist.twist for ns in ("", "/other"))
+
+    assert mine.linear.x != theirs.linear.x
+
+
 def test_a_model_that_comes_and_goes_does_not_change_the_noise(files):
     alone = numbers(load(files, seed=5), 2.0)
     simulation = load(files, seed=5)
