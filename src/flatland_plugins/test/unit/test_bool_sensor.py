@@ -212,16 +212,6 @@ def test_a_touch_shorter_than_its_period_is_told_of_exactly_once(files, begin, s
     assert [time for time, touched in spoken if touched] == [first_after]
 
 
-def test_several_short_touches_within_a_period_are_one(files):
-    world = with_ball(files, f"{SENSOR}, update_rate: 10").run(0.02)
-
-    for _ in range(3):
-        move(world, 0.1).run(0.01)
-        move(world, 1.0).run(0.01)
-
-    assert [touched for _, touched in history(world, 0.4)] == [True, False, False, False]
-
-
 def test_a_touch_that_lasts_is_told_of_until_it_ends_and_not_again(files):
     world = with_ball(files, f"{SENSOR}, update_rate: 10").run(0.02)
 

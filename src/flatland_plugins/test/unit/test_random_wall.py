@@ -62,16 +62,6 @@ def added(world, before: int = len(ROOM)) -> List[Tuple[float, ...]]:
     return [tuple(row) for row in rows.round(6).tolist()]
 
 
-def office_like(count: int = 60) -> Tuple[str, ...]:
-    """Walls of all lengths and directions around a free place of 3 m."""
-    rng = np.random.default_rng(5)
-    angle, distance = rng.uniform(0, math.tau, count), rng.uniform(3.0, 12.0, count)
-    heading, length = rng.uniform(0, math.tau, count), rng.uniform(0.1, 1.5, count)
-    x, y = distance * np.cos(angle), distance * np.sin(angle)
-    ends = np.stack([x, y, x + length * np.cos(heading), y + length * np.sin(heading)], axis=1)
-    return tuple(" ".join(f"{value:.6f}" for value in row) for row in ends)
-
-
 def parallel_offset(original: np.ndarray, copy: np.ndarray) -> float:
     """Distance of a copy to the left of its wall [m]; NaN if not parallel and of equal length."""
     along = original[2:] - original[:2]
@@ -133,20 +123,6 @@ def test_the_robots_side_is_where_it_stands_when_the_world_is_loaded(
     assert found in (copy, (*copy[2:], *copy[:2]))
 
 
-def test_copies_of_walls_in_any_direction_are_parallels_at_the_distance(files):
-    plugin = f"{WALLS}, num_of_walls: 60, double_wall: true"
-    world = room(files, plugin, segments=office_like())
-
-    segments = world.world.get_layer("walls").segments
-    originals, copies = segments[:60], segments[60:]
-    assert len(copies) == 120
-    offsets = np.array([[parallel_offset(each, copy) for copy in copies] for each in originals])
-    is_copy = np.isclose(np.abs(offsets), 0.5, atol=1e-6)
-    assert (is_copy.sum(axis=1) == 2).all()
-    # One on each side of every original.
-    assert np.where(is_copy, offsets, 0.0).sum(axis=1) == pytest.approx(np.zeros(60), abs=1e-6)
-
-
 def test_copies_are_on_the_side_of_the_place():
     rng = np.random.default_rng(8)
     walls, place = rng.uniform(-5, 5, (500, 4)), np.array([1.0, -2.0])
@@ -162,14 +138,6 @@ def test_copies_are_on_the_side_of_the_place():
     left = np.sign(along[:, 0] * to_place[:, 1] - along[:, 1] * to_place[:, 0])
     assert near == pytest.approx(0.3 * left, abs=1e-9)
     assert far == pytest.approx(-0.3 * left, abs=1e-9)
-
-
-def test_the_distance_is_a_metre_if_it_is_not_given(files):
-    plugin = WALLS.replace(", wall_wall_dist: 0.5", "") + ", num_of_walls: 1"
-
-    [copy] = added(room(files, plugin, segments=("3 -1 3 1",)), before=1)
-
-    assert copy == (2.0, -1.0, 2.0, 1.0)
 
 
 def test_walls_are_taken_from_all_over_the_layer(files):
