@@ -320,10 +320,10 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
 
 def observation_space(robot: Robot, settings: NavigationSettings) -> "spaces.Space[Any]":
     """The space of a robot's observations; see `observations`."""
-    low, high = bounds(robot.beams, sum(limit > 0.0 for limit in robot.velocity_limits))
+    ends = bounds(robot.beams, sum(limit > 0.0 for limit in robot.velocity_limits))
     if settings.flatten:
-        ends = [np.concatenate(list(each.values())) for each in (low, high)]
-        return spaces.Box(ends[0], ends[1], dtype=np.float32)
+        return spaces.Box(*ends, dtype=np.float32)
+    low, high = (as_dict(end, robot.beams) for end in ends)
     return spaces.Dict({key: spaces.Box(low[key], high[key], dtype=np.float32) for key in low})
 
 

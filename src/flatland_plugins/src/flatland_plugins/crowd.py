@@ -7,7 +7,7 @@ import numpy as np
 from flatland_plugins.crowd_config import CrowdConfig
 from flatland_plugins.crowd_motion import CrowdMotion
 from flatland_plugins.obstacles import Bodies, Outline, Walls, seen_from
-from flatland_plugins.pedestrian import Pedestrian, model_of
+from flatland_plugins.people import Pedestrian, model_of
 from flatland_plugins.social_force import Others, discs_apart
 from flatland_server import (
     BatchRole,
