@@ -304,9 +304,10 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     Raises:
         UsageError: such a function has returned another shape, or no finite numbers.
     """
-    count = len(transition.distance)
-    arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-1]}
-    step = transition._replace(**arrays)
+    count, step = len(transition.distance), transition
+    if settings.reward is not None or settings.terminated is not None:
+        arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-1]}
+        step = transition._replace(**arrays)
     if settings.reward is None:
         rewards = navigation_reward(step, settings.rewards)
     else:

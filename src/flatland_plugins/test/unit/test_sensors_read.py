@@ -219,24 +219,3 @@ def test_a_bumper_forgets_what_was_deleted(load):
     sim.delete("box")
 
     assert bumper.read() == []
-
-
-@pytest.mark.parametrize(
-    ("type", "command", "velocity"),
-    [
-        ("DiffDrive", (0.5, 0.2), (0.5, 0.0, 0.2)),
-        ("OmniDrive", (0.5, -0.3, 0.2), (0.5, -0.3, 0.2)),
-    ],
-)
-def test_drives_take_commands(load, type, command, velocity):
-    sim = load(plugins={"drive": {"type": "DiffDrive", "body": "base"}})
-    sim.delete("box")
-    body = {"name": "base", "footprints": [DISC]}
-    plugins = [{"type": type, "name": "drive", "body": "base", "twist_sub": "other"}]
-    other = sim.spawn({"bodies": [body], "plugins": plugins}, "other", [-3, 0, 0], namespace="ns")
-
-    other.command(*command)
-    sim.step(10)
-
-    assert tuple(other.local_velocity) == pytest.approx(velocity, abs=1e-3)
-    assert tuple(other.sensors["drive"].read().velocity) == tuple(other.local_velocity)
