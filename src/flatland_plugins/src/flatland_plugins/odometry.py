@@ -112,7 +112,7 @@ class OdometryPlugin(ModelPlugin):
 
     def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
         """The true pose in the world, and the true velocity."""
-        return Odometry(self._body.pose, self._velocity())
+        return self._truth()
 
     def get_state(self) -> Dict[str, Any]:
         """The drift and the number of the last move; the core saves commands and velocities."""
@@ -132,13 +132,12 @@ class OdometryPlugin(ModelPlugin):
         if self._odom is not None and self._odom.has_subscribers:
             self._write(self._odom, self._odom_writer, nanoseconds, estimate)
         if self._ground_truth is not None and self._ground_truth.has_subscribers:
-            truth = Odometry(self._body.pose, self._velocity())
-            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, truth)
+            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, self._truth())
         return estimate
 
     def _measured(self, nanoseconds: int, drifted: Pose) -> Odometry:
         """The odometry of a pose that has drifted, with the noise of a time [ns]."""
-        velocity = self._velocity()
+        velocity = Velocity(*self._body.physics_body.local_velocity)
         if not self._is_noisy:
             return Odometry(drifted, velocity)
         noise = (self._noise.at(nanoseconds).standard_normal(6) * self._deviation).tolist()
@@ -153,8 +152,8 @@ class OdometryPlugin(ModelPlugin):
             return pose
         return self._drift.preview(nanoseconds, pose, has_jumped=self._has_jumped())
 
-    def _velocity(self) -> Velocity:
-        return Velocity(*self._body.physics_body.local_velocity)
+    def _truth(self) -> Odometry:
+        return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
 
     def _has_jumped(self) -> bool:
         """Whether the model was moved since the last odometry."""
