@@ -88,12 +88,6 @@ def test_the_fix_is_where_the_antenna_is(files, reference):
     assert metres_between(fix, by_proj(reference, x, y)) < 1e-3
 
 
-def test_without_a_reference_the_world_begins_in_the_gulf_of_guinea(files):
-    fix = files.robot(GPS).run().last(FIX)
-
-    assert (fix.latitude, fix.longitude, fix.altitude) == pytest.approx((0, 0, 0), abs=1e-8)
-
-
 def test_the_fix_follows_the_robot(files):
     drive = "type: DiffDrive, name: drive, body: base"
     robot = files.robot(f"{GPS}, ref_lat: 60, ref_lon: 25", drive).drive(2.0)

@@ -96,16 +96,6 @@ def test_along_a_straight_line_it_reads_the_drives_acceleration(files):
     assert all(acceleration_of(message) == closely(-4.0, 0.0) for message in braking)
 
 
-def test_speeding_up_in_a_curve_it_reads_both(files):
-    limits = "linear_dynamics: {acceleration_limit: 0.5}"
-    robot = files.robot(IMU, f"{DRIVE}, {limits}").drive(2.0, 0.8)
-
-    for message in robot.run(0.1).record(GROUND_TRUTH, 3.0):
-        # The mean over the step that leads to the message.
-        speed = 0.5 * (message.header.stamp.to_sec() - 0.0025)
-        assert acceleration_of(message) == closely(0.5, speed * 0.8)
-
-
 def test_a_body_that_spins_about_another_point_reads_its_origins_circle(files):
     robot = files.robot(IMU, footprint="{type: circle, center: [0.5, 0], radius: 0.2, density: 10}")
     # About its middle, half a metre before the origin, which therefore goes backwards around it.
