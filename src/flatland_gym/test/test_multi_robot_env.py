@@ -14,7 +14,7 @@ from flatland_gym.multi_robot_env import MultiRobotEnv
 def place(env, *poses):
     """Puts the robots at poses, and updates their observations."""
     for name, pose in zip(env.possible_agents, poses):
-        env._simulation.simulation.move(name, pose)
+        env._navigation.simulation(0).move(name, pose)
 
 
 @pytest.mark.parametrize("world", ["discs", "corridor"])

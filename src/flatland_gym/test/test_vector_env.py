@@ -1,8 +1,6 @@
 """The vector environment, compared bit for bit with SyncVectorEnv of single ones."""
 
 import copy
-import functools
-import gc
 
 import gymnasium as gym
 import numpy as np
@@ -12,10 +10,8 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from flatland2d import DistanceGrid, UsageError, world_content
 from flatland2d.world_source import exported_plugins
-from flatland_gym import SCENARIOS, multi_world_fleet
-from flatland_gym.batch_fleet import BatchFleet
-from flatland_gym.fleet import SimulationFleet
-from flatland_gym.multi_world_fleet import MultiWorldFleet
+from flatland_gym import SCENARIOS
+from flatland_gym.fleet import BatchFleet, SimulationFleet
 from flatland_gym.navigation_world import NavigationWorld
 
 pytestmark = pytest.mark.slow
@@ -62,6 +58,11 @@ def drive(env, mode, steps, seed=11):
     return results, ends
 
 
+def fleets(env):
+    """The kinds of fleets that an environment has used."""
+    return {type(fleet) for fleet in env.unwrapped.navigation._fleets.values()}
+
+
 def with_a_person_and_walls(count=2):
     """A room in which a person walks, and walls are added that differ from episode to episode."""
     room = world_content(SCENARIOS["empty_room"].world)
@@ -90,23 +91,18 @@ def with_a_cart():
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
 @pytest.mark.parametrize("count", [1, 7])
 @pytest.mark.parametrize(
-    ("world", "fleet"),
-    [
-        ("discs", BatchFleet),
-        (("discs", with_a_person_and_walls()), MultiWorldFleet),
-    ],
-    ids=["one world", "two worlds"],
+    "world", ["discs", ("discs", with_a_person_and_walls())], ids=["one world", "two worlds"]
 )
-def test_it_equals_so_many_single_environments(mode, count, world, fleet):
+def test_it_equals_so_many_single_environments(mode, count, world):
     arguments = {"world": world, **CROWDED}
     single = SyncVectorEnv([lambda: make(**arguments)] * count, autoreset_mode=mode)
     expected, ends = drive(single, mode, 80)
 
     for threads in (1, 4)[:count]:  # four threads do not share seven environments equally
         vector = make_vector(count, threads=threads, autoreset_mode=mode, **arguments)
-        assert type(vector.unwrapped.navigation.fleet) is fleet
         found, _ = drive(vector.unwrapped, mode, 80)
         assert_same(expected, found)
+        assert fleets(vector) == {BatchFleet}
 
     if count == 7:
         assert (ends > 0).all()  # there was each kind of end
@@ -131,29 +127,20 @@ def test_it_does_so_for_each_kind_of_chance(arguments):
     assert_same(drive(single, "SameStep", 60)[0], drive(vector, "SameStep", 60)[0])
 
 
-@pytest.mark.usefixtures("files_read_once")
-def test_people_and_walls_that_differ_make_no_difference():
-    arguments = {**CROWDED, "world": with_a_person_and_walls()}
-    single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
-    expected, _ = drive(single, "SameStep", 60)
-
-    for threads in (1, 2, 4):
-        vector = make_vector(3, threads=threads, autoreset_mode="SameStep", **arguments)
-        assert type(vector.unwrapped.navigation.fleet) is BatchFleet
-        assert_same(expected, drive(vector.unwrapped, "SameStep", 60)[0])
-
-
 @pytest.mark.parametrize(
-    ("world", "fleet"),
-    [(with_a_cart(), SimulationFleet), (("empty_room", with_a_cart()), MultiWorldFleet)],
+    ("world", "kinds"),
+    [
+        (with_a_cart(), {SimulationFleet}),
+        (("empty_room", with_a_cart()), {BatchFleet, SimulationFleet}),
+    ],
     ids=["alone", "beside a batch"],
 )
-def test_a_plugin_that_acts_at_steps_has_simulations(world, fleet):
+def test_a_plugin_that_acts_at_steps_has_simulations(world, kinds):
     arguments = {**CROWDED, "world": world, "time_limit": 0.5}
     single = SyncVectorEnv([lambda: make(**arguments)] * 3, autoreset_mode="SameStep")
     vector = make_vector(3, threads=2, autoreset_mode="SameStep", **arguments)
-    assert type(vector.unwrapped.navigation.fleet) is fleet
     assert_same(drive(single, "SameStep", 25)[0], drive(vector.unwrapped, "SameStep", 25)[0])
+    assert fleets(vector) == kinds
 
 
 CRAB = """
@@ -202,29 +189,22 @@ def test_a_drive_of_a_user_is_trained_as_it_is_driven_in_a_batch():
     single = SyncVectorEnv([lambda: make(**arguments)] * 2, autoreset_mode="SameStep")
     vector = make_vector(2, autoreset_mode="SameStep", **arguments).unwrapped
 
-    assert type(vector.navigation.fleet) is BatchFleet
     assert vector.single_action_space.high == pytest.approx([0.7, 2.0])
     vector.reset(seed=1, options={"start": [0, 0, 0], "goal": [2, 0]})
     pose = vector.step(np.array([[0.7, 0.0]] * 2))[4]["pose"][0]
     assert (pose[0], pose[1] > 0.0) == (pytest.approx(0.0, abs=1e-6), True)
     assert_same(drive(single, "SameStep", 15)[0], drive(vector, "SameStep", 15)[0])
+    assert fleets(vector) == {BatchFleet}
 
 
-def test_a_batch_is_made_when_an_episode_is_in_its_world(monkeypatch):
-    made = []
-
-    def new_batch(world, *others):
-        made.append(world.name)
-        return BatchFleet(world, *others)
-
-    monkeypatch.setattr(multi_world_fleet, "BatchFleet", new_batch)
+def test_a_batch_is_made_when_an_episode_is_in_its_world():
     env = make_vector(3, world=("discs", "doors", "empty_room"), beams=4)
+    made = env.unwrapped.navigation._fleets
     env.reset(seed=1, options={"world": "empty_room"})
-    assert made == ["empty_room"]
+    assert list(made) == [2]
     last = np.array([False, False, True])
-    for _ in range(2):
-        env.reset(options={"reset_mask": last, "world": "discs"})
-    assert made == ["empty_room", "discs"]
+    env.reset(options={"reset_mask": last, "world": "discs"})
+    assert list(made) == [2, 0]
     env.close()
 
 
@@ -232,7 +212,7 @@ def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
     env = make(world=with_a_person_and_walls(), goal_distance=(0.4, 3.0), beams=32, flatten=False)
     for seed in range(60):
         observation, info = env.reset(seed=seed)
-        walls = env.navigation.fleet.simulation(0).world.layers[0].segments
+        walls = env.navigation.simulation(0).world.layers[0].segments
         assert len(walls) == 4 + 2
         assert observation["ranges"].min() * 10 > 0.2 + 0.09  # radius and margin
         assert DistanceGrid(walls, (0.0, 0.0), 1.0).distance(*info["goal"]) > 0.2
@@ -241,65 +221,6 @@ def test_no_episode_begins_or_ends_in_a_wall_that_a_plugin_has_added():
     with pytest.raises(UsageError, match="walls that a plugin of the world has added"):
         env.reset(seed=1, options={"goal": [4.4, 0.0]})
     env.close()
-
-
-@pytest.mark.usefixtures("files_read_once")
-def test_a_thousand_environments_equal_so_many_single_ones(request):
-    """In each mode, with 1, 2 and 4 threads; over an end and the reset that follows it."""
-    arguments = {"world": "empty_room", "beams": 4, "time_limit": 0.1, "goal_distance": (0.4, 1.2)}
-    gc.disable()  # it would look at all objects of all environments again and again
-    request.addfinalizer(gc.enable)
-    singles = [Remembering(make(**arguments)) for _ in range(1024)]
-    for mode in ["SameStep", "Disabled", "NextStep"]:
-        one_by_one = SyncVectorEnv(
-            [functools.partial(lambda env: env, env) for env in singles], autoreset_mode=mode
-        )
-        expected = few_steps(one_by_one, mode)
-        for threads in (1, 2, 4):
-            vector = make_vector(1024, threads=threads, autoreset_mode=mode, **arguments)
-            assert_same(expected, few_steps(vector.unwrapped, mode))
-            vector.close()
-    for env in singles:
-        env.close()
-
-
-class Remembering(gym.Wrapper):
-    """Replays the recorded results of equal calls since a reset with the same seed.
-
-    The environment is deterministic, so that it needs to make its steps only once. The first calls
-    must go at least as far as those that come later.
-    """
-
-    def __init__(self, env):
-        super().__init__(env)
-        self._answers = {}
-
-    def reset(self, *, seed=None, options=None):
-        self._calls = (*self._calls, "reset") if seed is None else (seed,)
-        return self._answer(lambda: self.env.reset(seed=seed))
-
-    def step(self, action):
-        self._calls = (*self._calls, action.tobytes())
-        return self._answer(lambda: self.env.step(action))
-
-    def _answer(self, ask):
-        if self._calls not in self._answers:
-            assert len(self._calls) == len(self._answers) + 1
-            self._answers[self._calls] = ask()
-        return self._answers[self._calls]
-
-
-def few_steps(env, mode):
-    """All results of an environment in three steps; all episodes end in the second."""
-    rng = np.random.default_rng(5)
-    results = [env.reset(seed=11)]
-    for _ in range(3):
-        results.append(env.step(rng.uniform(-1, 1, env.action_space.shape).astype(np.float32)))
-        ended = results[-1][2] | results[-1][3]
-        if mode == "Disabled" and ended.any():
-            results.append(env.reset(options={"reset_mask": ended}))
-    assert results[2][3].all()
-    return copy.deepcopy(results)
 
 
 @pytest.mark.parametrize(

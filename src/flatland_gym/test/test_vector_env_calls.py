@@ -22,52 +22,39 @@ def test_seeds_may_be_one_for_all_or_one_for_each():
     env.close()
 
 
+WRONG_ACTIONS = [
+    (np.zeros((2, 2)), r"expected actions of shape \(3, 2\), found \(2, 2\)"),
+    (np.zeros(6), r"found \(6,\)"),
+    (np.array([[0, 0], [0, np.nan], [0, 0]]), r"found nan at \(1, 1\)"),
+    (np.full((3, 2), np.inf), r"expected finite actions, found inf at \(0, 0\)"),
+    ([["a", "b"]] * 3, "expected actions of numbers"),
+    (np.zeros((3, 2), bool), "expected actions of numbers, found bool"),
+    (np.zeros((3, 2), complex), "expected actions of numbers, found complex128"),
+    (None, "expected actions of numbers, found object"),
+    ([[0, 1], [2], [3, 4]], "expected actions of numbers, found"),
+]
+WRONG_OPTIONS = [
+    ({"goal": [5.0, 0.0]}, r"expected a goal that is free .*, found \[5, 0\], at most 0 m"),
+    ({"goal": [50, 50]}, "outside of the world"),
+    ({"start": [4.9, 0, 0]}, "expected a start that is free"),
+    ({"goal": [0]}, r"expected the option goal as \[x, y\], found \[0\]"),
+    ({"goal": [0, float("nan")]}, "expected the option goal"),
+    ({"start": "here"}, r"expected the option start as \[x, y\] or \[x, y, yaw\]"),
+    ({"world": "office"}, "expected the option world to be one of: empty_room; found 'office'"),
+    ([1], r"expected options as a dict, found \[1\]"),
+    ({"gaol": [0, 0]}, "unknown option 'gaol'; there are: start, goal, world"),
+    ({"reset_mask": np.ones(2, bool)}, "expected reset_mask as an array of 3 booleans"),
+    ({"reset_mask": np.zeros(3, bool)}, "one at least true"),
+    ({"reset_mask": [True, False, True]}, "expected reset_mask as an array"),
+]
+
+
 @pytest.mark.parametrize(
-    ("actions", "message"),
-    [
-        (np.zeros((2, 2)), r"expected actions of shape \(3, 2\), found \(2, 2\)"),
-        (np.zeros(6), r"found \(6,\)"),
-        (np.array([[0, 0], [0, np.nan], [0, 0]]), r"found nan at \(1, 1\)"),
-        (np.full((3, 2), np.inf), r"expected finite actions, found inf at \(0, 0\)"),
-        ([["a", "b"]] * 3, "expected actions of numbers"),
-        (np.zeros((3, 2), bool), "expected actions of numbers, found bool"),
-        (np.zeros((3, 2), complex), "expected actions of numbers, found complex128"),
-        (None, "expected actions of numbers, found object"),
-        ([[0, 1], [2], [3, 4]], "expected actions of numbers, found"),
-    ],
+    ("method", "arguments", "message"),
+    [("step", {"actions": actions}, message) for actions, message in WRONG_ACTIONS]
+    + [("reset", {"options": each, "seed": 7}, message) for each, message in WRONG_OPTIONS],
 )
-def test_wrong_actions_change_nothing(actions, message):
-    a, b = (make_vector(3, world="discs", beams=8) for _ in range(2))
-    a.reset(seed=1)
-    b.reset(seed=1)
-    right = np.tile(np.float32([0.5, 0.5]), (3, 1))
-    a.step(right)
-    b.step(right)
-
-    with pytest.raises(UsageError, match=message):
-        a.unwrapped.step(actions)
-
-    assert_same(a.step(right), b.step(right))
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"goal": [5.0, 0.0]}, r"expected a goal that is free .*, found \[5, 0\], at most 0 m"),
-        ({"goal": [50, 50]}, "outside of the world"),
-        ({"start": [4.9, 0, 0]}, "expected a start that is free"),
-        ({"goal": [0]}, r"expected the option goal as \[x, y\], found \[0\]"),
-        ({"goal": [0, float("nan")]}, "expected the option goal"),
-        ({"start": "here"}, r"expected the option start as \[x, y\] or \[x, y, yaw\]"),
-        ({"world": "office"}, "expected the option world to be one of: empty_room; found 'office'"),
-        ([1], r"expected options as a dict, found \[1\]"),
-        ({"gaol": [0, 0]}, "unknown option 'gaol'; there are: start, goal, world"),
-        ({"reset_mask": np.ones(2, bool)}, "expected reset_mask as an array of 3 booleans"),
-        ({"reset_mask": np.zeros(3, bool)}, "one at least true"),
-        ({"reset_mask": [True, False, True]}, "expected reset_mask as an array"),
-    ],
-)
-def test_wrong_options_change_nothing(options, message):
+def test_wrong_calls_change_nothing(method, arguments, message):
     a, b = (make_vector(3, world="empty_room", beams=8) for _ in range(2))
     right = np.tile(np.float32([0.5, 0.5]), (3, 1))
     for env in (a, b):
@@ -75,7 +62,7 @@ def test_wrong_options_change_nothing(options, message):
         env.step(right)
 
     with pytest.raises(UsageError, match=message):
-        a.reset(options=options, seed=7)
+        getattr(a.unwrapped, method)(**arguments)
 
     assert_same(a.step(right), b.step(right))
     assert a.unwrapped.np_random_seed == b.unwrapped.np_random_seed

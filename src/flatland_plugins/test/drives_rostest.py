@@ -8,7 +8,6 @@ from geometry_msgs.msg import TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from readings import pose_of, turned
 from robots import Frame, Topic
-from rostest_case import STEP
 from std_msgs.msg import Bool
 from waiting import wait_until
 
@@ -60,17 +59,6 @@ class DiffDrive(Driving, rostest_case.PluginCase):
     def test_odometry_and_tf_agree(self):
         self.assert_odometry_and_tf_agree("odometry/filtered", "{ns}base_link")
 
-    def test_twists_are_in_the_frames_they_are_asked_for_in(self):
-        for robot in self.robots:
-            twist = self.recorder_of(robot, "twist").next().twist.twist
-            self.assertAlmostEqual(twist.linear.x, 0.4, delta=1e-4)
-            self.assertAlmostEqual(twist.linear.y, 0.0, delta=1e-4)
-            odometry = self.recorder_of(robot, "second/truth").next()
-            yaw = pose_of(odometry.pose.pose)[2]
-            twist = odometry.twist.twist
-            self.assertAlmostEqual(twist.linear.x, -0.3 * math.cos(yaw), delta=1e-4)
-            self.assertAlmostEqual(twist.linear.y, -0.3 * math.sin(yaw), delta=1e-4)
-
 
 class OmniDrive(Driving, rostest_case.PluginCase):
     model = "omni_drive"
@@ -121,19 +109,6 @@ class ModelTfPublisher(rostest_case.PluginCase):
         Frame("{ns}mast", "{ns}flag", 25.0),
     )
 
-    def test_transforms_are_those_of_the_model(self):
-        for robot in self.robots:
-            transforms = {
-                t.child_frame_id: pose_of(t.transform)
-                for message in self.tf.messages
-                for t in message.transforms
-            }
-            self.assert_pose(transforms[robot.frame("{ns}arm")], (0.3, 0.1, 0.5))
-            mast = (*robot.at(1.0, -0.5), robot.yaw + 1.0)
-            self.assert_pose(transforms[robot.frame("{ns}mast")], mast)
-            flag = (*turned((0.2, 0.0), -1.0), -1.5)
-            self.assert_pose(transforms[robot.frame("{ns}flag")], flag)
-
 
 class Tween(rostest_case.PluginCase):
     model = "tween"
@@ -148,19 +123,6 @@ class Tween(rostest_case.PluginCase):
         """A body's pose on the base, when it has gone by a delta of the world's frame."""
         x, y = turned(delta[:2], -robot.yaw)
         return start[0] + x, start[1] + y, start[2] + delta[2]
-
-    def test_a_lift_goes_to_and_fro_in_two_seconds(self):
-        last = rospy.Time(0, self.end)
-        first = last - rospy.Duration(1)
-        for robot in self.robots:
-            here, after, there = (
-                pose_of(self.transform(robot, "{ns}lift", stamp))
-                for stamp in (first, first + rospy.Duration(0, STEP), last)
-            )
-            # On a straight line; half a period later, the mirror image about its middle.
-            middle = tuple((a + b) / 2 for a, b in zip(here, there))
-            self.assert_pose(middle, self.expected(robot, (0.0, 0.5, 0.0), (0.25, 0.0, 0.0)))
-            self.assertAlmostEqual(math.dist(after[:2], here[:2]), 0.5 * 0.005, delta=1e-6)
 
     def test_gates_open_and_close_when_commanded(self):
         gates = [

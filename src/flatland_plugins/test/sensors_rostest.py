@@ -5,7 +5,6 @@ import math
 import rostest_case
 from flatland_msgs.msg import Collisions
 from nav_msgs.msg import Odometry
-from readings import pose_of
 from robots import Frame, Robot, Topic
 from rostest_case import WORLDS
 from sensor_msgs.msg import Imu as ImuMessage
@@ -51,17 +50,9 @@ class Bumper(rostest_case.PluginCase):
         for robot, recorder in recorders.values():
             recorder.next(5, holds=lambda m: m.collisions)  # after the impact
             (collision,) = recorder.next().collisions
-            reported = (collision.entity_A, collision.body_A, collision.entity_B, collision.body_B)
-            self.assertEqual(reported[:3], (robot.name, "base", "room"))
-            (position,) = collision.contact_positions
-            self.assertAlmostEqual(position.x, 5.0, delta=0.02)
-            self.assertAlmostEqual(position.y, robot.y, delta=1e-3)
-            (normal,) = collision.contact_normals
-            self.assertAlmostEqual(normal.x, 1.0, delta=1e-4)
-            self.assertAlmostEqual(normal.y, 0.0, delta=1e-4)
-            # At each step the wall takes the momentum that the drive gave: m v / dt.
-            force = 10.0 * math.pi * 0.2**2 * 0.3 / 0.005
-            self.assertAlmostEqual(collision.magnitude_forces[0], force, delta=0.02 * force)
+            reported = (collision.entity_A, collision.body_A, collision.entity_B)
+            self.assertEqual(reported, (robot.name, "base", "room"))
+            self.assertAlmostEqual(collision.contact_positions[0].x, 5.0, delta=0.02)
 
         for robot in self.robots:
             self.drive(robot.topic("cmd_vel"), x=-0.3)
@@ -102,36 +93,6 @@ class Gps(rostest_case.PluginCase):
         Frame("{ns}base", "{ns}antenna", 25.0),
     )
 
-    def test_fixes_are_so_far_from_the_reference_as_the_robot_from_the_origin(self):
-        for robot in self.robots:
-            for name, latitude, longitude, antenna in (
-                ("gps/fix", 0.0, 0.0, (0.0, 0.0)),
-                ("second/fix", 52.5, 13.4, (0.5, 0.1)),
-            ):
-                fix = self.recorder_of(robot, name).next()
-                east, north = robot.at(*antenna)
-                # Radii of curvature of WGS 84, along the meridian and across; a few metres away,
-                # what this leaves out is less than 1e-11 degrees.
-                e2 = 0.00669437999014
-                sin = math.sin(math.radians(latitude))
-                across = 6378137.0 / math.sqrt(1 - e2 * sin**2)
-                along = across * (1 - e2) / (1 - e2 * sin**2)
-                expected = latitude + math.degrees(north / along)
-                self.assertAlmostEqual(fix.latitude, expected, delta=1e-11)
-                cos = math.cos(math.radians(latitude))
-                expected = longitude + math.degrees(east / (across * cos))
-                self.assertAlmostEqual(fix.longitude, expected, delta=1e-11)
-                self.assertAlmostEqual(fix.altitude, 0.0, delta=1e-5)
-
-    def test_antennas_are_where_they_are_mounted(self):
-        for robot in self.robots:
-            for name, frame, origin in (
-                ("gps/fix", "{ns}receiver", (0.0, 0.0, 0.0)),
-                ("second/fix", "{ns}antenna", (0.5, 0.1, 0.0)),
-            ):
-                stamp = self.recorder_of(robot, name).next().header.stamp
-                self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)
-
 
 class Imu(rostest_case.PluginCase):
     model = "imu"
@@ -164,24 +125,6 @@ class Imu(rostest_case.PluginCase):
                 self.assertAlmostEqual(acceleration.y, 0.6**2 / 0.5, delta=2e-3)  # v^2 / r
                 self.assertAlmostEqual(acceleration.z, 9.80665, delta=1e-9)
 
-    def test_the_orientation_is_the_body_s(self):
-        for robot in self.robots:
-            imu = self.recorder_of(robot, "second/truth").next()
-            odometry = self.recorder_of(robot, "odometry/ground_truth")
-            stamp = imu.header.stamp
-            wait_until(lambda o=odometry, s=stamp: o.messages[-1].header.stamp >= s, "odometry")
-            pose = next(m.pose.pose for m in odometry.messages if m.header.stamp == stamp)
-            self.assertAlmostEqual(imu.orientation.z, pose.orientation.z, delta=1e-6)
-            self.assertAlmostEqual(imu.orientation.w, pose.orientation.w, delta=1e-6)
-
-    def test_noise_is_in_what_is_measured_alone(self):
-        for robot in self.robots:
-            measured = self.recorder_of(robot, "second/imu")
-            measured.next(2)
-            turns = [m.angular_velocity.z for m in measured.messages[-20:]]
-            self.assertGreater(max(turns) - min(turns), 0.005)  # half a standard deviation
-            self.assertEqual(measured.messages[-1].angular_velocity_covariance[8], 0.0001)
-
 
 class Laser(rostest_case.PluginCase):
     model = "laser"
@@ -207,12 +150,3 @@ class Laser(rostest_case.PluginCase):
                     heading = robot.yaw + angle + (beam - 1) * math.pi / 2
                     expected = range_in_room(*robot.at(*origin), heading)
                     self.assertAlmostEqual(distance, expected, delta=1e-4)
-
-    def test_lasers_are_where_they_are_mounted(self):
-        for robot in self.robots:
-            for name, frame, origin in (
-                ("scan", "{ns}laser", (0.0, 0.0, 0.0)),
-                ("rear/scan", "{ns}rear_link", (-0.1, 0.0, math.pi)),
-            ):
-                stamp = self.recorder_of(robot, name).next().header.stamp
-                self.assert_pose(pose_of(self.transform(robot, frame, stamp)), origin)

@@ -11,7 +11,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland2d import FreeSpace, Point, Pose, UsageError
+from flatland2d import Point, Pose, UsageError
 from flatland_gym.navigation_world import Disc, NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
 from flatland_server import Segments, from_segments
@@ -83,24 +83,23 @@ class EpisodeSampler:
         index = self._world(rng, chosen.get("world"))
         world = self._worlds[index]
         seed = int(rng.integers(2**31))
-        room = world.radius + self._settings.margin
-        standing: Circles = [(disc.x, disc.y, disc.radius) for disc in world.standing]
-        if self._room(index, room).area == 0.0:
+        if world.space.free_space(world.radius + self._settings.margin).area == 0.0:
             raise UsageError(
                 f'the world "{world.name}" has no room for a robot of {world.radius:g} m radius '
                 f"and a margin of {self._settings.margin:g} m"
             )
-        starts, goals = list(standing), list(standing)
-        ends: List[Tuple[Pose, Point]] = []
+        standing: Circles = [(disc.x, disc.y, disc.radius) for disc in world.standing]
+        near_starts, near_goals = list(standing), list(standing)
+        starts: List[Pose] = []
+        goals: List[Point] = []
         for _ in world.robots:
-            start, goal = self._ends(index, chosen, starts, goals, rng)
-            ends.append((start, goal))
-            starts.append((start.x, start.y, world.radius))
-            goals.append((*goal, world.radius))
-        places = self._places(index, starts + goals, rng)
-        return Episode(
-            index, seed, tuple(end[0] for end in ends), tuple(end[1] for end in ends), places
-        )
+            start, goal = self._ends(world, chosen, near_starts, near_goals, rng)
+            starts.append(start)
+            goals.append(goal)
+            near_starts.append((start.x, start.y, world.radius))
+            near_goals.append((*goal, world.radius))
+        places = self._places(world, near_starts + near_goals, rng)
+        return Episode(index, seed, tuple(starts), tuple(goals), places)
 
     def _world(self, rng: np.random.Generator, name: Any) -> int:
         """The index of a random world, of this name if it is not None."""
@@ -112,43 +111,39 @@ class EpisodeSampler:
 
     def _ends(
         self,
-        index: int,
+        world: NavigationWorld,
         chosen: Mapping[str, Any],
         starts: Circles,
         goals: Circles,
         rng: np.random.Generator,
     ) -> Tuple[Pose, Point]:
         """A start and a goal that are clear of the other robots' starts and goals."""
-        world, settings = self._worlds[index], self._settings
-        space = self._room(index, world.radius + settings.margin)
+        room = world.radius + self._settings.margin
+        space = world.space.free_space(room)
+
+        def fits(place: Sequence[float], others: Circles) -> bool:
+            return space.contains_point(*place[:2]) and _is_clear(place[:2], room, others)
+
         given_start, given_goal = chosen.get("start"), chosen.get("goal")
         if given_start is not None:
-            self._require_free(index, "start", given_start[:2], starts)
+            _require_free(world, "start", given_start[:2], starts)
         if given_goal is not None:
-            self._require_free(index, "goal", given_goal, goals)
+            _require_free(world, "goal", given_goal, goals)
         for _ in range(_TRIES):
-            yaw = math.tau * float(rng.random()) - math.pi
-            start = given_start or self._start(index, given_goal, space, rng)
+            yaw = _heading(rng)
+            start = given_start or (
+                self._around(world, given_goal, rng) if given_goal else space.point(rng)
+            )
             goal = given_goal or self._around(world, start, rng)
-            if not given_start and not self._fits(world, space, start, starts):
-                continue
-            if not given_goal and not self._fits(world, space, goal, goals):
-                continue
-            if given_start and len(given_start) > 2:
-                yaw = given_start[2]
-            return Pose(start[0], start[1], yaw), (goal[0], goal[1])
-        least, largest = settings.goal_distance
+            if (given_start or fits(start, starts)) and (given_goal or fits(goal, goals)):
+                if given_start and len(given_start) > 2:
+                    yaw = given_start[2]
+                return Pose(start[0], start[1], yaw), (goal[0], goal[1])
+        least, largest = self._settings.goal_distance
         raise UsageError(
             f'the world "{world.name}" has no free start and goal {least:g} to {largest:g} m apart '
             f"(tried {_TRIES} times)"
         )
-
-    def _start(
-        self, index: int, goal: Optional[List[float]], space: FreeSpace, rng: np.random.Generator
-    ) -> Sequence[float]:
-        """A candidate for the start; it may not be free."""
-        world = self._worlds[index]
-        return self._around(world, goal, rng) if goal else space.point(rng)
 
     def _around(
         self, world: NavigationWorld, middle: Sequence[float], rng: np.random.Generator
@@ -160,63 +155,33 @@ class EpisodeSampler:
         bearing = math.tau * float(rng.random())
         return middle[0] + distance * math.cos(bearing), middle[1] + distance * math.sin(bearing)
 
-    def _fits(
-        self, world: NavigationWorld, space: FreeSpace, place: Sequence[float], others: Circles
-    ) -> bool:
-        """Whether a place is free and can be reached."""
-        room = world.radius + self._settings.margin
-        return space.contains_point(*place[:2]) and _is_clear(place[:2], room, others)
-
-    def _require_free(
-        self, index: int, name: str, place: Sequence[float], standing: Circles
-    ) -> None:
-        """Raises a UsageError if the robot cannot stand at a place, or cannot get there."""
-        world = self._worlds[index]
-        x, y = place
-        expected = f"expected a {name} that is free and can be reached, found [{x:g}, {y:g}]"
-        clearance = world.space.distance(x, y)
-        if clearance <= world.radius:
-            raise UsageError(
-                f"{expected}, at most {clearance:g} m from a wall or outside of the world; the "
-                f"robot has a radius of {world.radius:g} m"
-            )
-        if not self._room(index, world.radius).contains_point(x, y):
-            raise UsageError(f"{expected}, which walls separate from the robot")
-        if not _is_clear((x, y), world.radius, standing):
-            raise UsageError(f"{expected}, where another model stands")
-
-    def _places(self, index: int, taken: Circles, rng: np.random.Generator) -> Dict[str, Pose]:
+    def _places(
+        self, world: NavigationWorld, taken: Circles, rng: np.random.Generator
+    ) -> Dict[str, Pose]:
         """Poses of the scattered models and of the obstacles."""
-        world = self._worlds[index]
         low, high = self._settings.obstacle_counts
-        count = int(rng.integers(low, high + 1)) if high else 0
-        chosen = [*world.scattered, *world.obstacles[:count]]
+        count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
         places: Dict[str, Pose] = {}
-        for number, disc in enumerate([*world.scattered, *world.obstacles]):
-            place = self._place(index, disc, taken, rng) if disc in chosen else None
-            places[disc.name] = place if place is not None else parking_place(number)
+        for number, disc in enumerate((*world.scattered, *world.obstacles)):
+            place = self._place(world, disc, taken, rng) if number < count else None
+            places[disc.name] = place or parking_place(number)
             if place is not None:
                 taken.append((place.x, place.y, disc.radius))
         return places
 
     def _place(
-        self, index: int, disc: Disc, taken: Circles, rng: np.random.Generator
+        self, world: NavigationWorld, disc: Disc, taken: Circles, rng: np.random.Generator
     ) -> Optional[Pose]:
         """A free place for a model; None if none was found."""
-        world = self._worlds[index]
         passage = disc.radius + 2 * (world.radius + self._settings.margin)
-        space = self._room(index, passage)
+        space = world.space.free_space(passage)
         if space.area == 0.0:  # too narrow to leave a passage: the model may be beside a wall
-            space = self._room(index, disc.radius + self._settings.margin)
+            space = world.space.free_space(disc.radius + self._settings.margin)
         for _ in range(_TRIES_OF_MODELS if space.area else 0):
             x, y = space.point(rng)
             if _is_clear((x, y), passage, taken):
-                return Pose(x, y, math.tau * float(rng.random()) - math.pi)
+                return Pose(x, y, _heading(rng))
         return None
-
-    def _room(self, index: int, radius: float) -> FreeSpace:
-        """The free space for a disc of this radius."""
-        return self._worlds[index].space.free_space(radius)
 
 
 def options_of(options: Any) -> Dict[str, Any]:
@@ -228,6 +193,29 @@ def options_of(options: Any) -> Dict[str, Any]:
     if not (options is None or isinstance(options, Mapping)):
         raise UsageError(f"expected options as a dict, found {options!r:.80}")
     return dict(options or {})
+
+
+def _require_free(
+    world: NavigationWorld, name: str, place: Sequence[float], standing: Circles
+) -> None:
+    """Raises a UsageError if the robot cannot stand at a place, or cannot get there."""
+    x, y = place
+    expected = f"expected a {name} that is free and can be reached, found [{x:g}, {y:g}]"
+    clearance = world.space.distance(x, y)
+    if clearance <= world.radius:
+        raise UsageError(
+            f"{expected}, at most {clearance:g} m from a wall or outside of the world; the "
+            f"robot has a radius of {world.radius:g} m"
+        )
+    if not world.space.free_space(world.radius).contains_point(x, y):
+        raise UsageError(f"{expected}, which walls separate from the robot")
+    if not _is_clear((x, y), world.radius, standing):
+        raise UsageError(f"{expected}, where another model stands")
+
+
+def _heading(rng: np.random.Generator) -> float:
+    """A random angle [rad]."""
+    return math.tau * float(rng.random()) - math.pi
 
 
 def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:

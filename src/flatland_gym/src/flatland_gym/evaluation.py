@@ -43,7 +43,7 @@ def evaluate(
             _, terminated, truncated = navigation.step(actions, running)
             observations = navigation.observe()
             success |= navigation.successes
-            collision[running] |= navigation.fleet.collided[running]
+            collision[running] |= navigation.rows.collided[running]
             running = running[~(terminated | truncated)[running]]
         return Evaluation(success, collision, navigation.steps * navigation.settings.period)
     finally:

@@ -5,17 +5,12 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 from gymnasium.utils import seeding
 
-from flatland2d import BatchObservation, MissingPackageError, UsageError
-from flatland_gym.episodes import EpisodeSampler
-from flatland_gym.navigation import checked_actions, judge, observation_space, require_tries
-from flatland_gym.navigation_world import NavigationWorld, parking_place
-from flatland_gym.observations import as_dict, goal_distances, observe
-from flatland_gym.pictures import check_render_mode, picture
-from flatland_gym.rewards import Transition
-from flatland_gym.robot_rows import RobotRows
-from flatland_gym.robot_simulation import RobotSimulation
+from flatland2d import MissingPackageError, UsageError
+from flatland_gym.navigation import Navigation, row_of
+from flatland_gym.navigation_world import parking_place
+from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole, require_seed
-from flatland_server import FloatArray
+from flatland_server import FloatArray, IntArray
 
 try:
     from pettingzoo import ParallelEnv
@@ -47,31 +42,25 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         if not (is_whole(robots) and robots >= 2):
             raise UsageError(f"expected robots to be a whole number of 2 or more, found {robots!r}")
         check_render_mode(render_mode, ("rgb_array",))
-        settings = self._settings = NavigationSettings.of(arguments)
+        settings = NavigationSettings.of(arguments)
         if len(settings.worlds) != 1 or len(settings.robot_scales) != 1:
             raise UsageError("expected one world and one of robot_scales, found several")
-        scale = settings.robot_scales[0]
-        self._world = NavigationWorld.load(settings.worlds[0], settings, scale, int(robots))
-        self._robot = self._world.robot
+        navigation = self._navigation = Navigation(settings, robots=int(robots))
         self.metadata = {
+            **navigation.metadata,
             "name": "flatland_navigation_v0",
             "render_modes": ["rgb_array"],
-            "render_fps": round(1.0 / settings.period, 3),
             "is_parallelizable": True,
         }
         self.render_mode = render_mode
-        self.possible_agents = list(self._world.robots)
+        self.possible_agents = list(navigation.robot_names)
         self.agents: List[str] = []
-        self._sampler = EpisodeSampler([self._world], settings)
         self._rng: Optional[np.random.Generator] = None
-        self._simulation = RobotSimulation(self._world, settings)
-        self._rows = RobotRows(BatchObservation.empty(len(self.possible_agents), self._robot.beams))
-        self._goals = np.zeros((len(self.possible_agents), 2))
-        self._distances = np.zeros(len(self.possible_agents))
-        self._steps = 0
-        space, limits = observation_space(self._robot, settings), self._robot.action_space()
-        self.observation_spaces = dict.fromkeys(self.possible_agents, space)
-        self.action_spaces = {agent: _copy(limits) for agent in self.possible_agents}
+        self.observation_spaces = dict.fromkeys(self.possible_agents, navigation.observation_space)
+        # A space of its own for each agent, so that each has its own seed.
+        self.action_spaces = {
+            agent: navigation.robot.action_space() for agent in self.possible_agents
+        }
 
     def observation_space(self, agent: str) -> Any:
         """The space of an agent's observations."""
@@ -96,22 +85,9 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         number = require_seed(seed)
         if number is not None or self._rng is None:
             self._rng, _ = seeding.np_random(number)
-        episode = self._sampler.draw(self._rng)
+        self._navigation.reset(np.array([0]), [self._rng])
         self.agents = list(self.possible_agents)
-        self._simulation.begin(episode)
-        tries = 1
-        while self._simulation.is_blocked(episode):
-            require_tries(tries)
-            tries += 1
-            episode = self._sampler.draw(self._rng)
-            self._simulation.begin(episode)
-        self._goals[:] = episode.goals
-        self._rows.collided[:] = False
-        self._steps = 0
-        self._look()
-        self._distances = goal_distances(self._rows.poses, self._goals)
-        successes = np.zeros(len(self.possible_agents), dtype=bool)
-        return self._observations(self.agents), self._infos(self.agents, successes)
+        return self._observations(), self._infos()
 
     def step(
         self, actions: Mapping[str, Any]
@@ -124,114 +100,62 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         Raises:
             UsageError: an action is missing, or is not usable. The environment is as before.
         """
-        agents = list(self.agents)
-        commands = self._commands(actions, agents)
-        for number in self._numbers(agents):
-            self._simulation.command(number, commands[number].tolist())
-        self._rows.collided[:] = self._simulation.step(self._settings.frame_skip)
-        self._look()
-        self._steps += 1
-        distances = goal_distances(self._rows.poses, self._goals)
-        successes = (distances < self._settings.goal_radius) & ~self._rows.collided
-        rewards, terminated = judge(
-            self._transition(distances, successes, commands), self._settings
-        )
-        self._distances = distances
-        is_late = self._steps >= self._settings.longest_episode
-        truncated = ~terminated & is_late
-        results = (
-            self._observations(agents),
-            _by_agent(self, agents, rewards),
-            _by_agent(self, agents, terminated),
-            _by_agent(self, agents, truncated),
-            self._infos(agents, successes),
-        )
-        for agent, number in zip(agents, self._numbers(agents)):
-            if terminated[number] or truncated[number]:
+        agents, rows = list(self.agents), self._rows()
+        results = self._navigation.step(self._commands(actions), rows)
+        rewards, terminated, truncated = (self._by_agent(values) for values in results)
+        observations, infos = self._observations(), self._infos()
+        for agent, row in zip(agents, rows.tolist()):
+            if terminated[agent] or truncated[agent]:
                 self.agents.remove(agent)
-                self._simulation.remove(number, parking_place(-1 - number))
-        return results
+                self._remove(agent, row)
+        return observations, rewards, terminated, truncated, infos
 
     def render(self) -> Any:
         """A picture: uint8, shape (480, 480, 3); None without a render mode."""
         if self.render_mode is None or not self.agents:
             return None
-        first = self.agents[0]
-        x, y = self._goals[self.possible_agents.index(first)].tolist()
-        return picture(self._simulation.simulation, first, (x, y), self._settings.goal_radius)
+        return self._navigation.picture(int(self._rows()[0]))
 
     def close(self) -> None:
         """Ends the simulation."""
         self.agents = []
-        self._simulation.close()
+        self._navigation.close()
 
-    def _numbers(self, agents: List[str]) -> List[int]:
-        return [self.possible_agents.index(agent) for agent in agents]
+    def _rows(self) -> IntArray:
+        """The rows of the robots that are there."""
+        return np.array([self.possible_agents.index(agent) for agent in self.agents], dtype=int)
 
-    def _commands(self, actions: Mapping[str, Any], agents: List[str]) -> FloatArray:
+    def _by_agent(self, values: Any) -> Dict[str, Any]:
+        return {agent: values[row].item() for agent, row in zip(self.agents, self._rows())}
+
+    def _commands(self, actions: Mapping[str, Any]) -> FloatArray:
         """The actions of all robots; zeros for robots that have left."""
         if not isinstance(actions, Mapping):
             raise UsageError(f"expected a dict of actions by agent, found {actions!r:.80}")
-        if set(actions) != set(agents):
+        if set(actions) != set(self.agents):
             raise UsageError(
-                f"expected the actions of {', '.join(agents) or 'no agents'}; "
+                f"expected the actions of {', '.join(self.agents) or 'no agents'}; "
                 f"found those of {', '.join(map(str, actions)) or 'none'}"
             )
-        limits = self._robot.actions
-        commands = np.zeros((len(self.possible_agents), len(limits)))
-        for agent, number in zip(agents, self._numbers(agents)):
-            commands[number] = checked_actions(actions[agent], limits.shape, limits)
+        size = len(self._navigation.robot.action_limits)
+        commands = np.zeros((len(self.possible_agents), size))
+        for agent, row in zip(self.agents, self._rows()):
+            commands[row] = self._navigation.checked_actions(actions[agent], (size,))
         return commands
 
-    def _transition(self, distances: Any, successes: Any, commands: FloatArray) -> Transition:
-        rows = self._rows
-        return Transition(
-            self._distances,
-            distances,
-            successes,
-            rows.collided,
-            commands,
-            rows.poses,
-            rows.velocities,
-            self._goals,
-            rows.ranges,
-            self._settings.period,
-        )
+    def _remove(self, agent: str, row: int) -> None:
+        """Takes a robot out of the way, and stops it."""
+        simulation = self._navigation.simulation(row)
+        simulation.models[agent].command(*[0.0] * len(self._navigation.robot.action_limits))
+        simulation.move(agent, parking_place(-1 - row))
 
-    def _look(self) -> None:
-        for number in self._numbers(self.agents):
-            self._simulation.look(self._rows, number, number)
-
-    def _observations(self, agents: List[str]) -> Dict[str, Any]:
-        rows, robot = self._rows, self._robot
-        limits = np.array(robot.velocity_limits)
-        flat = observe(
-            rows.ranges, rows.poses, rows.velocities, self._goals, robot.max_range, limits
-        )
-        if self._settings.flatten:
-            return {agent: flat[n].copy() for agent, n in zip(agents, self._numbers(agents))}
+    def _observations(self) -> Dict[str, Any]:
+        flat = self._navigation.observe()
         return {
-            agent: as_dict(flat[number], robot.beams)
-            for agent, number in zip(agents, self._numbers(agents))
+            agent: self._navigation.formed(flat[row])
+            for agent, row in zip(self.agents, self._rows())
         }
 
-    def _infos(self, agents: List[str], successes: Any) -> Dict[str, Any]:
-        return {
-            agent: {
-                "success": bool(successes[number]),
-                "collision": bool(self._rows.collided[number]),
-                "distance": float(self._distances[number]),
-                "pose": self._rows.poses[number].copy(),
-                "goal": self._goals[number].copy(),
-            }
-            for agent, number in zip(agents, self._numbers(agents))
-        }
-
-
-def _by_agent(env: MultiRobotEnv, agents: List[str], values: Any) -> Dict[str, Any]:
-    return {agent: values[env.possible_agents.index(agent)].item() for agent in agents}
-
-
-def _copy(space: Any) -> Any:
-    """A space of its own for each agent, so that each has its own seed."""
-    return type(space)(space.low, space.high, dtype=space.dtype)
+    def _infos(self) -> Dict[str, Any]:
+        infos = self._navigation.info()
+        return {agent: row_of(infos, row) for agent, row in zip(self.agents, self._rows())}

@@ -1,4 +1,4 @@
-"""Navigation to goals, for n environments at a time: the common part of both kinds of environments.
+"""Navigation to goals, for n robots at a time: the common part of all environments.
 
 Environment k is the same whatever n is: it has random numbers of its own, a simulation of its own,
 and a row of its own in each array.
@@ -10,12 +10,13 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 import numpy as np
 from gymnasium import spaces
 
-from flatland2d import UsageError
+from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler
-from flatland_gym.fleet import Fleet, SimulationFleet
-from flatland_gym.multi_world_fleet import make_fleet
+from flatland_gym.fleet import Fleet, RobotSimulation, make_fleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import as_dict, bounds, goal_distances, observe
+from flatland_gym.pictures import RENDER_MODES, picture, status_line
+from flatland_gym.policy import Policy
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
 from flatland_gym.robot import Robot
 from flatland_gym.settings import NavigationSettings
@@ -28,19 +29,25 @@ _TRIES = 100
 
 
 class Navigation:
-    """Robots that are driven to goals, one in each of n environments.
+    """Robots that are driven to goals, one in each of n environments, or n in a single one.
+
+    Episodes in different worlds run in different fleets, made when they are first needed; all
+    write to the same rows.
 
     Args:
         settings: what the environments are.
-        count: how many there are, n.
+        count: how many there are.
         threads: how many are stepped at a time; results do not depend on it.
-        in_python: whether each has a `Simulation`, also where a batch would do. Results do not
-            depend on it.
+        robots: how many robots a single environment has, which then is a `Simulation`, also where a
+            batch would do; None: one in each environment. Results do not depend on it.
 
     Attributes:
+        metadata: Gymnasium's, of these environments.
         robot: the robot of every world.
+        robot_names: the models of the robots in the first world.
         action_space: of one environment.
         observation_space: of one environment.
+        rows: what the robots measure.
         goals: x, y [m] in the world, shape (n, 2).
         distances: of the robots from their goals [m], shape (n,).
         successes: whether the last step has reached the goal, shape (n,).
@@ -53,27 +60,34 @@ class Navigation:
     def __init__(
         self,
         settings: NavigationSettings,
-        count: int,
+        count: int = 1,
         threads: int = 1,
-        *,
-        in_python: bool = False,
+        robots: Optional[int] = None,
     ) -> None:
         self.settings = settings
+        self.metadata: Dict[str, Any] = {
+            "render_modes": list(RENDER_MODES),
+            "render_fps": round(1.0 / settings.period, 3),
+        }
         self._worlds = [
-            NavigationWorld.load(world, settings, scale)
+            NavigationWorld.load(world, settings, scale, robots or 1)
             for world, scale in product(settings.worlds, settings.robot_scales)
         ]
-        self.robot = self._worlds[0].robot
+        self.robot, self.robot_names = self._worlds[0].robot, self._worlds[0].robots
         for world in self._worlds[1:]:
             _require_alike(self._worlds[0], world)
         self._sampler = EpisodeSampler(self._worlds, settings)
-        new_fleet = SimulationFleet if in_python else make_fleet
-        self.fleet: Fleet = new_fleet(self._worlds, settings, count, threads)
+        self._fleets: Dict[int, Fleet] = {}
+        self._threads = threads
+        self._is_single = robots is not None
         self.action_space = self.robot.action_space()
         self.observation_space = observation_space(self.robot, settings)
         self._limits = self.robot.actions
         self._velocity_limits = np.array(self.robot.velocity_limits)
-        self.world_of = np.zeros(count, dtype=int)
+        self._period, self._longest_episode = settings.period, settings.longest_episode
+        count = robots or count
+        self.rows = BatchObservation.empty(count, self.robot.beams)
+        self._world_of = np.full(count, -1)  # the index of each row's world
         self.goals = np.zeros((count, 2))
         self.distances = np.zeros(count)
         self.successes = np.zeros(count, dtype=bool)
@@ -102,62 +116,69 @@ class Navigation:
             for generator, state in zip(generators, states):
                 generator.bit_generator.state = state
             raise
-        self.fleet.reset(indices, episodes)
+        drawn = np.array([episode.world for episode in episodes])
+        for world in np.unique(drawn).tolist():
+            chosen = np.flatnonzero(drawn == world)
+            self._fleet(world).reset(indices[chosen], [episodes[k] for k in chosen.tolist()])
         for number, index in enumerate(indices.tolist()):
             tries = 1
-            while self.fleet.is_blocked(index, episodes[number]):
-                require_tries(tries)
+            while self._fleet(episodes[number].world).is_blocked(index, episodes[number]):
+                _require_tries(tries)
                 tries += 1
-                episodes[number] = self._sampler.draw(generators[number], options)
-                self.fleet.reset(np.array([index]), [episodes[number]])
-        self.goals[indices] = [episode.goals[0] for episode in episodes]
-        self.world_of[indices] = [episode.world for episode in episodes]
-        self.steps[indices] = 0
-        self.successes[indices] = False
-        distances = goal_distances(self.fleet.poses, self.goals)
-        self.distances[indices] = distances[indices]
+                episode = episodes[number] = self._sampler.draw(generators[number], options)
+                self._fleet(episode.world).reset(np.array([index]), [episode])
+        rows = np.arange(len(self.goals)) if self._is_single else indices
+        self.goals[rows] = [goal for episode in episodes for goal in episode.goals]
+        self._world_of[rows] = [episode.world for episode in episodes]
+        self.steps[rows] = 0
+        self.successes[rows] = False
+        self.distances[rows] = goal_distances(self.rows.poses, self.goals)[rows]
 
     def step(self, actions: FloatArray, indices: IntArray) -> Steps:
-        """Makes a step in each of these environments.
+        """Makes a step with each of these robots.
 
         Args:
-            actions: of all environments, as `checked_actions` returns them.
-            indices: of the environments, in increasing order.
+            actions: of all robots, as `checked_actions` returns them.
+            indices: of the robots' rows, in increasing order.
 
         Returns:
-            New arrays of n rows; those of other environments are 0 and False.
+            New arrays of n rows; those of other robots are 0 and False.
         """
-        fleet, settings = self.fleet, self.settings
-        fleet.step(actions, indices)
+        state, settings = self.rows, self.settings
+        worlds = self._world_of[indices]
+        for world, fleet in self._fleets.items():
+            chosen = indices[worlds == world]
+            if len(chosen):
+                fleet.step(actions, chosen)
         self.steps[indices] += 1
-        distances = goal_distances(fleet.poses, self.goals)
-        successes = (distances < settings.goal_radius) & ~fleet.collided
+        distances = goal_distances(state.poses, self.goals)
+        successes = (distances < settings.goal_radius) & ~state.collided
         transition = Transition(
             self.distances,
             distances,
             successes,
-            fleet.collided,
+            state.collided,
             actions,
-            fleet.poses,
-            fleet.velocities,
+            state.poses,
+            state.local_velocities,
             self.goals,
-            fleet.ranges,
-            settings.period,
+            state.ranges,
+            self._period,
         )
         rewards, terminated = judge(transition, settings)
         rows = np.zeros(len(distances), dtype=bool)
         rows[indices] = True
-        truncated = rows & ~terminated & (self.steps >= settings.longest_episode)
+        truncated = rows & ~terminated & (self.steps >= self._longest_episode)
         self.distances = np.where(rows, distances, self.distances)
         self.successes = np.where(rows, successes, self.successes)
         return np.where(rows, rewards, 0.0), terminated & rows, truncated
 
     def observe(self) -> Float32Array:
-        """Flat observations of all environments: a new array."""
+        """Flat observations of all robots: a new array."""
         return observe(
-            self.fleet.ranges,
-            self.fleet.poses,
-            self.fleet.velocities,
+            self.rows.ranges,
+            self.rows.poses,
+            self.rows.local_velocities,
             self.goals,
             self.robot.max_range,
             self._velocity_limits,
@@ -168,14 +189,66 @@ class Navigation:
         return observations if self.settings.flatten else as_dict(observations, self.robot.beams)
 
     def info(self) -> Dict[str, Any]:
-        """The entries of infos, for all environments: new arrays."""
+        """The entries of infos, for all robots: new arrays."""
         return {
             "success": self.successes.copy(),
-            "collision": self.fleet.collided.copy(),
+            "collision": self.rows.collided.copy(),
             "distance": self.distances.copy(),
-            "pose": self.fleet.poses.copy(),
+            "pose": self.rows.poses.copy(),
             "goal": self.goals.copy(),
         }
+
+    def policy(self, weights: Sequence[Float32Array], biases: Sequence[Float32Array]) -> Policy:
+        """A policy for the robot: a network with these layers."""
+        robot = self.robot
+        return Policy(
+            tuple(weights),
+            tuple(biases),
+            robot.beams,
+            robot.max_range,
+            robot.velocity_limits,
+            robot.action_limits,
+            self._period,
+        )
+
+    def simulation(self, index: int) -> Simulation:
+        """The simulation that has the robot of a row, or shows it."""
+        return self._fleet(int(self._world_of[index])).simulation(index)
+
+    def picture(self, index: int) -> Any:
+        """The picture of the robot of a row."""
+        names = self._worlds[self._world_of[index]].robots
+        return picture(
+            self.simulation(index),
+            names[index % len(names)],
+            tuple(self.goals[index].tolist()),
+            self.settings.goal_radius,
+        )
+
+    def status(self, index: int) -> str:
+        """The state of a row in a line of text."""
+        return status_line(
+            float(self.steps[index]) * self._period,
+            self.rows.poses[index],
+            self.goals[index],
+            float(self.distances[index]),
+        )
+
+    def close(self) -> None:
+        """Ends all simulations."""
+        for fleet in self._fleets.values():
+            fleet.close()
+
+    def _fleet(self, world: int) -> Fleet:
+        """The fleet of a world."""
+        if world not in self._fleets:
+            found, settings = self._worlds[world], self.settings
+            self._fleets[world] = (
+                RobotSimulation(found, settings, self.rows)
+                if self._is_single
+                else make_fleet(found, settings, self.rows, self._threads)
+            )
+        return self._fleets[world]
 
     def checked_actions(self, actions: Any, shape: Tuple[int, ...]) -> FloatArray:
         """Actions as float64, cut to the limits.
@@ -183,14 +256,33 @@ class Navigation:
         Raises:
             UsageError: they have another shape, are no numbers, or are not finite.
         """
-        return checked_actions(actions, shape, self._limits)
+        try:
+            found = np.asarray(actions)
+        except (TypeError, ValueError) as error:
+            raise UsageError(
+                f"expected actions of numbers, found {actions!r:.80}: {error}"
+            ) from None
+        if found.dtype.kind not in "fiu":
+            raise UsageError(f"expected actions of numbers, found {found.dtype} in {actions!r:.80}")
+        if found.shape != shape:
+            raise UsageError(f"expected actions of shape {shape}, found {found.shape}")
+        values = found.astype(np.float64)
+        if not np.isfinite(values).all():
+            place = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
+            raise UsageError(f"expected finite actions, found {values[place]} at {place}")
+        clipped: FloatArray = np.clip(values, -self._limits, self._limits)
+        return clipped
 
-    def close(self) -> None:
-        """Ends all simulations."""
-        self.fleet.close()
+
+def row_of(infos: Mapping[str, Any], index: int) -> Dict[str, Any]:
+    """The info of one environment, from those of all."""
+    return {
+        name: values[index].item() if values.ndim == 1 else values[index]
+        for name, values in infos.items()
+    }
 
 
-def require_tries(count: int) -> None:
+def _require_tries(count: int) -> None:
     """Raises a UsageError after too many tries to begin an episode."""
     if count >= _TRIES:
         raise UsageError(
@@ -205,9 +297,10 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     Raises:
         UsageError: such a function has returned another shape, or no finite numbers.
     """
-    count = len(transition.distance)
-    arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-1]}
-    step = transition._replace(**arrays)
+    count, step = len(transition.distance), transition
+    if settings.reward is not None or settings.terminated is not None:
+        arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-1]}
+        step = transition._replace(**arrays)
     if settings.reward is None:
         rewards = navigation_reward(step, settings.rewards)
     else:
@@ -221,29 +314,11 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
 
 def observation_space(robot: Robot, settings: NavigationSettings) -> "spaces.Space[Any]":
     """The space of a robot's observations; see `observations`."""
-    low, high = bounds(robot.beams, sum(limit > 0.0 for limit in robot.velocity_limits))
+    ends = bounds(robot.beams, sum(limit > 0.0 for limit in robot.velocity_limits))
     if settings.flatten:
-        ends = [np.concatenate(list(each.values())) for each in (low, high)]
-        return spaces.Box(ends[0], ends[1], dtype=np.float32)
+        return spaces.Box(*ends, dtype=np.float32)
+    low, high = (as_dict(end, robot.beams) for end in ends)
     return spaces.Dict({key: spaces.Box(low[key], high[key], dtype=np.float32) for key in low})
-
-
-def checked_actions(actions: Any, shape: Tuple[int, ...], limits: FloatArray) -> FloatArray:
-    """Actions as float64, cut to their limits; see `Navigation.checked_actions`."""
-    try:
-        found = np.asarray(actions)
-    except (TypeError, ValueError) as error:
-        raise UsageError(f"expected actions of numbers, found {actions!r:.80}: {error}") from None
-    if found.dtype.kind not in "fiu":
-        raise UsageError(f"expected actions of numbers, found {found.dtype} in {actions!r:.80}")
-    if found.shape != shape:
-        raise UsageError(f"expected actions of shape {shape}, found {found.shape}")
-    values = found.astype(np.float64)
-    if not np.isfinite(values).all():
-        place = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
-        raise UsageError(f"expected finite actions, found {values[place]} at {place}")
-    clipped: FloatArray = np.clip(values, -limits, limits)
-    return clipped
 
 
 def _require_alike(first: NavigationWorld, other: NavigationWorld) -> None:

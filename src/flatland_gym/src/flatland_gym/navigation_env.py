@@ -7,8 +7,8 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland2d import UsageError
-from flatland_gym.navigation import Navigation
-from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode, picture, status_line
+from flatland_gym.navigation import Navigation, row_of
+from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode
 from flatland_gym.settings import NavigationSettings, require_seed
 
 _ONE = np.array([0])
@@ -33,10 +33,9 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
     def __init__(self, render_mode: Optional[str] = None, **arguments: Any) -> None:
         check_render_mode(render_mode)
-        settings = NavigationSettings.of(arguments)
-        self.metadata = metadata(settings)
         self.render_mode = render_mode
-        self.navigation = Navigation(settings, 1, in_python=True)
+        self.navigation = Navigation(NavigationSettings.of(arguments), robots=1)
+        self.metadata = self.navigation.metadata
         self.action_space: spaces.Box = self.navigation.action_space
         self.observation_space = self.navigation.observation_space
         self._window: Optional[Window] = None
@@ -92,8 +91,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         if self.render_mode is None or not self._is_running:
             return None
         if self.render_mode == "ansi":
-            return status_of(self.navigation, 0)
-        frame = picture_of(self.navigation, 0)
+            return self.navigation.status(0)
+        frame = self.navigation.picture(0)
         if self.render_mode == "rgb_array":
             return frame
         if self._window is None:
@@ -113,34 +112,4 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         return self.navigation.formed(self.navigation.observe()[0])
 
     def _info(self) -> Dict[str, Any]:
-        info = self.navigation.info()
-        return {
-            name: values[0].item() if values.ndim == 1 else values[0]
-            for name, values in info.items()
-        }
-
-
-def metadata(settings: NavigationSettings) -> Dict[str, Any]:
-    """The metadata of environments with these settings."""
-    return {"render_modes": list(RENDER_MODES), "render_fps": round(1.0 / settings.period, 3)}
-
-
-def picture_of(navigation: Navigation, index: int) -> Any:
-    """The picture of one of n environments."""
-    goal = navigation.goals[index]
-    return picture(
-        navigation.fleet.simulation(index),
-        navigation.robot.name,
-        (float(goal[0]), float(goal[1])),
-        navigation.settings.goal_radius,
-    )
-
-
-def status_of(navigation: Navigation, index: int) -> str:
-    """One of n environments in a line of text."""
-    return status_line(
-        float(navigation.steps[index]) * navigation.settings.period,
-        navigation.fleet.poses[index],
-        navigation.goals[index],
-        float(navigation.distances[index]),
-    )
+        return row_of(self.navigation.info(), 0)

@@ -16,7 +16,6 @@ from gymnasium.vector.utils import batch_space
 from flatland2d import UsageError
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation
-from flatland_gym.navigation_env import metadata, picture_of, status_of
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
 from flatland_server import BoolArray, FloatArray
@@ -66,11 +65,11 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         settings = NavigationSettings.of(arguments)
         self.num_envs = int(num_envs)
         self.autoreset_mode = _mode(autoreset_mode)
-        self.metadata = {**metadata(settings), "autoreset_mode": self.autoreset_mode}
         self.render_mode = render_mode
         self._most_steps = sys.maxsize if max_episode_steps is None else int(max_episode_steps)
         self._shown = min(int(shown), self.num_envs)
         self.navigation = Navigation(settings, self.num_envs, int(threads))
+        self.metadata = {**self.navigation.metadata, "autoreset_mode": self.autoreset_mode}
         self.single_action_space: spaces.Box = self.navigation.action_space
         self.single_observation_space = self.navigation.observation_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -153,8 +152,8 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         """
         if self.render_mode is None or not self._is_running:
             return None
-        show = status_of if self.render_mode == "ansi" else picture_of
-        frames = [show(self.navigation, index) for index in range(self._shown)]
+        show = self.navigation.status if self.render_mode == "ansi" else self.navigation.picture
+        frames: List[Any] = [show(index) for index in range(self._shown)]
         blank: Any = "" if self.render_mode == "ansi" else np.zeros_like(frames[0])
         return (*frames, *[blank] * (self.num_envs - self._shown))
 

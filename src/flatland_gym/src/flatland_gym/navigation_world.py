@@ -92,7 +92,8 @@ class NavigationWorld:
             patterns = settings.scatter
             if patterns is None:
                 patterns = scenario.scatter if scenario else ()
-            discs = _discs(simulation)
+            models = {name: handle.model for name, handle in simulation.models.items()}
+            discs = {n: Disc(n, m.pose.x, m.pose.y, m.radius) for n, m in models.items()}
             _require_matches(patterns, discs)
             robot = Robot.of(simulation.world, names[0], lidar, settings)
             driven = [discs.pop(name) for name in names].pop()
@@ -171,15 +172,6 @@ def _multiplied(content: Content, robot: Content, count: int) -> Tuple[str, ...]
         pose = list(parking_place(-1 - number))
         content["models"].append({**robot, "name": each, "namespace": each, "pose": pose})
     return names
-
-
-def _discs(simulation: Simulation) -> Dict[str, Disc]:
-    """The models, by their names."""
-    discs: Dict[str, Disc] = {}
-    for name, handle in simulation.models.items():
-        x, y, _ = handle.model.pose
-        discs[name] = Disc(name, x, y, handle.model.radius)
-    return discs
 
 
 def _require_matches(patterns: Sequence[Any], names: Dict[str, Disc]) -> None:

@@ -34,11 +34,7 @@ class Network:
 
     def forward(self, inputs: Float32Array) -> Arrays:
         """The inputs and the outputs of all layers: shape (n, size) each."""
-        values = [inputs]
-        for number, (weight, bias) in enumerate(zip(self.weights, self.biases)):
-            value = values[-1] @ weight + bias
-            values.append(np.tanh(value) if number < len(self.weights) - 1 else value)
-        return values
+        return layer_values(self.weights, self.biases, inputs)
 
     def backward(self, values: Arrays, gradient: Float32Array) -> Arrays:
         """The gradients of the parameters, in their order.
@@ -55,6 +51,17 @@ class Network:
             if number:
                 gradient = (gradient @ self.weights[number].T) * (1.0 - values[number] ** 2)
         return [*weights, *biases]
+
+
+def layer_values(
+    weights: Sequence[Float32Array], biases: Sequence[Float32Array], inputs: Float32Array
+) -> Arrays:
+    """The inputs and the outputs of all layers of a network: shape (n, size) each."""
+    values = [inputs]
+    for number, (weight, bias) in enumerate(zip(weights, biases)):
+        value = values[-1] @ weight + bias
+        values.append(np.tanh(value) if number < len(weights) - 1 else value)
+    return values
 
 
 class Adam:

@@ -19,24 +19,16 @@ FARTHEST = 10.0
 FASTEST = 2.0
 
 
-def bounds(beams: int, parts: int) -> Tuple[Dict[str, Float32Array], Dict[str, Float32Array]]:
-    """The least and the largest values of each part of an observation.
+def bounds(beams: int, parts: int) -> Tuple[Float32Array, Float32Array]:
+    """The least and the largest values of flat observations.
 
     Args:
         beams: of the lidar.
         parts: of the velocity.
     """
-    low = {
-        "ranges": np.zeros(beams, np.float32),
-        "goal": np.array([0.0, -1.0, -1.0], np.float32),
-        "velocity": np.full(parts, -FASTEST, np.float32),
-    }
-    high = {
-        "ranges": np.ones(beams, np.float32),
-        "goal": np.array([FARTHEST, 1.0, 1.0], np.float32),
-        "velocity": np.full(parts, FASTEST, np.float32),
-    }
-    return low, high
+    low = [0.0] * beams + [0.0, -1.0, -1.0] + [-FASTEST] * parts
+    high = [1.0] * beams + [FARTHEST, 1.0, 1.0] + [FASTEST] * parts
+    return np.array(low, np.float32), np.array(high, np.float32)
 
 
 def goal_distances(poses: FloatArray, goals: FloatArray) -> FloatArray:

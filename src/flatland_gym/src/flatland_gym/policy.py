@@ -6,13 +6,14 @@ import os
 import struct
 import zipfile
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Dict, List, Tuple, Union
 
 import numpy as np
 
 from flatland2d import FlatlandError, UsageError
+from flatland_gym.networks import layer_values
 from flatland_gym.observations import observe
 from flatland_server import Float32Array, FloatArray, PoseLike
 from flatland_server.config.input_files import MIB, read_input
@@ -67,13 +68,9 @@ class Policy:
             raise UsageError(
                 f"expected observations of shape (n, {size}), found {observations.shape}"
             )
-        values = observations
-        for number, (weight, bias) in enumerate(zip(self.weights, self.biases)):
-            values = values @ weight + bias
-            if number < len(self.weights) - 1:
-                values = np.tanh(values)
+        outputs = layer_values(self.weights, self.biases, observations)[-1]
         limits = np.array(self.action_limits, np.float32)
-        actions: Float32Array = np.clip(values, -1.0, 1.0) * limits
+        actions: Float32Array = np.clip(outputs, -1.0, 1.0) * limits
         return actions
 
     def drive(self, ranges: Any, pose: PoseLike, velocity: Any, goal: Any) -> List[float]:
@@ -88,16 +85,11 @@ class Policy:
         Raises:
             UsageError: a shape is another one, or a number is not finite.
         """
-        rows: List[FloatArray] = [
-            _row("pose", pose, 3),
-            _row("velocity", velocity, 3),
-            _row("goal", goal, 2),
-        ]
+        rows = _row("pose", pose, 3), _row("velocity", velocity, 3), _row("goal", goal, 2)
         scan = np.array([ranges], np.float32)
         scan[np.isnan(scan)] = np.inf
         limits = np.array(self.velocity_limits)
-        observation = observe(scan, rows[0], rows[1], rows[2], self.max_range, limits)
-        action: List[float] = self.act(observation)[0].tolist()
+        action: List[float] = self.act(observe(scan, *rows, self.max_range, limits))[0].tolist()
         return action
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
@@ -106,21 +98,12 @@ class Policy:
         Args:
             path: of the file, which ends in .npz.
         """
-        layers: Dict[str, Any] = {}
+        content: Dict[str, Any] = {"format": _FORMAT, "layers": len(self.weights)}
+        content.update((each.name, getattr(self, each.name)) for each in fields(self)[2:])
         for number, (weight, bias) in enumerate(zip(self.weights, self.biases)):
-            layers[f"weight_{number}"], layers[f"bias_{number}"] = weight, bias
+            content[f"weight_{number}"], content[f"bias_{number}"] = weight, bias
         with open(path, "wb") as file:
-            np.savez_compressed(
-                file,
-                format=np.array(_FORMAT),
-                layers=np.array(len(self.weights)),
-                beams=np.array(self.beams),
-                max_range=np.array(self.max_range),
-                velocity_limits=np.array(self.velocity_limits),
-                action_limits=np.array(self.action_limits),
-                period=np.array(self.period),
-                **layers,
-            )
+            np.savez_compressed(file, **content)
 
     @classmethod
     def load(cls, path: Union[str, "os.PathLike[str]"]) -> "Policy":

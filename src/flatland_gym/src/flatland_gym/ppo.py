@@ -134,39 +134,27 @@ class Ppo:
         Raises:
             TrainingInterrupted: Ctrl-C.
         """
+        started, done = time.monotonic(), 0
         try:
-            self._train(steps, seconds, report)
+            while done < steps and time.monotonic() - started < seconds:
+                spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
+                part = min(max(done / steps, spent), 1.0)
+                self._ended.clear()
+                rollout = self._roll_out()
+                self._update(rollout, self._settings.learning_rate * (1.0 - 0.9 * part))
+                done += self._settings.rollout * self._env.num_envs
+                elapsed = time.monotonic() - started
+                means = np.mean(self._ended, axis=0) if self._ended else (math.nan, math.nan)
+                report(Progress(done, elapsed, len(self._ended), float(means[0]), float(means[1])))
         except KeyboardInterrupt:
             raise TrainingInterrupted(self.policy()) from None
         return self.policy()
 
-    def _train(self, steps: int, seconds: float, report: Callable[[Progress], None]) -> None:
-        """Trains for a number of steps or for a time."""
-        started, done = time.monotonic(), 0
-        while done < steps and time.monotonic() - started < seconds:
-            spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
-            part = max(done / steps, spent)
-            self._ended.clear()
-            rollout = self._roll_out()
-            self._update(rollout, self._settings.learning_rate * (1.0 - 0.9 * min(part, 1.0)))
-            done += self._settings.rollout * self._env.num_envs
-            successes, sums = (zip(*self._ended)) if self._ended else ((math.nan,), (math.nan,))
-            elapsed = time.monotonic() - started
-            means = float(np.mean(successes)), float(np.mean(sums))
-            report(Progress(done, elapsed, len(self._ended), *means))
-
     def policy(self) -> Policy:
         """The policy as it is now."""
-        navigation = self._env.navigation
-        return Policy(
-            tuple(weight.copy() for weight in self._actor.weights),
-            tuple(bias.copy() for bias in self._actor.biases),
-            navigation.robot.beams,
-            navigation.robot.max_range,
-            navigation.robot.velocity_limits,
-            navigation.robot.action_limits,
-            navigation.settings.period,
-        )
+        layers = self._actor.weights, self._actor.biases
+        weights, biases = ([array.copy() for array in arrays] for arrays in layers)
+        return self._env.navigation.policy(weights, biases)
 
     def _roll_out(self) -> _Rollout:
         """Collects a rollout of all environments."""

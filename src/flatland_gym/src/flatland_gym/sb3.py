@@ -5,6 +5,7 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Union
 import numpy as np
 
 from flatland2d import MissingPackageError, UsageError
+from flatland_gym.navigation import row_of
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 
 try:
@@ -113,9 +114,6 @@ class NavigationVecEnv(VecEnv):
 
 
 def _row(infos: Dict[str, Any], index: int) -> Dict[str, Any]:
-    """The info of one environment."""
-    return {
-        name: values[index].item() if values.ndim == 1 else values[index].copy()
-        for name, values in infos.items()
-        if not name.startswith("_") and not name.startswith("final_")
-    }
+    """The info of one environment, of the last step alone."""
+    parts = {name: infos[name] for name in infos if not name.startswith(("_", "final_"))}
+    return row_of(parts, index)

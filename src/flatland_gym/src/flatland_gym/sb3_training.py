@@ -128,21 +128,12 @@ def policy_of(model: Any) -> Policy:
     hidden, others = list(network)[::2], list(network)[1::2]
     if not all(isinstance(each, torch.nn.Tanh) for each in others):
         raise UsageError(f"expected tanh between the layers, found {others}")
-    robot = env.envs.navigation.robot
     layers = [(_array(each.weight).T.copy(), _array(each.bias)) for each in (*hidden, last)]
     if not is_scaled:
-        limits = np.array(robot.action_limits, np.float32)
+        limits = np.array(env.envs.navigation.robot.action_limits, np.float32)
         layers[-1] = (layers[-1][0] / limits, layers[-1][1] / limits)
     weights, biases = zip(*layers)
-    return Policy(
-        weights,
-        biases,
-        robot.beams,
-        robot.max_range,
-        robot.velocity_limits,
-        robot.action_limits,
-        env.envs.navigation.settings.period,
-    )
+    return env.envs.navigation.policy(weights, biases)
 
 
 def _array(tensor: Any) -> Float32Array:

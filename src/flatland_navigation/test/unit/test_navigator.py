@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from driving import Driver, drive, walls_of
 
-from flatland_navigation.follower import FollowerConfig
 from flatland_navigation.grid import Grid
 from flatland_navigation.navigator import Navigator, NavigatorConfig, Status
 from flatland_server import Pose, World
@@ -27,12 +26,14 @@ def grid_of(simulation):
 
 def corridor(**models):
     """A robot at (-4, 0), looking east, in a room of 10 x 2.4 m, and further models."""
+    return room(robot={"model": str(ROBOT), "pose": [-4, 0, 0]}, **models)
+
+
+def room(**models):
     files = WorldFiles()
     corners = [(-5, -1.2), (5, -1.2), (5, 1.2), (-5, 1.2)]
     walls = files.walls("map", *[(*a, *b) for a, b in zip(corners, corners[1:] + corners[:1])])
-    robot = {"model": str(ROBOT), "pose": [-4, 0, 0]}
-    layers = [{"name": "map", "map": walls}]
-    return files.load_models({"robot": robot, **models}, layers).run(0.2)
+    return files.load_models(models, [{"name": "map", "map": walls}]).run(0.2)
 
 
 def at_goal(driver, goal):
@@ -65,10 +66,7 @@ def test_two_robots_in_namespaces_pass_each_other():
         "r1": {"model": str(ROBOT), "namespace": "r1", "pose": [-4.0, 0.1, 0.0]},
         "r2": {"model": str(ROBOT), "namespace": "r2", "pose": [4.0, -0.1, 3.14]},
     }
-    files = WorldFiles()
-    corners = [(-5, -1.2), (5, -1.2), (5, 1.2), (-5, 1.2)]
-    walls = files.walls("map", *[(*a, *b) for a, b in zip(corners, corners[1:] + corners[:1])])
-    simulation = files.load_models(robots, [{"name": "map", "map": walls}]).run(0.2)
+    simulation = room(**robots)
     grid = grid_of(simulation)
     first, second = (Driver(simulation, grid, name) for name in robots)
 
@@ -194,14 +192,3 @@ def test_time_that_begins_anew_does_not_make_it_give_up():
 
     assert navigator.status is Status.ACTIVE
     assert commands[-1].forwards > 0.0
-
-
-def test_speed_limits_hold_in_a_simulation():
-    simulation = corridor()
-    follower = FollowerConfig(max_speed=0.3)
-    driver = Driver(simulation, grid_of(simulation), config=NavigatorConfig(follower=follower))
-    driver.navigator.set_goal(Pose(0.0, 0.0, 0.0))
-
-    seconds = drive(simulation, driver)
-
-    assert 4.0 / 0.3 - 0.5 < seconds < 4.0 / 0.3 + 2.0

@@ -27,7 +27,6 @@ class BoolSensor(ModelPlugin):
     batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the documented keys and opens the topic."""
         topic = config.get_topic("topic", "bool_sensor")
         self._body = self.get_body(config, default=self.model.base.name)
         self.update_timer = UpdateTimer(config.get_rate("update_rate", math.inf))
@@ -59,7 +58,6 @@ class BoolSensor(ModelPlugin):
         self._is_unreported = False
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes what `read` returns."""
         self._publisher.publish(Bool(self.read(timekeeper)))
 
     def read(self, timekeeper: Timekeeper) -> bool:
@@ -76,7 +74,6 @@ class BoolSensor(ModelPlugin):
         return {"touching": touching, "is_unreported": self._is_unreported, "value": value}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Restores a state that `get_state` has returned."""
         find = self.model.entities.fixture
         self._touching = {(find(a), find(b)) for a, b in state["touching"]}
         self._is_unreported = state["is_unreported"]

@@ -76,7 +76,6 @@ class Bumper(ModelPlugin):
     batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the documented keys and opens the topic."""
         self._frame = self.get_frame_id(config, "world_frame_id", "map")
         topic = config.get_topic("topic", "collisions")
         update_rate = config.get_rate("update_rate", math.inf)
@@ -135,7 +134,6 @@ class Bumper(ModelPlugin):
             touch.impulses = []
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes the collisions of the last step."""
         collisions = Collisions(header=header(timekeeper.nanoseconds, self._frame))
         collisions.collisions = [self._collision(bump) for bump in self.read(timekeeper)]
         self._publisher.publish(collisions)
@@ -161,7 +159,6 @@ class Bumper(ModelPlugin):
         return {"touches": touches, "timer": self._timer.get_state(), "bumps": bumps}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Restores a state that `get_state` has returned."""
         entities = self.model.entities
         self._timer.set_state(state["timer"])
         self._touches.clear()

@@ -7,7 +7,7 @@ import numpy as np
 from flatland_plugins.crowd_config import CrowdConfig
 from flatland_plugins.crowd_motion import CrowdMotion
 from flatland_plugins.obstacles import Bodies, Outline, Walls, seen_from
-from flatland_plugins.pedestrian import Pedestrian, model_of
+from flatland_plugins.people import Pedestrian, model_of
 from flatland_plugins.social_force import Others, discs_apart
 from flatland_server import (
     BatchRole,
@@ -148,7 +148,6 @@ class Crowd(WorldPlugin):
         }
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Restores a state that `get_state` has returned."""
         self._keep([i for i, each in enumerate(self._people) if each.config.name in state])
         for index, person in enumerate(self._people):
             for values, value in zip(self._motion.progress, state[person.config.name]):

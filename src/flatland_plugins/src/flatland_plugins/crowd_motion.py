@@ -6,8 +6,7 @@ import numpy as np
 
 from flatland_plugins.crowd_config import CrowdConfig
 from flatland_plugins.obstacles import Outline, Walls, seen_from, seen_walls
-from flatland_plugins.pedestrian import Pedestrian
-from flatland_plugins.people import People, Progress
+from flatland_plugins.people import Pedestrian, People, Progress
 from flatland_plugins.social_force import Others, discs_apart, limit
 from flatland_server import BatchMotion, FloatArray, IntArray, Segments, UpdateTimer
 

@@ -2,18 +2,13 @@
 
 from typing import Any
 
-from flatland_plugins.twist_drive import TwistDrive, read_dynamics, velocity_limits
-from flatland_server import CoreDrive, ModelBody, YamlReader
+from flatland_plugins.twist_drive import VelocityDrive
 
 
-class DiffDrive(TwistDrive):
+class DiffDrive(VelocityDrive):
     """Two wheels on an axle, or anything else that cannot move sideways."""
 
-    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
-        limits = read_dynamics(config)
-        config.finish()
-        self._drive = body.physics_body.add_drive(*limits)
-        return CoreDrive(self._drive, (0, 2), velocity_limits(limits))
+    columns = (0, 2)
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.angular.z)

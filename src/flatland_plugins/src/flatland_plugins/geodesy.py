@@ -27,7 +27,7 @@ class Geodetic(NamedTuple):
 
 
 class TangentPlane:
-    """The east-north-up frame of a point on the ellipsoid.
+    """The plane that touches the ellipsoid at a point: x is east, y north.
 
     Args:
         latitude: of its origin [deg], within [-90, 90]. At a pole, north is where it would be on
@@ -42,14 +42,14 @@ class TangentPlane:
         normal = _A / math.sqrt(1 - _E2 * self._sin**2)  # radius of curvature, east to west
         self._p, self._z = normal * self._cos, normal * (1 - _E2) * self._sin
 
-    def to_geodetic(self, east: float, north: float, up: float = 0.0) -> Geodetic:
-        """The place of a point of this frame [m].
+    def to_geodetic(self, east: float, north: float) -> Geodetic:
+        """The place of a point of the plane [m].
 
         By way of Cartesian coordinates from the Earth's centre, x through the origin's meridian:
         the ellipsoid is the same all around, so the origin's longitude is added at the end.
         """
-        x = self._p - self._sin * north + self._cos * up
-        z = self._z + self._cos * north + self._sin * up
+        x = self._p - self._sin * north
+        z = self._z + self._cos * north
         p = math.hypot(x, east)
         latitude = _latitude(p, z)
         sin, cos = math.sin(latitude), math.cos(latitude)

@@ -30,7 +30,6 @@ class Gps(ModelPlugin):
     batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the documented keys and opens the topic."""
         self._body = self.get_body(config)
         topic = config.get_topic("topic", "gps/fix")
         update_rate = config.get_rate("update_rate", 10.0)
@@ -51,14 +50,12 @@ class Gps(ModelPlugin):
         return self._publisher.has_subscribers or self._frame.has_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes the transform and the fix."""
         now = timekeeper.nanoseconds
         self._frame.publish(now)
         if self._publisher.has_subscribers:
             self._publisher.publish(self._fix(now))
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes a fix."""
         self._publisher.publish(self._fix(timekeeper.nanoseconds))
 
     def read(self, timekeeper: Timekeeper) -> Geodetic:

@@ -67,7 +67,6 @@ class Imu(ModelPlugin):
     quantities = ("ground_truth",)
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the keys and opens the topics."""
         self._body = self.get_body(config)
         imu = self._config = ImuConfig.read(config)
         self._deviations = np.sqrt(imu.noises).ravel()
@@ -105,7 +104,6 @@ class Imu(ModelPlugin):
         self._publish(self._start, self._end)
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes what `read` returns."""
         self._publish(*self._find_reading(timekeeper.nanoseconds))
 
     def read(self, timekeeper: Timekeeper) -> ImuReading:
@@ -132,7 +130,6 @@ class Imu(ModelPlugin):
         }
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Restores a state that `get_state` has returned."""
         self._end = Motion(*state["end"]) if state["end"] is not None else None
         self._move_revision = state["move_revision"]
         self._start = Motion(*state["start"]) if state["start"] is not None else None

@@ -36,7 +36,6 @@ class Laser(ModelPlugin):
     quantities = ("intensities",)
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the documented keys and opens the topic."""
         body = self._body = self.get_body(config)
         laser = self._config = LaserConfig.read(config, self.name)
         registry = self.model.registry
@@ -87,13 +86,11 @@ class Laser(ModelPlugin):
             self._lidar.expect_scan()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes the transform and the scan."""
         self._frame.publish(timekeeper.nanoseconds)
         if self._has_to_scan():
             self.publish_now(timekeeper)
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes a scan."""
         now = timekeeper.nanoseconds
         self._publisher.write(self._writer, now, *self._scan(now))
 

@@ -18,7 +18,6 @@ class ModelTfPublisher(ModelPlugin):
     batch_role = BatchRole()
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the documented keys."""
         self._reference = self.get_body(config, "reference", self.model.base.name)
         publish_tf_world = config.get_bool("publish_tf_world", False)
         world_frame_id = self.get_frame_id(config, "world_frame_id", "map")

@@ -1,15 +1,25 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from typing import Any, Dict, List, NamedTuple, Optional
+from typing import Any, Dict, NamedTuple, Optional
 
 import numpy as np
 
-from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
+from flatland_plugins.odometry_config import OdometryConfig
 from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise, draw_key
-from flatland_server import Frames, ModelBody, ModelPlugin, Pose, Publisher, Velocity, wrap_angle
+from flatland_server import (
+    Frames,
+    ModelBody,
+    ModelPlugin,
+    Pose,
+    Publisher,
+    Timekeeper,
+    Velocity,
+    YamlReader,
+    wrap_angle,
+)
 
 
 class Odometry(NamedTuple):
@@ -21,88 +31,98 @@ class Odometry(NamedTuple):
     """In the frame of the body."""
 
 
-class OdometryPublisher:
+class OdometryPlugin(ModelPlugin):
     """Publishes a body's odometry with errors, the ground truth, its twist and its transform.
 
     Drift and the noise of the pose are in the odometry and the transform, the noise of the velocity
     is in the odometry and the twist. If a model is moved, its odometry moves with it.
-
-    Args:
-        plugin: the drive.
-        body: the body; its origin is tracked.
-        frames: of the poses.
-        config: topics, noise and drift.
     """
 
-    def __init__(
-        self, plugin: ModelPlugin, body: ModelBody, frames: OdometryFrames, config: OdometryConfig
-    ) -> None:
-        self._config = config
-        self._model = plugin.model
+    quantities = ("ground_truth",)
+
+    def read_frames(self, config: YamlReader) -> None:
+        """Reads the frames of the estimated and of the true poses."""
+        self._odom_frame = self.get_frame_id(config, "odom_frame_id", "odom")
+        self._ground_truth_frame = self.get_frame_id(config, "ground_truth_frame_id", "map")
+
+    def open_odometry(self, body: ModelBody, config: OdometryConfig) -> None:
+        """Opens the topics, after `read_frames`.
+
+        Args:
+            body: its origin is tracked.
+            config: topics, noise and drift.
+        """
+        self._odometry_config = config
         self._body = body
-        self._node = plugin.node
-        self._noise = TimedNoise(plugin.rng)
+        self._noise = TimedNoise(self.rng)
         self._drift: Optional[OdometryDrift] = None
-        self._move_revision = self._model.move_revision
+        self._move_revision = self.model.move_revision
         if config.drift:
-            self._drift = OdometryDrift(config.drift, draw_key(plugin.rng))
-        self._base_frame = plugin.name_space_tf(body.name)
+            self._drift = OdometryDrift(config.drift, draw_key(self.rng))
+        base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
         self._odom: Optional[Publisher] = None
         self._ground_truth: Optional[Publisher] = None
         self._twist: Optional[Publisher] = None
         if config.enable_odom_pub:
-            self._odom = self._node.advertise(config.odom_pub, "nav_msgs/Odometry")
-            self._ground_truth = self._node.advertise(config.ground_truth_pub, "nav_msgs/Odometry")
+            self._odom = self.node.advertise(config.odom_pub, "nav_msgs/Odometry")
+            self._ground_truth = self.node.advertise(config.ground_truth_pub, "nav_msgs/Odometry")
         if config.enable_twist_pub:
-            self._twist = self._node.advertise(
+            self._twist = self.node.advertise(
                 config.twist_pub, "geometry_msgs/TwistWithCovarianceStamped"
             )
+        covariances = config.pose_covariance, config.twist_covariance
         self._odom_writer, self._ground_truth_writer = (
-            OdometryWriter(
-                frame_id, self._base_frame, config.pose_covariance, config.twist_covariance
-            )
-            for frame_id in frames
+            OdometryWriter(frame, base_frame, *covariances)
+            for frame in (self._odom_frame, self._ground_truth_frame)
         )
-        self._twist_writer = TwistWriter(self._base_frame, config.twist_covariance)
+        self._twist_writer = TwistWriter(base_frame, config.twist_covariance)
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
-            self._frame = self._node.open_frames((frames.odom, self._base_frame))
-            if frames.odom != frames.ground_truth:  # all models share the world's frame
-                self._node.claim_odometry_frame(frames.odom)
+            self._frame = self.node.open_frames((self._odom_frame, base_frame))
+            if self._odom_frame != self._ground_truth_frame:  # all models share the world's frame
+                self.node.claim_odometry_frame(self._odom_frame)
 
     def has_work(self) -> bool:
-        """Whether `publish` does anything: there is a subscriber, or a drift to accumulate."""
+        """Whether the odometry has a subscriber, or drifts."""
         return self._drift is not None or self._has_subscribers()
 
-    def publish(self, nanoseconds: int) -> None:
-        """Publishes the present pose and velocity on the topics that have subscribers.
-
-        Call it whenever odometry is due, with or without subscribers: drift accumulates.
-        """
-        pose = self._body.pose
+    def before_physics_step(self, timekeeper: Timekeeper) -> None:
+        """Publishes odometry on the topics that have subscribers; drift accumulates anyway."""
+        now, pose = timekeeper.nanoseconds, self._body.pose
         if self._drift is not None:
-            has_jumped = self._model.move_revision != self._move_revision
-            self._move_revision = self._model.move_revision
-            self._drift.advance(nanoseconds, pose, has_jumped=has_jumped)
+            has_jumped = self._has_jumped()
+            self._move_revision = self.model.move_revision
+            self._drift.advance(now, pose, has_jumped=has_jumped)
             if not self._has_subscribers():
                 return
-        estimate = self._publish(nanoseconds, pose if self._drift is None else self._drift.pose)
-        if self._frame is not None and self._node.transforms_have_subscribers:
-            self._frame.send(nanoseconds, [estimate.pose])
+            pose = self._drift.pose
+        estimate = self._publish(now, pose)
+        if self._frame is not None and self.node.transforms_have_subscribers:
+            self._frame.send(now, [estimate.pose])
 
-    def publish_now(self, nanoseconds: int) -> None:
+    def publish_now(self, timekeeper: Timekeeper) -> None:
         """Publishes the present pose and velocity; does not advance the drift."""
-        self._publish(nanoseconds, self._drifted(nanoseconds))
+        self._publish(timekeeper.nanoseconds, self._drifted(timekeeper.nanoseconds))
 
-    def read(self, nanoseconds: int) -> Odometry:
-        """The estimated pose and the measured velocity at the present time [ns]."""
-        return self._measured(nanoseconds, self._drifted(nanoseconds))
+    def read(self, timekeeper: Timekeeper) -> Odometry:
+        """The present odometry, with its noise and drift: pose and velocity."""
+        return self._measured(timekeeper.nanoseconds, self._drifted(timekeeper.nanoseconds))
 
-    def read_ground_truth(self) -> Odometry:
-        """The true pose and velocity."""
-        return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
+    def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
+        """The true pose in the world, and the true velocity."""
+        return self._truth()
+
+    def get_state(self) -> Dict[str, Any]:
+        """The drift and the number of the last move; the core saves commands and velocities."""
+        drift = self._drift.get_state() if self._drift is not None else None
+        return {"drift": drift, "move_revision": self._move_revision}
+
+    def set_state(self, state: Dict[str, Any]) -> None:
+        self._move_revision = state["move_revision"]
+        if self._drift is not None:
+            self._drift.set_state(state["drift"])
 
     def _publish(self, nanoseconds: int, drifted: Pose) -> Odometry:
         """Publishes on the topics that have subscribers, and returns the odometry with errors."""
@@ -112,8 +132,7 @@ class OdometryPublisher:
         if self._odom is not None and self._odom.has_subscribers:
             self._write(self._odom, self._odom_writer, nanoseconds, estimate)
         if self._ground_truth is not None and self._ground_truth.has_subscribers:
-            truth = self.read_ground_truth()
-            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, truth)
+            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, self._truth())
         return estimate
 
     def _measured(self, nanoseconds: int, drifted: Pose) -> Odometry:
@@ -121,7 +140,7 @@ class OdometryPublisher:
         velocity = Velocity(*self._body.physics_body.local_velocity)
         if not self._is_noisy:
             return Odometry(drifted, velocity)
-        noise = self._noise_at(nanoseconds)
+        noise = (self._noise.at(nanoseconds).standard_normal(6) * self._deviation).tolist()
         x, y, yaw = (value + error for value, error in zip(drifted, noise))
         vx, vy, omega = (value + error for value, error in zip(velocity, noise[3:]))
         return Odometry(Pose(x, y, wrap_angle(yaw)), Velocity(vx, vy, omega))
@@ -131,31 +150,20 @@ class OdometryPublisher:
         pose = self._body.pose
         if self._drift is None:
             return pose
-        has_jumped = self._model.move_revision != self._move_revision
-        return self._drift.preview(nanoseconds, pose, has_jumped=has_jumped)
+        return self._drift.preview(nanoseconds, pose, has_jumped=self._has_jumped())
 
-    def get_state(self) -> Dict[str, Any]:
-        """The drift and the number of the last move, for a saved state."""
-        drift = self._drift.get_state() if self._drift is not None else None
-        return {"drift": drift, "move_revision": self._move_revision}
+    def _truth(self) -> Odometry:
+        return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
 
-    def set_state(self, state: Dict[str, Any]) -> None:
-        """Restores a state that `get_state` has returned."""
-        self._move_revision = state["move_revision"]
-        if self._drift is not None:
-            self._drift.set_state(state["drift"])
+    def _has_jumped(self) -> bool:
+        """Whether the model was moved since the last odometry."""
+        return self.model.move_revision != self._move_revision
 
     def _has_subscribers(self) -> bool:
-        if self._frame is not None and self._node.transforms_have_subscribers:
+        if self._frame is not None and self.node.transforms_have_subscribers:
             return True
         publishers = (self._twist, self._odom, self._ground_truth)
         return any(publisher is not None and publisher.has_subscribers for publisher in publishers)
-
-    def _noise_at(self, nanoseconds: int) -> List[float]:
-        """The errors of the pose and the velocity."""
-        normal = self._noise.at(nanoseconds).standard_normal(6)
-        noise: List[float] = (normal * self._deviation).tolist()
-        return noise
 
     def _write(
         self,
@@ -165,7 +173,7 @@ class OdometryPublisher:
         odometry: Odometry,
     ) -> None:
         pose, twist = odometry.pose, tuple(odometry.velocity)
-        if not self._config.twist_in_local_frame:
+        if not self._odometry_config.twist_in_local_frame:
             vx, vy, omega = twist
             cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
             twist = (cos * vx - sin * vy, sin * vx + cos * vy, omega)

@@ -1,31 +1,16 @@
 """The keys of a drive that concern its odometry."""
 
 from dataclasses import dataclass
-from typing import NamedTuple, Tuple
+from typing import Tuple
 
 import numpy as np
 
 from flatland_plugins.odometry_drift import DriftVariances
-from flatland_server import ModelPlugin, YamlReader
+from flatland_server import YamlReader
 
 Vector3 = Tuple[float, ...]
 
 _NO_NOISE = (0.0, 0.0, 0.0)
-
-
-class OdometryFrames(NamedTuple):
-    """The frames of the estimated poses and of the true ones."""
-
-    odom: str
-    ground_truth: str
-
-    @classmethod
-    def read(cls, config: YamlReader, drive: ModelPlugin) -> "OdometryFrames":
-        """Reads the keys of a drive."""
-        return cls(
-            drive.get_frame_id(config, "odom_frame_id", "odom"),
-            drive.get_frame_id(config, "ground_truth_frame_id", "map"),
-        )
 
 
 @dataclass(frozen=True)

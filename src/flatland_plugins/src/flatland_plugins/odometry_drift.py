@@ -101,7 +101,6 @@ class OdometryDrift:
         return {"pose": self.pose, "last": self._last, "rng": rng}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        """Restores a state that `get_state` has returned."""
         self.pose = Pose(*state["pose"])
         self._rng.bit_generator.state = state["rng"]
         self._last = None

@@ -2,23 +2,17 @@
 
 from typing import Any
 
-from flatland_plugins.twist_drive import TwistDrive, read_dynamics, velocity_limits
-from flatland_server import CoreDrive, ModelBody, YamlReader
+from flatland_plugins.twist_drive import VelocityDrive
 
 
-class OmniDrive(TwistDrive):
+class OmniDrive(VelocityDrive):
     """Mecanum or swerve wheels: x is forwards and y to the left (REP 103).
 
     The keys are those of DiffDrive. `linear_dynamics` limits the velocity in the plane, not each of
     its components.
     """
 
-    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
-        limits = read_dynamics(config)
-        config.finish()
-        self._drive = body.physics_body.add_drive(*limits)
-        planar, angular = velocity_limits(limits)
-        return CoreDrive(self._drive, (0, 1, 2), (planar, planar, angular))
+    columns = (0, 1, 2)
 
     def on_twist(self, twist: Any) -> None:
         self.command(twist.linear.x, twist.linear.y, twist.angular.z)

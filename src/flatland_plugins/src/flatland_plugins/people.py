@@ -1,17 +1,40 @@
-"""The people of a crowd as arrays, in one world or in many at once: their ways, turns and legs.
+"""The people of a crowd: their models, and as arrays their ways, turns and legs.
 
-Arrays hold n worlds with p people each: goals (n, p), points (n, p, 2), poses (n, p, 3).
+Arrays are those of one world or of many at once. They hold n worlds with p people each: goals
+(n, p), points (n, p, 2), poses (n, p, 3).
 """
 
 import math
-from typing import NamedTuple, Sequence, Tuple
+from dataclasses import replace
+from pathlib import Path
+from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from flatland_plugins.crowd_config import PedestrianConfig
-from flatland_plugins.pedestrian import LEG_OFFSET, LEGS
 from flatland_plugins.social_force import directions
-from flatland_server import FloatArray, IntArray, cos_sin, headings
+from flatland_server import (
+    BodyConfig,
+    Circle,
+    FloatArray,
+    Footprint,
+    IntArray,
+    Model,
+    ModelConfig,
+    Pose,
+    cos_sin,
+    headings,
+)
+
+_MASS = 80.0
+"""Of each pedestrian [kg]."""
+
+_LEG_RADIUS = 0.28
+LEG_OFFSET = 0.4
+"""A leg's radius and its distance from the middle, as fractions of the pedestrian's radius."""
+
+LEGS = (("left_leg", 1.0), ("right_leg", -1.0))
+"""The names of their bodies, and on which side they are: 1 is the left."""
 
 _WALK_RATIO = 0.0064 * 60.0
 """A step's length by the steps per second [m s], about equal at all speeds.
@@ -27,6 +50,48 @@ _LEAST_SPEED = 0.1
 """Speed [m/s] below which people keep their heading."""
 
 _FEET_ABREAST = 0.25
+
+
+def model_of(
+    config: PedestrianConfig, file: Path, layers: Tuple[str, ...], layer_bits: int
+) -> ModelConfig:
+    """The model of a pedestrian: a disc; if it has legs, lasers see two smaller ones instead."""
+    build = config.build
+    disc = Footprint(
+        Circle((0.0, 0.0), build.radius),
+        density=_MASS / (math.pi * build.radius**2),
+        friction=0.0,
+        restitution=0.0,
+        sensor=False,
+        collision=True,
+        layers=layers,
+        layer_bits=layer_bits,
+        visible=not build.legs,
+    )
+    leg = replace(
+        disc,
+        shape=Circle((0.0, 0.0), _LEG_RADIUS * build.radius),
+        density=0.0,
+        collision=False,
+        visible=True,
+    )
+    bodies = [BodyConfig("body", Pose(), "dynamic", build.color, 0.0, 0.0, (disc,))]
+    for name, side in LEGS if build.legs else ():
+        pose = Pose(0.0, side * LEG_OFFSET * build.radius)
+        bodies.append(BodyConfig(name, pose, "kinematic", build.color, 0.0, 0.0, (leg,)))
+    return ModelConfig(file, tuple(bodies), (), ())
+
+
+class Pedestrian(NamedTuple):
+    """A pedestrian in the world: its entry in the world file, and its model."""
+
+    config: PedestrianConfig
+    model: Model
+
+    @property
+    def legs(self) -> List[str]:
+        """The names of the bodies of its legs, if it has some."""
+        return [name for name, _ in LEGS] if self.config.build.legs else []
 
 
 class Progress(NamedTuple):

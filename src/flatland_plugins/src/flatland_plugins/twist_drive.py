@@ -7,15 +7,13 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Tuple
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
-from flatland_plugins.odometry import Odometry, OdometryPublisher
-from flatland_plugins.odometry_config import OdometryConfig, OdometryFrames
+from flatland_plugins.odometry import OdometryPlugin
+from flatland_plugins.odometry_config import OdometryConfig
 from flatland_server import (
     BatchRole,
     CoreDrive,
     GoneError,
     ModelBody,
-    ModelPlugin,
-    Timekeeper,
     UpdateTimer,
     YamlReader,
     messages,
@@ -26,7 +24,7 @@ Twist = messages.get("geometry_msgs/Twist")
 logger = logging.getLogger(__name__)
 
 
-class TwistDrive(ModelPlugin, ABC):
+class TwistDrive(OdometryPlugin, ABC):
     """Moves a body as the last Twist commands, within limits, and publishes its odometry.
 
     A drive overrides `add_drive` and `on_twist`.
@@ -36,16 +34,14 @@ class TwistDrive(ModelPlugin, ABC):
         publishes_transform: the default of `enable_odom_tf_pub`.
     """
 
-    quantities = ("ground_truth",)
     publishes_twist: ClassVar[bool] = True
     publishes_transform: ClassVar[bool] = True
 
     def on_initialize(self, config: YamlReader) -> None:
-        """Reads the documented keys and opens the topics."""
         body = self.get_body(config)
         twist_sub = config.get_topic("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
-        frames = OdometryFrames.read(config, self)
+        self.read_frames(config)
         odometry = OdometryConfig.read(
             config,
             enable_twist_pub=self.publishes_twist,
@@ -54,7 +50,7 @@ class TwistDrive(ModelPlugin, ABC):
         self._core_drive = self.add_drive(config, body)
 
         self._topic = self.node.resolve(twist_sub)
-        self._odometry = OdometryPublisher(self, body, frames, odometry)
+        self.open_odometry(body, odometry)
         self.update_timer = UpdateTimer(pub_rate)
         self._is_ignoring = False
         self.node.subscribe(twist_sub, "geometry_msgs/Twist", self._receive)
@@ -91,38 +87,27 @@ class TwistDrive(ModelPlugin, ABC):
         else:
             self._is_ignoring = False
 
-    def has_work(self) -> bool:
-        """Whether the odometry has a subscriber, or drifts."""
-        return self._odometry.has_work()
-
-    def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes odometry; the core drives."""
-        self._odometry.publish(timekeeper.nanoseconds)
-
-    def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes the present odometry."""
-        self._odometry.publish_now(timekeeper.nanoseconds)
-
-    def read(self, timekeeper: Timekeeper) -> Odometry:
-        """The present odometry, with its noise and drift: pose and velocity."""
-        return self._odometry.read(timekeeper.nanoseconds)
-
-    def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
-        """The true pose in the world, and the true velocity."""
-        return self._odometry.read_ground_truth()
-
-    def get_state(self) -> Any:
-        """The state of the odometry; the core saves the commands and velocities."""
-        return self._odometry.get_state()
-
-    def set_state(self, state: Any) -> None:
-        """Restores a state that `get_state` has returned."""
-        self._odometry.set_state(state)
-
     def on_shutdown(self) -> None:
         """Stops the body within the limits, if it outlives the drive."""
         with contextlib.suppress(GoneError):
             self.on_twist(Twist())
+
+
+class VelocityDrive(TwistDrive):
+    """A drive that is given a velocity: of all three components, or of some.
+
+    Attributes:
+        columns: the components: 0 is forwards, 1 to the left, 2 the turn.
+    """
+
+    columns: ClassVar[Tuple[int, ...]]
+
+    def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
+        linear, angular = read_dynamics(config)
+        config.finish()
+        self._drive = body.physics_body.add_drive(linear, angular)
+        limits = (linear.velocity_limit, linear.velocity_limit, angular.velocity_limit)
+        return CoreDrive(self._drive, self.columns, tuple(limits[k] for k in self.columns))
 
 
 def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:
@@ -131,9 +116,3 @@ def read_dynamics(config: YamlReader) -> Tuple[DynamicsLimits, DynamicsLimits]:
         DynamicsLimits.read(config, "linear_dynamics"),
         DynamicsLimits.read(config, "angular_dynamics"),
     )
-
-
-def velocity_limits(dynamics: Tuple[DynamicsLimits, DynamicsLimits]) -> Tuple[float, float]:
-    """The limits of the linear and of the angular velocity; 0 is no limit."""
-    linear, angular = dynamics
-    return linear.velocity_limit, angular.velocity_limit

@@ -76,34 +76,6 @@ def test_a_sensor_is_nothing_that_touches(files):
     assert not said(move(world, 0.1).run())
 
 
-@pytest.mark.parametrize(
-    ("mine", "others", "is_noticed"),
-    [
-        ("friction: 0", "friction: 0", True),
-        ("layers: [robot]", "layers: [robot]", True),
-        ("layers: [robot]", "friction: 0", True),
-        ("layers: [robot]", "layers: [person, robot]", True),
-        ("layers: [robot]", "layers: [person]", False),
-        ("friction: 0", "layers: []", False),
-        ("friction: 0", "collision: false", False),
-    ],
-)
-def test_only_what_is_on_its_layers_is_noticed(files, mine, others, is_noticed):
-    area = f"{{type: circle, radius: 0.2, density: 10, sensor: true, {mine}}}"
-    ball = f"{{type: circle, radius: 0.2, density: 10, {others}}}"
-    world = with_ball(files, footprint=area, ball=ball, layers=("name: robot", "name: person"))
-
-    assert said(move(world, 0.1).run()) == is_noticed
-
-
-def test_a_wall_of_another_layer_is_not_noticed(files):
-    walls = f"name: walls, map: {files.walls('wall', '0.1 -3 0.1 3')}"
-    area = "{type: circle, radius: 0.2, density: 10, sensor: true, layers: [robot]}"
-    robot = files.robot(SENSOR, footprint=area, layers=(walls, "name: robot"))
-
-    assert not said(robot.run(0.1))
-
-
 def gripper(files, *plugins: str):
     """A robot with an area between its arms, and a ball that no part of it touches."""
     lines = "".join(f"\n          - {{{plugin}}}" for plugin in plugins)
@@ -195,16 +167,6 @@ def test_one_that_is_deleted_touches_no_longer(files, seconds):
     assert not said(world.run())
 
 
-def test_the_sensors_model_can_be_deleted_while_it_is_touched(files, caplog):
-    world = move(with_ball(files), 0.1).run(0.1)
-
-    world.world.delete_model("robot")
-    world.run(0.1)
-
-    assert world.transport.topics == set()
-    assert caplog.records == []
-
-
 def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
     world = move(with_ball(files), 0.1).run(0.1)
 
@@ -212,33 +174,6 @@ def test_one_that_takes_the_place_of_a_deleted_one_is_noticed(files):
     world.world.spawn_model(files.folder / "ball.model.yaml", "ball2", "", Pose(0.1, 0.0, 0.0))
 
     assert said(world.run())
-
-
-@pytest.mark.parametrize("kind", ["dynamic", "static"])
-def test_a_sleeping_body_that_is_moved_onto_it_is_noticed(files, kind):
-    ball = files.model("ball")
-    plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
-    world = files.load_models(
-        {"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"}
-    )
-    world.run(3.0)
-    assert not world.model("ball").base.physics_body.awake
-
-    assert said(move(world, 0.1).run())
-
-
-@pytest.mark.parametrize("kind", ["dynamic", "static"])
-def test_a_sensor_that_is_moved_onto_a_sleeping_body_notices_it(files, kind):
-    ball = files.model("ball")
-    plate = files.model("plate", SENSOR, footprint=AREA, body=f"type: {kind},")
-    world = files.load_models(
-        {"plate": f"model: {plate}", "ball": f"model: {ball}, pose: [1, 0, 0]"}
-    )
-    world.run(3.0)
-
-    assert said(move(world, 0.9, name="plate").run())
-    world.run(3.0)
-    assert not said(move(world, 3.0, name="plate").run())
 
 
 def test_what_stays_and_falls_asleep_is_still_touching(files):
@@ -277,16 +212,6 @@ def test_a_touch_shorter_than_its_period_is_told_of_exactly_once(files, begin, s
     assert [time for time, touched in spoken if touched] == [first_after]
 
 
-def test_several_short_touches_within_a_period_are_one(files):
-    world = with_ball(files, f"{SENSOR}, update_rate: 10").run(0.02)
-
-    for _ in range(3):
-        move(world, 0.1).run(0.01)
-        move(world, 1.0).run(0.01)
-
-    assert [touched for _, touched in history(world, 0.4)] == [True, False, False, False]
-
-
 def test_a_touch_that_lasts_is_told_of_until_it_ends_and_not_again(files):
     world = with_ball(files, f"{SENSOR}, update_rate: 10").run(0.02)
 
@@ -310,11 +235,3 @@ def test_a_sensor_that_touches_from_the_beginning_says_so_at_once(files):
     world = files.robot(SENSOR, footprint=AREA, others={"ball": f"model: {ball}"})
 
     assert history(world, 0.01) == [(STEP_NS, True), (2 * STEP_NS, True)]
-
-
-def test_a_subscriber_that_comes_during_a_touch_is_told(files, no_subscribers):
-    world = move(with_ball(files, transport=no_subscribers), 0.1).run(0.1)
-
-    no_subscribers.set_subscribed_topics(None)
-
-    assert said(world.run())

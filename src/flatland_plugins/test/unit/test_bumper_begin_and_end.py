@@ -106,15 +106,6 @@ def test_a_touch_that_ends_within_the_step_is_told_of(files):
     assert [vectors(each.contact_normals)[0][0] for each in now(robot)] == [1.0]
 
 
-def test_what_comes_apart_collides_no_longer(files):
-    robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(1.0)
-    assert len(now(robot)) == 1
-
-    throw(robot, -1.0).run(0.05)
-
-    assert now(robot) == []
-
-
 def test_a_robot_that_is_moved_away_leaves_its_collisions_behind(files):
     robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(3.0)
 
@@ -135,17 +126,6 @@ def test_a_model_that_is_deleted_collides_no_longer(files, seconds):
     robot.run()
 
     assert now(robot) == []
-
-
-def test_a_robot_can_be_deleted_while_it_collides(files, caplog):
-    robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0).run(1.0)
-    assert len(now(robot)) == 1
-
-    robot.world.delete_model("robot")
-    robot.run(0.1)
-
-    assert robot.transport.topics == set()
-    assert caplog.records == []
 
 
 def test_a_model_is_told_of_that_takes_the_place_of_a_deleted_one(files):

@@ -7,10 +7,8 @@ from bumping import (
     BOX,
     BUMPER,
     DISC,
-    MASS,
     RADIUS,
     SKIN,
-    impulse,
     names,
     now,
     press,
@@ -66,34 +64,6 @@ def test_normals_go_from_the_robot_to_the_other_whichever_box2d_calls_the_first(
         assert normal == pytest.approx((0.0, 1.0), abs=1e-3)
 
 
-@pytest.mark.parametrize("is_first", [True, False])
-def test_two_robots_that_collide_tell_of_the_same_from_either_side(files, is_first):
-    robot_file = files.model("robot", BUMPER)
-    left = {"left": f"model: {robot_file}, pose: [-0.3, 0, 0], namespace: l"}
-    right = {"right": f"model: {robot_file}, pose: [0.3, 0, 0], namespace: r"}
-    world = files.load_models({**left, **right} if is_first else {**right, **left})
-    throw(world, 1.0, name="left")
-
-    seen = {topic: [] for topic in ("/l/collisions", "/r/collisions")}
-    for _ in range(100):
-        world.run()
-        for topic in seen:
-            seen[topic].append(now(world, topic))
-
-    # Without restitution both go on at half the speed, side by side: one gives, one takes m v / 2.
-    for ours, theirs in zip(*seen.values()):
-        for mine, other in zip(ours, theirs):
-            assert names(mine) == ("left", "base", "right", "base")
-            assert names(other) == ("right", "base", "left", "base")
-            assert vectors(mine.contact_normals) == [pytest.approx((1.0, 0.0), abs=1e-3)]
-            assert vectors(other.contact_normals) == [pytest.approx((-1.0, 0.0), abs=1e-3)]
-            assert mine.contact_positions == other.contact_positions
-            assert mine.magnitude_forces == other.magnitude_forces
-    assert [len(each) for each in seen["/l/collisions"]] == [len(e) for e in seen["/r/collisions"]]
-    total = impulse([each for step in seen["/l/collisions"] for each in step])
-    assert total == pytest.approx(MASS * 0.5, rel=1e-3)
-
-
 def test_bodies_and_layers_are_named_as_in_their_files(files):
     two_bodies = """
         bodies:
@@ -120,19 +90,6 @@ def test_bodies_and_layers_are_named_as_in_their_files(files):
 
     reported = {names(each) for each in now(world, "/robot1/collisions")}
     assert reported == {("robot", "base", "door", "leaf"), ("robot", "fender", "bricks", "bricks")}
-
-
-def test_flat_faces_touch_at_two_points(files):
-    robot = throw(files.robot(BUMPER, footprint=BOX, layers=wall(files)), 1.0)
-
-    press(robot, (2.0, 0.0), 1.0)
-
-    [collision] = now(robot)
-    points = sorted(vectors(collision.contact_positions), key=lambda point: point[1])
-    assert points[0] == pytest.approx((1.0, -0.25), abs=SKIN)
-    assert points[1] == pytest.approx((1.0, 0.25), abs=SKIN)
-    assert vectors(collision.contact_normals) == [pytest.approx((1.0, 0.0), abs=1e-3)] * 2
-    assert len(collision.magnitude_forces) == 2
 
 
 def test_in_a_corner_each_wall_is_a_collision_of_its_own(files):
@@ -202,13 +159,6 @@ def test_a_sensor_beside_a_solid_footprint_does_not_hide_its_points(files):
 
     counts = sorted(len(each.contact_positions) for each in now(robot))
     assert counts == [0, 1]
-
-
-def test_footprints_of_other_layers_do_not_collide(files):
-    footprint = f"{{type: circle, radius: {RADIUS}, density: 10, layers: [other]}}"
-    robot = files.robot(BUMPER, footprint=footprint, layers=(*wall(files), "name: other"))
-
-    assert record(throw(robot, 1.0), 2.0) == []
 
 
 # Bodies to ignore

@@ -42,16 +42,6 @@ def test_the_same_hit_in_longer_steps_is_a_smaller_force(files, step):
     assert max(forces) == pytest.approx(MASS * 2.0 / step, rel=1e-3)
 
 
-def test_an_edge_that_hits_aslant_gives_what_it_takes_from_the_motion(files):
-    robot = files.robot(BUMPER, footprint=BOX, pose="[0, 0, 0.3]", layers=wall(files))
-
-    given = impulse(record(throw(robot, 10.0), 2.0))
-
-    # 1 kg; the wall pushes along x alone, however the box turns.
-    change = 10.0 - robot.model().base.physics_body.velocity[0]
-    assert given == pytest.approx(change, rel=1e-4)
-
-
 def test_a_hit_in_the_midst_of_a_step_takes_nothing_from_the_other_forces_of_the_step(files):
     # Pressed down on a floor, it flies along it into a wall: Box2D solves that step in two parts.
     robot = files.robot(BUMPER, pose="[0.6, 0.2, 0]", layers=wall(files, "-3 0 3 0", "1 -3 1 3"))
@@ -64,15 +54,6 @@ def test_a_hit_in_the_midst_of_a_step_takes_nothing_from_the_other_forces_of_the
     assert floor.magnitude_forces == [pytest.approx(3.0, rel=1e-2)]
     assert vectors(ahead.contact_normals) == [pytest.approx((1.0, 0.0), abs=1e-3)]
     assert impulse([ahead]) == pytest.approx(MASS * 60.0, rel=1e-3)
-
-
-def test_a_robot_that_is_pushed_against_a_wall_feels_the_push(files):
-    robot = press(files.robot(BUMPER, pose="[0.79, 0, 0]", layers=wall(files)), (3.0, 0.0), 1.0)
-
-    [collision] = now(robot)
-
-    assert collision.magnitude_forces == [pytest.approx(3.0, rel=1e-3)]
-    assert robot.model().base.physics_body.velocity == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
 
 
 @pytest.mark.parametrize("height", [0.0, 0.1, -0.2])

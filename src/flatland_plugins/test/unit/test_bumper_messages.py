@@ -1,7 +1,7 @@
 """Bumper: the times of its messages."""
 
 import pytest
-from bumping import BUMPER, RADIUS, SKIN, now, press, record, throw, wall
+from bumping import BUMPER, RADIUS, SKIN, record, throw, wall
 
 
 def test_by_default_it_publishes_at_every_step_colliding_or_not(files):
@@ -53,13 +53,3 @@ def test_a_collision_between_two_updates_is_told_of_only_with_all(files, publish
     # At 3 m/s it is at the wall half way between two updates.
     assert bool(record(throw(robot, 3.0), 0.5)) == is_told
     assert robot.model().base.physics_body.velocity[0] == pytest.approx(-3.0, rel=1e-3)
-
-
-def test_a_subscriber_that_comes_during_a_collision_is_told(files, no_subscribers):
-    robot = throw(files.robot(BUMPER, layers=wall(files), transport=no_subscribers), 1.0).run(1.5)
-
-    no_subscribers.set_subscribed_topics(None)
-    press(robot, (2.0, 0.0), 0.005)
-
-    [collision] = now(robot)
-    assert collision.magnitude_forces == [pytest.approx(2.0, rel=1e-3)]

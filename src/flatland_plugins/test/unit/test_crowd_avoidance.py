@@ -47,17 +47,6 @@ def test_two_who_walk_towards_each_other_pass_on_the_preferred_side(town, side, 
     assert path[-1, 1, 0] < -3.7
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_whatever_the_chance_the_two_do_not_touch(town, seed):
-    people = town(*TOWARDS_EACH_OTHER, seed=seed)
-
-    path = walk(people, 8.0, "people_0", "people_1")
-
-    assert np.linalg.norm(path[:, 0] - path[:, 1], axis=1).min() > 2 * RADIUS
-    assert path[-1, 0, 0] > 3.7
-    assert path[-1, 1, 0] < -3.7
-
-
 @pytest.mark.slow
 def test_twenty_who_cross_a_square_all_at_once_get_there(town):
     angles = [math.tau * i / 20 for i in range(20)]

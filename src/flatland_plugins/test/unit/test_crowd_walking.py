@@ -1,13 +1,13 @@
 """Crowd: people on their way to their goals, with and without random motion."""
 
 import math
-from typing import Any, List
+from typing import List
 
 import numpy as np
 import pytest
 from array_gaps import watch_gaps
 from busy_town import Town
-from townspeople import CALM, TAU, TOWARDS_EACH_OTHER, UPDATE, position, velocity, walk
+from townspeople import CALM, TAU, UPDATE, position, velocity, walk
 
 # On the way
 
@@ -88,15 +88,6 @@ def test_noise_makes_people_sway_on_their_way(town):
 
 
 # Chance
-
-
-def test_equal_seeds_give_equal_runs(town):
-    def run(seed: int) -> List[Any]:
-        people = town(*TOWARDS_EACH_OTHER, seed=seed)
-        return walk(people, 5.0, "people_0", "people_1").tolist()
-
-    assert run(1) == run(1)
-    assert run(1) != run(2)
 
 
 def test_equal_numbers_give_equal_bits(tmp_path, monkeypatch):

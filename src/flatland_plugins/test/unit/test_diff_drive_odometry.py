@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from readings import FILTERED, GROUND_TRUTH, TWIST, assert_white, pose_of, twist_of
+from readings import FILTERED, GROUND_TRUTH, assert_white, pose_of, twist_of
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
 
@@ -30,15 +30,6 @@ def test_ground_truth_has_no_noise(files):
 
     assert pose_of(truth) == pytest.approx((3.0, -2.0, 1.0), abs=1e-6)
     assert twist_of(truth) == (0.0, 0.0, 0.0)
-
-
-def test_the_twist_topic_has_the_noise_of_the_odometry(files):
-    robot = files.robot(f"{DRIVE}, odom_twist_noise: [0.1, 0.2, 0.3]").drive(1.0)
-
-    robot.run(0.1)
-
-    assert twist_of(robot.last(TWIST)) == pytest.approx(twist_of(robot.last(FILTERED)), abs=1e-12)
-    assert twist_of(robot.last(TWIST)) != twist_of(robot.last(GROUND_TRUTH))
 
 
 def test_covariances_are_by_default_the_variances_on_the_diagonal(files):
@@ -71,11 +62,3 @@ def test_the_transform_is_the_filtered_odometry(files):
     assert tuple(transform.pose) == pytest.approx(pose_of(odometry), abs=1e-9)
     assert (transform.parent, transform.roll) == (odometry.header.frame_id, 0.0)
     assert transform.nanoseconds == odometry.header.stamp.to_nsec()
-
-
-def test_all_that_is_published_together_has_one_stamp(files):
-    robot = files.robot(f"{DRIVE}, pub_rate: 30").run(0.99)
-
-    stamps = {robot.last(topic).header.stamp.to_nsec() for topic in (FILTERED, GROUND_TRUTH, TWIST)}
-
-    assert stamps == {robot.transport.transforms["base"].nanoseconds}

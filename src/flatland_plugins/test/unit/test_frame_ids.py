@@ -8,7 +8,7 @@ import pytest
 from readings import warnings
 
 from flatland_server import Pose
-from flatland_server.testing import Harness, check_plugin
+from flatland_server.testing import Harness
 from flatland_server.testing.observation import ObservingTransport
 
 OFFICE = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds" / "office"
@@ -75,10 +75,6 @@ def test_a_world_has_no_namespace(town):
     people = town("pose: [1, 1, 0]", keys="world_frame_id: ~earth").run()
 
     assert frame_of(people, "/people/poses") == "earth"
-
-
-def test_the_contract_knows_frames_within_the_namespace():
-    check_plugin(f"{TF}, reference: base, exclude: [], update_rate: inf, world_frame_id: ~odom")
 
 
 # Several robots

@@ -99,22 +99,6 @@ def test_a_simulation_makes_the_run_of_the_server(tmp_path):
     assert LibraryTown(tmp_path).run_and_digest(2.0) == ServerTown(tmp_path).run_and_digest(2.0)
 
 
-@pytest.mark.slow
-def test_after_a_reset_and_from_a_state_runs_are_equal(tmp_path):
-    town = LibraryTown(tmp_path)
-    first = town.run_and_digest(1.5)
-    state = town.simulation.save_state()
-    second = town.run_and_digest(1.0)
-
-    town.simulation.reset()
-    assert town.run_and_digest(1.5) == first
-    other = LibraryTown(tmp_path, seed=99)
-    other.simulation.load_state(state)
-    assert other.simulation.seed == 4
-    assert other.simulation.time == 1.5
-    assert other.run_and_digest(1.0) == second
-
-
 def read_everything(simulation):
     for model in simulation.models.values():
         for sensor in model.sensors.values():
@@ -133,10 +117,28 @@ def test_reading_changes_nothing(tmp_path, monkeypatch):
     assert LibraryTown(tmp_path).run_and_digest(2.0) == silent
 
 
-def test_simulations_do_not_influence_each_other():
-    alone = [short_run(seed) for seed in range(3)]
+@pytest.fixture(scope="module")
+def begin(world_of):
+    """Begins a run in a world with noise; nothing is subscribed to."""
+    world = world_of(noise="0.02")
 
-    in_turns = [simulation(seed) for seed in range(3)]
+    def begin(seed):
+        made = Simulation(world, seed=seed)
+        made.models["robot"].command(0.5, 0.01 * seed)
+        return made
+
+    return begin
+
+
+def content(made):
+    readings = [sensor.read() for sensor in made.models["robot"].sensors.values()]
+    return repr([made.poses.tobytes(), made.velocities.tobytes(), made.contacts, readings])
+
+
+def test_simulations_do_not_influence_each_other(begin):
+    alone = [content(begin(seed).step(200)) for seed in range(3)]
+
+    in_turns = [begin(seed) for seed in range(3)]
     for _ in range(200):
         for each in in_turns:
             each.step()
@@ -144,52 +146,11 @@ def test_simulations_do_not_influence_each_other():
     assert [content(each) for each in in_turns] == alone
 
 
-def test_64_simulations_in_threads_are_those_made_one_after_the_other():
-    alone = [short_run(seed) for seed in range(64)]
+def test_64_simulations_in_threads_are_those_made_one_after_the_other(begin):
+    alone = [content(begin(seed).step(200)) for seed in range(64)]
 
     with ThreadPoolExecutor(8) as pool:
-        together = list(pool.map(lambda seed: short_run(seed), range(64)))
+        together = list(pool.map(lambda seed: content(begin(seed).step(200)), range(64)))
 
     assert together == alone
     assert len(set(alone)) == 64
-
-
-def simulation(seed):
-    """Two robots and a box between them; nothing is subscribed to."""
-    body = {"name": "base", "footprints": [{"type": "circle", "radius": 0.2, "density": 5}]}
-    model = {
-        "bodies": [body],
-        "plugins": [
-            {"type": "DiffDrive", "name": "drive", "body": "base", "odom_drift": [0.1, 0.1, 0.1]},
-            {
-                "type": "Laser",
-                "name": "laser",
-                "body": "base",
-                "range": 9,
-                "noise_std_dev": 0.1,
-                "angle": {"min": -2, "max": 2, "increment": 0.1},
-            },
-        ],
-    }
-    world = {
-        "properties": {},
-        "layers": [],
-        "models": [
-            {"name": "a", "namespace": "a", "pose": [-1, 0, 0], "model": model},
-            {"name": "b", "namespace": "b", "pose": [1, 0.05, 3], "model": model},
-            {"name": "box", "model": {"bodies": [body]}},
-        ],
-    }
-    made = Simulation(world, seed=seed)
-    for name in "ab":
-        made.models[name].command(0.5, 0.01 * seed)
-    return made
-
-
-def short_run(seed):
-    return content(simulation(seed).step(200))
-
-
-def content(made):
-    sensors = [sensor.read() for name in "ab" for sensor in made.models[name].sensors.values()]
-    return repr([made.poses.tobytes(), made.velocities.tobytes(), made.contacts, sensors])

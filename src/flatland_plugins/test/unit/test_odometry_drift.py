@@ -1,147 +1,215 @@
-"""Odometry that drifts over time: its size, its propagation, and values without drift."""
+"""Odometry that drifts over time and along the path, as that of slipping wheels does."""
 
 import math
-from typing import Any, List, Tuple
+from typing import Any, Callable, List, Tuple
 
 import numpy as np
 import pytest
-from readings import FILTERED, GROUND_TRUTH, TWIST, assert_covariance
+from readings import FILTERED, GROUND_TRUTH, TWIST, assert_covariance, pose_of
 
+from flatland_plugins.odometry_drift import DriftVariances, OdometryDrift, arc
 from flatland_server.geometry import Pose
-from flatland_server.timekeeper import Timekeeper
+
+pytestmark = pytest.mark.slow
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
+COUNT = 300
+
+ALL = DriftVariances(0.01, 0.02, 0.03, 0.04)
+KEYS = (
+    "odom_drift: {translation_per_metre: 0.01, translation_per_radian: 0.02, "
+    "rotation_per_metre: 0.03, rotation_per_radian: 0.04}"
+)
 NOISE = "odom_pose_noise: [0.1, 0.2, 0.3], odom_twist_noise: [0.4, 0.5, 0.6]"
 DRIFT = "odom_drift: [0.04, 0.01, 0.0025]"
-GHOST = "{type: circle, radius: 0.2, density: 10, layers: []}"
 
 
-def pose_of(odometry: Any) -> Pose:
-    position, q = odometry.pose.pose.position, odometry.pose.pose.orientation
-    return Pose(position.x, position.y, 2.0 * math.atan2(q.z, q.w)).wrapped()
+def at_rest(_: float) -> Pose:
+    return Pose(3.0, -2.0, 0.5236)
 
 
-def swarm(files, count: int, keys: str, pose: str = "[0, 0, 0]", step: float = 0.005):
-    """Robots that pass through each other and obey one topic, each with noise of its own."""
-    model = files.model("robot", f"{DRIVE}, twist_sub: /cmd_vel, {keys}", footprint=GHOST)
-    names = [f"r{i}" for i in range(count)]
-    robots = files.load_models(
-        {n: f"model: {model}, namespace: {n}, pose: {pose}" for n in names}, seed=3
-    )
-    robots.timekeeper = Timekeeper(step)
-    return robots
+def straight(metres: float) -> Pose:
+    return Pose(metres, 0.0, 0.0)
 
 
-def run_to_a_message(robots, seconds: float):
-    """Runs without subscribers, while drifts accumulate, and one step more for the messages."""
-    robots.transport.set_subscribed_topics(())
-    robots.run(seconds)
-    robots.transport.set_subscribed_topics(None)
-    return robots.run()
+def sideways(metres: float) -> Pose:
+    return Pose(0.0, metres, 0.0)
 
 
-def estimated(robots) -> List[Pose]:
-    """The pose in each robot's last odometry."""
-    return [pose_of(robots.last(f"/{name}{FILTERED}")) for name in robots.world.models]
+def on_the_spot(radians: float) -> Pose:
+    return Pose(0.0, 0.0, radians).wrapped()
 
 
-def errors(robots) -> np.ndarray:
-    """Each robot's odometry less the truth, in the world's frame: a row of x, y and yaw."""
+def circle(radians: float) -> Pose:
+    """A pose on a circle of 1 m radius, counter-clockwise, beginning along the x axis."""
+    return Pose(math.sin(radians), 1.0 - math.cos(radians), radians).wrapped()
+
+
+def errors(
+    variances: DriftVariances,
+    path: Callable[[float], Pose],
+    length: float,
+    parts: int,
+    seconds: float = 0.0,
+) -> np.ndarray:
+    """Odometry errors of many robots at the end of a path in `parts` steps: x, y and yaw."""
     rows = []
-    for name, (x, y, yaw) in zip(robots.world.models, estimated(robots)):
-        truth = pose_of(robots.last(f"/{name}{GROUND_TRUTH}"))
+    for seed in range(COUNT):
+        drift = OdometryDrift(variances, seed)
+        for i in range(parts + 1):
+            drift.advance(round(i * seconds * 1e9 / parts), path(length * i / parts))
+        x, y, yaw = drift.pose
+        truth = path(length)
         rows.append((x - truth.x, y - truth.y, math.remainder(yaw - truth.yaw, math.tau)))
     return np.array(rows)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("rate", "step", "seconds"),
-    [("inf", 0.005, 0.1), ("inf", 0.02, 0.4), ("40", 0.005, 0.5), ("7", 0.02, 2.0), ("1", 0.05, 4)],
-)
-def test_a_robot_at_rest_drifts_by_its_variances_per_second(files, rate, step, seconds):
-    variances = np.array([0.04, 0.01, 0.0025])
-    robots = swarm(files, 150, f"{DRIFT}, pub_rate: {rate}", pose="[3, -2, 1]", step=step)
-
-    robots.run(step)
-    poses, stamps = [estimated(robots)], [0.0]
-    for _ in range(5):
-        poses.append(estimated(run_to_a_message(robots, seconds - step)))
-        stamps.append(robots.last(f"/r0{FILTERED}").header.stamp.to_sec())
-
-    # The motions that a robot estimates, between these times, in its own frame.
-    moved = np.array(
-        [
-            [before.inverse().compose(after).wrapped() for before, after in zip(*pair)]
-            for pair in zip(poses, poses[1:])
-        ]
-    )
-    scaled = moved / np.sqrt(np.outer(np.diff(stamps), variances))[:, None, :]
-    assert stamps[-1] == pytest.approx(5 * seconds)
-    assert_covariance(scaled.reshape(-1, 3), np.eye(3))
-    # Consecutive intervals are uncorrelated.
-    pairs = (scaled[1:] * scaled[:-1]).reshape(-1, 3)
-    assert np.abs(pairs.sum(axis=0)).max() < 4 * math.sqrt(len(pairs))
-    # The total is the variance per second times the time, about the robots' true pose.
-    x, y, yaw = (np.array(poses[-1]) - [3, -2, 1]).T
-    ahead, left = math.cos(1) * x + math.sin(1) * y, math.cos(1) * y - math.sin(1) * x
-    assert_covariance(np.array([ahead, left, yaw]).T, np.diag(variances * stamps[-1]))
+# The variances depend on the path and on the time, not on their division.
+DIVISIONS = pytest.mark.parametrize("parts", [5, 60])
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("rate", [20, 1])
-def test_a_heading_that_drifts_bends_a_straight_path(files, rate):
-    time, speed, q = 4.0, 0.5, 1e-3
-    robots = swarm(files, 400, f"odom_drift: [0, 0, {q}], pub_rate: {rate}", step=0.025)
+@DIVISIONS
+def test_a_robot_at_rest_drifts_by_its_variances_per_second_in_the_bodys_frame(parts):
+    ahead, left, turn, seconds = 0.04, 0.01, 0.0, 2.0
 
-    run_to_a_message(robots.drive(speed), time)
-
-    # To first order, the heading is q's random walk and the path's lateral error its integral:
-    # variances q t and v^2 q t^3 / 3, covariance v q t^2 / 2.
-    lateral_and_yaw = errors(robots)[:, 1:]
-    path = speed * time
-    covariance = q * time * np.array([[path**2 / 3, path / 2], [path / 2, 1.0]])
-    assert_covariance(lateral_and_yaw, covariance)
-
-
-@pytest.mark.slow
-def test_a_heading_that_drifts_does_not_close_a_circle(files):
-    time, radius, q = 4.0, 0.8, 6e-4
-    omega = math.tau / time
-    robots = swarm(files, 400, f"odom_drift: [0, 0, {q}], pub_rate: 20", step=0.025)
-
-    run_to_a_message(robots.drive(radius * omega, omega), time)
-
-    # To first order, an error of the heading at a time t turns what follows of the path, p(T) -
-    # p(t), by a quarter turn: the circle's integrals of its products over t, with the heading's.
-    r = radius
-    covariance = q * time * np.array([[1.5 * r * r, 0, r], [0, 0.5 * r * r, 0], [r, 0, 1]])
-    assert_covariance(errors(robots), covariance)
-
-
-def test_a_drift_is_in_the_bodys_frame(files):
-    ahead, left = 0.01, 0.0025
-    robots = swarm(
-        files, 400, f"odom_drift: [{ahead}, {left}, 0], pub_rate: 20", "[1, 1, 0.5236]", 0.025
-    )
-
-    error = errors(run_to_a_message(robots, 1.0))
+    error = errors(DriftVariances(per_second=(ahead, left, turn)), at_rest, 0.0, parts, seconds)
 
     axes = np.array([[math.cos(0.5236), -math.sin(0.5236)], [math.sin(0.5236), math.cos(0.5236)]])
-    assert_covariance(error[:, :2], axes @ np.diag([ahead, left]) @ axes.T)
+    assert_covariance(error[:, :2], axes @ np.diag([ahead, left]) @ axes.T * seconds)
     assert np.abs(error[:, 2]).max() < 1e-9
 
 
-@pytest.mark.slow
-def test_a_robots_error_grows_as_it_drives(files):
-    robots = swarm(files, 100, "odom_drift: [1e-4, 1e-4, 1e-4], pub_rate: 20", step=0.025)
-    robots.drive(0.5, 0.2)
+@DIVISIONS
+def test_a_heading_that_drifts_bends_a_straight_path(parts):
+    time, path, q = 4.0, 2.0, 1e-3
 
-    runs = (run_to_a_message(robots, seconds) for seconds in (2.0, 1.975, 1.975, 1.975))
-    sizes = [np.sqrt((errors(run) ** 2).mean(axis=0)) for run in runs]
+    error = errors(DriftVariances(per_second=(0.0, 0.0, q)), straight, path, parts, time)
 
-    assert np.diff(sizes, axis=0).min() > 0.0
-    assert sizes[-1].min() > 0.02
+    # To first order, the heading is q's random walk and the path's lateral error its integral:
+    # variances q t and v^2 q t^3 / 3, covariance v q t^2 / 2.
+    covariance = q * time * np.array([[path**2 / 3, path / 2], [path / 2, 1.0]])
+    assert_covariance(error[:, 1:], covariance)
+
+
+@DIVISIONS
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_robot_that_drives_straight_on_errs_by_the_metre(parts, direction):
+    a1, a3, s = 0.01, 1e-4, 4.0
+    variances = DriftVariances(translation_per_metre=a1, rotation_per_metre=a3)
+
+    error = errors(variances, straight, direction * s, parts)
+
+    # To first order, the heading is a random walk along the path, and the lateral error its
+    # integral: variances a3 s and a3 s^3 / 3, covariance a3 s^2 / 2.
+    bend = direction * a3 * s**2 / 2
+    assert_covariance(error, [[a1 * s, 0, 0], [0, a3 * s**3 / 3, bend], [0, bend, a3 * s]])
+
+
+@DIVISIONS
+def test_a_robot_that_moves_sideways_errs_in_the_direction_of_travel(parts):
+    error = errors(DriftVariances(translation_per_metre=0.01), sideways, 4.0, parts)
+
+    assert np.abs(error[:, [0, 2]]).max() < 1e-9
+    assert_covariance(error[:, 1:2], [[0.04]])
+
+
+@pytest.mark.parametrize(("parts", "direction"), [(50, 1.0), (50, -1.0), (120, 1.0)])
+def test_a_robot_that_turns_on_the_spot_errs_by_the_radian(parts, direction):
+    a2, a4, turn = 1e-4, 1e-3, 3 * math.tau
+    variances = DriftVariances(translation_per_radian=a2, rotation_per_radian=a4)
+
+    error = errors(variances, on_the_spot, direction * turn, parts)
+
+    # Along the body's x axis, which points everywhere alike in the course of whole turns.
+    x_and_y = a2 * turn / 2
+    assert_covariance(error, np.diag([x_and_y, x_and_y, a4 * turn]))
+
+
+@pytest.mark.parametrize("parts", [6, 60])
+def test_a_robot_on_a_circle_errs_by_the_metre_and_the_radian(parts):
+    turn = math.pi / 2
+    variances = DriftVariances(rotation_per_metre=2e-4, rotation_per_radian=1e-4)
+
+    error = errors(variances, circle, turn, parts)
+
+    # To first order, an error of the heading at an angle t turns what follows of the circle, p(T) -
+    # p(t), by a quarter turn: the integrals of (cos T - cos t, sin T - sin t, 1) and its products.
+    t = (np.arange(10_000) + 0.5) / 10_000 * turn
+    rows = np.array([np.cos(turn) - np.cos(t), np.sin(turn) - np.sin(t), np.ones_like(t)])
+    assert_covariance(error, 3e-4 * turn * (rows @ rows.T) / len(t))
+
+
+@DIVISIONS
+def test_a_robot_at_rest_does_not_drift_at_all(parts):
+    drift = OdometryDrift(ALL, 1)
+    for i in range(parts):
+        drift.advance(i * 1_000_000_000, circle(0.1 * i))
+    before = drift.pose
+
+    for i in range(1000):
+        drift.advance((parts + i) * 1_000_000_000, circle(0.1 * (parts - 1)))
+
+    assert drift.pose == before
+    assert before != circle(0.1 * (parts - 1))
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-9, 1e-3, -0.7, 2.0, 3.1])
+@pytest.mark.parametrize(("vx", "vy"), [(1.0, 0.0), (-0.5, 0.0), (0.3, -0.4), (0.0, 0.0)])
+def test_the_arc_of_a_motion_is_its_velocity_times_the_time(vx, vy, turn):
+    motion, steps = Pose(), 2000
+    for _ in range(steps):
+        # Half a step's turn, a straight step, and the other half.
+        half = Pose(0.0, 0.0, turn / steps / 2)
+        motion = motion.compose(half).compose(Pose(vx / steps, vy / steps, 0.0)).compose(half)
+
+    assert arc(motion) == pytest.approx((vx, vy), abs=1e-5)
+
+
+@pytest.mark.parametrize("keys", ["", ", pub_rate: 20"])
+def test_a_parked_robot_in_a_world_does_not_drift_at_all(files, keys):
+    robot = files.robot(f"{DRIVE}, {KEYS}{keys}", pose="[3, -2, 1]").run(2.0)
+    assert robot.last(FILTERED).pose == robot.last(GROUND_TRUTH).pose
+
+    robot.drive(0.5, 0.5).run(1.0)
+    robot.drive(0.0).run(0.1)
+    parked = robot.last(FILTERED).pose
+    robot.run(5.0)
+
+    assert robot.last(FILTERED).pose == parked
+    assert robot.last(GROUND_TRUTH).pose != parked
+
+
+def test_a_robot_that_is_moved_takes_its_estimate_along_without_an_error(files):
+    robot = files.robot(f"{DRIVE}, {KEYS}").drive(0.5).run(2.0)
+    robot.drive(0.0).run(0.1)
+    before = Pose(*pose_of(robot.last(FILTERED)))
+    there = robot.model().pose.inverse().compose(Pose(50.0, -20.0, 2.0))
+
+    robot.world.move_model("robot", Pose(50.0, -20.0, 2.0))
+    robot.run()
+
+    expected = before.compose(there).wrapped()
+    assert pose_of(robot.last(FILTERED)) == pytest.approx(tuple(expected), abs=1e-4)
+
+
+def run(files, keys: str, seed: int) -> List[Any]:
+    robot = files.robot(f"{DRIVE}, {keys}", seed=seed).drive(0.5, 0.3)
+    return [message.pose for message in robot.record(FILTERED, 1.0)]
+
+
+def test_a_list_is_the_drift_per_second(files):
+    assert run(files, "odom_drift: [0.1, 0.2, 0.3]", 5) == run(
+        files, "odom_drift: {per_second: [0.1, 0.2, 0.3]}", 5
+    )
+
+
+def test_drifts_of_both_kinds_add_up(files):
+    both = KEYS.replace("}", ", per_second: [0.1, 0.1, 0.1]}")
+    robot = files.robot(f"{DRIVE}, {both}").run()
+
+    first, second = (robot.run(0.5).last(FILTERED).pose for _ in range(2))
+
+    assert first != second  # at rest
 
 
 def test_the_drift_begins_at_the_truth(files):
@@ -187,48 +255,12 @@ def test_the_transform_drifts_as_the_message_does(files):
     assert transform.pose.x != pytest.approx(robot.model().pose.x, abs=1e-3)
 
 
-def test_a_model_that_is_moved_takes_its_odometry_along(files):
-    robot = files.robot(f"{DRIVE}, odom_drift: [0.01, 0.01, 0.01]", seed=1).run(10.0)
-    before = pose_of(robot.last(FILTERED))
-    jump = Pose(2.0, -1.0, 2.0)
-
-    robot.world.move_model("robot", jump)
-    robot.run()
-
-    after = pose_of(robot.last(FILTERED))
-    assert tuple(before.inverse().compose(after).wrapped()) == pytest.approx(tuple(jump), abs=0.05)
-    assert max(map(abs, before)) > 0.1
-
-
 def test_a_twist_in_the_odometrys_frame_goes_by_the_drifted_heading(files):
     robot = files.robot(f"{DRIVE}, odom_drift: [0, 0, 1], twist_in_local_frame: false")
 
     robot.drive(1.0).run(1.0)
 
     message = robot.last(FILTERED)
-    velocity, yaw = message.twist.twist.linear, pose_of(message).yaw
+    velocity, yaw = message.twist.twist.linear, pose_of(message)[2]
     assert (velocity.x, velocity.y) == pytest.approx((math.cos(yaw), math.sin(yaw)), abs=1e-3)
     assert abs(yaw) > 0.1
-
-
-def drifted(simulation, seconds: float) -> List[Pose]:
-    """The estimate at each step."""
-    return [pose_of(simulation.run().last(FILTERED)) for _ in range(round(seconds / 0.005))]
-
-
-def test_equal_seeds_drift_equally_and_others_do_not(files):
-    runs = [
-        drifted(files.robot(f"{DRIVE}, {DRIFT}", seed=seed).drive(0.5, 0.3), 1.0)
-        for seed in (5, 5, 6)
-    ]
-
-    assert runs[0] == runs[1]
-    assert not any(a.x == b.x for a, b in zip(runs[0][1:], runs[2][1:]))
-
-
-def test_two_robots_drift_apart(files):
-    robots = swarm(files, 2, DRIFT).run(0.1)
-
-    first, second = estimated(robots)
-
-    assert first.x != second.x

@@ -50,15 +50,6 @@ def test_the_last_command_holds_and_leads_along_its_curve(files, twist, middle):
         assert twist_of(message) == pytest.approx(twist, abs=1e-3)
 
 
-def test_a_command_is_in_the_bodys_frame(files):
-    robot = command(files.robot(DRIVE, pose=f"[1, 2, {math.pi / 2}]"), 0.3, 0.4)
-
-    robot.run(2.0)
-
-    # Ahead is up, and to the left is back along x.
-    assert robot.model().pose == pytest.approx((1 - 0.8, 2 + 0.6, math.pi / 2), abs=1e-3)
-
-
 def test_a_turn_has_limits_of_its_own(files):
     robot = files.robot(
         f"{DRIVE}, angular_dynamics: {{acceleration_limit: 0.25}}, "

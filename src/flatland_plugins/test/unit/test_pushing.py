@@ -63,34 +63,3 @@ def test_a_box_against_a_wall_stops_the_robot(files):
     crate_pose = robot.model("crate").pose
     assert crate_pose.x == pytest.approx(2.0 - 0.25, abs=0.03)
     assert robot.model().pose.x == pytest.approx(crate_pose.x - 0.25 - 0.2, abs=0.02)
-
-
-def test_a_heavy_box_slows_the_robot_down_more_than_a_light_one(files):
-    def way_in_3_seconds(density: float) -> float:
-        obstacle = box(files, "obstacle", density)
-        entry = {"obstacle": f"model: {obstacle}, pose: [0.5, 0, 0]"}
-        return float(files.robot(DRIVE, others=entry).drive(1.0).run(3.0).model().pose.x)
-
-    free, light, heavy = 3.0, way_in_3_seconds(0.1), way_in_3_seconds(4000)
-
-    assert heavy < light < free + 0.01
-    assert light > 2.5
-    assert heavy < 1.0
-
-
-def test_a_pushed_box_comes_to_rest_by_damping(files):
-    parcel = box(files, "parcel", density=12, damping=4.0)
-    robot = files.robot(DRIVE, others={"parcel": f"model: {parcel}, pose: [0.5, 0, 0]"})
-    robot.drive(1.0).run(1.0)
-    body = robot.model("parcel").base.physics_body
-    robot.drive(-1.0).run(0.05)
-    speed = body.velocity[0]
-
-    robot.run(0.5)
-    later = body.velocity[0]
-    robot.run(4.0)
-
-    assert speed > 0.5
-    # dv/dt = -4 v; Box2D: v <- v / (1 + 4 dt) at each step
-    assert later == pytest.approx(speed * 1.02**-100, rel=0.01)
-    assert body.velocity == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)

@@ -48,23 +48,6 @@ def test_two_robots_have_different_noise(files):
     assert mine.linear.x != theirs.linear.x
 
 
-def test_noise_is_new_at_each_update(files):
-    simulation = load(files)
-
-    scans = simulation.record("/scan", 1.0)
-
-    assert len({tuple(scan.ranges) for scan in scans}) == 40
-
-
-def test_another_model_does_not_change_the_noise(files):
-    alone = numbers(load(files, seed=5))
-    other = f"model: robot.model.yaml, namespace: other, {FAR_AWAY}"
-
-    in_company = numbers(load(files, seed=5, others={"other": other}))
-
-    assert in_company == alone
-
-
 def test_a_model_that_comes_and_goes_does_not_change_the_noise(files):
     alone = numbers(load(files, seed=5), 2.0)
     simulation = load(files, seed=5)

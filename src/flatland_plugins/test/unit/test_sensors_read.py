@@ -149,19 +149,6 @@ def test_a_reading_is_the_message_of_its_time(load, name, quantity, topic, of, s
 
 
 @pytest.mark.parametrize("name", PLUGINS)
-def test_readings_need_no_subscriber(load, name):
-    with_subscribers, without = load(topics=IDS), load()
-    for sim in (with_subscribers, without):
-        sim.models["robot"].sensors[name].read()  # the acceleration is the mean since a reading
-
-    for _ in range(200):
-        first, second = (
-            sim.step().models["robot"].sensors[name].read() for sim in (with_subscribers, without)
-        )
-        assert repr(first) == repr(second)
-
-
-@pytest.mark.parametrize("name", PLUGINS)
 def test_readings_go_on_from_a_saved_state(load, name):
     sim = load(topics=["/imu/filtered"]).step(203)
     state = sim.save_state()
@@ -233,24 +220,3 @@ def test_a_bumper_forgets_what_was_deleted(load):
     sim.delete("box")
 
     assert bumper.read() == []
-
-
-@pytest.mark.parametrize(
-    ("type", "command", "velocity"),
-    [
-        ("DiffDrive", (0.5, 0.2), (0.5, 0.0, 0.2)),
-        ("OmniDrive", (0.5, -0.3, 0.2), (0.5, -0.3, 0.2)),
-    ],
-)
-def test_drives_take_commands(load, type, command, velocity):
-    sim = load(plugins={"drive": {"type": "DiffDrive", "body": "base"}})
-    sim.delete("box")
-    body = {"name": "base", "footprints": [DISC]}
-    plugins = [{"type": type, "name": "drive", "body": "base", "twist_sub": "other"}]
-    other = sim.spawn({"bodies": [body], "plugins": plugins}, "other", [-3, 0, 0], namespace="ns")
-
-    other.command(*command)
-    sim.step(10)
-
-    assert tuple(other.local_velocity) == pytest.approx(velocity, abs=1e-3)
-    assert tuple(other.sensors["drive"].read().velocity) == tuple(other.local_velocity)

@@ -72,6 +72,13 @@ def run_batch(world, count, threads, size):
     return [np.stack([each[field] for each in observations]) for field in range(6)]
 
 
+def assert_are_simulations(found, expected):
+    """Fails unless environments k of a batch are `expected[k]`, to the bit."""
+    for k, references in expected.items():
+        for name, array, reference in zip(BatchObservation._fields, found, references):
+            assert np.array_equal(array[:, k], reference), (k, name)
+
+
 @pytest.fixture(scope="module")
 def noisy(world_of):
     """A world with noise, and the observations of Simulations as environments 0, 1, 6 and 63."""
@@ -86,9 +93,7 @@ def test_an_environment_is_a_simulation_whatever_its_neighbours(noisy, count, th
 
     found = run_batch(world, count, threads, 2)
 
-    for k in [each for each in expected if each < count]:
-        for name, array, reference in zip(BatchObservation._fields, found, expected[k]):
-            assert np.array_equal(array[:, k], reference), (k, name)
+    assert_are_simulations(found, {k: rows for k, rows in expected.items() if k < count})
     if count > 1:
         assert found[4].any()
         assert not found[4].all()
@@ -100,9 +105,7 @@ def test_every_drive_is_that_of_a_simulation(world_of, drive, size):
 
     found = run_batch(world, 3, 1, size)
 
-    for k in range(3):
-        for array, reference in zip(found, run_simulation(world, k, size)):
-            assert np.array_equal(array[:, k], reference)
+    assert_are_simulations(found, {k: run_simulation(world, k, size) for k in range(3)})
 
 
 CROWD = """
@@ -125,9 +128,7 @@ def test_a_crowd_is_that_of_a_simulation(world_of, monkeypatch, count):
 
     for threads in (1, 2, 4):
         found = run_batch(world, count, threads, 2)
-        for k, references in expected.items():
-            for name, array, reference in zip(BatchObservation._fields, found, references):
-                assert np.array_equal(array[:, k], reference), (k, name)
+        assert_are_simulations(found, expected)
 
 
 MORE_WALLS = """
@@ -142,9 +143,7 @@ def test_walls_that_differ_are_those_of_simulations(world_of):
 
     for threads in (1, 2):
         found = run_batch(world, 3, threads, 2)
-        for k, references in expected.items():
-            for name, array, reference in zip(BatchObservation._fields, found, references):
-                assert np.array_equal(array[:, k], reference), (k, name)
+        assert_are_simulations(found, expected)
     with SimulationBatch(world, 2, seed=7) as batch:
         walls = [batch.added_walls(k) for k in range(2)]
         assert [each.shape for each in walls] == [(2, 4)] * 2

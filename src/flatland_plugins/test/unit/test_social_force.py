@@ -11,12 +11,6 @@ from flatland_plugins.social_force import Others, SocialForce, directions, discs
 A, B, TAU = 25.0, 0.08, 0.5  # 2000 N on 80 kg, 8 cm, half a second: Helbing et al., 2000
 
 
-def test_the_constants_are_those_of_the_paper():
-    force = SocialForce()
-
-    assert (force.repulsion, force.range, force.relaxation_time) == (A, B, TAU)
-
-
 @pytest.mark.parametrize("dt", [0.005, 0.05, 0.3])
 def test_a_velocity_relaxes_to_the_desired_one_within_the_relaxation_time(dt):
     velocity, desired = np.zeros((1, 2)), np.array([[0.8, -1.0]])
@@ -101,11 +95,6 @@ def test_people_evade_as_it_was_measured(gap, bearing, velocity):
     assert evade(gap, bearing, velocity) == pytest.approx(
         evasion(gap, bearing, velocity), rel=1e-9, abs=1e-12
     )
-
-
-def test_who_is_to_the_left_is_evaded_to_the_right_and_the_other_way_round():
-    assert evade(1.0, 0.1, 1.3 + 0j).imag < -0.1
-    assert evade(1.0, -0.1, 1.3 + 0j).imag > 0.1
 
 
 @pytest.mark.parametrize(("preference", "side"), [(0.005, -1.0), (-0.005, 1.0)])

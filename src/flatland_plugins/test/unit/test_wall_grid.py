@@ -91,29 +91,26 @@ def test_a_straight_wall_is_felt_once_into_how_many_segments_it_may_be_cut(piece
     assert all(distance > 5.0 for distance, _ in found[1:])
 
 
-def test_both_walls_of_a_corridor_are_felt():
-    assert around(CORRIDOR, (3.0, 0.0))[:2] == [
-        pytest.approx((0.5, math.pi / 2)),
-        pytest.approx((1.0, -math.pi / 2)),
-    ]
+CORNER = [[0.0, 0.0, 9.0, 0.0], [0.0, 0.0, 0.0, 9.0]]
+DOOR = [[0.0, -9.0, 0.0, -0.5], [0.0, 0.5, 0.0, 9.0]]
 
 
-def test_both_walls_of_a_corner_are_felt():
-    corner = [[0.0, 0.0, 9.0, 0.0], [0.0, 0.0, 0.0, 9.0]]
-
-    assert around(corner, (0.4, 0.6))[:2] == [
-        pytest.approx((0.4, 0.0)),
-        pytest.approx((0.6, math.pi / 2)),
-    ]
-
-
-def test_both_corners_of_a_door_are_felt():
-    door = [[0.0, -9.0, 0.0, -0.5], [0.0, 0.5, 0.0, 9.0]]
-
-    found = around(door, (-0.3, 0.1))
-
-    assert found[0] == pytest.approx((0.5, math.atan2(-0.4, -0.3)))
-    assert found[1] == pytest.approx((math.hypot(0.3, 0.6), math.atan2(0.6, -0.3)))
+@pytest.mark.parametrize(
+    ("walls", "point", "first", "second"),
+    [
+        (CORRIDOR, (3.0, 0.0), (0.5, math.pi / 2), (1.0, -math.pi / 2)),
+        (CORNER, (0.4, 0.6), (0.4, 0.0), (0.6, math.pi / 2)),
+        (
+            DOOR,
+            (-0.3, 0.1),
+            (0.5, math.atan2(-0.4, -0.3)),
+            (math.hypot(0.3, 0.6), math.atan2(0.6, -0.3)),
+        ),
+    ],
+    ids=["corridor", "corner", "door"],
+)
+def test_both_walls_are_felt(walls, point, first, second):
+    assert around(walls, point)[:2] == [pytest.approx(first), pytest.approx(second)]
 
 
 def test_where_there_is_no_wall_none_is_felt():
