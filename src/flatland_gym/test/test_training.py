@@ -4,6 +4,9 @@ import math
 import os
 import subprocess
 import sys
+import zipfile
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -213,6 +216,57 @@ def test_a_policy_is_written_and_read(tmp_path):
         UsageError, match=r"expected observations of shape \(n, 9\), found \(6, 5\)"
     ):
         policy.act(observations[:, :5])
+
+
+def rewritten(path, **arrays):
+    """A policy's file with other arrays."""
+    untrained().save(path)
+    with np.load(path) as file:
+        content = {**dict(file), **arrays}
+    np.savez(path, **content)
+
+
+def with_a_header_of_terabytes(path):
+    rewritten(path)
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    header = str({"descr": "<f8", "fortran_order": False, "shape": (2**39,)}).encode().ljust(117)
+    parts["weight_0.npy"] = b"\x93NUMPY\x01\x00\x76\x00" + header + b"\n"
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+
+
+def with_an_odd_flag(path):
+    rewritten(path)
+    content = bytearray(path.read_bytes())
+    content[content.rindex(b"PK\x01\x02") + 8] |= 1  # "encrypted", in the directory
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        with_a_header_of_terabytes,
+        with_an_odd_flag,
+        lambda path: path.symlink_to("/dev/zero"),
+        os.mkfifo,
+        Path.mkdir,
+        Path.touch,
+        *(partial(rewritten, period=np.array(period)) for period in (0.0, -1.0, np.nan)),
+        partial(rewritten, max_range=np.array(np.nan)),
+        partial(rewritten, action_limits=np.array([np.nan, 1.0])),
+        partial(rewritten, velocity_limits=np.array([np.inf, 0.0, 1.0])),
+        partial(rewritten, beams=np.array(10**9)),
+        partial(rewritten, layers=np.array(10**9)),
+    ],
+)
+def test_a_file_that_is_no_sound_policy_is_refused(tmp_path, spoil):
+    path = tmp_path / "a.npz"
+    spoil(path)
+
+    with pytest.raises(FlatlandError, match=r"a\.npz"):
+        Policy.load(path)
 
 
 def test_the_policy_of_the_package_is_known_by_name():

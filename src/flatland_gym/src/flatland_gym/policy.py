@@ -139,7 +139,7 @@ class Policy:
             raise FlatlandError(f"expected a file of a policy, but {path}: {error}") from None
 
     def _require_sound(self) -> None:
-        """Raises a ValueError unless layers fit to each other and to the robot, and all is finite."""
+        """Raises a ValueError unless the layers fit to the robot and all values are finite."""
         limits = (*self.velocity_limits, *self.action_limits)
         if not (
             len(self.velocity_limits) == 3 and all(0.0 <= limit < math.inf for limit in limits)
