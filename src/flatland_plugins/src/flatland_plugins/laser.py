@@ -37,7 +37,9 @@ class Laser(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         body = self._body = self.get_body(config)
-        laser = self._config = LaserConfig.read(config, self.name)
+        laser = self._config = LaserConfig.read(
+            config, self.name, self.node.get_param("~no_return", "inf")
+        )
         registry = self.model.registry
         try:
             layers = registry.bits(laser.layers)
@@ -92,7 +94,10 @@ class Laser(ModelPlugin):
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
         now = timekeeper.nanoseconds
-        self._publisher.write(self._writer, now, *self._scan(now))
+        ranges, intensities = self._scan(now)
+        if self._config.no_return != math.inf:
+            ranges = np.where(np.isinf(ranges), np.float32(self._config.no_return), ranges)
+        self._publisher.write(self._writer, now, ranges, intensities)
 
     def _has_to_scan(self) -> bool:
         return self._config.always_publish or self._publisher.has_subscribers

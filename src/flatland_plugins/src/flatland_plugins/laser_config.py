@@ -1,7 +1,7 @@
 """The keys of a Laser."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Tuple
 
 from flatland_server import Pose, YamlReader
@@ -26,10 +26,18 @@ class LaserConfig:
     layers: Tuple[str, ...]
     upside_down: bool
     always_publish: bool
+    no_return: float
+    """The range of a beam that hits nothing, in messages."""
 
     @classmethod
-    def read(cls, config: YamlReader, name: str) -> "LaserConfig":
-        """Reads all keys but the body's; `name` is the plugin's, and the default of its frame."""
+    def read(cls, config: YamlReader, name: str, no_return: str = "inf") -> "LaserConfig":
+        """Reads all keys but the body's.
+
+        Args:
+            config: has the keys.
+            name: of the plugin, and the default of its frame.
+            no_return: the default of this key.
+        """
         angle = config.get_section("angle", required=True)
         angle_min = angle.get_float("min")
         angle_max = angle.get_float("max")
@@ -49,7 +57,10 @@ class LaserConfig:
             layers=config.get_strings("layers", ("all",)),
             upside_down=config.get_bool("upside_down", False),
             always_publish=config.get_bool("always_publish", False),
+            no_return=math.inf,
         )
+        word = config.get_choice("no_return", ["inf", "nan", "max"], no_return)
+        laser = replace(laser, no_return=laser.range if word == "max" else float(word))
         if config.is_sound and not 1 <= laser.beams <= _MAX_BEAMS:
             config.problem(
                 f"expected an increment that leads from min to max in 1 to {_MAX_BEAMS} beams, "
@@ -61,11 +72,11 @@ class LaserConfig:
 
 
 def count_beams(angle_min: float, angle_max: float, increment: float) -> int:
-    """The number of beams from min to max, both included; 0 if the increment does not fit.
+    """The number of beams from min to max; 0 if the increment does not fit.
 
-    The last beam may be off by a hundredth of an increment: files have rounded numbers.
+    The number of steps is rounded, a half upwards: the last beam is up to half a step from max.
     """
     if angle_min == angle_max:
         return 1
     steps = (angle_max - angle_min) / increment if increment else -1.0
-    return math.floor(steps + 1e-2) + 1 if 0 <= steps < 1e9 else 0
+    return math.floor(steps + 0.5) + 1 if 0 <= steps < 1e9 else 0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flatland_plugins.laser_config import count_beams
-from flatland_server import Lidar
+from flatland_server import Lidar, LocalTransport
 from flatland_server.geometry import Pose
 
 ANGLES = "angle: {min: -3, max: 3, increment: 0.05}"
@@ -126,6 +126,32 @@ def test_noise_leaves_ranges_within_the_lidars_and_infinity_alone(files):
     assert (returns.min(), returns.max()) == (0.0, np.float32(4.3))
 
 
+@pytest.mark.parametrize(("word", "value"), [("nan", math.nan), ("max", 4.3), ("inf", math.inf)])
+def test_a_beam_without_a_return_has_the_chosen_range(files, word, value):
+    short = LASER.replace("range: 20", "range: 4.3") + ", noise_std_dev: 0.5"
+    usual = np.asarray(in_the_room(files, short).run().last("/scan").ranges)
+    missed = np.isinf(usual)
+
+    by_key = in_the_room(files, f"{short}, no_return: {word}").run()
+    transport = LocalTransport({"~no_return": word})
+    by_server = in_the_room(files, short, transport=transport).run()
+
+    assert 0 < missed.sum() < len(missed)
+    for simulation in (by_key, by_server):
+        ranges = np.asarray(simulation.last("/scan").ranges)
+        assert ranges[missed] == pytest.approx(np.full(missed.sum(), value), nan_ok=True)
+        assert (ranges[~missed] == usual[~missed]).all()
+
+
+def test_the_key_of_a_lidar_counts_before_the_servers(files):
+    transport = LocalTransport({"~no_return": "nan"})
+    key = "no_return: max"
+
+    scan = in_the_room(files, f"{LASER.replace('20', '1')}, {key}", transport=transport).run()
+
+    assert set(scan.last("/scan").ranges) == {1.0}
+
+
 @pytest.mark.parametrize(
     ("angle_min", "angle_max", "increment", "beams"),
     [
@@ -136,7 +162,10 @@ def test_noise_leaves_ranges_within_the_lidars_and_infinity_alone(files):
         pytest.param(0.0, 1.0, 0.1, 11, id="0.1 is not a tenth in binary"),
         pytest.param(1.0, 1.0, 0.1, 1, id="one"),
         pytest.param(1.0, 1.0, 0.0, 1, id="one without increment"),
-        pytest.param(0.0, 1.0, 2.0, 1, id="increment beyond the end"),
+        pytest.param(0.0, 1.0, 2.1, 1, id="increment far beyond the end"),
+        pytest.param(0.0, 55.27, 0.1, 554, id="552.7 steps"),
+        pytest.param(0.0, 55.25, 0.1, 554, id="half a step is rounded upwards"),
+        pytest.param(0.0, 55.24, 0.1, 553, id="552.4 steps"),
         pytest.param(0.0, 1.0, -0.1, 0, id="the wrong way"),
         pytest.param(1.0, 0.0, 0.1, 0, id="the wrong way back"),
         pytest.param(0.0, 1.0, 0.0, 0, id="no increment"),

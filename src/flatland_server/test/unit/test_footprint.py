@@ -97,3 +97,39 @@ def test_a_shape_that_box2d_cannot_represent_is_refused_at_its_line(files, point
     message = refusal(files, f"{{type: polygon, points: {points}, density: {density}}}")
 
     assert message.startswith("model.yaml:4: bodies[0].footprints[0]")
+
+
+@pytest.mark.parametrize(
+    ("points", "corners", "change"),
+    [
+        ("[[0, 0], [1, 1], [1, 0], [0, 1]]", 4, "in another order: 0 m2 before, 1 m2 now"),
+        ("[[0, 0], [4, 0], [2, 1], [4, 4]]", 3, "without [2, 1]: 4 m2 before, 8 m2 now"),
+        (
+            "[[0, 3], [2, -3], [-3, 1], [3, 1], [-2, -3]]",
+            5,
+            "in another order: 16 m2 before, 26 m2 now",
+        ),
+    ],
+    ids=["crossed", "a dent", "a pentagram"],
+)
+def test_a_polygon_that_is_not_convex_is_its_hull(files, caplog, points, corners, change):
+    footprint = read(files, f"{{type: polygon, points: {points}, density: 1}}")
+
+    assert len(footprint.shape.vertices) == corners
+    place = "model.yaml:4: bodies[0].footprints[0].points"
+    expected = f"{place}: expected a convex polygon; its hull is taken, {change}"
+    assert [record.getMessage()[-len(expected) :] for record in caplog.records] == [expected]
+
+
+def test_the_mass_of_crossed_points_is_that_of_the_hull(files):
+    files.write(
+        "model.yaml",
+        model("{type: polygon, points: [[0, 0], [2, 1], [2, 0], [0, 1]], density: 3}"),
+    )
+    world_of_it = files.load(world())
+
+    assert world_of_it.models["m"].bodies["base"].physics_body.mass == pytest.approx(6.0)
+
+
+def test_points_in_a_line_have_no_hull(files):
+    assert "area" in refusal(files, "{type: polygon, points: [[0, 0], [2, 2], [1, 1]], density: 1}")

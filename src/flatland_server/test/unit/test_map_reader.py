@@ -105,3 +105,15 @@ def test_the_yaml_file_is_read_without_the_image_that_it_names(maps):
 
     assert config.source == maps.folder / "map.png"
     assert (config.is_image, config.scale, config.occupied_thresh) == (True, 1.0, 0.65)
+
+
+@pytest.mark.parametrize(
+    ("kind", "is_told"), [("indoor", False), ("private", False), ("line_segment", True)]
+)
+def test_a_type_of_another_name_is_an_image(maps, caplog, kind, is_told):
+    caplog.set_level("INFO")
+    path = maps.write("map.yaml", image_map(more=f"type: {kind}\n"))
+
+    assert walls(path) == ONE_PIXEL
+    told = f'{path}: read as an image: expected "line_segments", found "{kind}"'
+    assert (told in [record.getMessage() for record in caplog.records]) == is_told

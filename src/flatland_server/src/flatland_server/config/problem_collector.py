@@ -49,6 +49,11 @@ class ProblemCollector:
         """Adds the problems of an error."""
         self._problems.update(dict.fromkeys(error.problems))
 
+    def drop(self, error: YamlError) -> None:
+        """Removes the problems of an error."""
+        for problem in error.problems:
+            self._problems.pop(problem, None)
+
     def clear(self) -> None:
         """Drops all problems."""
         self._problems.clear()

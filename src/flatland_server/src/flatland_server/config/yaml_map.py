@@ -1,5 +1,6 @@
 """One map of a YAML document: its keys, and the problems found in it."""
 
+import logging
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Optional, Set
@@ -11,6 +12,8 @@ from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.ros_names import topic_name_problem
 from flatland_server.config.yaml_values import ConversionError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
+
+logger = logging.getLogger(__name__)
 
 REQUIRED: Any = object()
 """As a default: the key must be given."""
@@ -45,6 +48,7 @@ class YamlMap:
         self._keys: Dict[str, yaml.Node] = {}
         self._values: Dict[str, yaml.Node] = {}
         self._read: Set[str] = set()
+        self._repeated: List[YamlError] = []
         self._problems = ProblemCollector() if problems is None else problems
         if not isinstance(node, yaml.MappingNode):
             raise error_at(node, f"expected a map, found {describe(node)}", path)
@@ -52,7 +56,9 @@ class YamlMap:
             if not isinstance(key, yaml.ScalarNode):
                 raise error_at(key, f"expected a key, found {describe(key)}", path)
             if key.value in self._values:
-                self.note(error_at(key, f'the key "{shortened(key.value)}" is given twice', path))
+                error = error_at(key, f'the key "{shortened(key.value)}" is given twice', path)
+                self._repeated.append(error)
+                self.note(error)
             self._keys[key.value], self._values[key.value] = key, value
 
     def has(self, key: str) -> bool:
@@ -170,6 +176,13 @@ class YamlMap:
         """
         self._note_unknown_keys()
         self.raise_problems()
+
+    def accept_repeated_keys(self) -> None:
+        """Makes keys that are given twice a warning; the last one counts."""
+        for error in self._repeated:
+            self._problems.drop(error)
+            logger.warning("%s; the last one counts", error)
+        self._repeated.clear()
 
     def accept_other_keys(self) -> None:
         """Makes `finish` accept keys that no getter has asked for."""

@@ -17,13 +17,16 @@ from flatland_server.config.input_files import MAX_IMAGE, MAX_LINE_SEGMENTS, rea
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.config.yaml_values import LARGEST
-from flatland_server.exceptions import YamlError, shortened
+from flatland_server.exceptions import YamlError, shortened, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.maps.simplify_outlines import TOLERANCES, simplify
 from flatland_server.maps.slow_log import log_if_slow
 from flatland_server.maps.wall_outlines import bright_pixels, outlines
 
 logger = logging.getLogger(__name__)
+
+_LINES = "line_segments"
+"""The `type` of a map of line segments; every other one is an image."""
 
 _FARTHEST = 1e5  # m from the origin of the world; the limit of the core
 _SHORTEST = 1e-6  # m; shorter walls are lost to rounding
@@ -67,11 +70,14 @@ class MapConfig:
         """
         reader = YamlReader.from_file(path, preprocessor)
         origin = reader.get_pose("origin")
-        if reader.get_choice("type", ["image", "line_segments"], "image") == "line_segments":
+        kind = reader.get_string("type", "image")
+        if kind == _LINES:
             scale = reader.get_float("scale", above=0.0)
             source = reader.get_path("data")
             reader.finish()
             return cls(path, source, False, scale, origin)
+        if suggestion(kind, [_LINES]):
+            logger.info('%s: read as an image: expected "%s", found "%s"', path, _LINES, kind)
         scale = reader.get_float("resolution", above=0.0)
         occupied_thresh = reader.get_float("occupied_thresh")
         for unused in ("free_thresh", "negate", "mode"):

@@ -1,13 +1,17 @@
 """Footprints: the shapes of a body, with their material and their collision layers."""
 
+import logging
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, Sequence, Tuple, Union
+from functools import lru_cache
+from typing import Any, Dict, Iterable, List, Sequence, Tuple, Union
 
 from flatland_server import _core
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.geometry import Point
 from flatland_server.models.collision_filter_registry import ALL, CollisionFilterRegistry
+
+logger = logging.getLogger(__name__)
 
 _CIRCLE_SIDES = 36
 
@@ -94,7 +98,7 @@ class Footprint:
         else:
             vertices = tuple(reader.get_points("points", 3, 8))
             if not _is_convex(vertices):
-                reader.problem("expected a convex polygon, found one with a dent", "points")
+                vertices = _hull_of(vertices, reader)
             shape = Polygon(vertices)
         layers = reader.get_strings("layers", (ALL,))
         layer_bits = 0
@@ -141,6 +145,49 @@ class Footprint:
             body.add_circle(self.shape.center, self.shape.radius, **material)
         else:
             body.add_polygon(self.shape.vertices, **material)
+
+
+def _hull_of(vertices: Tuple[Point, ...], reader: YamlReader) -> Tuple[Point, ...]:
+    """The convex hull of a polygon, which Box2D would make of it, with a warning."""
+    hull = convex_hull(vertices)
+    if len(hull) < 3:
+        return vertices  # Box2D refuses them
+    lost = [f"[{x:g}, {y:g}]" for x, y in vertices if (x, y) not in hull]
+    change = f"without {', '.join(lost)}" if lost else "in another order"
+    areas = f"{_area(vertices):.4g} m2 before, {_area(hull):.4g} m2 now"
+    message = f"expected a convex polygon; its hull is taken, {change}: {areas}"
+    _warn(str(reader.error(message, "points")))
+    return hull
+
+
+@lru_cache(maxsize=1000)
+def _warn(message: str) -> None:
+    """Logs a warning, once for each place in a file."""
+    logger.warning("%s", message)
+
+
+def _area(vertices: Sequence[Point]) -> float:
+    """The area by the shoelace formula [m^2]; beyond a crossing, it counts negative."""
+    pairs = zip(vertices, (*vertices[1:], vertices[0]))
+    return abs(sum(ax * by - bx * ay for (ax, ay), (bx, by) in pairs)) / 2.0
+
+
+def convex_hull(points: Sequence[Point]) -> Tuple[Point, ...]:
+    """The corners of the convex hull, counter-clockwise, by Andrew's monotone chain."""
+
+    def half(ordered: Iterable[Point]) -> List[Point]:
+        chain: List[Point] = []
+        for x, y in ordered:
+            while len(chain) > 1:
+                (ax, ay), (bx, by) = chain[-2:]
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                    break
+                chain.pop()
+            chain.append((x, y))
+        return chain[:-1]
+
+    ordered = sorted(set(points))
+    return (*half(ordered), *half(reversed(ordered)))
 
 
 def _is_convex(vertices: Tuple[Point, ...]) -> bool:

@@ -23,9 +23,12 @@ class PluginConfig:
     def read(cls, reader: YamlReader) -> "PluginConfig":
         """Reads the keys that all plugins have.
 
+        Plugins of the original read their keys themselves: the last one of equal keys counted.
+
         Raises:
             YamlError: there is no type or no name, or the name is not allowed for a frame.
         """
+        reader.accept_repeated_keys()
         plugin = cls(reader.get_string("type"), reader.get_frame("name"), reader)
         for key in ("type", "name"):
             if not reader.has(key):  # only the plugin knows which other keys there are

@@ -81,6 +81,9 @@ class Plugin:
             model and the plugin.
     """
 
+    accept_other_keys = False
+    """Whether keys that it does not read are accepted, instead of refused as misspelt."""
+
     def __init_subclass__(cls, **arguments: Any) -> None:
         """Drops the inherited `batch_role` of a class that overrides a hook."""
         super().__init_subclass__(**arguments)

@@ -68,6 +68,8 @@ class PluginFactory:
         try:
             plugin = plugin_class(config.type, config.name, node, rng, subject)  # type: ignore[call-arg]
             node.on_failure = lambda where: on_failure(plugin, where)
+            if plugin.accept_other_keys:
+                reader.accept_other_keys()
             plugin.on_initialize(reader)
             reader.finish()
         except BaseException as error:

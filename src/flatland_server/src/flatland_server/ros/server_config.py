@@ -50,6 +50,9 @@ class ServerConfig(NamedTuple):
         simplify_map = rospy.get_param("~simplify_map", 0)
         if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
+        no_return = rospy.get_param("~no_return", "inf")
+        if no_return not in ("inf", "nan", "max"):
+            raise FlatlandError(f"~no_return: expected inf, nan or max, found {no_return}")
         launch_file = rospy.get_param("~launch_file", "")
         return cls(
             world_path=_world_file(str(world_path)),

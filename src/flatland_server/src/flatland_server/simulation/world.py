@@ -375,7 +375,7 @@ class World:
             FlatlandError: otherwise.
         """
         if not self.is_between_steps:
-            raise FlatlandError(f"{name} is for between steps, not for hooks or other threads during one")
+            raise FlatlandError(f"{name} is for between steps, not for hooks or for other threads")
 
     def reset(self, seed: Optional[int] = None) -> None:
         """Rebuilds the world as it was loaded: its models, plugins, walls and random numbers.

@@ -76,9 +76,10 @@ class Node:
         """The name of a topic or parameter with the namespace.
 
         Args:
-            name: stays as it is if it begins with "/".
+            name: stays as it is if it begins with "/", or with "~", as a parameter of the server.
         """
-        return name if name.startswith("/") or not self.namespace else f"{self.namespace}/{name}"
+        is_absolute = name.startswith(("/", "~")) or not self.namespace
+        return name if is_absolute else f"{self.namespace}/{name}"
 
     def advertise(
         self, topic: str, message_type: Any, *, latch: bool = False, queue_size: int = 10
@@ -239,7 +240,7 @@ class Node:
         """The value of a parameter.
 
         Args:
-            name: within the namespace.
+            name: within the namespace, or "~name" for a private parameter of the server.
             default: the value if there is no such parameter.
         """
         return self._transport.get_param(self.resolve(name), default)

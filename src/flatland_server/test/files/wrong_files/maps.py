@@ -46,11 +46,6 @@ WRONG_MAPS: Dict[str, Case] = {
      'map.yaml:1: the required key "occupied_thresh" is missing'),
     "a threshold that is no number": (MAP, "occupied_thresh: 0.65", "occupied_thresh: dark",
      'map.yaml:5: occupied_thresh: expected a number, found "dark"'),
-    "an unknown type of map": (MAP, "negate: 0", "type: lines",
-     'map.yaml:4: type: expected image or line_segments, found "lines"'),
-    "a type of map nearly known": (LINES, "line_segments", "line_segment",
-     'lines.yaml:1: type: expected image or line_segments (did you mean '
-     '"line_segments"?), found "line_segment"'),
     "an unknown key of a map": (MAP, "resolution: 0.05", "resolution: 0.05\nresolutoin: 0.05",
      'map.yaml:3: unknown key "resolutoin"'),
     "a map that is a list": (MAP, None, "- image: map.png\n",

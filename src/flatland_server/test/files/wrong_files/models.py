@@ -105,22 +105,6 @@ WRONG_MODELS: Dict[str, Case] = {
      "[[0, 0], [1, 0], [1, a]]",
      "robot.model.yaml:22: bodies[1].footprints[0].points: expected [x, y], found "
      '[[0, 0], [1, 0], [1, "a"]]'),
-    "a dent": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
-     "[[0, 0], [4, 0], [2, 1], [4, 4]]",
-     "robot.model.yaml:22: bodies[1].footprints[0].points: expected a convex polygon, "
-     "found one with a dent"),
-    "a pentagram": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
-     "[[0, 3], [2, -3], [-3, 1], [3, 1], [-2, -3]]",
-     "robot.model.yaml:22: bodies[1].footprints[0].points: expected a convex polygon, "
-     "found one with a dent"),
-    "an hourglass": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
-     "[[0, 0], [1, 1], [1, 0], [0, 1]]",
-     "robot.model.yaml:22: bodies[1].footprints[0].points: expected a convex polygon, "
-     "found one with a dent"),
-    "a corner behind the others": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
-     "[[0, 0], [2, 0], [2, 1], [1, 2], [2, 3], [0, 3]]",
-     "robot.model.yaml:22: bodies[1].footprints[0].points: expected a convex polygon, "
-     "found one with a dent"),
     "vertices in a line": (MODEL, "[[0, 0], [0.2, 0], [0.2, 0.1], [0, 0.1]]",
      "[[0, 0], [1, 1], [2, 2]]",
      "robot.model.yaml:21: bodies[1].footprints[0]: a polygon is too small or too "

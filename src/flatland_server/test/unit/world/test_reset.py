@@ -132,7 +132,7 @@ def test_a_hook_cannot_make_time_begin_again(load, monkeypatch):
 
     simulation.run(0.01)
 
-    assert refusals == ["reset is for between steps, not for hooks or other threads during one"] * 2
+    assert refusals == ["reset is for between steps, not for hooks or for other threads"] * 2
     assert simulation.timekeeper.nanoseconds == 10_000_000
 
 
@@ -235,7 +235,7 @@ def test_states_and_reloads_are_for_between_steps(load, monkeypatch):
     simulation.run()
 
     assert refusals == [
-        f"{name} is for between steps, not for hooks or other threads during one"
+        f"{name} is for between steps, not for hooks or for other threads"
         for name in ("save_state", "load_state", "reload")
     ]
 
