@@ -41,7 +41,7 @@ def test_it_reaches_its_goals(tmp_path):
         ({"goal": None}, "expected a goal for the policy to drive to"),
         (
             {"parameters": {"models.robot.plugins.laser.angle.increment": 0.2}},
-            "one lidar of 64 beams, found 31",
+            "one lidar of 64 beams, found 32",
         ),
     ],
 )

@@ -66,9 +66,9 @@ def test_a_default_that_changes_in_the_code_is_noticed(monkeypatch):
 
     read = laser_config.LaserConfig.read.__func__
 
-    def with_another_default(cls, config, name):
+    def with_another_default(cls, config, *rest):
         config.get_topic("topic", "another_scan")
-        return read(cls, config, name)
+        return read(cls, config, *rest)
 
     monkeypatch.setattr(laser_config.LaserConfig, "read", classmethod(with_another_default))
     text = (DOCS / "reference" / "plugins.md").read_text(encoding="utf-8")

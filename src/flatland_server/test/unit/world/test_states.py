@@ -7,13 +7,12 @@ import pytest
 from world.parts import EMPTY, spawn
 
 from flatland_server import PluginDeclaration, PluginLoader, plain_data
-from flatland_server.exceptions import ModelError, StateError, YamlError
+from flatland_server.exceptions import StateError
 from flatland_server.geometry import Pose
 from flatland_server.models.model import ModelConfig
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.simulation.world import WorldPlugin
 from flatland_server.simulation.world_config import ModelEntry
-from flatland_server.simulation.world_state import read_state, write_state
 from flatland_server.update_timer import UpdateTimer
 
 
@@ -172,7 +171,10 @@ def damaged(state, change):
         (lambda c: c.update(flatland_state=7), "expected a state of format 1, found format 7"),
         (lambda c: c.pop("flatland_state"), "expected the state of a world, found something else"),
         (lambda c: c.pop("seed"), "the state is damaged: .*seed"),
-        (lambda c: c.update(seed="x"), 'the state is damaged: "seed" is no int'),
+        (
+            lambda c: c.update(seed="x"),
+            r"state\.seed: expected another value, found 'x'",
+        ),
         (lambda c: c["models"].pop(), "another world: the number of bodies: expected 4, found 6"),
         (lambda c: c["plugins"].pop(), "expected the plugins a/counter, a/forgets, nursery; found"),
         (lambda c: c["plugins"][0].update(type="X"), '"a/counter" is a X in the state, here a Co'),
@@ -208,10 +210,10 @@ def test_a_state_needs_the_files_of_spawned_models(models, load):
     state = simulation.save_state()
 
     (models.folder / "later.yaml").unlink()
-    with pytest.raises(ModelError, match=r"there is no file .*later\.yaml"):
+    with pytest.raises(StateError, match=r"there is no file .*later\.yaml"):
         simulation.load_state(state)
     models.write("later.yaml", "bodies: {}\n")
-    with pytest.raises(YamlError, match=r"later\.yaml:1"):
+    with pytest.raises(StateError, match=r"later\.yaml:1"):
         simulation.load_state(state)
     assert list(simulation.world.models) == ["a", "b", "child", "c"]
 
@@ -281,15 +283,3 @@ def test_what_is_not_plain_is_refused(data):
 def test_an_array_of_objects_is_not_read():
     with pytest.raises(ValueError, match="expected an array of numbers, found one of object"):
         plain_data.loads(b'{"$array": ["|O", [1], "AAAAAAAAAAA="]}')
-
-
-def test_a_state_file_is_written_completely_or_not_at_all(tmp_path):
-    write_state(tmp_path / "state", b"old")
-    write_state(tmp_path / "state", b"new")
-
-    assert read_state(tmp_path / "state") == b"new"
-    assert [path.name for path in tmp_path.iterdir()] == ["state"]
-    with pytest.raises(StateError, match=r"cannot write .*nowhere/state: No such file"):
-        write_state(tmp_path / "nowhere" / "state", b"")
-    with pytest.raises(StateError, match=r"cannot read .*missing: No such file"):
-        read_state(tmp_path / "missing")
