@@ -97,7 +97,9 @@ def told(error: Union[FlatlandError, ValueError]) -> str:
 def _line_of(problem: Problem) -> str:
     if _is_of_flatland(problem.file):
         return str(problem)
-    message = re.sub('"[^"]*"', '"..."', problem.message.partition(", found ")[0])
+    message = problem.message.partition(", found ")[0]
+    if not message.startswith("the required key"):
+        message = re.sub('"[^"]*"', '"..."', message)
     message = message.partition("is not valid YAML")[1] or message
     return str(Problem(problem.file, message, problem.line))
 

@@ -80,7 +80,9 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
     shutdown = Shutdown()
-    transport = RosTransport(rospy_patches.install(config.rospy_patches))
+    transport = RosTransport(
+        rospy_patches.install(config.rospy_patches), {"~no_return": config.no_return}
+    )
     shutdown.transport = transport
     LoadingPublisher()
     with transport.rospy_calls.batch_registration():
