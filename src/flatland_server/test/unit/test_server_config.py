@@ -32,6 +32,9 @@ def read(monkeypatch):
             lambda name, default: params.get(name.replace("~", "/robots/server/"), default),
         )
         monkeypatch.setattr(rospy, "search_param", search)
+        monkeypatch.setattr(
+            rospy, "resolve_name", lambda name: name.replace("~", "/robots/server/")
+        )
         monkeypatch.setattr(rospy, "get_param_names", lambda: list(params))
         return ServerConfig.read()
 

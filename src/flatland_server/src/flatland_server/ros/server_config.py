@@ -11,8 +11,6 @@ from flatland_server.config.file_names import to_path
 from flatland_server.exceptions import FlatlandError
 from flatland_server.maps.simplify_outlines import TOLERANCES
 
-_UNSET = object()
-
 
 class ServerConfig(NamedTuple):
     """The node's parameters: its private ones, or those of a namespace above, or global ones."""
@@ -74,12 +72,10 @@ class ServerConfig(NamedTuple):
 
 def _param(name: str, default: Any) -> Any:
     """The value of a parameter of the node, else of the namespace above, and so on to the root."""
-    value = rospy.get_param(name, _UNSET)
-    if value is not _UNSET:
+    value = rospy.get_param(name, default)
+    found = rospy.search_param(name[1:]) if value is default else None
+    if found is None or found == rospy.resolve_name(name):
         return value
-    found = rospy.search_param(name[1:])
-    if found is None:
-        return default
     rospy.loginfo("%s is not set: %s is used", name, found)
     return rospy.get_param(found, default)
 
