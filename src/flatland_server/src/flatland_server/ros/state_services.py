@@ -100,7 +100,8 @@ class StateServices:
             return manager.request_steps(count)
 
         try:
-            self._transport.wait(self._transport.call(begin))
+            done = self._transport.call(begin)
+            self._transport.wait(done)
         except FlatlandError as error:
             rospy.logwarn("step_world: %s", told(error))
             raise rospy.ServiceException(told(error)) from None
