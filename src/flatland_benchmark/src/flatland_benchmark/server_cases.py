@@ -255,9 +255,5 @@ SERVER_CASES: Tuple[Case, ...] = (
     ),
     Case("serve_spawn", "spawning a robot by /spawn_model", spawn),
     Case("serve_slow_spawn", "spawning a model from a file that takes long to read", slow_spawn),
-    Case(
-        "serve_training",
-        "training episodes: 20 spawns, and 1,000 steps of 0.1 s, each with a scan",
-        train,
-    ),
+    Case("serve_training", "training episodes: 20 spawns, 1,000 steps of 0.1 s with a scan", train),
 )

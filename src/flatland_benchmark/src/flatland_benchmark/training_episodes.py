@@ -1,4 +1,4 @@
-"""Training episodes in the test room: python3 -m flatland_benchmark.training_episodes EPISODES STEPS
+"""Training episodes: python3 -m flatland_benchmark.training_episodes EPISODES STEPS.
 
 An episode resets the world, spawns 20 discs from a text, moves the robot, and makes steps of
 /step_world, each of which is answered by a scan. Prints a line of JSON: the real time of each
@@ -20,6 +20,7 @@ from sensor_msgs.msg import LaserScan
 _DISC = "bodies: [{name: disc, footprints: [{type: circle, radius: 0.1, density: 1}]}]"
 _DISCS = [f"disc_{index}" for index in range(20)]
 _LIMIT = 30.0  # s
+_SETTLING = 0.5  # s: the messages of a step have arrived
 
 
 def main(episodes: int, steps: int) -> None:
@@ -31,8 +32,10 @@ def main(episodes: int, steps: int) -> None:
     step = _service("/step_world", StepWorld)
     reset, spawn = _service("/reset", Reset), _service("/spawn_model_from_string", SpawnModel)
     delete = _service("/delete_models", DeleteModels)
-    step()  # pauses
-    scans.get(timeout=_LIMIT)  # the subscription is connected
+    while scans.empty():  # the subscriptions are not connected yet
+        step()
+        time.sleep(_SETTLING)
+    scans.queue.clear()
     prepared: List[float] = []
     stepped: List[float] = []
     for _ in range(episodes):
