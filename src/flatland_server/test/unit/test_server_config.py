@@ -46,6 +46,7 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         world_path=Path("/world.yaml"),
         update_rate=200.0,
         step_size=0.005,
+        control_period=0.1,
         show_viz=True,
         viz_pub_rate=30.0,
         seed=0,

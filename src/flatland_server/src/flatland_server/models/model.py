@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from flatland_server import _core
 from flatland_server.config.plain_nodes import plain_copy
@@ -20,6 +20,15 @@ from flatland_server.models.model_body import BodyConfig, ModelBody
 from flatland_server.models.plugin_config import PluginConfig
 
 
+class ModelText(NamedTuple):
+    """What would be in a model's file, from a client."""
+
+    text: str
+    """YAML; see `YamlPreprocessor.read_text`."""
+    name: str
+    """The model's, for errors."""
+
+
 @dataclass(frozen=True)
 class ModelConfig:
     """The contents of a model file.
@@ -30,7 +39,7 @@ class ModelConfig:
         joints: its joints.
         plugins: its plugins, which read their own keys when they start.
         is_read: whether it was read from `path` or `content`; otherwise a program has made it.
-        content: the plain data that it was read from, if not a file.
+        content: the plain data or the text that it was read from, if not a file.
     """
 
     path: Path
@@ -38,7 +47,7 @@ class ModelConfig:
     joints: Tuple[JointConfig, ...]
     plugins: Tuple[PluginConfig, ...]
     is_read: bool = False
-    content: Optional[Mapping[str, Any]] = field(default=None, compare=False, repr=False)
+    content: Union[Mapping[str, Any], str, None] = field(default=None, compare=False, repr=False)
 
     @classmethod
     def from_file(
@@ -76,6 +85,25 @@ class ModelConfig:
         copy = plain_copy(content, "model")
         reader = YamlReader.from_content(copy, "model", preprocessor)
         return replace(cls.read(reader, registry), content=copy)
+
+    @classmethod
+    def from_text(
+        cls,
+        source: ModelText,
+        folder: Path,
+        registry: CollisionFilterRegistry,
+        preprocessor: Optional[YamlPreprocessor] = None,
+    ) -> "ModelConfig":
+        """Reads the text of a model file; see `from_file`.
+
+        Args:
+            source: the text.
+            folder: where relative paths in it begin.
+            registry: as for `from_file`.
+            preprocessor: as for `from_file`.
+        """
+        reader = YamlReader.from_text(*source, folder, preprocessor)
+        return replace(cls.read(reader, registry), content=source.text)
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":

@@ -136,7 +136,8 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     manager.on_tick.append(SlowPluginWatch().update)
     if config.map_to_odom:
         manager.on_tick.append(MapToOdom(manager.world).update)
-    ServiceManager(manager, transport, ClientFiles(manager.world, config.state_folder))
+    files = ClientFiles(manager.world, config.state_folder)
+    ServiceManager(manager, transport, files, config.control_period)
 
 
 def exclude_from_garbage_collection() -> None:

@@ -18,6 +18,7 @@ class ServerConfig(NamedTuple):
     world_path: Path
     update_rate: float
     step_size: float
+    control_period: float
     show_viz: bool
     viz_pub_rate: float
     seed: int
@@ -56,6 +57,7 @@ class ServerConfig(NamedTuple):
             world_path=_world_file(str(world_path)),
             update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
             step_size=positive_param("~step_size", 0.005),
+            control_period=positive_param("~control_period", 0.1),
             show_viz=_flag("~show_viz", True),
             viz_pub_rate=positive_param("~viz_pub_rate", 30.0),
             seed=seed,

@@ -6,9 +6,10 @@ from typing import Dict, List, Union
 
 from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
+from flatland_server.models.model import ModelText
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.simulation.world_config import ModelSource, WorldConfig
 from flatland_server.simulation.world_state import ModelState, WallsState, WorldState
 from flatland_server.timekeeper import Timekeeper
 
@@ -69,6 +70,12 @@ def _check_walls(state: WorldState, config: WorldConfig) -> None:
             )
 
 
+def _source_of(model: ModelState) -> ModelSource:
+    if isinstance(model.content, str):
+        return ModelText(model.content, model.name)
+    return Path(model.path) if model.content is None else model.content
+
+
 def _replay_additions(state: WorldState, world: World) -> None:
     """Deletes and adds models and walls of a rebuilt world, until it has those of a state."""
     kept = {model.name for model in state.models if model.order is None}
@@ -78,9 +85,8 @@ def _replay_additions(state: WorldState, world: World) -> None:
     additions += [model for model in state.models if model.order is not None]
     for addition in sorted(additions, key=attrgetter("order")):
         if isinstance(addition, ModelState):
-            source = addition.content if addition.content is not None else Path(addition.path)
             pose = Pose(*addition.pose)
-            world.spawn_model(source, addition.name, addition.namespace, pose)
+            world.spawn_model(_source_of(addition), addition.name, addition.namespace, pose)
         elif 0 <= addition.layer < len(world.layers):
             world.add_walls(world.layers[addition.layer].name, addition.segments)
     if list(world.models) != [model.name for model in state.models]:

@@ -9,7 +9,7 @@ import uuid
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Union
 
 from flatland_server import plain_data
 from flatland_server.config.input_files import MAX_STATE, read_input
@@ -36,8 +36,8 @@ class ModelState:
     """The pose with which it was added."""
     move_revision: int
     """See `Model.move_revision`."""
-    content: Optional[Dict[str, Any]] = None
-    """The plain data that it was read from, if not a file; see `ModelConfig.content`."""
+    content: Union[Dict[str, Any], str, None] = None
+    """The data or text that it was read from, if not a file; see `ModelConfig.content`."""
 
 
 @dataclass(frozen=True)
