@@ -627,6 +627,38 @@ class Fixture(_WithoutConstructor):
         Args:
             point: in the world [m].
         """
+    def set_circle(
+        self, center: _PairLike, radius: float, *, collides: bool, layers: int
+    ) -> None:
+        """Replaces the shape by a disc. For a footprint of a model, use `Model.set_footprint`.
+
+        The fixture keeps its density, friction and restitution, and the body's mass follows. Its
+        contacts end; the next step finds the new ones. Not possible in a contact listener.
+
+        Args:
+            center: in the body's frame [m].
+            radius: 1e-4 to 1e5 [m].
+            collides: whether it has contacts at all.
+            layers: bits of its collision layers.
+
+        Raises:
+            ValueError: the body cannot have this shape, or this is a wall; nothing has changed.
+            Exception: raised by the contact listener for a contact that ends.
+        """
+    def set_polygon(
+        self,
+        vertices: Sequence[_PairLike] | FloatArray,
+        *,
+        collides: bool,
+        layers: int,
+    ) -> None:
+        """Replaces the shape by the convex hull of some vertices; see `set_circle`.
+
+        Args:
+            vertices: 3 to 8, in the body's frame [m].
+            collides: whether it has contacts at all.
+            layers: bits of its collision layers.
+        """
 
 class FixtureChecker(metaclass=_Metaclass):
     """Checks the fixtures of a body without a world.
