@@ -81,6 +81,20 @@ class DeferredActions:
         self.run_pending()
         return result
 
+    def change_shapes(self, action: Callable[[], None], failure: str) -> None:
+        """As `run_or_defer`, for an action that ends contacts, which calls hooks.
+
+        Args:
+            action: changes shapes.
+            failure: as for `run_or_defer`.
+        """
+
+        def locked() -> None:
+            with self.lock:
+                action()
+
+        self.run_or_defer(locked, failure)
+
     def run_pending(self) -> None:
         """Runs the deferred actions, also those that are deferred meanwhile, if it is safe now.
 
