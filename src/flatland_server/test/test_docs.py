@@ -2,6 +2,7 @@
 
 import importlib
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -119,6 +120,20 @@ def test_the_plugin_that_was_one_in_cpp_works(tmp_path, monkeypatch):
 
     assert len(messages) == 10
     assert messages[-1].data == pytest.approx(0.5, abs=1e-6)
+
+
+def test_a_plugin_in_cpp_does_not_build_and_is_told_why(tmp_path):
+    [source] = re.findall(r"```cpp\n(.*?)```", MIGRATION.read_text(encoding="utf-8"), re.DOTALL)
+    file = tmp_path / "speedometer.cpp"
+    file.write_text(source, encoding="utf-8")
+    headers = DOCS.parent / "devel" / "include"
+
+    build = subprocess.run(
+        ["g++", "-fsyntax-only", f"-I{headers}", str(file)], stderr=subprocess.PIPE, text=True
+    )
+
+    assert build.returncode != 0
+    assert "docs/coming_from_cpp.md says how to port this one" in build.stderr
 
 
 def test_the_twins_of_cpp_calls_exist():

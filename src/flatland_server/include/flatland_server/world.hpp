@@ -177,13 +177,14 @@ class World : private b2DestructionListener, private b2ContactListener {
   Fixture AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings);
   /// Adds the convex hull of 3 to 8 vertices, in the body's frame [m].
   Fixture AddPolygon(Body body, const std::vector<Vec2>& vertices, const FixtureSettings& settings);
-  /// Replaces the shape of a body's fixture by a disc, in the body's frame [m], and its layers. Its
-  /// material stays, and the body's mass follows. Its contacts end, and the next step finds the new
-  /// ones. Throws std::invalid_argument for a wall.
-  void SetCircle(Fixture fixture, Vec2 center, double radius, bool collides, LayerBits layers);
+  /// Replaces the shape of a body's fixture by a disc, in the body's frame [m], and its layers if
+  /// they are given. The material stays, and the body's mass follows. The fixture's contacts end,
+  /// and the next step finds the new ones. Throws std::invalid_argument for a wall.
+  void SetCircle(Fixture fixture, Vec2 center, double radius,
+                 std::optional<LayerBits> layers = std::nullopt);
   /// The same by the convex hull of 3 to 8 vertices.
-  void SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices, bool collides,
-                  LayerBits layers);
+  void SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices,
+                  std::optional<LayerBits> layers = std::nullopt);
   /// Number of fixtures of a body; their indices are 0 to count - 1.
   int GetFixtureCount(Body body) const;
   FixtureSettings GetSettings(Fixture fixture) const;
@@ -346,7 +347,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   NearbyWalls* FindLargeLayer(Fixture fixture) const;
   Body AddRecord(BodyRecord record);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
-  void SetShape(Fixture fixture, const b2Shape& shape, bool collides, LayerBits layers);
+  void SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers);
   /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.
   static void Place(b2Body& body, const Pose& pose);
   /// Wakes the bodies that a static body may touch; Box2D does not do so.

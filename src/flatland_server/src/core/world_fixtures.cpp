@@ -108,23 +108,23 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
     const b2MassData data = mass.ToBox2D();
     body.SetMassData(&data);
   }
-  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
+  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape), settings.collides});
   record.nearby.is_current = false;  // it reaches farther
   ChangeStructure();
   return {handle, index};
 }
 
-void World::SetCircle(Fixture fixture, Vec2 center, double radius, bool collides,
-                      LayerBits layers) {
-  SetShape(fixture, MakeCircle(center, radius), collides, layers);
+void World::SetCircle(Fixture fixture, Vec2 center, double radius,
+                      std::optional<LayerBits> layers) {
+  SetShape(fixture, MakeCircle(center, radius), layers);
 }
 
-void World::SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices, bool collides,
-                       LayerBits layers) {
-  SetShape(fixture, MakePolygon(vertices), collides, layers);
+void World::SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices,
+                       std::optional<LayerBits> layers) {
+  SetShape(fixture, MakePolygon(vertices), layers);
 }
 
-void World::SetShape(Fixture fixture, const b2Shape& shape, bool collides, LayerBits layers) {
+void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers) {
   RequireAccess();
   BodyRecord& record = bodies_.Get(fixture.body);
   Require(!record.is_layer, "the shape of a wall cannot be changed");
@@ -140,8 +140,8 @@ void World::SetShape(Fixture fixture, const b2Shape& shape, bool collides, Layer
     if (body.GetType() == b2_dynamicBody) mass = mass.With(ComputeMass(its_shape, settings));
   }
   FixtureSettings settings = GetSettings(fixture);
-  settings.collides = collides;
-  settings.layers = layers;
+  settings.collides = record.fixtures[fixture.index].collides;
+  settings.layers = layers.value_or(settings.layers);
   const AccessGuard guard(*this);
   WakeBodiesNear(body);
   for (b2ContactEdge* edge = body.GetContactList(); edge != nullptr;) {

@@ -628,7 +628,7 @@ class Fixture(_WithoutConstructor):
             point: in the world [m].
         """
     def set_circle(
-        self, center: _PairLike, radius: float, *, collides: bool, layers: int
+        self, center: _PairLike, radius: float, *, layers: int | None = None
     ) -> None:
         """Replaces the shape by a disc. For a footprint of a model, use `Model.set_footprint`.
 
@@ -638,26 +638,20 @@ class Fixture(_WithoutConstructor):
         Args:
             center: in the body's frame [m].
             radius: 1e-4 to 1e5 [m].
-            collides: whether it has contacts at all.
-            layers: bits of its collision layers.
+            layers: bits of its collision layers; None leaves them as they are.
 
         Raises:
             ValueError: the body cannot have this shape, or this is a wall; nothing has changed.
             Exception: raised by the contact listener for a contact that ends.
         """
     def set_polygon(
-        self,
-        vertices: Sequence[_PairLike] | FloatArray,
-        *,
-        collides: bool,
-        layers: int,
+        self, vertices: Sequence[_PairLike] | FloatArray, *, layers: int | None = None
     ) -> None:
         """Replaces the shape by the convex hull of some vertices; see `set_circle`.
 
         Args:
             vertices: 3 to 8, in the body's frame [m].
-            collides: whether it has contacts at all.
-            layers: bits of its collision layers.
+            layers: bits of its collision layers; None leaves them as they are.
         """
 
 class FixtureChecker(metaclass=_Metaclass):

@@ -153,7 +153,7 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
        }},
       {"SetCircle",
        [&] {
-         world_.SetCircle({moving_, 0}, {0, 0}, 1.0, true, 1);
+         world_.SetCircle({moving_, 0}, {0, 0}, 1.0);
        }},
       {"AddRevolute", [&] { world_.AddRevolute(moving_, waiting_, {}); }},
       {"AddWeld", [&] { world_.AddWeld(moving_, waiting_, {}); }},

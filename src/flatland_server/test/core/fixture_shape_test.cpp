@@ -24,11 +24,11 @@ TEST_F(WorldTest, ALidarSeesTheNewShapeAndLayers) {
     const Fixture disc = world_.AddCircle(body, {0, 0}, 0.5, OnLayers(0b01));
     EXPECT_NEAR(Look(world_), 4.5, 1e-5);
 
-    world_.SetCircle(disc, {0, 0}, 1.5, true, 0b01);
+    world_.SetCircle(disc, {0, 0}, 1.5, 0b01);
     EXPECT_NEAR(Look(world_), 3.5, 1e-5);
-    world_.SetPolygon(disc, Square(2), true, 0b01);
+    world_.SetPolygon(disc, Square(2), 0b01);
     EXPECT_NEAR(Look(world_), 4.0, 1e-5);
-    world_.SetCircle(disc, {1, 0}, 0.5, true, 0b10);
+    world_.SetCircle(disc, {1, 0}, 0.5, 0b10);
     EXPECT_NEAR(Look(world_, 0b10), 5.5, 1e-5);
     EXPECT_GT(Look(world_, 0b01), 20.0);
     world_.RemoveBody(body);
@@ -42,21 +42,36 @@ TEST_F(ContactTest, ContactsEndAndTheNextStepFindsTheNewOnes) {
   StepTimes(1);
   EXPECT_EQ(recorder_.Story(), "");
 
-  world_.SetCircle({ball, 0}, {0, 0}, 1.2, true, kAllLayers);
+  world_.SetCircle({ball, 0}, {0, 0}, 1.2);
   StepTimes(1);
   EXPECT_EQ(recorder_.Story(), "b");
-  recorder_.action = [&](Contact&) {
-    EXPECT_EQ(world_.GetSettings({ball, 0}).density, 1.0);
-  };
-  world_.SetPolygon({ball, 0}, Square(2.6), true, kAllLayers);
+  recorder_.action = [&](Contact&) { EXPECT_EQ(world_.GetSettings({ball, 0}).density, 1.0); };
+  world_.SetPolygon({ball, 0}, Square(2.6));
   EXPECT_EQ(recorder_.Story(), "be");
   recorder_.action = {};
   StepTimes(100);
   EXPECT_EQ(recorder_.Story(), "beb");
   EXPECT_NEAR(world_.GetPose(ball).x, 0.7, kSkin);  // it was pushed out
-  world_.SetCircle({ball, 0}, {0, 0}, 1.5, true, 0);
+  world_.SetCircle({ball, 0}, {0, 0}, 1.5, 0);
   StepTimes(1);
   EXPECT_EQ(recorder_.Story(), "bebe");
+}
+
+TEST_F(WorldTest, WhatDoesNotCollideDoesNotOnOtherLayersEither) {
+  FixtureSettings ghost = Solid();
+  ghost.collides = false;
+  const World::Body box = AddBox(world_, {0, 0, 0});
+  const Fixture disc = world_.AddCircle(AddPost(world_, {0, 0, 0}), {0, 0}, 0.5, ghost);
+
+  world_.SetCircle(disc, {0, 0}, 0.5, 0);
+  world_.SetCircle(disc, {0, 0}, 1.0, kAllLayers);
+
+  EXPECT_TRUE(world_.GetOverlappingBodies(box).empty());
+  const Fixture solid = world_.AddCircle(disc.body, {0, 0}, 0.5, Solid());
+  world_.SetCircle(solid, {0, 0}, 0.5, 0);
+  EXPECT_TRUE(world_.GetOverlappingBodies(box).empty());
+  world_.SetCircle(solid, {0, 0}, 0.5, kAllLayers);
+  EXPECT_EQ(world_.GetOverlappingBodies(box).size(), 1u);
 }
 
 TEST_F(WorldTest, AStaticBodyThatGrowsPushesASleepingOne) {
@@ -66,7 +81,7 @@ TEST_F(WorldTest, AStaticBodyThatGrowsPushesASleepingOne) {
   StepTimes(world_, 200);
   ASSERT_FALSE(world_.IsAwake(box));
 
-  world_.SetCircle(disc, {0, 0}, 1.2, true, kAllLayers);
+  world_.SetCircle(disc, {0, 0}, 1.2);
   StepTimes(world_, 200);
 
   EXPECT_NEAR(world_.GetPose(box).x, 1.7, kSkin);
@@ -79,7 +94,7 @@ TEST_F(WorldTest, ABodyThatGrowsMeetsTheWallsOfALargeLayer) {
   const Fixture disc = world.AddCircle(ball, {0, 0}, 0.5, OnLayers(0b01));
   StepTimes(world, 1);
 
-  world.SetCircle(disc, {0, 0}, 20.2, true, 0b10);
+  world.SetCircle(disc, {0, 0}, 20.2, 0b10);
   StepTimes(world, 200);
 
   EXPECT_NEAR(world.GetPose(ball).x, -0.2, kSkin);
@@ -96,7 +111,7 @@ TEST_F(WorldTest, TheMassIsThatOfABodyMadeWithTheNewShape) {
   const World::Body changed = add(100), expected = add(200);
   world_.SetVelocity(changed, {1, 0, 0.5});
 
-  world_.SetPolygon({changed, 0}, Square(200), true, kAllLayers);
+  world_.SetPolygon({changed, 0}, Square(200));
 
   EXPECT_EQ(world_.GetMass(changed), world_.GetMass(expected));
   EXPECT_EQ(world_.GetInertia(changed), world_.GetInertia(expected));
@@ -106,7 +121,7 @@ TEST_F(WorldTest, TheMassIsThatOfABodyMadeWithTheNewShape) {
   const World::Body weightless = world_.AddBody({});
   const Fixture disc = world_.AddCircle(weightless, {0, 0}, 1, {});
   const double mass = world_.GetMass(weightless);
-  world_.SetCircle(disc, {0, 0}, 2, true, kAllLayers);
+  world_.SetCircle(disc, {0, 0}, 2);
   EXPECT_EQ(world_.GetMass(weightless), mass);
 }
 
@@ -118,13 +133,13 @@ TEST_F(WorldTest, RefusesAShapeThatTheBodyCannotHave) {
   world_.RemoveBody(gone.body);
 
   for (const double radius : {-1.0, 0.0, std::nan("")}) {
-    EXPECT_THROW(world_.SetCircle(disc, {0, 0}, radius, true, 1), std::invalid_argument);
+    EXPECT_THROW(world_.SetCircle(disc, {0, 0}, radius), std::invalid_argument);
   }
-  EXPECT_THROW(world_.SetPolygon(disc, {{0, 0}, {1, 1}, {2, 2}}, true, 1), std::invalid_argument);
-  EXPECT_THROW(world_.SetCircle(disc, {1000, 0}, 0.001, true, 1), std::invalid_argument);
-  EXPECT_THROW(world_.SetCircle({wall, 0}, {0, 0}, 1, true, 1), std::invalid_argument);
-  EXPECT_THROW(world_.SetCircle({body, 1}, {0, 0}, 1, true, 1), std::invalid_argument);
-  EXPECT_THROW(world_.SetCircle(gone, {0, 0}, 1, true, 1), GoneError);
+  EXPECT_THROW(world_.SetPolygon(disc, {{0, 0}, {1, 1}, {2, 2}}), std::invalid_argument);
+  EXPECT_THROW(world_.SetCircle(disc, {1000, 0}, 0.001), std::invalid_argument);
+  EXPECT_THROW(world_.SetCircle({wall, 0}, {0, 0}, 1), std::invalid_argument);
+  EXPECT_THROW(world_.SetCircle({body, 1}, {0, 0}, 1), std::invalid_argument);
+  EXPECT_THROW(world_.SetCircle(gone, {0, 0}, 1), GoneError);
 
   EXPECT_NEAR(Look(world_), 4.5, 1e-5);
   EXPECT_EQ(world_.GetSettings(disc).layers, kAllLayers);
@@ -137,8 +152,8 @@ TEST_F(WorldTest, AStateIsRestoredToAWorldOfTheSameShapes) {
     World::Body ball = AddBox(world, {1.2, 0.1, 0.3});
     Scene() { world.AddCircle(post, {0, 0}, 0.5, Solid()); }
     void Change() {
-      world.SetCircle({post, 0}, {0, 0}, 0.9, true, kAllLayers);
-      world.SetCircle({ball, 0}, {0.1, 0}, 0.4, true, kAllLayers);
+      world.SetCircle({post, 0}, {0, 0}, 0.9);
+      world.SetCircle({ball, 0}, {0.1, 0}, 0.4);
     }
     Pose Run(int steps) {
       for (int i = 0; i < steps; ++i) {

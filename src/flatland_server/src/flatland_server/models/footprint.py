@@ -173,11 +173,10 @@ class Footprint:
         Raises:
             ValueError: the body cannot have the shape.
         """
-        filter = {"collides": self.collision, "layers": self.layer_bits}
         if isinstance(self.shape, Circle):
-            fixture.set_circle(self.shape.center, self.shape.radius, **filter)
+            fixture.set_circle(self.shape.center, self.shape.radius, layers=self.layer_bits)
         else:
-            fixture.set_polygon(self.shape.vertices, **filter)
+            fixture.set_polygon(self.shape.vertices, layers=self.layer_bits)
 
     def attach(self, body: Union[_core.Body, _core.FixtureChecker]) -> None:
         """Adds this shape, with its material, to a body, or checks whether a body can have it.
