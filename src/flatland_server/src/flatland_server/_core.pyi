@@ -627,9 +627,7 @@ class Fixture(_WithoutConstructor):
         Args:
             point: in the world [m].
         """
-    def set_circle(
-        self, center: _PairLike, radius: float, *, layers: int | None = None
-    ) -> None:
+    def set_circle(self, center: _PairLike, radius: float, *, layers: int | None = None) -> None:
         """Replaces the shape by a disc. For a footprint of a model, use `Model.set_footprint`.
 
         The fixture keeps its density, friction and restitution, and the body's mass follows. Its
