@@ -119,7 +119,8 @@ def test_what_a_file_may_not_have_is_refused_as_there(load, wrong, message):
     ("wrong", "message"),
     [
         ({"index": 2}, 'the body "base" has no footprint 2; it has 2, from index 0'),
-        ({"index": -1}, 'the body "base" has no footprint -1'),
+        ({"index": -1}, "expected an index of a footprint that is a whole number of 0 or more"),
+        ({"index": 1.0}, "expected an index of a footprint that is a whole number of 0 or more"),
         ({"body": "bas"}, 'the model has no body "bas" (did you mean "base"?)'),
         ({"shape": 0.5}, "expected a Circle or a Polygon, found 0.5"),
         (

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
-from flatland_server.arguments import shown
+from flatland_server.arguments import whole_number
 from flatland_server.config.plain_nodes import plain_copy
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -311,9 +311,10 @@ class Model(Entity):
                 nothing has changed.
         """
         footprints = self.get_body(body).config.footprints
-        if index not in range(len(footprints)):
+        index = whole_number(index, "an index of a footprint", 0)
+        if index >= len(footprints):
             count = f"it has {len(footprints)}, from index 0"
-            raise ModelError(f'the body "{body}" has no footprint {shown(index)}; {count}')
+            raise ModelError(f'the body "{body}" has no footprint {index}; {count}')
         changes = footprints[index].changes(
             shape, layers, self.registry, f'the model "{self.name}"', f"{body}.footprints[{index}]"
         )

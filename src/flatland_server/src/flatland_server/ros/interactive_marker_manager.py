@@ -121,7 +121,7 @@ class InteractiveMarkerManager:
         return gone, new
 
     def _is_outdated(self, name: str) -> bool:
-        """Whether a marker shows former footprints. While it is dragged, it is left as it is."""
+        """True for a marker of former footprints, unless it is being dragged."""
         model, revision, *_ = self._shown[name]
         return revision != model.footprint_revision and name not in self._drags
 

@@ -1,8 +1,9 @@
 """Changes to the world that must wait until they are safe.
 
-Plugins may spawn, move and delete models in any hook. Box2D allows no such change during a step,
-though, and a model cannot be deleted while its plugins are being started or stopped. These changes
-are deferred: kept as actions, in the order of the requests, and run once the world is free again.
+Plugins may spawn, move and delete models and change footprints in any hook. Box2D allows no such
+change during a step, though, and a model cannot be deleted while its plugins are being started or
+stopped. These changes are deferred: kept as actions, in the order of the requests, and run once the
+world is free again.
 """
 
 import logging
