@@ -81,8 +81,8 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   /// A world that makes the same steps, bit for bit, of one that has made none yet. Handles name
   /// the same things in both. It has no contact listener, and nothing has chosen events. Throws
-  /// std::invalid_argument if a step was made. No body may have been removed before. In the copy,
-  /// Box2D has all walls of large layers.
+  /// std::invalid_argument if a step was made. No body may have been removed before, and no shape
+  /// replaced. In the copy, Box2D has all walls of large layers.
   std::unique_ptr<World> Copy() const;
 
   /// Marks the world as in use while it exists; throws std::logic_error if it is in use already.
@@ -177,6 +177,14 @@ class World : private b2DestructionListener, private b2ContactListener {
   Fixture AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings);
   /// Adds the convex hull of 3 to 8 vertices, in the body's frame [m].
   Fixture AddPolygon(Body body, const std::vector<Vec2>& vertices, const FixtureSettings& settings);
+  /// Replaces the shape of a body's fixture by a disc, in the body's frame [m], and its layers if
+  /// they are given. The material stays, and the body's mass follows. The fixture's contacts end,
+  /// and the next step finds the new ones. Throws std::invalid_argument for a wall.
+  void SetCircle(Fixture fixture, Vec2 center, double radius,
+                 std::optional<LayerBits> layers = std::nullopt);
+  /// The same by the convex hull of 3 to 8 vertices.
+  void SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices,
+                  std::optional<LayerBits> layers = std::nullopt);
   /// Number of fixtures of a body; their indices are 0 to count - 1.
   int GetFixtureCount(Body body) const;
   FixtureSettings GetSettings(Fixture fixture) const;
@@ -277,7 +285,7 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   /// The state of all that moves, as bytes: poses, velocities, pending forces, contacts with the
   /// solver's impulses, joints, drives and tweens. What the construction of the world determines,
-  /// such as shapes, is not included.
+  /// such as shapes, is not included, even if they were replaced.
   ///
   /// It also puts this world into the form that RestoreState gives to another one, with a new tree
   /// of bounding boxes: Box2D finds new contacts in the order of that tree, and solves them in this
@@ -339,6 +347,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   NearbyWalls* FindLargeLayer(Fixture fixture) const;
   Body AddRecord(BodyRecord record);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
+  void SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers);
   /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.
   static void Place(b2Body& body, const Pose& pose);
   /// Wakes the bodies that a static body may touch; Box2D does not do so.

@@ -2,15 +2,21 @@
 
 from operator import attrgetter
 from pathlib import Path
-from typing import Dict, List, Union
+from typing import Dict, Iterator, List, Union
 
 from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
+from flatland_server.models.footprint import Circle, Polygon
 from flatland_server.models.model import ModelText
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import ModelSource, WorldConfig
-from flatland_server.simulation.world_state import ModelState, WallsState, WorldState
+from flatland_server.simulation.world_state import (
+    FootprintState,
+    ModelState,
+    WallsState,
+    WorldState,
+)
 from flatland_server.timekeeper import Timekeeper
 
 
@@ -30,6 +36,7 @@ def save(world: World, timekeeper: Timekeeper) -> WorldState:
         _wall_counts(contents.config),
         contents.additions.states_of(contents.models),
         contents.additions.walls,
+        list(_footprints(world)),
         plugin_state.collect(contents.plugins),
         contents.physics.save_state(),
     )
@@ -45,6 +52,8 @@ def restore(state: WorldState, world: World) -> None:
     try:
         _check_walls(state, contents.config)
         _replay_additions(state, world)
+        for footprint in state.footprints:
+            _restore_footprint(footprint, world)
         plugin_state.restore_failures(contents.plugins, state.plugins)
         contents.physics.restore_state(state.physics)
         plugin_state.restore(contents.plugins, state.plugins)
@@ -52,6 +61,31 @@ def restore(state: WorldState, world: World) -> None:
         raise
     except (FlatlandError, ValueError) as error:
         raise StateError(f"the state cannot be restored: {error}") from error
+
+
+def _footprints(world: World) -> Iterator[FootprintState]:
+    """The footprints of models that have changed ones."""
+    for model in world.models.values():
+        for body in model.bodies.values() if model.footprint_revision else ():
+            for index, footprint in enumerate(body.config.footprints):
+                shape, radius = footprint.shape, None
+                if isinstance(shape, Circle):
+                    radius, points = shape.radius, [shape.center]
+                else:
+                    points = list(shape.vertices)
+                layers = list(footprint.layers)
+                corners = [[x, y] for x, y in points]
+                yield FootprintState(model.name, body.name, index, radius, corners, layers)
+
+
+def _restore_footprint(state: FootprintState, world: World) -> None:
+    points = [(x, y) for x, y in state.points]
+    if state.radius is None:
+        shape: Union[Circle, Polygon] = Polygon(tuple(points))
+    else:
+        [center] = points
+        shape = Circle(center, state.radius)
+    world.get_model(state.model).set_footprint(state.body, state.index, shape, state.layers)
 
 
 def _wall_counts(config: WorldConfig) -> Dict[str, int]:
