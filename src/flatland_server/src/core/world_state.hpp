@@ -14,6 +14,8 @@
 
 namespace flatland {
 
+class World;
+
 struct Material {
   float friction = 0.0f;
   float restitution = 0.0f;
@@ -96,6 +98,13 @@ struct ContactState {
 };
 
 struct WorldState {
+  static WorldState Of(const World& world);
+  /// Writes the state, or reads it: then this is the present one of the world, to be replaced.
+  template <class Archive>
+  void Serialize(Archive& archive, const World& world);
+  /// Replaces Box2D's world by a new one in this state; handles name the same bodies as before.
+  void Restore(World& world) const;
+
   float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
   std::vector<BodyState> bodies;             // each in the order in which they were added
   std::vector<std::array<float, 5>> joints;  // the solver's impulses
