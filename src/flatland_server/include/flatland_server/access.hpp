@@ -16,7 +16,9 @@ class Access {
   using AccessGuard = flatland::AccessGuard;
 
   /// Throws std::logic_error if the object is in use, except for a callback on this thread.
-  void RequireAccess() const;
+  void RequireAccess() const {
+    if (is_in_use_ && !IsInCallback()) Refuse();
+  }
   /// True if this thread is within a callback.
   bool IsInCallback() const { return callback_thread_ == std::this_thread::get_id(); }
   /// Calls back on this thread.
@@ -30,6 +32,8 @@ class Access {
  private:
   friend class flatland::AccessGuard;
 
+  [[noreturn]] void Refuse() const;
+
   mutable std::atomic<bool> is_in_use_{false};
   std::atomic<std::thread::id> callback_thread_{};  // set during a callback
 };
@@ -40,7 +44,9 @@ class Access {
 /// before they release the lock: then other threads always find the world marked.
 class AccessGuard {
  public:
-  explicit AccessGuard(const Access& access);
+  explicit AccessGuard(const Access& access) : access_(access) {
+    if (access.is_in_use_.exchange(true)) access.Refuse();
+  }
   ~AccessGuard() { access_.is_in_use_ = false; }
   AccessGuard(const AccessGuard&) = delete;
   AccessGuard& operator=(const AccessGuard&) = delete;

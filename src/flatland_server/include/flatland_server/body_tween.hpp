@@ -55,7 +55,7 @@ class BodyTween {
   Pose target() const;
   /// Elapsed fraction of the duration: 0 at the start, 1 at the end; before easing.
   double progress() const;
-  /// Whether the last step jumped from the end of a loop to its start.
+  /// True if the last step jumped from the end of a loop to its start.
   bool teleports() const { return teleports_; }
 
   /// In mode kTrigger: moves towards the end, or towards the start, as initially. Else no effect.

@@ -1,6 +1,6 @@
 #pragma once
 
-/// What moves the bodies of a world, or reads them, at every step: drives, tweens and lidars.
+/// Mechanisms: drives, tweens and lidars, which the core moves or reads at every step.
 
 #include "flatland_server/bodies.hpp"
 #include "flatland_server/body_drive.hpp"

@@ -80,7 +80,7 @@ class World : public Access, private b2DestructionListener {
   /// Number of walls of large layers that Box2D has at present.
   int held_wall_count() const;
   b2BodyType GetType(Body body) const { return Find(body).GetType(); }
-  /// Whether Box2D simulates it; a body at rest falls asleep.
+  /// True if Box2D simulates it; a body at rest falls asleep.
   bool IsAwake(Body body) const { return Find(body).IsAwake(); }
 
   // Pose of the body's origin.
@@ -142,7 +142,7 @@ class World : public Access, private b2DestructionListener {
   /// Sets a coefficient for new contacts; existing ones keep theirs.
   void SetFriction(Fixture fixture, double friction);
   void SetRestitution(Fixture fixture, double restitution);
-  /// Whether a point of the world [m] is within the shape; always false for a wall.
+  /// True if a point of the world [m] is within the shape; always false for a wall.
   bool TestPoint(Fixture fixture, Vec2 point) const;
   /// The other bodies with a fixture that overlaps one of this body, and that Box2D would push out
   /// of it: both collide, share a layer and are no sensors, and one of the bodies is dynamic. Each
@@ -156,7 +156,7 @@ class World : public Access, private b2DestructionListener {
 
   Joint AddRevolute(Body a, Body b, const RevoluteSettings& settings);
   Joint AddWeld(Body a, Body b, const WeldSettings& settings);
-  /// Whether the joint still exists: until one of its bodies is removed.
+  /// True if the joint still exists: until one of its bodies is removed.
   bool Contains(Joint joint) const { return joints_.Contains(joint); }
   int joint_count() const { return world_->GetJointCount(); }
   /// Angle of b minus that of a, minus a weld's reference angle, within [-pi, pi] [rad].

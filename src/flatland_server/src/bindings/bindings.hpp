@@ -69,7 +69,7 @@ struct PyWorld {
   std::shared_ptr<World> world;
 };
 
-/// What Python gets for a handle: the handle, and the world that it belongs to.
+/// A handle in Python: the handle, and the world that it belongs to.
 template <class Handle>
 struct Owned {
   std::shared_ptr<World> world;

@@ -12,13 +12,6 @@ constexpr char kInCallback[] =
 
 }  // namespace
 
-void Access::RequireAccess() const {
-  if (is_in_use_ && !IsInCallback()) throw std::logic_error(kInUse);
-}
-
-AccessGuard::AccessGuard(const Access& access) : access_(access) {
-  if (!access.is_in_use_.exchange(true)) return;
-  throw std::logic_error(access.IsInCallback() ? kInCallback : kInUse);
-}
+void Access::Refuse() const { throw std::logic_error(IsInCallback() ? kInCallback : kInUse); }
 
 }  // namespace flatland

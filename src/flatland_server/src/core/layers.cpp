@@ -9,14 +9,14 @@
 namespace flatland {
 namespace {
 
-/// How far a body moves before the walls near it are looked up again [m].
+/// Distance that a body moves before the walls near it are looked up again [m].
 constexpr float kSlack = 0.5f;
 /// Walls within this of a body's reach are near it [m]. In a step, Box2D moves no body farther than
 /// b2_maxTranslation; the rest is for the skin of shapes, and for rounding.
 constexpr float kNear = b2_maxTranslation + kSlack + 0.2f;
 
-/// How far a body's fixtures reach from its centre of mass, however it is turned [m], and the
-/// layers that they collide with.
+/// Greatest distance of a body's fixtures from its centre of mass [m], and the layers that they
+/// collide with.
 struct Reach {
   explicit Reach(const BodyRecord& record) {
     const b2Vec2 center = record.body->GetLocalCenter();

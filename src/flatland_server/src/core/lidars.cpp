@@ -124,7 +124,7 @@ void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& 
                       float* ranges, float* intensities) const {
   thread_local DepthBuffer buffer;  // keeps its memory from scan to scan
   buffer.Begin(fan, settings.range);
-  // What reflects is drawn last, so that the buffer can tell it from the rest.
+  // Reflecting layers are drawn last, so that the buffer can tell them from the rest.
   const auto reflects = [&](LayerBits layers) {
     return (layers & settings.reflectance_layers) != 0;
   };

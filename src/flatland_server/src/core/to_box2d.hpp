@@ -20,7 +20,7 @@ inline Pose PoseOf(const b2Body& body) {
   return {position.x, position.y, body.GetAngle()};
 }
 
-/// Whether a body's angle is more than a whole rotation.
+/// True if a body's angle is more than a whole rotation.
 inline bool IsWound(const b2Body& body) { return std::abs(body.GetAngle()) > 2.0f * b2_pi; }
 
 /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.

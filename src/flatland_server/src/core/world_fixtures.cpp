@@ -36,7 +36,7 @@ float DistanceOfCores(const b2Fixture& a, const b2Shape& b, const b2Transform& t
   return output.distance;
 }
 
-/// Whether two shapes overlap or touch.
+/// True if two shapes overlap or touch.
 bool Overlap(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_of_b) {
   return DistanceOfCores(a, b, transform_of_b) <=
          RadiusOf(*a.GetShape()) + RadiusOf(b) + 10.0f * b2_epsilon;

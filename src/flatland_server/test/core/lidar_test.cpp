@@ -234,7 +234,7 @@ TEST(ForEachInParallel, WaitsForAllPieces) {
   }
 }
 
-// Whether two pieces are done at a time: each waits for the other, but not for ever.
+// True if two pieces are done at a time: each waits for the other, but not for ever.
 bool UsesSeveralThreads() {
   const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   std::atomic<int> arrived{0};

@@ -21,7 +21,7 @@ class Robot(NamedTuple):
     topic: str
     """The topic of its commands, geometry_msgs/Twist."""
     steers: bool
-    """Whether commands have a steering angle instead of a yaw rate."""
+    """True if commands have a steering angle instead of a yaw rate."""
 
 
 def robots_of(models: Iterable[Model]) -> List[Robot]:

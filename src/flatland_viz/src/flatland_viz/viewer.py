@@ -36,7 +36,7 @@ def main() -> int:
 
 
 def _has_display() -> bool:
-    """Whether the X server named by DISPLAY accepts connections.
+    """True if the X server named by DISPLAY accepts connections.
 
     A server such as Xvfb resets when its last client disconnects, and refuses connections
     meanwhile: so this tries for a second, and keeps its connection open until Qt has one.

@@ -56,7 +56,7 @@ class Window(QMainWindow):
         self._server = server
         self._scene = scene
         self.is_closed = False
-        """Whether the user has closed it."""
+        """True if the user has closed it."""
         self._world = ""
         self._simulation: Optional[Simulation] = None
         self._last_message = time.monotonic()
