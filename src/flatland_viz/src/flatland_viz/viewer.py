@@ -74,6 +74,7 @@ def _show_window(ends_server: bool) -> int:
     problems = ProblemSources()
     problems.start()  # before rviz, which takes seconds: the server logs as it loads the world
     server = Server()
+    server.models_changed.connect(problems.check_models)
     window = Window(server, Scene(_base_config(), _frame_rate()), problems)
     server.start()
     # Opened by a launch file, it waits for the world, since a refused world ends the launch.
