@@ -120,14 +120,13 @@ void SetState(b2Body& body, const BodyState& state) {
 }
 
 /// Writes or reads the mechanisms of a map, which must be on the same bodies.
-template <class Archive, class Map, class Mechanism>
-void SerializeMounted(Archive& archive, const Map& map, const std::vector<uint32_t>& order,
-                      std::vector<Mechanism>& mechanisms, const char* what) {
-  archive.Same(static_cast<uint32_t>(mechanisms.size()), what);
-  size_t i = 0;
-  map.ForEach([&](auto, const auto& mounted) {
+template <class Archive, class Map>
+void SerializeMounted(Archive& archive, Map& map, const std::vector<uint32_t>& order,
+                      const char* what) {
+  archive.Same(static_cast<uint32_t>(map.size()), what);
+  map.ForEach([&](auto, auto& mounted) {
     archive.Same(order[mounted.body.index], "the body of a drive or tween");
-    archive(mechanisms[i++]);
+    archive(mounted.mechanism);
   });
 }
 
@@ -157,12 +156,7 @@ WorldState WorldState::Of(const World& world) {
                               c->IsEnabled(), c->GetFriction(), c->GetRestitution(),
                               c->GetTangentSpeed(), has_points ? *c->GetManifold() : b2Manifold{}});
   }
-  const auto collect = [](const auto& map, auto& mechanisms) {
-    map.ForEach([&](auto, const auto& mounted) { mechanisms.push_back(mounted.mechanism); });
-  };
-  collect(world.mechanisms_.drives, state.drives);
-  collect(world.mechanisms_.tricycles, state.tricycles);
-  collect(world.mechanisms_.tweens, state.tweens);
+  state.mechanisms = world.mechanisms_;
   return state;
 }
 
@@ -220,10 +214,9 @@ void WorldState::Serialize(Archive& archive, const World& world) {
       if (!with_sensor && contact.is_touching != has_points) Archive::Fail();
     }
   }
-  SerializeMounted(archive, world.mechanisms_.drives, order, drives, "the number of drives");
-  SerializeMounted(archive, world.mechanisms_.tricycles, order, tricycles,
-                   "the number of tricycle drives");
-  SerializeMounted(archive, world.mechanisms_.tweens, order, tweens, "the number of tweens");
+  SerializeMounted(archive, mechanisms.drives, order, "the number of drives");
+  SerializeMounted(archive, mechanisms.tricycles, order, "the number of tricycle drives");
+  SerializeMounted(archive, mechanisms.tweens, order, "the number of tweens");
 }
 
 std::string World::SaveState() {
@@ -273,13 +266,7 @@ void WorldState::Restore(World& world) const {
     if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*rebuilt);
   });
   const auto copy_of = [&](b2Body* old) { return world.bodies_.RecordOf(*old).body; };
-  const auto assign = [](auto& map, const auto& mechanisms) {
-    size_t i = 0;
-    map.ForEach([&](auto, auto& mounted) { mounted.mechanism = mechanisms[i++]; });
-  };
-  assign(world.mechanisms_.drives, drives);
-  assign(world.mechanisms_.tricycles, tricycles);
-  assign(world.mechanisms_.tweens, tweens);
+  world.mechanisms_ = mechanisms;
   size_t joint_index = 0;
   world.joints_.ForEach([&](World::Joint, b2Joint*& joint) {
     b2Joint* old = joint;

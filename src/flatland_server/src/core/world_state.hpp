@@ -8,9 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "flatland_server/body_drive.hpp"
-#include "flatland_server/body_tween.hpp"
-#include "flatland_server/tricycle_drive.hpp"
+#include "flatland_server/mechanisms.hpp"
 
 namespace flatland {
 
@@ -109,9 +107,7 @@ struct WorldState {
   std::vector<BodyState> bodies;             // each in the order in which they were added
   std::vector<std::array<float, 5>> joints;  // the solver's impulses
   std::vector<ContactState> contacts;        // in Box2D's order: the newest first
-  std::vector<BodyDrive> drives;
-  std::vector<TricycleDrive> tricycles;
-  std::vector<BodyTween> tweens;
+  Mechanisms mechanisms;
 };
 
 }  // namespace flatland
