@@ -39,7 +39,7 @@ class StepRequest:
         self._arrivals = arrivals
 
     def is_step_due(self, now: float) -> bool:
-        """True if a step is to be made now; ends the request if the wait for messages takes too long.
+        """True if a step is due now; ends the request if the wait for messages takes too long.
 
         Args:
             now: real time [s].
