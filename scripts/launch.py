@@ -137,7 +137,7 @@ def problem_of_master(uri, port):
 
 
 def answers(node):
-    """Whether a ROS master or node answers."""
+    """True if a ROS master or node answers."""
     try:
         return node.getPid("/run")[0] == 1
     except (OSError, ValueError, http.client.HTTPException, xmlrpc.client.Error):
@@ -145,7 +145,7 @@ def answers(node):
 
 
 def is_open(host, port):
-    """Whether a program listens at a port."""
+    """True if a program listens at a port."""
     try:
         with socket.create_connection((host, port), timeout=_LIMIT):
             return True

@@ -84,7 +84,7 @@ class Case(NamedTuple):
         return "1 robot" if self.robots == 1 else f"{self.robots:,} robots"
 
     def suits(self, simulator: Simulator) -> bool:
-        """Whether a simulator can run this case."""
+        """True if a simulator can run this case."""
         if self.kind == "batch":
             return simulator.has_batches
         return self.robots <= simulator.most_robots

@@ -63,12 +63,12 @@ class Block(NamedTuple):
 
     @property
     def uses_ros(self) -> bool:
-        """Whether its commands need ROS."""
+        """True if its commands need ROS."""
         return self.language == "bash" and ROS.search(self.text) is not None
 
     @property
     def is_output(self) -> bool:
-        """Whether it is the output of the block before it."""
+        """True if it is the output of the block before it."""
         return self.language == "output" and not self.note("prints then")
 
     @property
@@ -100,13 +100,13 @@ class Needs(NamedTuple):
     """The installation and the files that a page begins with, as its line **Needs** says."""
 
     ros: bool
-    """Whether it runs with ROS."""
+    """True if it runs with ROS."""
     pip: bool
-    """Whether it runs by pip alone."""
+    """True if it runs by pip alone."""
     extra: str
     """The extra to install by pip, or ""."""
     has_ros_parts: bool
-    """Whether it has parts that do not run by pip alone."""
+    """True if it has parts that do not run by pip alone."""
     files: str
     """Relative path of the page with the files that must exist, or ""."""
 

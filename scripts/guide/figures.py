@@ -246,7 +246,7 @@ def outdated() -> List[str]:
 
 
 def _look_alike(one: str, other: str) -> bool:
-    """Whether drawings differ by the rounding of a pixel's tenth only, as on another processor."""
+    """True if drawings differ by the rounding of a pixel's tenth only, as on another processor."""
     words, others = (re.split(r"(-?\d+\.\d)\b", text) for text in (one, other))
     if words[::2] != others[::2]:
         return False

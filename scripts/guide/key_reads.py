@@ -33,7 +33,7 @@ class Read(NamedTuple):
     options: Dict[str, Any]
     """The getter's other arguments."""
     conditional: bool
-    """Whether `has` was asked first: the key may be missing though there is no default."""
+    """True if `has` was asked first: the key may be missing though there is no default."""
 
 
 class Key(NamedTuple):
@@ -136,7 +136,7 @@ def observed() -> Iterator[Observation]:
 
 
 def _is_inner(observation: Observation, reader: YamlReader, key: str) -> bool:
-    """Whether another getter makes this call for the same key, which is recorded already."""
+    """True if another getter makes this call for the same key, which is recorded already."""
     last = observation.reads[-1] if observation.reads else None
     return last is not None and last.place == _place(reader) and last.key == key
 

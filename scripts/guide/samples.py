@@ -124,7 +124,7 @@ def plugin_names() -> List[str]:
 
 
 def is_of_the_world(name: str) -> bool:
-    """Whether a plugin's entry is in a world file."""
+    """True if a plugin's entry is in a world file."""
     [base] = [
         each.get("base_class_type", "")
         for each in ElementTree.parse(DECLARATIONS).iter("class")

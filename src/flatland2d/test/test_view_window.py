@@ -92,7 +92,7 @@ class View:
             self.xdotool("keyup", *keys)
 
     def has_beams(self):
-        """Whether the lidar's beams tint the floor before the robot."""
+        """True if the lidar's beams tint the floor before the robot."""
         column, row = self.robot()
         red, green, _ = map(int, self.picture("beams")[round(row) + 4, round(column) + 60])
         return red > green + 8

@@ -43,7 +43,7 @@ class TestPolicy(unittest.TestCase):
         return abs(self._odometry.twist.twist.linear.x) < 0.01
 
     def _drive(self, start, goal):
-        """Whether the robot gets to a goal in time."""
+        """True if the robot gets to a goal in time."""
         service_calls.move("robot", *start, random.uniform(-math.pi, math.pi))
         wait_until(lambda: self._distance(start) < 0.1, "the move", 10.0)
         message = PoseStamped()

@@ -62,7 +62,7 @@ def test_a_policy_drives_a_robot_through_messages(policy):
 
 
 def drive(policy, env, seed):
-    """Whether the node gets to the goal of an episode."""
+    """True if the node gets to the goal of an episode."""
     _, info = env.reset(seed=seed)
     sim = env.navigation.simulation(0)
     node = PolicyNode(policy, Publisher(sim), goal_radius=0.3)

@@ -26,6 +26,6 @@ def _watched(function: Callable[..., object], found: List[str]) -> Callable[...,
 
 
 def _has_gaps(array: np.ndarray) -> bool:
-    """Whether the elements, in any order, are not contiguous in memory."""
+    """True if the elements, in any order, are not contiguous in memory."""
     extents = [(count - 1) * abs(stride) for count, stride in zip(array.shape, array.strides)]
     return array.size > 0 and sum(extents) + array.itemsize > array.nbytes

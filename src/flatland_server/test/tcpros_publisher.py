@@ -72,7 +72,7 @@ class Publishers:
         return f"http://127.0.0.1:{self._api.server_address[1]}/"
 
     def has_subscribers(self, topic: str) -> bool:
-        """Whether a subscriber is connected."""
+        """True if a subscriber is connected."""
         return bool(self._connections[topic])
 
     def send(self, topic: str, message: Any) -> None:

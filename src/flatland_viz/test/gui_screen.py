@@ -82,7 +82,7 @@ class Screen:
         return slice(ys.min(), ys.max() + 1), slice(xs.min(), xs.max() + 1)
 
     def shows_office(self, name):
-        """Whether the window shows the office, by a minimum number of pixels of each colour."""
+        """True if the window shows the office, by a minimum number of pixels of each colour."""
         pixels = self.picture(name)
         colors = ((self.kind.walls, 700), *OFFICE_COLORS)
         return all(near(pixels, color, 30).sum() >= least for color, least in colors)
@@ -153,7 +153,7 @@ class Screen:
         return x, y, x + width, y + height
 
     def has(self, window):
-        """Whether a window with its title bar is on the screen as a whole."""
+        """True if a window with its title bar is on the screen as a whole."""
         left, top, right, bottom = self.frame(window)
         return left >= 0 and top >= 0 and right <= self.kind.width and bottom <= self.kind.height
 

@@ -177,7 +177,7 @@ class Viewer:
         self.screen.drag(pixels, while_held)
 
     def shows_office(self):
-        """Whether everything is shown, by a minimum number of pixels of each colour."""
+        """True if everything is shown, by a minimum number of pixels of each colour."""
         pixels = self.picture("office")
         inside = pixels[self.screen.view(pixels)]
         least = {self.walls: 700, BOX: 60, SCAN: 150}
@@ -212,14 +212,14 @@ class Viewer:
         return self.waiting(near_view, "the view to zoom")
 
     def shows_box(self, name, x, y):
-        """Whether more than half of a box's face is visible at a point in the world [m]."""
+        """True if more than half of a box's face is visible at a point in the world [m]."""
         u, v = self.view.pixel(x, y)
         reach = int(0.2 * self.view.scale)
         face = self.picture(name)[v - reach : v + reach, u - reach : u + reach]
         return near(face, BOX, TOLERANCE).mean() > 0.5
 
     def shows_handle(self, name, x, y):
-        """Whether a box at a point in the world [m] can be dragged.
+        """True if a box at a point in the world [m] can be dragged.
 
         rviz shows its ring. In the window, a visible box can be dragged.
         """

@@ -80,7 +80,7 @@ class RoomWindow:
         return self.screen.picture(name)[top:bottom, left:right], (left, top)
 
     def says(self, state):
-        """Whether the status line shows a state of the simulation, by its background."""
+        """True if the status line shows a state of the simulation, by its background."""
         line, _ = self.status_line("window_status")
         return near(line, STATES[state], 5).sum() > 200
 
@@ -91,7 +91,7 @@ class RoomWindow:
         return (left + xs.mean(), top + ys.mean()) if len(xs) > 300 else None
 
     def has_hint(self):
-        """Whether the status line shows a hint or message, at its left end."""
+        """True if the status line shows a hint or message, at its left end."""
         line, _ = self.status_line("window_hint")
         left = line[:, self.screen.px(2) : self.screen.px(80)]
         return (left.max(axis=2) < 100).sum() > 40
@@ -137,5 +137,5 @@ class RoomWindow:
         self.waiting(lambda: self.is_drawn(dialog, name), "the list")
 
     def is_drawn(self, dialog, name):
-        """Whether a dialog with a white list is drawn."""
+        """True if a dialog with a white list is drawn."""
         return (self.screen.picture_of(dialog, name) > 250).all(axis=2).mean() > 0.3

@@ -39,7 +39,7 @@ class Looks:
         self.screen, self.background = screen, background
 
     def has_background(self, name):
-        """Whether the view has the background, and walls that stand out on it."""
+        """True if the view has the background, and walls that stand out on it."""
         pixels = self.screen.picture(name)
         is_seen = near(pixels, self.background.background, 2).mean() > 0.15
         return is_seen and near(pixels, self.background.walls, 5).sum() > 300
@@ -60,7 +60,7 @@ class Looks:
         return near(self.panel(name)[0], SELECTED, 2).sum() > 1000
 
     def has_pad(self, name):
-        """Whether the Drive panel is shown, with its knob."""
+        """True if the Drive panel is shown, with its knob."""
         return near(self.panel(name)[0], KNOB, 2).sum() > 300
 
 

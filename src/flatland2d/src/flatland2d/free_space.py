@@ -51,7 +51,7 @@ class FreeSpace:
         return len(self._rows) * self.resolution**2
 
     def contains(self, points: FloatArray) -> BoolArray:
-        """Whether points are in reachable squares: shape (n,).
+        """True where a point is in a reachable square: shape (n,).
 
         Args:
             points: shape (n, 2), or with more columns: x, y [m].
@@ -68,7 +68,7 @@ class FreeSpace:
         return np.asarray(is_inside & found)
 
     def contains_point(self, x: float, y: float) -> bool:
-        """Whether a point is in a reachable square; quicker than `contains` for one.
+        """True if a point is in a reachable square; quicker than `contains` for one.
 
         Args:
             x: of the point [m].

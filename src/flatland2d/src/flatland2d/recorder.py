@@ -99,7 +99,7 @@ class Recorder(Tap):
 
     @property
     def is_open(self) -> bool:
-        """Whether the recording goes on: until `close`."""
+        """True if the recording goes on: until `close`."""
         return self._is_open
 
     def wants(self, topic: str) -> bool:

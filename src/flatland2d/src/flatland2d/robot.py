@@ -28,7 +28,7 @@ class Robot(NamedTuple):
 
     @property
     def is_steered(self) -> bool:
-        """Whether its drive is a tricycle: a command is a speed and a steering angle."""
+        """True if its drive is a tricycle: a command is a speed and a steering angle."""
         return isinstance(self.core_drive.drive, _core.Tricycle)
 
 

@@ -29,7 +29,7 @@ class Touch:
     normal: Point
 
     def of(self, model: str) -> bool:
-        """Whether one of the two bodies belongs to a model or layer.
+        """True if one of the two bodies belongs to a model or layer.
 
         Args:
             model: its name.

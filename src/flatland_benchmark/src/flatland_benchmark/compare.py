@@ -24,7 +24,7 @@ class Change(NamedTuple):
 
     @property
     def is_beyond_spread(self) -> bool:
-        """Whether all runs after are above all runs before, or all below."""
+        """True if all runs after are above all runs before, or all below."""
         (least_before, most_before), (least, most) = self.before.spread, self.after.spread
         return least > most_before or most < least_before
 

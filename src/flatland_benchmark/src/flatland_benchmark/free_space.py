@@ -16,7 +16,7 @@ class FreeSpace(NamedTuple):
     """The free pixels of a map."""
 
     free: BoolArray
-    """Whether each pixel is free, the bottom row first."""
+    """True where a pixel is free, the bottom row first."""
 
     resolution: float
     """Side of a pixel [m]."""

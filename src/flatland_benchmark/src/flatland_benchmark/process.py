@@ -53,7 +53,7 @@ class Process:
 
     @property
     def has_ended(self) -> bool:
-        """Whether it has ended."""
+        """True if it has ended."""
         return self._popen.poll() is not None
 
     @property

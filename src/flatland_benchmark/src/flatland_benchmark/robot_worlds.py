@@ -128,7 +128,7 @@ def free_places(map_file: Path, count: int, crowded: bool = False) -> List[Tuple
 
 
 def _coarsened(free: BoolArray, side: int) -> BoolArray:
-    """Whether each square of `side` x `side` pixels is entirely free."""
+    """True where a square of `side` x `side` pixels is entirely free."""
     height, width = (length // side for length in free.shape)
     squares = free[: height * side, : width * side].reshape(height, side, width, side)
     coarse: BoolArray = squares.all(axis=(1, 3))
@@ -136,7 +136,7 @@ def _coarsened(free: BoolArray, side: int) -> BoolArray:
 
 
 def _eroded(free: BoolArray) -> BoolArray:
-    """Whether each cell and its eight neighbours are free."""
+    """True where a cell and its eight neighbours are free."""
     padded = np.pad(free, 1)
     height, width = free.shape
     roomy = free.copy()

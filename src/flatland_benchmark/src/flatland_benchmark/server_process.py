@@ -38,7 +38,7 @@ class Reading(NamedTuple):
     """Simulated time [s]."""
 
     is_connected: bool
-    """Whether all its topics have a publisher."""
+    """True if all its topics have a publisher."""
 
     messages: Dict[str, int]
     """Number of messages received, by message type."""

@@ -116,7 +116,7 @@ def show_noise(worlds: Path) -> Figures:
 
 
 def _shows_walls(display: str) -> bool:
-    """Whether most of the window's middle is covered by something."""
+    """True if most of the window's middle is covered by something."""
     middle = np.asarray(ImageGrab.grab(xdisplay=display).convert("RGB"))[300:500, 500:800]
     covered = (middle != _BACKGROUND).any(axis=2) & (middle != 0).any(axis=2)
     return bool(covered.mean() > 0.5)

@@ -45,7 +45,7 @@ class Episode:
     places: Mapping[str, Pose]
 
     def is_near(self, walls: Segments, distance: float) -> bool:
-        """Whether a start or a goal is nearer than this [m] to one of some walls."""
+        """True if a start or a goal is nearer than this [m] to one of some walls."""
         if not len(walls):
             return False
         places = [*(start[:2] for start in self.starts), *self.goals]
@@ -219,7 +219,7 @@ def _heading(rng: np.random.Generator) -> float:
 
 
 def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
-    """Whether a disc overlaps no other one."""
+    """True if a disc overlaps no other one."""
     x, y = place
     return all(math.hypot(x - a, y - b) > radius + r for a, b, r in discs)
 

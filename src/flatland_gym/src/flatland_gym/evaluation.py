@@ -13,9 +13,9 @@ class Evaluation(NamedTuple):
     """The results of an episode for each seed."""
 
     success: BoolArray
-    """Whether the goal was reached."""
+    """True if the goal was reached."""
     collision: BoolArray
-    """Whether the robot has collided."""
+    """True if the robot has collided."""
     seconds: FloatArray
     """Duration of each episode [s]."""
 

@@ -42,7 +42,7 @@ class Fleet(ABC):
 
     @abstractmethod
     def is_blocked(self, index: int, episode: Episode) -> bool:
-        """Whether plugins have added walls at a start or a goal of a place's episode."""
+        """True if plugins have added walls at a start or a goal of a place's episode."""
 
     @abstractmethod
     def step(self, actions: FloatArray, indices: IntArray) -> None:

@@ -17,9 +17,9 @@ class Transition(NamedTuple):
     distance: FloatArray
     """The same distance after the step [m], shape (n,)."""
     success: BoolArray
-    """Whether the goal is reached, without a collision: shape (n,)."""
+    """True where the goal is reached, without a collision: shape (n,)."""
     collision: BoolArray
-    """Whether the robot has touched something in this step: shape (n,)."""
+    """True where the robot has touched something in this step: shape (n,)."""
     actions: FloatArray
     """Commands of the drives: shape (n, size of an action)."""
     poses: FloatArray
@@ -65,5 +65,5 @@ def navigation_reward(step: Transition, weights: RewardWeights) -> FloatArray:
 
 
 def navigation_termination(step: Transition, collision_ends: bool) -> BoolArray:
-    """Whether the goal is reached, or the robot has collided; shape (n,)."""
+    """True where the goal is reached, or the robot has collided; shape (n,)."""
     return step.success | step.collision if collision_ends else step.success

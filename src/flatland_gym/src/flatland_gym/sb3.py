@@ -98,7 +98,7 @@ class NavigationVecEnv(VecEnv):
         return [result for _ in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Indices = None) -> List[bool]:
-        """Whether the environments are wrapped: never."""
+        """False for each environment: none is wrapped."""
         return [False for _ in self._get_indices(indices)]
 
     def _common_options(self) -> Dict[str, Any]:

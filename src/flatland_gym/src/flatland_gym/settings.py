@@ -158,7 +158,7 @@ class NavigationSettings:
 
 
 def is_whole(value: Any) -> bool:
-    """Whether a value is a whole number of Python or NumPy, and no boolean."""
+    """True if a value is a whole number of Python or NumPy, and no boolean."""
     return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 

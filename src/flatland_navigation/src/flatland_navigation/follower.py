@@ -114,7 +114,7 @@ class PathFollower:
         return Command(speed, speed * curvature)
 
     def is_done(self, pose: Pose) -> bool:
-        """Whether the robot is at the end, and has turned to the heading; after `command`."""
+        """True if the robot is at the end, and has turned to the heading; after `command`."""
         error = wrap_angle(self._heading - pose.yaw)
         return self._has_arrived and abs(error) <= self._config.yaw_goal_tolerance
 

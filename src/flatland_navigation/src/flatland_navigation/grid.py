@@ -89,12 +89,12 @@ class Grid:
         return x + (column + 0.5) * self.resolution, y + (row + 0.5) * self.resolution
 
     def is_free(self, point: Point) -> bool:
-        """Whether a point [m] is in a free cell."""
+        """True if a point [m] is in a free cell."""
         cell = self.cell_of(point)
         return cell is not None and bool(self.free[cell])
 
     def line_is_free(self, start: Point, end: Point) -> bool:
-        """Whether a straight line [m] crosses free cells alone."""
+        """True if a straight line [m] crosses free cells alone."""
         if self.cell_of(start) is None or self.cell_of(end) is None:
             return False
         a = (np.array(start) - self.origin) / self.resolution

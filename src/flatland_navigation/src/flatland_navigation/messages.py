@@ -31,6 +31,6 @@ def transform_to_pose(message: Any) -> Pose:
 
 
 def is_upside_down(message: Any) -> bool:
-    """Whether a geometry_msgs/Transform turns the z axis downwards."""
+    """True if a geometry_msgs/Transform turns the z axis downwards."""
     q = message.rotation
     return bool(q.x * q.x + q.y * q.y > 0.5)

@@ -172,7 +172,7 @@ class Navigator:
         return Command(speed, command.turn * speed / command.forwards)
 
     def _is_blocked(self, command: Command, wanted: Command) -> bool:
-        """Whether the robot has stood before an obstacle for some time."""
+        """True if the robot has stood before an obstacle for some time."""
         if wanted.forwards < _CRAWL or command.forwards >= _CRAWL:
             self._blocked_since = None
             return False

@@ -86,7 +86,7 @@ class ScanReader:
 
     @property
     def is_awaited(self) -> bool:
-        """Whether the robot has a laser, but no scan could be read yet."""
+        """True if the robot has a laser, but no scan could be read yet."""
         return self._mount is None and self._subscriber.get_num_connections() > 0
 
     def take(self, base_frame: str) -> Optional[Scan]:

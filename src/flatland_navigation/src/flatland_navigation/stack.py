@@ -1,4 +1,4 @@
-"""Whether the packages that navigation.launch starts are installed."""
+"""Checks that the packages that navigation.launch starts are installed."""
 
 import sys
 from typing import List

@@ -61,7 +61,7 @@ class BoolSensor(ModelPlugin):
         self._publisher.publish(Bool(self.read(timekeeper)))
 
     def read(self, timekeeper: Timekeeper) -> bool:
-        """Whether something touches the body, or has since the last time that a message was due."""
+        """True if something touches the body, or has since the last time that a message was due."""
         if timekeeper.nanoseconds == self._value_time:
             return self._value
         return self._is_unreported or bool(self._touching)

@@ -32,14 +32,14 @@ class Touch:
 
     sides: ContactSides
     has_sensor: bool = False
-    """Whether one of the two fixtures is a sensor, which the other passes through."""
+    """True if one of the two fixtures is a sensor, which the other passes through."""
     points: List[Point] = field(default_factory=list)
     normal: Point = (0.0, 0.0)
     impulses: List[float] = field(default_factory=list)
     """At each point, of this step [N s]; none if the solver did not see the contact."""
 
     def is_collision(self) -> bool:
-        """Whether the contact is to be reported: not if it is solid and a plugin has disabled it.
+        """True if the contact is to be reported: unless it is solid and a plugin has disabled it.
 
         The solver sees all solid contacts but those of sleeping bodies.
         """
@@ -176,7 +176,7 @@ class Bumper(ModelPlugin):
         ]
 
     def _is_excluded(self, sides: ContactSides) -> bool:
-        """Whether an excluded body takes part; between bodies of the model, on either side."""
+        """True if an excluded body takes part; between bodies of the model, on either side."""
         fixtures = [sides.this_fixture]
         if sides.entity is self.model:
             fixtures.append(sides.other_fixture)

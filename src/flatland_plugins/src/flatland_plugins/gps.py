@@ -46,7 +46,7 @@ class Gps(ModelPlugin):
         self._publisher = self.node.advertise(topic, "sensor_msgs/NavSatFix")
 
     def has_work(self) -> bool:
-        """Whether the topic or the frame has a subscriber."""
+        """True if the topic or the frame has a subscriber."""
         return self._publisher.has_subscribers or self._frame.has_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:

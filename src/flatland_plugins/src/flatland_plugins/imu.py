@@ -87,7 +87,7 @@ class Imu(ModelPlugin):
         self._reading_revision = self._move_revision
 
     def has_work(self) -> bool:
-        """Whether a topic or the frame has a subscriber."""
+        """True if a topic or the frame has a subscriber."""
         return self._frame.has_subscribers or self._has_subscribers()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:

@@ -79,7 +79,7 @@ class Laser(ModelPlugin):
         return BatchRole(lidar=CoreLidar(self._lidar, self._config.range, make_noise))
 
     def has_work(self) -> bool:
-        """Whether to scan, or to publish the lidar's frame."""
+        """True if a scan is to be made, or the lidar's frame has subscribers."""
         return self._has_to_scan() or self._frame.has_subscribers
 
     def prepare_step(self, timekeeper: Timekeeper) -> None:

@@ -43,7 +43,7 @@ class ModelTfPublisher(ModelPlugin):
         )
 
     def has_work(self) -> bool:
-        """Whether transforms have a subscriber."""
+        """True if transforms have a subscriber."""
         return self.node.transforms_have_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:

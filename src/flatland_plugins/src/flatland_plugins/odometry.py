@@ -85,7 +85,7 @@ class OdometryPlugin(ModelPlugin):
                 self.node.claim_odometry_frame(self._odom_frame)
 
     def has_work(self) -> bool:
-        """Whether the odometry has a subscriber, or drifts."""
+        """True if the odometry has a subscriber, or drifts."""
         return self._drift is not None or self._has_subscribers()
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
@@ -156,7 +156,7 @@ class OdometryPlugin(ModelPlugin):
         return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
 
     def _has_jumped(self) -> bool:
-        """Whether the model was moved since the last odometry."""
+        """True if the model was moved since the last odometry."""
         return self.model.move_revision != self._move_revision
 
     def _has_subscribers(self) -> bool:

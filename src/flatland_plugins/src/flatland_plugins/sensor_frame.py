@@ -36,7 +36,7 @@ class SensorFrame:
 
     @property
     def has_subscribers(self) -> bool:
-        """Whether the transform is published, and transforms have a subscriber."""
+        """True if the transform is published, and transforms have a subscriber."""
         return self._broadcast and self._node.transforms_have_subscribers
 
     def publish(self, nanoseconds: int) -> None:

@@ -61,7 +61,7 @@ class BeamFan {
   const double* ys() const { return ys_.data(); }
   /// Index of the beam of each rank.
   const std::vector<int>& beams() const { return beams_; }
-  /// Whether each beam's index is its rank.
+  /// True if each beam's index is its rank.
   bool is_sorted() const { return is_sorted_; }
 
   /// Consecutive ranks from `begin` to before `end`.

@@ -18,7 +18,7 @@ struct BodySettings {
   double angular_damping = 0.0;  ///< [1/s]
 };
 
-/// What a World stores for each body, including the static body that holds a layer's walls.
+/// A body in a World, or the static body that holds a layer's walls.
 struct BodyRecord {
   struct FixtureRecord {
     b2Fixture* fixture = nullptr;

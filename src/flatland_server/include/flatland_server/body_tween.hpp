@@ -2,9 +2,11 @@
 
 /// Moves a body along a straight line as a function of time, with easing.
 ///
-/// A tween computes the body's pose at the end of each step; World::Step places the body there. Its
+/// A tween computes the body's pose at the end of each step; EndStep places the body there. Its
 /// time is kept within the present cycle, and summed with compensation of the rounding errors, so
 /// that it is as exact after hours as in the first second.
+
+#include <box2d/box2d.h>
 
 #include <array>
 #include <optional>
@@ -44,11 +46,16 @@ class BodyTween {
 
   /// Advances by a step of `dt` [s]. Returns the body's pose at its end.
   Pose Advance(double dt);
+  /// Before the solver: gives the body the velocity that leads to its pose at the end of a step of
+  /// `dt` [s], so that the solver lets it push others. A jump back to the start has none.
+  void BeginStep(b2Body& body, double dt);
+  /// After the solver: places the body at its pose exactly.
+  void EndStep(b2Body& body) const;
   /// The body's present pose in the world [m, m, rad].
   Pose target() const;
   /// Elapsed fraction of the duration: 0 at the start, 1 at the end; before easing.
   double progress() const;
-  /// Whether the last step jumped from the end of a loop to its start.
+  /// True if the last step jumped from the end of a loop to its start.
   bool teleports() const { return teleports_; }
 
   /// In mode kTrigger: moves towards the end, or towards the start, as initially. Else no effect.
@@ -73,6 +80,7 @@ class BodyTween {
   double time_rounding_error_ = 0.0;  // time_ minus the exact sum [s]
   bool forward_ = false;
   bool teleports_ = false;
+  double dt_ = 0.0;  // of the present step [s]
 };
 
 }  // namespace flatland

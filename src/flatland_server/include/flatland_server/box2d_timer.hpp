@@ -4,7 +4,7 @@
 
 namespace flatland {
 
-/// Whether Box2D reads the clock while it steps. It does if the dynamic linker binds the timer of a
+/// True if Box2D reads the clock while it steps. It does if the dynamic linker binds the timer of a
 /// shared libbox2d within that library; the results are the same.
 bool Box2DReadsClock();
 

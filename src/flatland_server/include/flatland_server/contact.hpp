@@ -49,7 +49,7 @@ class Contact {
   /// Identifies the contact from its begin to its end.
   const void* id() const { return &contact_; }
   bool is_touching() const { return contact_.IsTouching(); }
-  /// Whether the two push each other apart in this step: not if disabled, nor with a sensor.
+  /// True if the two push each other apart in this step: neither is a sensor, and it is enabled.
   bool is_enabled() const;
   /// In kPreSolve: whether the two push each other apart in this step.
   void SetEnabled(bool enabled) { contact_.SetEnabled(enabled); }

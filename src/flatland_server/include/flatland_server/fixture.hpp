@@ -32,7 +32,7 @@ struct FixtureSettings {
   double restitution = 0.0;       ///< Box2D's coefficient, 0 or more
   bool sensor = false;            ///< reports contacts, but passes through everything
   bool collides = true;           ///< false: no contacts at all, but visible to lidars
-  bool visible = true;            ///< whether lidars see it
+  bool visible = true;            ///< true if lidars see it
   LayerBits layers = kAllLayers;  ///< collides with and is seen by what shares one of these
 };
 

@@ -39,7 +39,7 @@ inline Vec2 operator*(double factor, Vec2 v) { return {factor * v.x, factor * v.
 inline double Dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline double Cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 
-/// Whether Box2D can compute with a number: finite, and small enough that its square is finite in
+/// True if Box2D can compute with a number: finite, and small enough that its square is finite in
 /// single precision too.
 inline bool IsUsable(double value) { return std::abs(value) <= 1e9; }
 inline bool IsUsable(Vec2 v) { return IsUsable(v.x) && IsUsable(v.y); }

@@ -13,7 +13,7 @@ namespace flatland {
 struct JointSettings {
   Vec2 anchor_a;                   ///< in the frame of body a [m]
   Vec2 anchor_b;                   ///< in the frame of body b [m]
-  bool collide_connected = false;  ///< whether the two bodies collide with each other
+  bool collide_connected = false;  ///< true if the two bodies collide with each other
 };
 
 /// A hinge.

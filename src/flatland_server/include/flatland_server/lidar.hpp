@@ -1,7 +1,6 @@
 #pragma once
 
-/// Lidars on bodies: their settings, and their latest scan. World casts it (world_lidars.cpp), by
-/// drawing into a DepthBuffer (depth_buffer.cpp).
+/// A lidar on a body: its settings, and its latest scan, which Lidars makes.
 
 #include <cstdint>
 #include <memory>
@@ -28,11 +27,11 @@ struct LidarSettings {
 /// A lidar on a body.
 struct Lidar {
   LidarSettings settings;
-  // The latest scan, by beam; see World::Scan.
+  // The latest scan, by beam; see Lidars::Scan.
   std::vector<float> ranges;       // [m]
   std::vector<float> intensities;  // 0 or 255; empty without reflectance layers
   uint64_t scanned_revision = 0;   // revision of the world that it shows
-  bool is_expected = false;        // World::ExpectScan has been called since
+  bool is_expected = false;        // Lidars::Expect has been called since
 };
 
 }  // namespace flatland

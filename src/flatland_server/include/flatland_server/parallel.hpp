@@ -35,7 +35,7 @@ class ThreadTeam {
   void Run(const std::function<void(int)>& work);
 
  private:
-  /// What the threads share. A child process leaves that of its parent alone.
+  /// The threads' common state. A child process leaves that of its parent alone.
   struct Shared {
     std::mutex mutex;  // guards the members below
     std::condition_variable wake;

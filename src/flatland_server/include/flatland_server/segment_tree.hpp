@@ -29,7 +29,7 @@ struct Box {
 
   void Add(const Segment& segment);
   void Add(const Box& other);
-  /// Whether the two have a point in common.
+  /// True if the two have a point in common.
   bool Meets(const Box& other) const {
     return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
            other.low.y <= high.y;
@@ -133,7 +133,7 @@ class SegmentTree {
  private:
   using Iterator = std::vector<uint32_t>::iterator;
 
-  /// How far the tree is filled.
+  /// Progress of filling the tree.
   struct Filling {
     const Progress& progress;
     bool has_copies;  // in its leaves

@@ -26,7 +26,7 @@ struct TreeChange;
 
 class SharedWorld {
  public:
-  /// What one environment does not share with the others.
+  /// The part of the world that each environment has for itself.
   class State {
    public:
     ~State();

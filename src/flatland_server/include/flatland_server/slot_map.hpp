@@ -65,6 +65,7 @@ class SlotMap {
   /// The handle of the present object of a slot, which must be in use.
   Handle<T> HandleAt(uint32_t index) const { return {index, slots_[index].generation}; }
 
+  size_t size() const { return slots_.size() - free_.size(); }
   /// The indices of handles are below it.
   size_t slot_count() const { return slots_.size(); }
 

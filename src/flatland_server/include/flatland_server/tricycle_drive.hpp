@@ -39,10 +39,8 @@ class TricycleDrive {
   /// stays.
   void Reset();
 
-  /// Called for each joint that is destroyed: if it is the front wheel's, the wheel is not rotated
-  /// any more.
-  void Forget(const b2Joint* joint) { Replace(joint, nullptr); }
-  /// Called for each joint that another one has taken the place of.
+  /// Called for each joint that another one has taken the place of, or null: it is destroyed. If it
+  /// is the front wheel's, that is not rotated any more.
   void Replace(const b2Joint* joint, b2Joint* other) {
     if (joint == front_wheel_) front_wheel_ = static_cast<b2RevoluteJoint*>(other);
   }

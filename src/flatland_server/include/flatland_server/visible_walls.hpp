@@ -40,13 +40,13 @@ class VisibleWalls {
   explicit VisibleWalls(std::shared_ptr<const SegmentTree> walls);
   ~VisibleWalls();
 
-  /// Those of an equal layer, or new ones. So all worlds with the same map share them.
+  /// The visible walls of an equal layer, or new ones: all worlds with the same map share them.
   static std::shared_ptr<const VisibleWalls> Share(std::vector<Segment> segments,
                                                    const SegmentTree::Progress& progress = {});
 
   const SegmentTree& all() const { return *walls_; }
   const std::shared_ptr<const SegmentTree>& shared() const { return walls_; }
-  /// Finds out what can hide walls, in 8 ms for an office; otherwise SeenFrom does so when it first
+  /// Finds the occluders, in 8 ms for an office; otherwise SeenFrom does so when it first
   /// searches.
   void Prepare() const;
   /// Walls among which are all those that a lidar at a point can see, or null if they are not known

@@ -24,8 +24,8 @@ struct BatchRobot {
   std::vector<World::Body> bodies;  ///< all of its bodies; poses and velocities are of the first
   Pose base;                        ///< pose of the first body in the robot's frame [m, m, rad]
   std::variant<World::Drive, World::Tricycle> drive;
-  /// Which number of an action is each one of the drive's: vx, vy and omega, or speed and steering
-  /// angle; -1 is none, which commands 0.
+  /// For each of the drive's numbers (vx, vy and omega, or speed and steering angle) its index in
+  /// an action; -1 is none, which commands 0.
   std::array<int, 3> columns{0, -1, 1};
   int action_size = 2;  ///< number of numbers in an action
   World::LidarHandle lidar;
@@ -43,7 +43,7 @@ struct BatchRows {
   double* poses;             ///< x, y [m] and yaw in [-pi, pi] [rad], in the world
   double* velocities;        ///< vx, vy [m/s] and omega [rad/s] of the origin, in the world's frame
   double* local_velocities;  ///< the same in the body's frame
-  bool* collided;            ///< whether the robot has touched something solid since the last row
+  bool* collided;            ///< true if the robot has touched something solid since the last row
   int64_t* steps;            ///< made since the beginning or the last reset
 };
 

@@ -111,7 +111,7 @@ void BindBody(py::class_<PyBody>& body) {
       .def(
           "listen_to_contacts",
           [](PyBody& self, ContactEvents events) {
-            self.world->ListenToContacts(self.handle, events);
+            self.world->contacts().ListenTo(self.handle, events);
           },
           py::arg("events"));
   BindMotion(body);

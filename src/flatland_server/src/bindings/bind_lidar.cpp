@@ -17,15 +17,15 @@ py::tuple Scan(const PyWorld& self, const BeamFan& fan, const Triple& pose, doub
   {
     const World::AccessGuard guard(*self.world);
     const py::gil_scoped_release release;
-    self.world->Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
-                     intensities_out, guard);
+    self.world->lidars().Scan(fan, ToPose(pose), {range, layers, reflectance_layers}, ranges_out,
+                              intensities_out, guard);
   }
   return py::make_tuple(ranges, intensities);
 }
 
 const Lidar& ScanReleased(PyLidar& self, const World::AccessGuard& guard) {
   const py::gil_scoped_release release;
-  return self.world->Scan(self.handle, guard);
+  return self.world->lidars().Scan(self.handle, guard);
 }
 
 py::array_t<float> CopyOf(const std::vector<float>& values) {
@@ -55,7 +55,7 @@ void BindLidar(py::module_& m) {
            py::arg("count"))
       .def("__len__", &BeamFan::size);
   py::class_<PyLidar> lidar(m, "Lidar");
-  lidar.def("expect_scan", [](PyLidar& self) { self.world->ExpectScan(self.handle); })
+  lidar.def("expect_scan", [](PyLidar& self) { self.world->lidars().Expect(self.handle); })
       .def("scan", &ScanLidar);
   DefineFast<&RangesOf>(lidar, "ranges");
 }
@@ -66,7 +66,7 @@ void BindLidarsOf(py::class_<PyBody>& body) {
       [](PyBody& self, const std::shared_ptr<BeamFan>& fan, const Triple& pose, double range,
          LayerBits layers, LayerBits reflectance_layers) {
         const LidarSettings settings{fan, ToPose(pose), {range, layers, reflectance_layers}};
-        return PyLidar{self.world, self.world->AddLidar(self.handle, settings)};
+        return PyLidar{self.world, self.world->lidars().Add(self.handle, settings)};
       },
       py::arg("fan"), py::arg("pose"), py::arg("range"), py::arg("layers") = kAllLayers,
       py::arg("reflectance_layers") = 0);

@@ -48,7 +48,7 @@ int StepUntilContact(PyWorld& self, double dt, int count) {
 
 py::list Touches(const PyWorld& self) {
   py::list touches;
-  for (const Touch& touch : self.world->GetTouches()) {
+  for (const Touch& touch : self.world->contacts().GetTouches()) {
     py::list points;
     for (const Vec2& point : touch.points) points.append(ToTuple(point));
     touches.append(py::make_tuple(PyFixture{self.world, touch.a}, PyFixture{self.world, touch.b},
@@ -59,7 +59,7 @@ py::list Touches(const PyWorld& self) {
 
 void SetContactListener(PyWorld& self, py::object callback) {
   ContactListener* listener = callback.is_none() ? nullptr : &self.owner->listener;
-  self.world->SetContactListener(listener);
+  self.world->contacts().SetListener(listener);
   self.owner->listener.SetCallback(self.world, std::move(callback));
 }
 

@@ -57,8 +57,8 @@ struct ListenedWorld {
 /// Throws the first exception that the contact listener has raised since the last call. Needs the
 /// GIL.
 inline void RethrowFromListener(World& world) {
-  if (world.contact_listener() != nullptr) {
-    static_cast<PyListener*>(world.contact_listener())->Rethrow();
+  if (world.contacts().listener() != nullptr) {
+    static_cast<PyListener*>(world.contacts().listener())->Rethrow();
   }
 }
 
@@ -69,7 +69,7 @@ struct PyWorld {
   std::shared_ptr<World> world;
 };
 
-/// What Python gets for a handle: the handle, and the world that it belongs to.
+/// A handle in Python: the handle, and the world that it belongs to.
 template <class Handle>
 struct Owned {
   std::shared_ptr<World> world;

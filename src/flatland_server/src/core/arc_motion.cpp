@@ -28,12 +28,12 @@ struct Displacement {
   Vec2 translation;
 };
 
-/// Whether a joint holds two bodies together without a spring.
+/// True if a joint holds two bodies together without a spring.
 bool IsRigid(b2Joint& joint) {
   return joint.GetType() == e_weldJoint && static_cast<b2WeldJoint&>(joint).GetStiffness() == 0.0f;
 }
 
-/// Whether a joint lets b rotate about its own centre, as a wheel does.
+/// True if a joint lets b rotate about its own centre, as a wheel does.
 bool IsWheel(b2Joint& joint, const b2Body& b) {
   if (joint.GetType() != e_revoluteJoint) return false;
   const b2Vec2 hub = joint.GetBodyB() == &b ? joint.GetAnchorB() : joint.GetAnchorA();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "to_box2d.hpp"
+
 namespace flatland {
 namespace {
 
@@ -57,6 +59,26 @@ Pose BodyTween::Advance(double dt) {
       break;
   }
   return target();
+}
+
+void BodyTween::BeginStep(b2Body& body, double dt) {
+  const Pose from = target();
+  const Pose to = Advance(dt);
+  dt_ = dt;
+  const Twist velocity = teleports_
+                             ? Twist{}
+                             : Twist{(to.x - body.GetPosition().x) / dt,
+                                     (to.y - body.GetPosition().y) / dt, (to.yaw - from.yaw) / dt};
+  SetOriginVelocity(body, velocity);
+}
+
+void BodyTween::EndStep(b2Body& body) const {
+  const double omega = body.GetAngularVelocity();
+  const Vec2 of_center = FromBox2D(body.GetLinearVelocity());
+  const Vec2 arm = Rotation(body.GetAngle() - omega * dt_).Apply(FromBox2D(body.GetLocalCenter()));
+  Place(body, target());
+  SetOriginVelocity(body, {of_center.x + omega * arm.y, of_center.y - omega * arm.x, omega});
+  WakeBodiesNear(body);
 }
 
 Pose BodyTween::target() const {

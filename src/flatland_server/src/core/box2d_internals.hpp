@@ -139,7 +139,7 @@ inline b2Sweep& Sweep(b2Body& body) { return body.*Member(BodySweep()); }
 inline b2ContactEdge*& ContactList(b2Body& body) { return body.*Member(BodyContacts()); }
 /// One over the length of the last step [1/s], 0 before the first.
 inline float& InverseStep(b2World& world) { return world.*Member(WorldInverseStep()); }
-/// Whether fixtures or bodies were moved since the last step, which may have new contacts.
+/// True if bodies or fixtures, which may have new contacts, were moved since the last step.
 inline bool& NewContacts(b2World& world) { return world.*Member(WorldNewContacts()); }
 inline b2ContactManager& Contacts(b2World& world) {
   return const_cast<b2ContactManager&>(world.GetContactManager());
@@ -158,7 +158,7 @@ inline int32& MoveCount(b2World& world) {
 inline b2TreeNode*& Nodes(b2World& world) { return Tree(world).*Member(TreeNodes()); }
 inline int32& Root(b2World& world) { return Tree(world).*Member(TreeRoot()); }
 inline int32 NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
-/// How often a leaf was put into the tree: when it was added, and whenever it was moved.
+/// Number of times that a leaf was put into the tree: when it was added, and whenever it was moved.
 inline int32 InsertionCount(b2World& world) { return Tree(world).*Member(TreeInsertionCount()); }
 
 /// Spares the next step a search for what fixtures touch that were added since the last step: those

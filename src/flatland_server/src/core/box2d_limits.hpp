@@ -27,7 +27,7 @@ void Require(bool condition, const char* message);
 void RequirePosition(Vec2 position);
 void RequireNotNegative(double value, const char* message);
 
-/// Whether b2PolygonShape::Set finds a hull with an area.
+/// True if b2PolygonShape::Set finds a hull with an area.
 bool HasHull(const std::vector<b2Vec2>& vertices);
 
 }  // namespace flatland

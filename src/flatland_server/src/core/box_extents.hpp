@@ -19,13 +19,13 @@ struct LidarView {
   Rotation rotation;
 };
 
-/// What a box or circle covers.
+/// The part of a scan that a box or circle may cover.
 struct Extent {
   std::array<BeamFan::Run, 2> runs;  // of the beams that may meet it
   double square_distance;            // of its nearest point [m^2]; 0 if it contains the lidar
 };
 
-/// Whether all beams of a run end nearer than the distance.
+/// True if all beams of a run end nearer than the distance.
 FLATLAND_INLINE bool EndNearer(const double* inverse, BeamFan::Run run, double square_distance) {
   for (int group = run.begin & -kGroup; group < run.end; group += kGroup) {
     const Doubles nearest = Load(inverse + group);

@@ -62,14 +62,14 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Relative tolerance of the range: a wall at exactly the range is seen.
 constexpr double kRangeTolerance = 1e-12;
-/// What reflects may be farther than what does not by this fraction, and is still seen.
+/// A reflecting wall or fixture may be farther than another by this fraction, and is still seen.
 constexpr double kTieTolerance = 1e-9;
 
 /// The nearest blocks of a list are drawn at once: it takes longer to find out that one is hidden.
 constexpr size_t kNearBlocks = 16;
 
-/// Which child of a node is drawn first: the nearer one; if both contain the lidar, the one with
-/// the nearer middle.
+/// True if the second child of a node is to be drawn first: it is nearer; if both contain the
+/// lidar, its middle is.
 FLATLAND_INLINE bool IsSecondNearer(const SegmentTree::Node& node, const Extent* extents,
                                     Vec2 origin) {
   if (extents[0].square_distance != extents[1].square_distance) {

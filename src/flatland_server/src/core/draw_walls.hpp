@@ -13,7 +13,7 @@
 
 namespace flatland {
 
-/// How far past its ends a wall is extended, as a fraction of its length: so two walls that share a
+/// A wall is extended past its ends by this fraction of its length, so that two walls that share a
 /// corner leave no gap.
 constexpr double kEndTolerance = 1e-9;
 /// A wall is seen edge-on if the directions of its ends differ by less than this, or by less than

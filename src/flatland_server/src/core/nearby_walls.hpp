@@ -52,7 +52,7 @@ class NearbyWalls {
   /// The fixture of a wall, or null if its block is not held.
   b2Fixture* Find(uint32_t wall) const;
 
-  /// Whether a fixture overlaps a wall, by `overlap(shape, transform)`.
+  /// True if a fixture overlaps a wall, by `overlap(shape, transform)`.
   template <class Overlap>
   bool Overlaps(const b2AABB& bounds, Overlap overlap) const;
 

@@ -1,6 +1,6 @@
 #pragma once
 
-/// What hides the walls of a layer from a place, for VisibleWalls: walls, and chords.
+/// Occluders, which hide walls of a layer from a place, for VisibleWalls: walls, and chords.
 ///
 /// Need. Outlines from map images have steps of a pixel. Lines that cross such an outline near a
 /// step cross one wall or the other, so that no single wall is met by all of them.
@@ -30,7 +30,7 @@ struct Occluder {
 
 class Occluders {
  public:
-  /// Those of a layer. They refer to its walls, which must live as long.
+  /// The occluders of a layer. They refer to its walls, which must live as long.
   explicit Occluders(const SegmentTree& walls);
 
   /// Calls `visit(occluder)`, while it returns true, for all those in boxes that `place.Meets`;

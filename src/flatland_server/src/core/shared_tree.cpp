@@ -1,4 +1,4 @@
-/// Which nodes a move changes.
+/// The nodes that a move changes.
 ///
 /// Box2D moves a leaf by taking it out of the tree and putting it in again, beside another node,
 /// its new sibling. Both times it goes from there to the root, and at each node on its way it

@@ -27,7 +27,7 @@ SharedWorld::State::~State() = default;
 SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved)
     : world_(std::move(world)) {
   b2World& box2d_world = *world_->world_;
-  for (const World::Body& body : moved) world_->LetMove(body);
+  for (const World::Body& body : moved) world_->bodies_.LetMove(body);
   SkipWalls();
   box2d::OrderNodes(box2d_world);
   CollectRanges();
@@ -92,9 +92,7 @@ void SharedWorld::CollectRanges() {
       AddRange(static_cast<b2RevoluteJoint&>(*joint));
     }
   });
-  AddRanges(world_->drives_);
-  AddRanges(world_->tricycles_);
-  AddRanges(world_->tweens_);
+  world_->mechanisms_.ForEachMap([this](auto& map) { AddRanges(map); });
   for (const Range& range : ranges_) size_ += range.size;
 }
 
@@ -121,7 +119,7 @@ World& SharedWorld::Enter(const State& state) {
   tree_->Enter(state.nodes_);
   std::copy(state.moves_.begin(), state.moves_.end(), box2d::Moves(box2d_world));
   box2d::MoveCount(box2d_world) = static_cast<int32>(state.moves_.size());
-  ++world_->revision_;
+  world_->bodies_.ChangePoses();
   return *world_;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-/// Conversion between the core's double precision and Box2D's single precision.
+/// Conversion between the core's double precision and Box2D's single precision, and bodies as Box2D
+/// has them.
 
 #include <box2d/box2d.h>
 
@@ -19,8 +20,13 @@ inline Pose PoseOf(const b2Body& body) {
   return {position.x, position.y, body.GetAngle()};
 }
 
-/// Whether a body's angle is more than a whole rotation.
+/// True if a body's angle is more than a whole rotation.
 inline bool IsWound(const b2Body& body) { return std::abs(body.GetAngle()) > 2.0f * b2_pi; }
+
+/// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.
+void Place(b2Body& body, const Pose& pose);
+/// Wakes the bodies that a static body may touch; Box2D does not do so.
+void WakeBodiesNear(const b2Body& body);
 
 /// Sets the velocity of a body's origin, in the world's frame. Box2D stores that of the centre of
 /// mass.

@@ -22,7 +22,7 @@ std::vector<int32> Traverse(const b2TreeNode* nodes, int32 root) {
     order.push_back(node.child1);
     order.push_back(node.child2);
   }
-  // Those from `next` on have children that are not yet in the order.
+  // Nodes from `next` on have children that are not yet in the order.
   const std::vector<int32> subtrees(order.begin() + static_cast<ptrdiff_t>(next), order.end());
   for (const int32 subtree : subtrees) {
     std::vector<int32> stack;

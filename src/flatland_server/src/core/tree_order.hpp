@@ -14,7 +14,7 @@ namespace flatland::box2d {
 /// numbers, since Box2D orders pairs of fixtures by them. So no step changes.
 void OrderNodes(b2World& world);
 
-/// Whether a leaf is a wall, rather than a fixture of a body.
+/// True if a leaf is a wall, rather than a fixture of a body.
 bool IsWall(const b2TreeNode& leaf);
 
 }  // namespace flatland::box2d

@@ -10,7 +10,7 @@ namespace {
 
 /// A wall reaches past its ends by this fraction of its length, as it does for DepthBuffer.
 constexpr double kEndTolerance = 1e-9;
-/// How often cells and walls are halved, and lines are followed, before a wall counts as seen.
+/// Cells and walls are halved, and lines followed, this many times before a wall counts as seen.
 constexpr int kMaxHalvings = 10;
 constexpr int kMaxLines = 48;
 
@@ -37,7 +37,7 @@ std::array<Box, 2> Halves(const Box& box) {
   return halves;
 }
 
-/// What may be hidden: a wall, or all that is in a box.
+/// A wall that may be hidden, or a box with walls.
 struct Target {
   explicit Target(const Box& box) : corners(CornersOf(box)), count(4), bounds(box) {}
   explicit Target(const Segment& wall)
@@ -61,14 +61,14 @@ Vec2 Middle(const Target& target) {
   return target.count == 4 ? Middle(target.bounds) : 0.5 * (target.corners[0] + target.corners[1]);
 }
 
-/// Whether what begins and ends in these boxes crosses the chain of a chord that it crosses. True
-/// for walls.
+/// True if a line between these boxes that crosses the occluder is blocked by it: a wall blocks all
+/// lines, a chord those that begin and end outside of its chain's box.
 bool Counts(const Occluder& occluder, const Box& from, const Target& target) {
   return occluder.chain == nullptr ||
          (AreApart(*occluder.chain, from) && AreApart(*occluder.chain, target.bounds));
 }
 
-/// Whether an occluder crosses all lines from a box to a target. They all cross its line between
+/// True if an occluder crosses all lines from a box to a target. They all cross its line between
 /// the points where those from corner to corner do. A wall may touch one that it hides, as at the
 /// edges of a pillar, but neither lie in its line nor touch a box, which may be that of the wall
 /// itself. Lines may pass a wall just past its ends, but a chord only before them.
@@ -118,7 +118,7 @@ class Line {
     const double reach = std::abs(way_.x) * half.y + std::abs(way_.y) * half.x;
     return std::abs(Cross(way_, Middle(box) - a_)) <= reach * (1.0 + 1e-9) + 1e-12;
   }
-  /// Whether it crosses a segment before its end.
+  /// True if it crosses a segment before its end.
   bool Crosses(const Segment& segment) const {
     const double right = Cross(way_, segment.a - a_), left = Cross(way_, segment.b - a_);
     if ((right > 0.0 && left > 0.0) || (right < 0.0 && left < 0.0)) return false;
@@ -195,7 +195,7 @@ class WallSearch::Finder {
  private:
   static constexpr int kRecent = 8;
 
-  /// What is still to be looked at: a box of the tree, or a wall.
+  /// A box of the tree, or a wall, that is still to be looked at.
   struct Pending {
     SegmentTree::Child child;  // of a wall, only `index` counts: in segments()
     bool is_wall;
@@ -235,7 +235,7 @@ class WallSearch::Finder {
     std::reverse(pending_.begin() + begin, pending_.end());
   }
 
-  /// Whether a single occluder hides it all; looks for it along one line.
+  /// True if a single occluder hides it all; looks for it along one line.
   bool IsBoxHidden(const Target& target) {
     if (BlocksRecent(from_, target)) return true;
     const Line line(Middle(from_), Middle(target));
@@ -284,7 +284,7 @@ class WallSearch::Finder {
     });
   }
 
-  /// Whether a candidate hides a part, or else one blocks its middle line, so that its halves may
+  /// True if a candidate hides a part, or else one blocks its middle line, so that its halves may
   /// be hidden, which are to be visited then.
   bool IsHiddenOrDivided(const Part& part) {
     const Line line(Middle(part.from), Middle(part.target));
@@ -312,7 +312,7 @@ class WallSearch::Finder {
     return true;
   }
 
-  /// Whether one of those that have hidden others before blocks all lines.
+  /// True if one of the occluders that have hidden other targets blocks all lines.
   bool BlocksRecent(const Box& from, const Target& target) {
     for (int i = 0; i < recent_count_; ++i) {
       if (!Blocks(recent_[i], from, target)) continue;

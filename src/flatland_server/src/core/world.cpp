@@ -4,18 +4,13 @@
 #include "flatland_server/world.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "box2d_limits.hpp"
+#include "layers.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
-
-constexpr char kInUse[] = "the world is in use by another thread";
-constexpr char kInListener[] =
-    "during contact events nothing can be added, removed, moved or scanned; wait for the end of "
-    "the step";
 
 /// Takes whole rotations off a body's angle, and off the angles of all bodies that a joint compares
 /// with it. Box2D keeps angles in single precision: after an hour of spinning, the rotation of one
@@ -43,49 +38,39 @@ World::World(int velocity_iterations, int position_iterations, std::size_t large
     : world_(std::make_unique<b2World>(b2Vec2_zero)),
       velocity_iterations_(velocity_iterations),
       position_iterations_(position_iterations),
-      large_layer_(large_layer) {
+      layers_(std::make_unique<Layers>(bodies_, large_layer)),
+      lidars_(*this, bodies_, *layers_),
+      contacts_(*this, bodies_, world_) {
   Require(velocity_iterations >= 1 && position_iterations >= 1,
           "a solver needs at least one iteration");
   world_->SetDestructionListener(this);
 }
 
-void World::BeginAccess() const {
-  if (is_in_use_.exchange(true)) throw std::logic_error(IsInListener() ? kInListener : kInUse);
-}
-
-void World::RequireAccess() const {
-  if (is_in_use_ && !IsInListener()) throw std::logic_error(kInUse);
-}
-
-bool World::IsInListener() const { return listener_thread_ == std::this_thread::get_id(); }
+World::~World() = default;
 
 void World::Step(double dt, const AccessGuard&) {
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
-  ++revision_;
-  const auto for_each = [this](auto& map, auto visit) {
-    map.ForEach(
-        [&](auto, auto& mounted) { visit(mounted.mechanism, *bodies_.Get(mounted.body).body); });
+  bodies_.ChangePoses();
+  const auto for_each = [this](auto visit) {
+    mechanisms_.ForEachMap([&](auto& map) {
+      map.ForEach(
+          [&](auto, auto& mounted) { visit(mounted.mechanism, *bodies_.Get(mounted.body).body); });
+    });
   };
-  const auto begin = [dt](auto& drive, b2Body& body) { drive.BeginStep(body, dt); };
-  const auto end = [](auto& drive, b2Body& body) { drive.EndStep(body); };
-  for_each(drives_, begin);
-  for_each(tricycles_, begin);
-  for_each(tweens_, [&](BodyTween& tween, b2Body& body) { AdvanceTween(tween, body, dt); });
-  HoldWallsNearBodies();
+  for_each([dt](auto& mechanism, b2Body& body) { mechanism.BeginStep(body, dt); });
+  layers_->HoldWallsNearBodies(*world_);
   world_->Step(static_cast<float>(dt), velocity_iterations_, position_iterations_);
-  for_each(drives_, end);
-  for_each(tricycles_, end);
-  for_each(tweens_, [&](BodyTween& tween, b2Body& body) { FinishTween(tween, body, dt); });
-  RefreshMovingBodies();  // what stays is not wound
-  for (const BodyRecord* record : moving_) Unwind(*record->body);
-  ApplyDeferredForces();
+  for_each([](auto& mechanism, b2Body& body) { mechanism.EndStep(body); });
+  for (const BodyRecord* record : bodies_.Moving())
+    Unwind(*record->body);  // what stays is not wound
+  contacts_.RunDeferred();
 }
 
 int World::StepUntilContact(double dt, int count, const AccessGuard& guard) {
   Require(count >= 1, "expected 1 step or more");
-  has_called_listener_ = false;
+  const uint64_t events = contacts_.event_count();
   completed_steps_ = 0;
-  while (completed_steps_ < count && !has_called_listener_) {
+  while (completed_steps_ < count && contacts_.event_count() == events) {
     Step(dt, guard);
     ++completed_steps_;
   }

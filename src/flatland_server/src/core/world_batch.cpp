@@ -58,7 +58,7 @@ WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, i
     }
   }
   World& first = worlds_[0]->Enter(*environments_[0].state);
-  beams_ = first.GetBeamCount(robot.lidar);
+  beams_ = first.lidars().GetBeamCount(robot.lidar);
   for (const World::Body& body : robot.bodies) first.GetPose(body);
   for (const BatchModel& model : models) {
     for (const World::Body& body : model.bodies) first.GetPose(body);
@@ -117,7 +117,7 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
     environment.collided = environment.collided && goes_on;
     for (int i = 0; i < substeps; ++i) {
       world.Step(dt);
-      environment.collided = environment.collided || world.Touches(robot_.bodies);
+      environment.collided = environment.collided || world.contacts().Touches(robot_.bodies);
     }
     environment.steps += substeps;
     if (rows != nullptr) Write(world, environment, row, *rows);
@@ -230,7 +230,8 @@ void WorldBatch::Write(World& world, const Environment& environment, int row,
   const Pose pose = Wrapped(world.GetPose(body));
   const Twist velocity = world.GetVelocity(body);
   const Twist local = world.GetLocalVelocity(body);
-  world.ScanInto(robot_.lidar, rows.ranges + int64_t{row} * beams_, World::AccessGuard(world));
+  world.lidars().ScanInto(robot_.lidar, rows.ranges + int64_t{row} * beams_,
+                          World::AccessGuard(world));
   Put(rows.poses + 3 * row, pose.x, pose.y, pose.yaw);
   Put(rows.velocities + 3 * row, velocity.vx, velocity.vy, velocity.omega);
   Put(rows.local_velocities + 3 * row, local.vx, local.vy, local.omega);

@@ -2,6 +2,7 @@
 
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
+#include "layers.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
@@ -11,13 +12,20 @@ b2Body& World::Find(Body body) const {
   return *bodies_.Get(body).body;
 }
 
-World::Body World::AddRecord(BodyRecord record) {
-  b2Body* body = record.body;
-  const Body handle = bodies_.Add(std::move(record));
-  ChangeStructure();
-  body->GetUserData().pointer = handle.index;
-  return handle;
+World::Body World::AddLayer(std::vector<Segment> walls, LayerBits layers,
+                            const std::function<void(std::size_t added)>& progress) {
+  for (const Segment& wall : walls) {
+    RequirePosition(wall.a);
+    RequirePosition(wall.b);
+    Require(wall.a.x != wall.b.x || wall.a.y != wall.b.y, "a wall's ends must not be one point");
+  }
+  const AccessGuard guard(*this);
+  return layers_->Add(*world_, std::move(walls), layers, progress);
 }
+
+int World::body_count() const { return world_->GetBodyCount() - layers_->held_body_count(); }
+
+int World::held_wall_count() const { return layers_->held_wall_count(); }
 
 World::Body World::AddBody(const BodySettings& settings) {
   RequirePosition({settings.pose.x, settings.pose.y});
@@ -34,25 +42,20 @@ World::Body World::AddBody(const BodySettings& settings) {
   BodyRecord record;
   record.body = world_->CreateBody(&definition);
   record.may_move = settings.type != b2_staticBody || IsWound(*record.body);
-  return AddRecord(std::move(record));
+  return bodies_.Add(std::move(record));
 }
 
 void World::RemoveBody(Body body) {
   const AccessGuard guard(*this);
   BodyRecord& record = bodies_.Get(body);
   Require(!record.is_layer, "a layer cannot be removed");
-  const auto remove_from = [body](auto& map) {
-    ForEachOn(body, map, [&](auto handle, auto&) { map.Remove(handle); });
-  };
-  remove_from(drives_);
-  remove_from(tricycles_);
-  remove_from(tweens_);
-  remove_from(lidars_);
-  ChangeStructure();
+  mechanisms_.ForEachMap([&](auto& map) { map.RemoveFrom(body); });
+  lidars_.RemoveFrom(body);
+  bodies_.ChangeStructure();
   world_->DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
-  ReleaseWallsNear(record);
+  layers_->ReleaseWallsNear(*world_, record);
   bodies_.Remove(body);
-  ApplyDeferredForces();
+  contacts_.RunDeferred();
 }
 
 Pose World::GetPose(Body body) const { return PoseOf(Find(body)); }
@@ -72,38 +75,14 @@ void World::SetPose(Body body, const Pose& pose) {
   const Twist velocity = GetVelocity(body);
   const AccessGuard guard(*this);
   Require(!bodies_.Get(body).is_layer, "a layer cannot be moved");
-  LetMove(body);
-  ++revision_;
+  bodies_.LetMove(body);
+  bodies_.ChangePoses();
   WakeBodiesNear(found);
   Place(found, pose);
   WakeBodiesNear(found);
   SetOriginVelocity(found, velocity);
   found.SetAwake(true);
-  ForEachOn(body, tweens_, [&](Tween, BodyTween& tween) { tween.Rebase(PoseOf(found)); });
-}
-
-// A joint would react to a whole rotation that only one of its bodies makes. A rotation by half a
-// turn either way, up to rounding, is applied as given.
-void World::Place(b2Body& body, const Pose& pose) {
-  constexpr double kRoundingMargin = 1e-3;  // [rad]
-  double rotation = pose.yaw - body.GetAngle();
-  if (std::abs(rotation) > M_PI + kRoundingMargin) {
-    rotation = std::remainder(rotation, 2.0 * M_PI);
-  }
-  body.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(body.GetAngle() + rotation));
-}
-
-void World::WakeBodiesNear(const b2Body& body) {
-  if (body.GetType() != b2_staticBody) return;
-  struct Waker : b2QueryCallback {
-    bool ReportFixture(b2Fixture* fixture) override {
-      fixture->GetBody()->SetAwake(true);
-      return true;
-    }
-  } waker;
-  for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
-    world_->QueryAABB(&waker, f->GetAABB(0));
-  }
+  mechanisms_.tweens.ForEachOn(body, [&](auto, BodyTween& tween) { tween.Rebase(PoseOf(found)); });
 }
 
 Twist World::GetVelocity(Body body) const {
@@ -135,8 +114,8 @@ void World::Halt(Body body) {
   b2Body& found = Find(body);
   found.SetLinearVelocity(b2Vec2_zero);
   found.SetAngularVelocity(0.0f);
-  ForEachOn(body, drives_, [](Drive, BodyDrive& drive) { drive.Reset(); });
-  ForEachOn(body, tricycles_, [](Tricycle, TricycleDrive& drive) { drive.Reset(); });
+  mechanisms_.drives.ForEachOn(body, [](auto, BodyDrive& drive) { drive.Reset(); });
+  mechanisms_.tricycles.ForEachOn(body, [](auto, TricycleDrive& drive) { drive.Reset(); });
 }
 
 Vec2 World::ToWorldPoint(Body body, Vec2 point) const {
@@ -169,36 +148,27 @@ double World::GetInertia(Body body) const {
 
 Vec2 World::GetCenter(Body body) const { return FromBox2D(Find(body).GetWorldCenter()); }
 
+template <class Apply>
+void World::ApplyOrDefer(Body body, Apply apply) {
+  b2Body& found = Find(body);
+  if (IsInCallback()) {
+    contacts_.Defer(body, apply);
+  } else {
+    apply(found);
+  }
+}
+
 void World::ApplyForce(Body body, Vec2 force, std::optional<Vec2> point) {
   Require(IsUsable(force), "a force must be finite");
   if (point) RequirePosition(*point);
-  b2Body& found = Find(body);
-  if (IsInListener()) {
-    deferred_forces_.push_back({body, force, point, 0.0});
-    return;
-  }
-  found.ApplyForce(ToBox2D(force), point ? ToBox2D(*point) : found.GetWorldCenter(), true);
+  ApplyOrDefer(body, [=](b2Body& found) {
+    found.ApplyForce(ToBox2D(force), point ? ToBox2D(*point) : found.GetWorldCenter(), true);
+  });
 }
 
 void World::ApplyTorque(Body body, double torque) {
   Require(IsUsable(torque), "a torque must be finite");
-  b2Body& found = Find(body);
-  if (IsInListener()) {
-    deferred_forces_.push_back({body, {}, std::nullopt, torque});
-    return;
-  }
-  found.ApplyTorque(static_cast<float>(torque), true);
-}
-
-void World::ApplyDeferredForces() {
-  for (const DeferredForce& deferred : deferred_forces_) {
-    if (!Contains(deferred.body)) continue;
-    b2Body& body = *bodies_.Get(deferred.body).body;
-    const b2Vec2 point = deferred.point ? ToBox2D(*deferred.point) : body.GetWorldCenter();
-    body.ApplyForce(ToBox2D(deferred.force), point, true);
-    body.ApplyTorque(static_cast<float>(deferred.torque), true);
-  }
-  deferred_forces_.clear();
+  ApplyOrDefer(body, [=](b2Body& found) { found.ApplyTorque(static_cast<float>(torque), true); });
 }
 
 void World::ApplyLinearImpulse(Body body, Vec2 impulse, std::optional<Vec2> point) {

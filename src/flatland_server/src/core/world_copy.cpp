@@ -4,7 +4,7 @@
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
-#include "nearby_walls.hpp"
+#include "layers.hpp"
 
 namespace flatland {
 namespace {
@@ -24,14 +24,13 @@ b2Fixture* CopyFixture(b2Body& body, b2Fixture& old) {
 std::unique_ptr<World> World::Copy() const {
   const AccessGuard guard(*this);
   Require(box2d::InverseStep(*world_) == 0.0f, "a world that has made a step is not copied");
-  auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_, large_layer_);
+  auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_);
   copy->bodies_ = bodies_;
-  copy->layers_ = layers_;
+  copy->bodies_.ChangeStructure();
+  copy->layers_->CopyFrom(*layers_);
+  copy->lidars_.CopyFrom(lidars_);
   copy->joints_ = joints_;
-  copy->drives_ = drives_;
-  copy->tricycles_ = tricycles_;
-  copy->tweens_ = tweens_;
-  copy->lidars_ = lidars_;
+  copy->mechanisms_ = mechanisms_;
   // In the order in which they were added, which determines the tree of bounding boxes.
   copy->bodies_.ForEach([&](Body, BodyRecord& record) {
     b2BodyDef definition = box2d::DefinitionOf(*record.body);
@@ -39,7 +38,7 @@ std::unique_ptr<World> World::Copy() const {
     record.contact_events = kNoContactEvents;
     bool has_mass = false;
     record.nearby = {};
-    if (const NearbyWalls* large = LargeLayerOf(record)) {
+    if (const NearbyWalls* large = layers_->LargeLayerOf(record)) {
       record.large_layer = -1;
       for (uint32_t i = 0; i < large->size(); ++i) {
         record.fixtures.push_back({AddWall(*record.body, large->walls().segments()[i], i,
@@ -65,8 +64,7 @@ std::unique_ptr<World> World::Copy() const {
     b2Joint* const old = joint;
     joint =
         box2d::CopyJoint(*copy->world_, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
-    copy->tricycles_.ForEach(
-        [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Replace(old, joint); });
+    copy->mechanisms_.ReplaceJoint(old, joint);
   });
   return copy;
 }

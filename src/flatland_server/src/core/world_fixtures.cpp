@@ -7,7 +7,7 @@
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
-#include "nearby_walls.hpp"
+#include "layers.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
@@ -37,7 +37,7 @@ float DistanceOfCores(const b2Fixture& a, const b2Shape& b, const b2Transform& t
   return output.distance;
 }
 
-/// Whether two shapes overlap or touch.
+/// True if two shapes overlap or touch.
 bool Overlap(const b2Fixture& a, const b2Shape& b, const b2Transform& transform_of_b) {
   return DistanceOfCores(a, b, transform_of_b) <=
          RadiusOf(*a.GetShape()) + RadiusOf(b) + 10.0f * b2_epsilon;
@@ -81,6 +81,47 @@ b2Fixture* MakeFixture(b2Body& body, uint32_t index, const b2Shape& shape,
   return fixture;
 }
 
+/// True if a fixture of a dynamic body overlaps a wall of a large layer that it collides with.
+bool OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) {
+  if (record.body->GetType() != b2_dynamicBody) return false;
+  return std::any_of(record.fixtures.begin(), record.fixtures.end(), [&](const auto& each) {
+    const b2Fixture& fixture = *each.fixture;
+    const b2Filter& filter = fixture.GetFilterData();
+    const LayerBits common = filter.maskBits & filter.categoryBits & layer.layers();
+    if (fixture.IsSensor() || common == 0) return false;
+    return layer.Overlaps(fixture.GetAABB(0), [&](const b2Shape& wall, const b2Transform& pose) {
+      return Overlap(fixture, wall, pose);
+    });
+  });
+}
+
+/// `GetClearance` of one fixture; `own` are the bodies that are left out.
+double ClearanceOf(const b2Fixture& fixture, const Bodies& bodies, const Layers& layers,
+                   const std::vector<const b2Body*>& own, double limit) {
+  const Box box = BoxOf(fixture, kTolerance);
+  double least = limit;
+  bodies.ForEach([&](auto, const BodyRecord& record) {
+    const bool is_own = std::find(own.begin(), own.end(), record.body) != own.end();
+    if (record.is_layer || is_own) return;
+    for (const auto& each : record.fixtures) {
+      const b2Fixture& other = *each.fixture;
+      if (!CanTouch(fixture, other) || box.Distance(BoxOf(other)) >= least) continue;
+      const b2Transform& pose = other.GetBody()->GetTransform();
+      least = std::min(least, Distance(fixture, *other.GetShape(), pose));
+    }
+  });
+  b2Transform origin;
+  origin.SetIdentity();
+  for (const Layers::Layer& layer : layers.all()) {
+    if ((fixture.GetFilterData().maskBits & layer.bits) == 0) continue;
+    const SegmentTree& walls = layer.walls->all();
+    least = walls.Least(box, least, [&](uint32_t index) {
+      return Distance(fixture, EdgeOf(walls.segments()[index]), origin);
+    });
+  }
+  return least;
+}
+
 }  // namespace
 
 Fixture World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
@@ -110,7 +151,7 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   }
   record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape), settings.collides});
   record.nearby.is_current = false;  // it reaches farther
-  ChangeStructure();
+  bodies_.ChangeStructure();
   return {handle, index};
 }
 
@@ -165,8 +206,8 @@ void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerB
   record.nearby.is_current = false;
   WakeBodiesNear(body);
   body.SetAwake(true);
-  ChangeStructure();
-  ApplyDeferredForces();
+  bodies_.ChangeStructure();
+  contacts_.RunDeferred();
 }
 
 b2Fixture& World::Find(Fixture fixture) const {
@@ -178,14 +219,14 @@ b2Fixture& World::Find(Fixture fixture) const {
 
 NearbyWalls* World::FindLargeLayer(Fixture fixture) const {
   RequireAccess();
-  NearbyWalls* const large = LargeLayerOf(bodies_.Get(fixture.body));
+  NearbyWalls* const large = layers_->LargeLayerOf(bodies_.Get(fixture.body));
   Require(large == nullptr || fixture.index < large->size(), "the body has no such fixture");
   return large;
 }
 
 int World::GetFixtureCount(Body body) const {
   RequireAccess();
-  return static_cast<int>(FixtureCountOf(bodies_.Get(body)));
+  return static_cast<int>(layers_->FixtureCountOf(bodies_.Get(body)));
 }
 
 FixtureSettings World::GetSettings(Fixture fixture) const {
@@ -243,7 +284,7 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
     bool ReportFixture(b2Fixture* other) override {
       b2Body* const owner = other->GetBody();
       const bool is_found = std::find(found.begin(), found.end(), owner) != found.end();
-      const bool is_wall_of_large_layer = world->RecordOf(*owner).body != owner;
+      const bool is_wall_of_large_layer = bodies->RecordOf(*owner).body != owner;
       if (!is_found && !is_wall_of_large_layer && owner != own->GetBody() && PushesOut(*other)) {
         found.push_back(owner);
       }
@@ -255,29 +296,29 @@ std::vector<World::Body> World::GetOverlappingBodies(Body handle) const {
       return is_dynamic && CanTouch(*own, other) &&
              Overlap(*own, *other.GetShape(), other.GetBody()->GetTransform());
     }
-    const World* world = nullptr;
+    const Bodies* bodies = nullptr;
     const b2Fixture* own = nullptr;
     std::vector<b2Body*> found;
   } collector;
-  collector.world = this;
+  collector.bodies = &bodies_;
   for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
     if (f->IsSensor()) continue;
     collector.own = f;
     world_->QueryAABB(&collector, f->GetAABB(0));
   }
-  if (const NearbyWalls* large = LargeLayerOf(record)) {
+  if (const NearbyWalls* large = layers_->LargeLayerOf(record)) {
     bodies_.ForEach([&](Body, const BodyRecord& other) {
       if (OverlapsWall(other, *large)) collector.found.push_back(other.body);
     });
   }
-  for (const auto& large : large_layers_) {
+  for (const auto& large : layers_->large_layers()) {
     if (OverlapsWall(record, *large)) {
       collector.found.push_back(bodies_.Get(bodies_.HandleAt(large->owner())).body);
     }
   }
   std::vector<Body> bodies;
   for (b2Body* other : collector.found) {
-    bodies.push_back(HandleOf(*other));
+    bodies.push_back(bodies_.HandleOf(*other));
   }
   return bodies;
 }
@@ -289,49 +330,10 @@ double World::GetClearance(const std::vector<Body>& bodies, double limit) const 
   double least = limit;
   for (const b2Body* body : own) {
     for (const b2Fixture* f = body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
-      if (!f->IsSensor()) least = ClearanceOf(*f, own, least);
+      if (!f->IsSensor()) least = ClearanceOf(*f, bodies_, *layers_, own, least);
     }
   }
   return least;
-}
-
-double World::ClearanceOf(const b2Fixture& fixture, const std::vector<const b2Body*>& own,
-                          double limit) const {
-  const Box box = BoxOf(fixture, kTolerance);
-  double least = limit;
-  bodies_.ForEach([&](Body, const BodyRecord& record) {
-    const bool is_own = std::find(own.begin(), own.end(), record.body) != own.end();
-    if (record.is_layer || is_own) return;
-    for (const auto& each : record.fixtures) {
-      const b2Fixture& other = *each.fixture;
-      if (!CanTouch(fixture, other) || box.Distance(BoxOf(other)) >= least) continue;
-      const b2Transform& pose = other.GetBody()->GetTransform();
-      least = std::min(least, Distance(fixture, *other.GetShape(), pose));
-    }
-  });
-  b2Transform origin;
-  origin.SetIdentity();
-  for (const Layer& layer : layers_) {
-    if ((fixture.GetFilterData().maskBits & layer.bits) == 0) continue;
-    const SegmentTree& walls = layer.walls->all();
-    least = walls.Least(box, least, [&](uint32_t index) {
-      return Distance(fixture, EdgeOf(walls.segments()[index]), origin);
-    });
-  }
-  return least;
-}
-
-bool World::OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) const {
-  if (record.body->GetType() != b2_dynamicBody) return false;
-  return std::any_of(record.fixtures.begin(), record.fixtures.end(), [&](const auto& each) {
-    const b2Fixture& fixture = *each.fixture;
-    const b2Filter& filter = fixture.GetFilterData();
-    const LayerBits common = filter.maskBits & filter.categoryBits & layer.layers();
-    if (fixture.IsSensor() || common == 0) return false;
-    return layer.Overlaps(fixture.GetAABB(0), [&](const b2Shape& wall, const b2Transform& pose) {
-      return Overlap(fixture, wall, pose);
-    });
-  });
 }
 
 }  // namespace flatland

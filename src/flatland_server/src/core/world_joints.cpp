@@ -10,7 +10,7 @@ World::Joint World::AddJoint(const b2JointDef& definition) {
   Require(definition.bodyA != definition.bodyB, "a joint needs two bodies");
   const AccessGuard guard(*this);
   for (b2Body* const body : {definition.bodyA, definition.bodyB}) {
-    LetMove(HandleOf(*body));
+    bodies_.LetMove(bodies_.HandleOf(*body));
   }
   return joints_.Add(world_->CreateJoint(&definition));
 }
@@ -58,8 +58,7 @@ World::Joint World::AddWeld(Body a, Body b, const WeldSettings& settings) {
 
 /// Called by Box2D for each joint of a body that is being removed.
 void World::SayGoodbye(b2Joint* joint) {
-  tricycles_.ForEach(
-      [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Forget(joint); });
+  mechanisms_.ReplaceJoint(joint, nullptr);
   joints_.ForEach([&](Joint handle, b2Joint* candidate) {
     if (candidate == joint) joints_.Remove(handle);
   });

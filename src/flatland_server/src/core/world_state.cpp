@@ -15,7 +15,7 @@
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
-#include "nearby_walls.hpp"
+#include "layers.hpp"
 #include "to_box2d.hpp"
 
 namespace flatland {
@@ -120,32 +120,32 @@ void SetState(b2Body& body, const BodyState& state) {
 }
 
 /// Writes or reads the mechanisms of a map, which must be on the same bodies.
-template <class Archive, class Map, class Mechanism>
-void SerializeMounted(Archive& archive, const Map& map, const std::vector<uint32_t>& order,
-                      std::vector<Mechanism>& mechanisms, const char* what) {
-  archive.Same(static_cast<uint32_t>(mechanisms.size()), what);
-  size_t i = 0;
-  map.ForEach([&](auto, const auto& mounted) {
+template <class Archive, class Map>
+void SerializeMounted(Archive& archive, Map& map, const std::vector<uint32_t>& order,
+                      const char* what) {
+  archive.Same(static_cast<uint32_t>(map.size()), what);
+  map.ForEach([&](auto, auto& mounted) {
     archive.Same(order[mounted.body.index], "the body of a drive or tween");
-    archive(mechanisms[i++]);
+    archive(mounted.mechanism);
   });
 }
 
 }  // namespace
 
-WorldState World::CollectState() const {
+WorldState WorldState::Of(const World& world) {
   WorldState state;
-  state.inverse_step = box2d::InverseStep(*world_);
-  std::vector<uint32_t> order(bodies_.slot_count());  // by the index of a handle
-  bodies_.ForEach([&](Body handle, const BodyRecord& record) {
+  state.inverse_step = box2d::InverseStep(*world.world_);
+  std::vector<uint32_t> order(world.bodies_.slot_count());  // by the index of a handle
+  world.bodies_.ForEach([&](World::Body handle, const BodyRecord& record) {
     order[handle.index] = static_cast<uint32_t>(state.bodies.size());
     state.bodies.push_back(StateOf(*record.body, record.fixtures));
-    if (const NearbyWalls* large = LargeLayerOf(record)) {
+    if (const NearbyWalls* large = world.layers_->LargeLayerOf(record)) {
       state.bodies.back().materials = large->GetMaterials();
     }
   });
-  joints_.ForEach([&](Joint, b2Joint* joint) { state.joints.push_back(ImpulsesOf(*joint)); });
-  for (b2Contact* c = world_->GetContactList(); c != nullptr; c = c->GetNext()) {
+  world.joints_.ForEach(
+      [&](World::Joint, b2Joint* joint) { state.joints.push_back(ImpulsesOf(*joint)); });
+  for (b2Contact* c = world.world_->GetContactList(); c != nullptr; c = c->GetNext()) {
     const auto end_of = [&](b2Fixture& fixture) {
       return ContactState::End{order[fixture.GetBody()->GetUserData().pointer],
                                static_cast<uint32_t>(fixture.GetUserData().pointer)};
@@ -156,33 +156,27 @@ WorldState World::CollectState() const {
                               c->IsEnabled(), c->GetFriction(), c->GetRestitution(),
                               c->GetTangentSpeed(), has_points ? *c->GetManifold() : b2Manifold{}});
   }
-  const auto collect = [](const auto& map, auto& mechanisms) {
-    map.ForEach([&](auto, const auto& mounted) { mechanisms.push_back(mounted.mechanism); });
-  };
-  collect(drives_, state.drives);
-  collect(tricycles_, state.tricycles);
-  collect(tweens_, state.tweens);
+  state.mechanisms = world.mechanisms_;
   return state;
 }
 
-/// Writes the state, or reads it: then `state` is the present one of this world, to be replaced.
 template <class Archive>
-void World::Serialize(Archive& archive, WorldState& state) const {
+void WorldState::Serialize(Archive& archive, const World& world) {
   archive.Same(kFormat, "its format");
-  archive(state.inverse_step);
+  archive(inverse_step);
   if constexpr (Archive::kIsReader) {
-    if (state.inverse_step < 0.0f) Archive::Fail();
+    if (inverse_step < 0.0f) Archive::Fail();
   }
   std::vector<const BodyRecord*> records;
-  std::vector<uint32_t> order(bodies_.slot_count());  // by the index of a handle
-  bodies_.ForEach([&](Body handle, const BodyRecord& record) {
+  std::vector<uint32_t> order(world.bodies_.slot_count());  // by the index of a handle
+  world.bodies_.ForEach([&](World::Body handle, const BodyRecord& record) {
     order[handle.index] = static_cast<uint32_t>(records.size());
     records.push_back(&record);
   });
   archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
   for (size_t i = 0; i < records.size(); ++i) {
-    BodyState& body = state.bodies[i];
-    const size_t fixtures = FixtureCountOf(*records[i]);
+    BodyState& body = bodies[i];
+    const size_t fixtures = world.layers_->FixtureCountOf(*records[i]);
     archive.Same(records[i]->body->GetType(), "the type of a body");
     archive.Same(static_cast<uint32_t>(fixtures), "the number of footprints or walls of a body");
     archive(body);
@@ -191,27 +185,27 @@ void World::Serialize(Archive& archive, WorldState& state) const {
     body.materials.resize(all_equal ? std::min<size_t>(fixtures, 1) : fixtures);
     for (Material& material : body.materials) archive(material);
   }
-  archive.Same(static_cast<uint32_t>(state.joints.size()), "the number of joints");
+  archive.Same(static_cast<uint32_t>(joints.size()), "the number of joints");
   size_t joint_index = 0;
-  joints_.ForEach([&](Joint, const b2Joint* joint) {
+  world.joints_.ForEach([&](World::Joint, const b2Joint* joint) {
     archive.Same(joint->GetType(), "the type of a joint");
-    for (float& impulse : state.joints[joint_index]) archive(impulse);
+    for (float& impulse : joints[joint_index]) archive(impulse);
     ++joint_index;
   });
-  auto count = static_cast<uint32_t>(state.contacts.size());
+  auto count = static_cast<uint32_t>(contacts.size());
   archive(count);
   if constexpr (Archive::kIsReader) {
     if (count > archive.remaining() / sizeof(ContactState::End)) Archive::Fail();
-    state.contacts.assign(count, {});
+    contacts.assign(count, {});
   }
-  for (ContactState& contact : state.contacts) {
+  for (ContactState& contact : contacts) {
     archive(contact);
     if constexpr (Archive::kIsReader) {
       bool with_sensor = false;
       for (const ContactState::End& end : {contact.a, contact.b}) {
         if (end.body >= records.size()) Archive::Fail();
         const BodyRecord& record = *records[end.body];
-        if (end.fixture >= FixtureCountOf(record)) Archive::Fail();
+        if (end.fixture >= world.layers_->FixtureCountOf(record)) Archive::Fail();
         const bool is_sensor = !record.is_layer && record.fixtures[end.fixture].fixture->IsSensor();
         with_sensor = with_sensor || is_sensor;
       }
@@ -220,17 +214,17 @@ void World::Serialize(Archive& archive, WorldState& state) const {
       if (!with_sensor && contact.is_touching != has_points) Archive::Fail();
     }
   }
-  SerializeMounted(archive, drives_, order, state.drives, "the number of drives");
-  SerializeMounted(archive, tricycles_, order, state.tricycles, "the number of tricycle drives");
-  SerializeMounted(archive, tweens_, order, state.tweens, "the number of tweens");
+  SerializeMounted(archive, mechanisms.drives, order, "the number of drives");
+  SerializeMounted(archive, mechanisms.tricycles, order, "the number of tricycle drives");
+  SerializeMounted(archive, mechanisms.tweens, order, "the number of tweens");
 }
 
 std::string World::SaveState() {
   const AccessGuard guard(*this);
-  WorldState state = CollectState();
+  WorldState state = WorldState::Of(*this);
   Writer writer;
-  Serialize(writer, state);
-  Rebuild(state);
+  state.Serialize(writer, *this);
+  state.Restore(*this);
   std::string bytes = std::move(writer).bytes();
   const uint64_t sum = Checksum(bytes);
   return bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
@@ -244,62 +238,58 @@ void World::RestoreState(std::string_view bytes) {
   const std::string_view content = bytes.substr(0, bytes.size() - sizeof sum);
   std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
   if (sum != Checksum(content)) Reader::Fail();
-  WorldState state = CollectState();
+  WorldState state = WorldState::Of(*this);
   Reader reader(content);
-  Serialize(reader, state);
+  state.Serialize(reader, *this);
   if (reader.remaining() > 0) Reader::Fail();
-  Rebuild(state);
+  state.Restore(*this);
 }
 
-void World::Rebuild(const WorldState& state) {
+void WorldState::Restore(World& world) const {
   auto rebuilt = std::make_unique<b2World>(b2Vec2_zero);
-  rebuilt->SetDestructionListener(this);
-  box2d::InverseStep(*rebuilt) = state.inverse_step;
+  rebuilt->SetDestructionListener(&world);
+  box2d::InverseStep(*rebuilt) = inverse_step;
   std::vector<BodyRecord*> records;
   bool has_layers_alone = true;
-  bodies_.ForEach([&](Body, BodyRecord& record) {
-    const BodyState& of_body = state.bodies[records.size()];
+  world.bodies_.ForEach([&](auto, BodyRecord& record) {
+    const BodyState& of_body = bodies[records.size()];
     b2Body* body = CopyBody(*rebuilt, *record.body, of_body);
     for (size_t i = 0; i < record.fixtures.size(); ++i) {
       const Material& material = of_body.materials[of_body.materials.size() == 1 ? 0 : i];
       record.fixtures[i].fixture = CopyFixture(*body, *record.fixtures[i].fixture, material);
     }
-    if (NearbyWalls* large = LargeLayerOf(record)) large->SetMaterials(of_body.materials);
+    if (NearbyWalls* large = world.layers_->LargeLayerOf(record))
+      large->SetMaterials(of_body.materials);
     record.body = body;
     records.push_back(&record);
     has_layers_alone = has_layers_alone && record.is_layer;
     if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*rebuilt);
   });
-  const auto copy_of = [&](b2Body* old) { return RecordOf(*old).body; };
-  const auto assign = [](auto& map, const auto& mechanisms) {
-    size_t i = 0;
-    map.ForEach([&](auto, auto& mounted) { mounted.mechanism = mechanisms[i++]; });
-  };
-  assign(drives_, state.drives);
-  assign(tricycles_, state.tricycles);
-  assign(tweens_, state.tweens);
+  const auto copy_of = [&](b2Body* old) { return world.bodies_.RecordOf(*old).body; };
+  world.mechanisms_ = mechanisms;
   size_t joint_index = 0;
-  joints_.ForEach([&](Joint, b2Joint*& joint) {
+  world.joints_.ForEach([&](World::Joint, b2Joint*& joint) {
     b2Joint* old = joint;
     joint = box2d::CopyJoint(*rebuilt, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
-    SetImpulses(*joint, state.joints[joint_index++]);
-    tricycles_.ForEach(
-        [&](Tricycle, Mounted<TricycleDrive>& mounted) { mounted.mechanism.Replace(old, joint); });
+    SetImpulses(*joint, joints[joint_index++]);
+    world.mechanisms_.ReplaceJoint(old, joint);
   });
-  ForgetHeldWalls();
-  world_ = std::move(rebuilt);
-  HoldWallsNearBodies();
-  for (auto contact = state.contacts.rbegin(); contact != state.contacts.rend(); ++contact) {
-    b2Fixture* const a = FixtureOrNull(*records[contact->a.body], contact->a.fixture);
-    b2Fixture* const b = FixtureOrNull(*records[contact->b.body], contact->b.fixture);
+  world.layers_->ForgetHeldWalls();
+  world.world_ = std::move(rebuilt);
+  world.layers_->HoldWallsNearBodies(*world.world_);
+  for (auto contact = contacts.rbegin(); contact != contacts.rend(); ++contact) {
+    b2Fixture* const a =
+        world.layers_->FixtureOrNull(*records[contact->a.body], contact->a.fixture);
+    b2Fixture* const b =
+        world.layers_->FixtureOrNull(*records[contact->b.body], contact->b.fixture);
     // A wall that Box2D does not have is too far away to be touched.
-    if (a != nullptr && b != nullptr) CopyContact(*world_, *a, *b, *contact);
+    if (a != nullptr && b != nullptr) CopyContact(*world.world_, *a, *b, *contact);
   }
-  for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, state.bodies[i]);
-  ChooseContactReports();
-  bodies_.ForEach(
-      [](Body, BodyRecord& record) { record.may_move = record.may_move || IsWound(*record.body); });
-  ChangeStructure();
+  for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, bodies[i]);
+  world.contacts_.ChooseReports();
+  world.bodies_.ForEach(
+      [](auto, BodyRecord& record) { record.may_move = record.may_move || IsWound(*record.body); });
+  world.bodies_.ChangeStructure();
 }
 
 }  // namespace flatland

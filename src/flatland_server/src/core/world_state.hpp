@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "flatland_server/body_drive.hpp"
-#include "flatland_server/body_tween.hpp"
-#include "flatland_server/tricycle_drive.hpp"
+#include "flatland_server/mechanisms.hpp"
 
 namespace flatland {
+
+class World;
 
 struct Material {
   float friction = 0.0f;
@@ -96,13 +96,18 @@ struct ContactState {
 };
 
 struct WorldState {
+  static WorldState Of(const World& world);
+  /// Writes the state, or reads it: then this is the present one of the world, to be replaced.
+  template <class Archive>
+  void Serialize(Archive& archive, const World& world);
+  /// Replaces Box2D's world by a new one in this state; handles name the same bodies as before.
+  void Restore(World& world) const;
+
   float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
   std::vector<BodyState> bodies;             // each in the order in which they were added
   std::vector<std::array<float, 5>> joints;  // the solver's impulses
   std::vector<ContactState> contacts;        // in Box2D's order: the newest first
-  std::vector<BodyDrive> drives;
-  std::vector<TricycleDrive> tricycles;
-  std::vector<BodyTween> tweens;
+  Mechanisms mechanisms;
 };
 
 }  // namespace flatland

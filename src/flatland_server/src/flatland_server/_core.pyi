@@ -272,7 +272,7 @@ class Body(_WithoutConstructor):
     def __hash__(self) -> int: ...
     @property
     def alive(self) -> bool:
-        """Whether the body still exists. Never raises GoneError."""
+        """True if the body still exists. Never raises GoneError."""
     def remove(self) -> None:
         """Removes the body with its fixtures, joints, drives, tweens and lidars.
 
@@ -540,7 +540,7 @@ class Body(_WithoutConstructor):
         """Centre of mass in the world [m]."""
     @property
     def awake(self) -> bool:
-        """Whether Box2D simulates it; a body at rest falls asleep."""
+        """True if Box2D simulates it; a body at rest falls asleep."""
     def listen_to_contacts(self, events: int) -> None:
         """Chooses the events of its contacts that the world's contact listener receives.
 
@@ -611,18 +611,18 @@ class Fixture(_WithoutConstructor):
     def restitution(self, restitution: float) -> None: ...
     @property
     def sensor(self) -> bool:
-        """Whether it reports contacts, but passes through everything."""
+        """True if it reports contacts, but passes through everything."""
     @property
     def collides(self) -> bool:
-        """Whether it has contacts at all."""
+        """True if it has contacts at all."""
     @property
     def visible(self) -> bool:
-        """Whether lidars see it."""
+        """True if lidars see it."""
     @property
     def layers(self) -> int:
         """Bits of its collision layers."""
     def test_point(self, point: _PairLike) -> bool:
-        """Whether a point is within the shape; always False for a wall.
+        """True if a point is within the shape; always False for a wall.
 
         Args:
             point: in the world [m].
@@ -697,7 +697,7 @@ class Joint(_WithoutConstructor):
 
     @property
     def alive(self) -> bool:
-        """Whether the joint still exists: until one of its bodies is removed."""
+        """True if the joint still exists: until one of its bodies is removed."""
     @property
     def angle(self) -> float:
         """Angle of the second body minus that of the first, in [-pi, pi] [rad].
@@ -859,10 +859,10 @@ class Contact(_WithoutConstructor):
         """The other fixture."""
     @property
     def touching(self) -> bool:
-        """Whether the two touch."""
+        """True if the two touch."""
     @property
     def enabled(self) -> bool:
-        """Whether the two push each other apart in this step; False with a sensor."""
+        """True if the two push each other apart in this step; False with a sensor."""
     def set_enabled(self, enabled: bool) -> None:
         """At PRE_SOLVE: sets whether the two push each other apart in this step.
 
@@ -915,13 +915,13 @@ __version__: str
 """The version in flatland_server's package.xml when this was built."""
 
 supports_numpy_2: bool
-"""Whether the core was built with a pybind11 that supports NumPy 2, from 2.12 on.
+"""True if the core was built with a pybind11 that supports NumPy 2, from 2.12 on.
 
 Otherwise it cannot be imported with NumPy 2: scans would be wrong.
 """
 
 def box2d_reads_clock() -> bool:
-    """Whether Box2D reads the clock while it steps, which makes small worlds slower.
+    """True if Box2D reads the clock while it steps, which makes small worlds slower.
 
     It does not, unless another module of this process has loaded a shared libbox2d before, or this
     was linked so that it prefers its own timer; the results are the same. See box2d_timer.cpp.
@@ -948,4 +948,4 @@ class PriorityGuard(metaclass=_Metaclass):
 
     @property
     def has_fired(self) -> bool:
-        """Whether the thread has used up its time."""
+        """True if the thread has used up its time."""

@@ -46,7 +46,7 @@ class Pose(NamedTuple):
         return Pose(self.x, self.y, wrap_angle(self.yaw))
 
     def is_finite(self) -> bool:
-        """Whether all components are finite numbers."""
+        """True if all components are finite numbers."""
         return all(math.isfinite(value) for value in self)
 
 

@@ -66,7 +66,7 @@ def made(cls: Type[T], content: Any, where: str) -> T:
 
 
 def _is_of(value: Any, kind: Any) -> bool:
-    """Whether a value has a type: a class, Any, Optional[...], List[...] or Dict[str, ...]."""
+    """True if a value has a type: a class, Any, Optional[...], List[...] or Dict[str, ...]."""
     origin = getattr(kind, "__origin__", None)
     parts: Tuple[Any, ...] = getattr(kind, "__args__", ())
     if kind is Any:

@@ -15,7 +15,7 @@ class RealTimeTimer:
         self._due = 0.0
 
     def check_update(self) -> bool:
-        """Whether it is due now; true only once per period."""
+        """True if it is due now; true only once per period."""
         now = time.monotonic()
         if now < self._due:
             return False

@@ -36,7 +36,7 @@ class UpdateTimer:
         return self._period * 1e-9
 
     def check_update(self, timekeeper: Timekeeper) -> bool:
-        """Whether an update is due now; true once for each update.
+        """True if an update is due now; true once for each update.
 
         Args:
             timekeeper: has the time.
@@ -44,7 +44,7 @@ class UpdateTimer:
         return self.check_update_at(timekeeper.nanoseconds)
 
     def check_update_at(self, now: int) -> bool:
-        """Whether an update is due at a time; see `check_update`.
+        """True if an update is due at a time; see `check_update`.
 
         The next one is due as if the steps since the last check had all been checked.
 

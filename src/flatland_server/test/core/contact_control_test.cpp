@@ -18,7 +18,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST_F(Contacts, DisabledInPreSolveLetABodyPass) {
+TEST_F(ContactTest, DisabledInPreSolveLetABodyPass) {
   for (const char* obstacle : {"a box", "a wall"}) {
     SCOPED_TRACE(obstacle);
     const bool is_box = std::string(obstacle) == "a box";
@@ -27,7 +27,7 @@ TEST_F(Contacts, DisabledInPreSolveLetABodyPass) {
         is_box ? AddBox({2, y, 0}) : world_.AddLayer({{{2, y - 5}, {2, y + 5}}}, 0xFFFF);
     const World::Body thrown = AddBox({0, y, 0});
     const World::Body driven = AddBox({-3, y, 0});
-    world_.ListenToContacts(waiting, kAllContactEvents);
+    world_.contacts().ListenTo(waiting, kAllContactEvents);
     world_.SetVelocity(thrown, {2, 0, 0});
     world_.Get(world_.AddDrive(driven, {}, {})).Command({2, 0, 0});
     recorder_.action = [](Contact& contact) {
@@ -50,10 +50,10 @@ TEST_F(Contacts, DisabledInPreSolveLetABodyPass) {
   }
 }
 
-TEST_F(Contacts, DisabledAreEnabledAgainInTheNextStep) {
+TEST_F(ContactTest, DisabledAreEnabledAgainInTheNextStep) {
   const World::Body waiting = AddBox({1.02, 0, 0});
   const World::Body moving = AddBox({0, 0, 0});
-  world_.ListenToContacts(waiting, kPreSolve);
+  world_.contacts().ListenTo(waiting, kPreSolve);
   world_.SetVelocity(moving, {2, 0, 0});
   recorder_.action = [&](Contact& contact) {
     if (recorder_.Count(kPreSolve) <= 5) contact.SetEnabled(false);
@@ -64,10 +64,10 @@ TEST_F(Contacts, DisabledAreEnabledAgainInTheNextStep) {
   EXPECT_GT(world_.GetVelocity(waiting).vx, 0.9);
 }
 
-TEST_F(Contacts, HaveARestitutionOfTheirOwn) {
+TEST_F(ContactTest, HaveARestitutionOfTheirOwn) {
   AddWallAt(2.0);
   const World::Body ball = AddBall({0, 0, 0});
-  world_.ListenToContacts(ball, kPreSolve);
+  world_.contacts().ListenTo(ball, kPreSolve);
   world_.SetVelocity(ball, {3, 0, 0});
   recorder_.action = [](Contact& contact) {
     EXPECT_EQ(contact.friction(), 0.0);
@@ -81,10 +81,10 @@ TEST_F(Contacts, HaveARestitutionOfTheirOwn) {
 }
 
 // A box lies on a conveyor belt that runs at 0.3 m/s to the right.
-TEST_F(Contacts, CarryABodyAlongAMovingSurface) {
+TEST_F(ContactTest, CarryABodyAlongAMovingSurface) {
   const World::Body belt = world_.AddLayer({{{-9, 0}, {9, 0}}}, 0xFFFF);
   const World::Body box = AddBox({0, 0.51, 0});
-  world_.ListenToContacts(belt, kPreSolve);
+  world_.contacts().ListenTo(belt, kPreSolve);
   recorder_.action = [&](Contact& contact) {
     contact.SetFriction(1.0);
     contact.SetTangentSpeed(AreSame(contact.a.body, belt) ? 0.3 : -0.3);
@@ -100,9 +100,9 @@ TEST_F(Contacts, CarryABodyAlongAMovingSurface) {
   EXPECT_NEAR(std::abs(world_.GetVelocity(box).vx), 0.3, 0.01);
 }
 
-TEST_F(Contacts, RefuseValuesThatAreNotFiniteOrNegative) {
+TEST_F(ContactTest, RefuseValuesThatAreNotFiniteOrNegative) {
   AddBox({0, 0, 0});
-  world_.ListenToContacts(AddBox({0.9, 0, 0}), kBeginContact);
+  world_.contacts().ListenTo(AddBox({0.9, 0, 0}), kBeginContact);
   recorder_.action = [](Contact& contact) {
     for (const double bad : {-0.1, kNaN, kInfinity}) {
       EXPECT_THROW(contact.SetFriction(bad), std::invalid_argument) << bad;

@@ -12,11 +12,11 @@
 namespace flatland {
 namespace {
 
-TEST_F(Contacts, NameTheWallOfALayer) {
+TEST_F(ContactTest, NameTheWallOfALayer) {
   const World::Body layer =
       world_.AddLayer({{{-5, 9}, {5, 9}}, {{-5, -9}, {5, -9}}, {{2, -5}, {2, 5}}}, 0xFFFF);
   const World::Body box = AddBox({1.55, 0, 0});
-  world_.ListenToContacts(layer, kBeginContact);
+  world_.contacts().ListenTo(layer, kBeginContact);
 
   world_.Step(kStep);
 
@@ -27,13 +27,13 @@ TEST_F(Contacts, NameTheWallOfALayer) {
   EXPECT_TRUE(AreSame((layer_is_a ? event.b : event.a).body, box));
 }
 
-TEST_F(Contacts, NameTheFixtureOfABody) {
+TEST_F(ContactTest, NameTheFixtureOfABody) {
   const World::Body robot = AddBody({0, 0, 0});
   const Fixture left = world_.AddCircle(robot, {0, 2}, 0.5, Solid());
   const Fixture front = world_.AddCircle(robot, {2, 0}, 0.5, Solid());
   world_.AddCircle(robot, {0, -2}, 0.5, Solid());
   const World::Body other = AddBall({2.9, 0, 0});
-  world_.ListenToContacts(other, kBeginContact);
+  world_.contacts().ListenTo(other, kBeginContact);
 
   world_.Step(kStep);
 
@@ -46,7 +46,7 @@ TEST_F(Contacts, NameTheFixtureOfABody) {
 }
 
 // Along the axes and askew. Two boxes meet side to side, in two points.
-TEST_F(Contacts, HaveTheNormalFromAToB) {
+TEST_F(ContactTest, HaveTheNormalFromAToB) {
   for (const double towards : {0.0, M_PI_2, M_PI, -M_PI_2, 0.7, -2.5}) {
     for (const char* shapes : {"boxes", "balls", "box and ball", "ball and box"}) {
       SCOPED_TRACE(testing::Message() << shapes << " towards " << towards);
@@ -57,7 +57,7 @@ TEST_F(Contacts, HaveTheNormalFromAToB) {
       const Pose there{0.99 * direction.x, 0.99 * direction.y, towards};
       const World::Body first = first_is_box ? AddBox({0, 0, towards}) : AddBall({0, 0, towards});
       const World::Body second = second_is_box ? AddBox(there) : AddBall(there);
-      world_.ListenToContacts(first, kBeginContact);
+      world_.contacts().ListenTo(first, kBeginContact);
 
       world_.Step(kStep);
 
@@ -83,11 +83,11 @@ TEST_F(Contacts, HaveTheNormalFromAToB) {
   }
 }
 
-TEST_F(Contacts, HaveTheNormalFromTheWallOrTowardsIt) {
+TEST_F(ContactTest, HaveTheNormalFromTheWallOrTowardsIt) {
   const World::Body layer = AddWallAt(0.0);
   for (const double side : {1.0, -1.0}) {
     const World::Body ball = AddBall({0.49 * side, 1.0, 0});
-    world_.ListenToContacts(ball, kBeginContact);
+    world_.contacts().ListenTo(ball, kBeginContact);
 
     world_.Step(kStep);
 
@@ -106,14 +106,14 @@ TEST_F(Contacts, HaveTheNormalFromTheWallOrTowardsIt) {
 
 // Newton's third law: over all steps of the contact, one box gains the momentum that the other
 // loses.
-TEST_F(Contacts, HaveTheImpulsesOfAHeadOnHit) {
+TEST_F(ContactTest, HaveTheImpulsesOfAHeadOnHit) {
   for (const double restitution : {0.0, 0.5}) {
     SCOPED_TRACE(restitution);
     FixtureSettings material = Solid();
     material.restitution = restitution;
     const World::Body moving = AddBox({0, 0, 0}, material);
     const World::Body waiting = AddBox({1.5, 0, 0}, material);
-    world_.ListenToContacts(moving, kPostSolve);
+    world_.contacts().ListenTo(moving, kPostSolve);
     world_.SetVelocity(moving, {4, 0, 0});
 
     StepTimes(200);
@@ -128,8 +128,8 @@ TEST_F(Contacts, HaveTheImpulsesOfAHeadOnHit) {
   }
 }
 
-TEST_F(Contacts, HaveTheImpulsesOfAHitAtAWall) {
-  world_.ListenToContacts(AddWallAt(2.0), kPostSolve);
+TEST_F(ContactTest, HaveTheImpulsesOfAHitAtAWall) {
+  world_.contacts().ListenTo(AddWallAt(2.0), kPostSolve);
   const World::Body box = AddBox({0, 0, 0});
   world_.SetVelocity(box, {4, 0, 0});
 
@@ -143,8 +143,8 @@ TEST_F(Contacts, HaveTheImpulsesOfAHitAtAWall) {
 }
 
 // A box is pressed on a wall with 3 N, and pulled along it with 0.4 N, too weakly to slide.
-TEST_F(Contacts, HaveTheImpulsesOfPressingAndRubbing) {
-  world_.ListenToContacts(world_.AddLayer({{{-5, 0}, {5, 0}}}, 0xFFFF), kPostSolve | kPreSolve);
+TEST_F(ContactTest, HaveTheImpulsesOfPressingAndRubbing) {
+  world_.contacts().ListenTo(world_.AddLayer({{{-5, 0}, {5, 0}}}, 0xFFFF), kPostSolve | kPreSolve);
   FixtureSettings rough = Solid();
   rough.friction = 1.0;
   const World::Body box = AddBox({0, 0.51, 0}, rough);
@@ -160,9 +160,9 @@ TEST_F(Contacts, HaveTheImpulsesOfPressingAndRubbing) {
   EXPECT_NEAR(std::abs(Sum(last.impulse.tangent_impulses)), 0.4 * kStep, 1e-4 * kStep);
 }
 
-TEST_F(Contacts, KnowTheirPointsAndImpulsesOfTheStepBefore) {
+TEST_F(ContactTest, KnowTheirPointsAndImpulsesOfTheStepBefore) {
   const World::Body box = AddBox({0, 0, 0});
-  world_.ListenToContacts(AddWallAt(0.51), kPreSolve | kPostSolve);
+  world_.contacts().ListenTo(AddWallAt(0.51), kPreSolve | kPostSolve);
   for (int step = 0; step < 100; ++step) {
     world_.ApplyForce(box, {3.0, 0.0});
     world_.Step(kStep);

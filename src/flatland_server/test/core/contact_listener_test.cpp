@@ -28,7 +28,7 @@ class Listening : public ContactTest {
   Listening() {
     moving_ = AddBox({0, 0, 0}, Rubber());
     waiting_ = AddBox({1.5, 0, 0}, Rubber());
-    world_.ListenToContacts(waiting_, kAllContactEvents);
+    world_.contacts().ListenTo(waiting_, kAllContactEvents);
     world_.SetVelocity(moving_, {2, 0, 0});
     hinge_ = world_.AddRevolute(AddBody({8, 8, 0}), AddBody({8, 8, 0}), {});
     drive_ = world_.AddDrive(AddBody({9, 9, 0}), {}, {});
@@ -61,7 +61,7 @@ TEST_F(Listening, StepsEndAfterOneWithAnEvent) {
   EXPECT_EQ(before, steps - 1);
   EXPECT_EQ(world_.completed_steps(), steps);
   EXPECT_EQ(recorder_.Count(kBeginContact), 1);
-  world_.ListenToContacts(waiting_, kNoContactEvents);
+  world_.contacts().ListenTo(waiting_, kNoContactEvents);
   EXPECT_EQ(world_.StepUntilContact(kStep, 50), 50);
   EXPECT_THROW(world_.StepUntilContact(kStep, 0), std::invalid_argument);
 }
@@ -164,7 +164,7 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
        [&] {
          world_.SetPose(moving_, {3, 3, 0});
        }},
-      {"SetContactListener", [&] { world_.SetContactListener(nullptr); }},
+      {"SetContactListener", [&] { world_.contacts().SetListener(nullptr); }},
       {"Step", [&] { world_.Step(kStep); }},
   };
   recorder_.action = [&](Contact&) {
@@ -192,7 +192,7 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
 // As for a plugin that is switched off because it raised an exception.
 TEST_F(Listening, MayStopListening) {
   recorder_.action = [&](Contact& contact) {
-    if (contact.event == kPreSolve) world_.ListenToContacts(waiting_, kNoContactEvents);
+    if (contact.event == kPreSolve) world_.contacts().ListenTo(waiting_, kNoContactEvents);
   };
 
   StepTimes(400);
@@ -223,7 +223,7 @@ TEST_F(Listening, IsSafeFromOtherThreads) {
       refuse("place", [&] { world_.SetPose(moving_, {}); });
       refuse("add", [&] { world_.AddBody({}); });
       refuse("remove", [&] { world_.RemoveBody(moving_); });
-      refuse("listen", [&] { world_.ListenToContacts(moving_, 0); });
+      refuse("listen", [&] { world_.contacts().ListenTo(moving_, 0); });
       refuse("step", [&] { world_.Step(kStep); });
     }).join();
   };

@@ -12,10 +12,10 @@
 namespace flatland {
 namespace {
 
-TEST_F(Contacts, HaveEventsInOrder) {
+TEST_F(ContactTest, HaveEventsInOrder) {
   const World::Body moving = AddBox({0, 0, 0}, Rubber());
   const World::Body waiting = AddBox({1.5, 0, 0}, Rubber());
-  world_.ListenToContacts(waiting, kAllContactEvents);
+  world_.contacts().ListenTo(waiting, kAllContactEvents);
   world_.SetVelocity(moving, {2, 0, 0});
 
   StepTimes(400);
@@ -33,8 +33,8 @@ TEST_F(Contacts, HaveEventsInOrder) {
 }
 
 // Box2D finds the time of impact at a wall within the step, and solves the contact once more there.
-TEST_F(Contacts, WithAWallHaveEventsInOrder) {
-  world_.ListenToContacts(AddWallAt(2.0), kAllContactEvents);
+TEST_F(ContactTest, WithAWallHaveEventsInOrder) {
+  world_.contacts().ListenTo(AddWallAt(2.0), kAllContactEvents);
   const World::Body ball = AddBall({0, 0, 0}, Rubber());
   world_.SetVelocity(ball, {3, 0, 0});
 
@@ -54,11 +54,11 @@ TEST_F(Contacts, WithAWallHaveEventsInOrder) {
   EXPECT_LT(world_.GetVelocity(ball).vx, 0.0);
 }
 
-TEST_F(Contacts, BeginAndEndEachTime) {
+TEST_F(ContactTest, BeginAndEndEachTime) {
   const World::Body ball = AddBall({0, 0, 0}, Rubber());
   AddWallAt(-1.0);
   AddWallAt(1.0);
-  world_.ListenToContacts(ball, kBeginContact | kEndContact);
+  world_.contacts().ListenTo(ball, kBeginContact | kEndContact);
   world_.SetVelocity(ball, {2, 0, 0});  // Box2D does not let bounce what is slower than 1 m/s
 
   StepTimes(500);  // 5 m in a room for 1 m
@@ -66,13 +66,13 @@ TEST_F(Contacts, BeginAndEndEachTime) {
   EXPECT_EQ(recorder_.Story(), "bebebebebe");
 }
 
-TEST_F(Contacts, OfOtherBodiesAreNotReported) {
+TEST_F(ContactTest, OfOtherBodiesAreNotReported) {
   const World::Body other = AddBox({0, 0, 0});
   AddBox({0.9, 0, 0});
   const World::Body chosen = AddBox({0, 3, 0});
   const World::Body partner = AddBox({0.9, 3, 0});
-  world_.ListenToContacts(chosen, kAllContactEvents);
-  world_.ListenToContacts(other, kNoContactEvents);
+  world_.contacts().ListenTo(chosen, kAllContactEvents);
+  world_.contacts().ListenTo(other, kNoContactEvents);
 
   StepTimes(10);
 
@@ -83,21 +83,21 @@ TEST_F(Contacts, OfOtherBodiesAreNotReported) {
   }
 }
 
-TEST_F(Contacts, OfTwoBodiesThatAreListenedToAreReportedOnce) {
-  world_.ListenToContacts(AddBox({0, 0, 0}), kBeginContact);
-  world_.ListenToContacts(AddBox({0.9, 0, 0}), kBeginContact);
+TEST_F(ContactTest, OfTwoBodiesThatAreListenedToAreReportedOnce) {
+  world_.contacts().ListenTo(AddBox({0, 0, 0}), kBeginContact);
+  world_.contacts().ListenTo(AddBox({0.9, 0, 0}), kBeginContact);
 
   StepTimes(3);
 
   EXPECT_EQ(recorder_.Story(), "b");
 }
 
-TEST_F(Contacts, HaveOnlyTheChosenEvents) {
+TEST_F(ContactTest, HaveOnlyTheChosenEvents) {
   for (const ContactEvents chosen : {+kBeginContact, +kEndContact, +kPreSolve, +kPostSolve,
                                      kBeginContact | kPostSolve, +kNoContactEvents}) {
     const World::Body moving = AddBox({0, 0, 0}, Rubber());
     const World::Body waiting = AddBox({1.5, 0, 0}, Rubber());
-    world_.ListenToContacts(moving, chosen);
+    world_.contacts().ListenTo(moving, chosen);
     world_.SetVelocity(moving, {2, 0, 0});
 
     StepTimes(400);
@@ -111,45 +111,45 @@ TEST_F(Contacts, HaveOnlyTheChosenEvents) {
   }
 }
 
-TEST_F(Contacts, HaveTheEventsThatEitherSideHasChosen) {
+TEST_F(ContactTest, HaveTheEventsThatEitherSideHasChosen) {
   const World::Body a = AddBox({0, 0, 0});
   const World::Body b = AddBox({0.9, 0, 0});
-  world_.ListenToContacts(a, kBeginContact);
-  world_.ListenToContacts(b, kPostSolve);
+  world_.contacts().ListenTo(a, kBeginContact);
+  world_.contacts().ListenTo(b, kPostSolve);
 
   world_.Step(kStep);
 
   EXPECT_EQ(recorder_.Story(), "bs");
 }
 
-TEST_F(Contacts, AreNotReportedAfterListeningHasStopped) {
+TEST_F(ContactTest, AreNotReportedAfterListeningHasStopped) {
   const World::Body box = AddBox({0, 0, 0});
   AddBox({0.9, 0, 0});
-  world_.ListenToContacts(box, kPreSolve);
+  world_.contacts().ListenTo(box, kPreSolve);
   world_.Step(kStep);
   ASSERT_EQ(recorder_.Story(), "p");
 
-  world_.ListenToContacts(box, kNoContactEvents);
+  world_.contacts().ListenTo(box, kNoContactEvents);
   world_.Step(kStep);
   EXPECT_EQ(recorder_.Story(), "p");
 
-  world_.ListenToContacts(box, kPreSolve);
-  world_.SetContactListener(nullptr);
+  world_.contacts().ListenTo(box, kPreSolve);
+  world_.contacts().SetListener(nullptr);
   world_.Step(kStep);
   EXPECT_EQ(recorder_.Story(), "p");
 
   Recorder another;
-  world_.SetContactListener(&another);
+  world_.contacts().SetListener(&another);
   world_.Step(kStep);
   EXPECT_EQ(recorder_.Story(), "p");
   EXPECT_EQ(another.Story(), "p");
-  world_.SetContactListener(nullptr);
+  world_.contacts().SetListener(nullptr);
 }
 
-TEST_F(Contacts, WithASensorBeginAndEndWithoutPoints) {
+TEST_F(ContactTest, WithASensorBeginAndEndWithoutPoints) {
   const World::Body sensor = AddBox({2, 0, 0}, Sensor(), b2_staticBody);
   const World::Body box = AddBox({0, 0, 0});
-  world_.ListenToContacts(sensor, kAllContactEvents);
+  world_.contacts().ListenTo(sensor, kAllContactEvents);
   world_.SetVelocity(box, {2, 0, 0});
 
   StepTimes(400);
@@ -164,11 +164,11 @@ TEST_F(Contacts, WithASensorBeginAndEndWithoutPoints) {
   EXPECT_NEAR(world_.GetPose(box).x, 4.0, 1e-4);
 }
 
-TEST_F(Contacts, EndWhenABodyIsRemovedWhichStillExistsThen) {
+TEST_F(ContactTest, EndWhenABodyIsRemovedWhichStillExistsThen) {
   const World::Body staying = AddBox({0, 0, 0});
   const World::Body leaving = AddBox({0.99, 0.1, 0});
   const World::Drive drive = world_.AddDrive(leaving, {}, {});
-  world_.ListenToContacts(staying, kBeginContact | kEndContact);
+  world_.contacts().ListenTo(staying, kBeginContact | kEndContact);
   world_.Step(kStep);
   ASSERT_EQ(recorder_.Story(), "b");
   recorder_.action = [&](Contact& contact) {
@@ -193,10 +193,10 @@ TEST_F(Contacts, EndWhenABodyIsRemovedWhichStillExistsThen) {
   EXPECT_EQ(recorder_.Story(), "be");
 }
 
-TEST_F(Contacts, OfABodyThatIsListenedToEndWhenItIsRemoved) {
+TEST_F(ContactTest, OfABodyThatIsListenedToEndWhenItIsRemoved) {
   AddBox({0, 0, 0});
   const World::Body leaving = AddBox({0.99, 0.1, 0});
-  world_.ListenToContacts(leaving, kBeginContact | kEndContact);
+  world_.contacts().ListenTo(leaving, kBeginContact | kEndContact);
   world_.Step(kStep);
 
   world_.RemoveBody(leaving);
@@ -209,7 +209,7 @@ TEST_F(Contacts, OfABodyThatIsListenedToEndWhenItIsRemoved) {
   EXPECT_EQ(recorder_.Story(), "be");
 }
 
-TEST_F(Contacts, AreNotReportedByAWorldThatIsDestroyed) {
+TEST_F(ContactTest, AreNotReportedByAWorldThatIsDestroyed) {
   Recorder recorder;
   {
     World world(10, 10);
@@ -218,9 +218,9 @@ TEST_F(Contacts, AreNotReportedByAWorldThatIsDestroyed) {
       settings.pose.x = x;
       const World::Body body = world.AddBody(settings);
       world.AddCircle(body, {0, 0}, 0.5, Solid());
-      world.ListenToContacts(body, kAllContactEvents);
+      world.contacts().ListenTo(body, kAllContactEvents);
     }
-    world.SetContactListener(&recorder);
+    world.contacts().SetListener(&recorder);
     world.Step(kStep);
     ASSERT_EQ(recorder.Story(), "bps");
   }
@@ -228,10 +228,10 @@ TEST_F(Contacts, AreNotReportedByAWorldThatIsDestroyed) {
 }
 
 // Box2D does not test sleeping bodies against static ones.
-TEST_F(Contacts, BeginWhenAStaticSensorIsMovedOntoASleepingBody) {
+TEST_F(ContactTest, BeginWhenAStaticSensorIsMovedOntoASleepingBody) {
   const World::Body box = AddBox({0, 0, 0});
   const World::Body sensor = AddBox({5, 0, 0}, Sensor(), b2_staticBody);
-  world_.ListenToContacts(sensor, kAllContactEvents);
+  world_.contacts().ListenTo(sensor, kAllContactEvents);
   StepTimes(400);
   ASSERT_FALSE(world_.IsAwake(box));
   ASSERT_EQ(recorder_.Story(), "");
@@ -249,10 +249,10 @@ TEST_F(Contacts, BeginWhenAStaticSensorIsMovedOntoASleepingBody) {
   EXPECT_EQ(recorder_.Story(), "be");
 }
 
-TEST_F(Contacts, BeginWhenASleepingBodyIsMovedOntoASensor) {
+TEST_F(ContactTest, BeginWhenASleepingBodyIsMovedOntoASensor) {
   const World::Body box = AddBox({0, 0, 0});
   const World::Body sensor = AddBox({5, 0, 0}, Sensor(), b2_staticBody);
-  world_.ListenToContacts(sensor, kAllContactEvents);
+  world_.contacts().ListenTo(sensor, kAllContactEvents);
   StepTimes(400);
   ASSERT_FALSE(world_.IsAwake(box));
 
@@ -262,7 +262,7 @@ TEST_F(Contacts, BeginWhenASleepingBodyIsMovedOntoASensor) {
   EXPECT_EQ(recorder_.Story(), "b");
 }
 
-TEST_F(Contacts, PushASleepingBodyOutOfAStaticOneThatIsMovedOntoIt) {
+TEST_F(ContactTest, PushASleepingBodyOutOfAStaticOneThatIsMovedOntoIt) {
   const World::Body box = AddBox({0, 0, 0});
   const World::Body post = AddBox({5, 0, 0}, Solid(), b2_staticBody);
   StepTimes(400);

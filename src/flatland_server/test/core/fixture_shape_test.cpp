@@ -12,9 +12,9 @@ namespace flatland {
 namespace {
 
 /// The range of a beam from the origin along x, on some layers.
-float Look(const World& world, LayerBits layers = kAllLayers) {
+float Look(World& world, LayerBits layers = kAllLayers) {
   float range = -1.0f;
-  world.Scan(BeamFan(0, 0, 1), {}, {20.0, layers, 0}, &range, nullptr);
+  world.lidars().Scan(BeamFan(0, 0, 1), {}, {20.0, layers, 0}, &range, nullptr);
   return range;
 }
 
@@ -38,7 +38,7 @@ TEST_F(WorldTest, ALidarSeesTheNewShapeAndLayers) {
 TEST_F(ContactTest, ContactsEndAndTheNextStepFindsTheNewOnes) {
   AddWallAt(2);
   const World::Body ball = AddBall({1, 0, 0});
-  world_.ListenToContacts(ball, kBeginContact | kEndContact);
+  world_.contacts().ListenTo(ball, kBeginContact | kEndContact);
   StepTimes(1);
   EXPECT_EQ(recorder_.Story(), "");
 

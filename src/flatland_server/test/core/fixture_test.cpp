@@ -92,7 +92,7 @@ TEST_F(WorldTest, WhatIsNotVisibleCollidesButIsNotSeen) {
   lidar.range = 20.0;
   const auto look = [&] {
     float range = -1.0f, intensity = -1.0f;
-    world_.Scan(BeamFan(0, 0, 1), {}, lidar, &range, &intensity);
+    world_.lidars().Scan(BeamFan(0, 0, 1), {}, lidar, &range, &intensity);
     return range;
   };
 

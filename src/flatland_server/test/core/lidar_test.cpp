@@ -37,7 +37,7 @@ class LidarOnABody : public testing::Test {
   }
 
   World::LidarHandle AddLidar(World::Body body) {
-    return world_.AddLidar(body, {fan_, mount_, {20.0, 0xFFFF, 0}});
+    return world_.lidars().Add(body, {fan_, mount_, {20.0, 0xFFFF, 0}});
   }
 
   // The ranges of a scan from the lidar's pose.
@@ -45,8 +45,8 @@ class LidarOnABody : public testing::Test {
     const Pose at = world_.GetPose(body);
     const Vec2 place = Vec2{at.x, at.y} + Rotation(at.yaw).Apply({mount_.x, mount_.y});
     std::vector<float> ranges(fan_->size()), intensities(fan_->size());
-    world_.Scan(*fan_, {place.x, place.y, at.yaw + mount_.yaw}, {20.0, 0xFFFF, 0}, ranges.data(),
-                intensities.data());
+    world_.lidars().Scan(*fan_, {place.x, place.y, at.yaw + mount_.yaw}, {20.0, 0xFFFF, 0},
+                         ranges.data(), intensities.data());
     return ranges;
   }
 
@@ -59,16 +59,16 @@ TEST_F(LidarOnABody, SeesWhatIsSeenFromItsPlace) {
   const World::Body robot = AddRobot({3, 2, 1.2});
   AddRobot({5, 3, 0});
 
-  EXPECT_EQ(world_.Scan(AddLidar(robot)).ranges, Expected(robot));
+  EXPECT_EQ(world_.lidars().Scan(AddLidar(robot)).ranges, Expected(robot));
 }
 
 TEST_F(LidarOnABody, HasIntensitiesIfThereAreReflectanceLayers) {
   const World::Body robot = AddRobot({3, 2, 1.2});
   const World::LidarHandle reflecting =
-      world_.AddLidar(robot, {fan_, mount_, {20.0, 0xFFFF, 0b10}});
+      world_.lidars().Add(robot, {fan_, mount_, {20.0, 0xFFFF, 0b10}});
 
-  EXPECT_EQ(world_.Scan(AddLidar(robot)).intensities.size(), 0u);
-  EXPECT_EQ(world_.Scan(reflecting).intensities, std::vector<float>(fan_->size(), 255.0f));
+  EXPECT_EQ(world_.lidars().Scan(AddLidar(robot)).intensities.size(), 0u);
+  EXPECT_EQ(world_.lidars().Scan(reflecting).intensities, std::vector<float>(fan_->size(), 255.0f));
 }
 
 TEST_F(LidarOnABody, SeesTheSameTogetherAsAlone) {
@@ -79,9 +79,9 @@ TEST_F(LidarOnABody, SeesTheSameTogetherAsAlone) {
     lidars.push_back(AddLidar(robots.back()));
   }
   for (int step = 0; step < 5; ++step) {
-    for (const auto& lidar : lidars) world_.ExpectScan(lidar);
+    for (const auto& lidar : lidars) world_.lidars().Expect(lidar);
     for (size_t i = 0; i < robots.size(); ++i) {
-      ASSERT_EQ(world_.Scan(lidars[i]).ranges, Expected(robots[i])) << "robot " << i;
+      ASSERT_EQ(world_.lidars().Scan(lidars[i]).ranges, Expected(robots[i])) << "robot " << i;
     }
     world_.SetVelocity(robots[step], {1.0, 0.5, 2.0});
     world_.Step(0.1);
@@ -92,24 +92,24 @@ TEST_F(LidarOnABody, SeesTheSameTogetherAsAlone) {
 TEST_F(LidarOnABody, ScansTogetherWithAllThatAreExpected) {
   std::vector<World::LidarHandle> lidars;
   for (int i = 0; i < 3; ++i) lidars.push_back(AddLidar(AddRobot({3.0 + i, 3, 0})));
-  const Lidar* const asked = &world_.Scan(lidars[0]);
-  const Lidar* const expected = &world_.Scan(lidars[1]);
-  const Lidar* const other = &world_.Scan(lidars[2]);
+  const Lidar* const asked = &world_.lidars().Scan(lidars[0]);
+  const Lidar* const expected = &world_.lidars().Scan(lidars[1]);
+  const Lidar* const other = &world_.lidars().Scan(lidars[2]);
 
   for (int step = 0; step < 3; ++step) {
     world_.Step(0.1);
     const uint64_t before = other->scanned_revision;
-    world_.ExpectScan(lidars[1]);
-    world_.ExpectScan(lidars[1]);
-    world_.Scan(lidars[0]);
+    world_.lidars().Expect(lidars[1]);
+    world_.lidars().Expect(lidars[1]);
+    world_.lidars().Scan(lidars[0]);
     EXPECT_GT(asked->scanned_revision, before);
     EXPECT_EQ(expected->scanned_revision, asked->scanned_revision) << "step " << step;
     EXPECT_EQ(other->scanned_revision, before);
 
     world_.Step(0.1);
-    world_.Scan(lidars[0]);
+    world_.lidars().Scan(lidars[0]);
     EXPECT_LT(expected->scanned_revision, asked->scanned_revision) << "it is expected no more";
-    world_.Scan(lidars[2]);
+    world_.lidars().Scan(lidars[2]);
   }
 }
 
@@ -117,26 +117,27 @@ TEST_F(LidarOnABody, SeesWhatHasChangedSinceTheOthersHaveScanned) {
   const World::Body robot = AddRobot({3, 2, 0});
   const World::LidarHandle first = AddLidar(AddRobot({1, 1, 0}));
   const World::LidarHandle second = AddLidar(robot);
-  world_.ExpectScan(first);
-  world_.ExpectScan(second);
-  const std::vector<float> before = world_.Scan(first).ranges;
+  world_.lidars().Expect(first);
+  world_.lidars().Expect(second);
+  const std::vector<float> before = world_.lidars().Scan(first).ranges;
 
   world_.SetPose(robot, {4, 3, 1});
-  const std::vector<float> seen = world_.Scan(second).ranges;  // before anything else scans
+  const std::vector<float> seen =
+      world_.lidars().Scan(second).ranges;  // before anything else scans
   EXPECT_EQ(seen, Expected(robot));
-  EXPECT_NE(world_.Scan(first).ranges, before) << "the robot stands elsewhere";
+  EXPECT_NE(world_.lidars().Scan(first).ranges, before) << "the robot stands elsewhere";
 
   const World::Body box = AddRobot({5, 3, 0});
-  EXPECT_EQ(world_.Scan(second).ranges, Expected(robot)) << "something has come";
+  EXPECT_EQ(world_.lidars().Scan(second).ranges, Expected(robot)) << "something has come";
   world_.RemoveBody(box);
-  EXPECT_EQ(world_.Scan(second).ranges, Expected(robot)) << "something has gone";
+  EXPECT_EQ(world_.lidars().Scan(second).ranges, Expected(robot)) << "something has gone";
   world_.AddLayer({{{4.5, 0}, {4.5, 6}}}, 0xFFFF);
-  EXPECT_EQ(world_.Scan(second).ranges, Expected(robot)) << "a wall has been put up";
+  EXPECT_EQ(world_.lidars().Scan(second).ranges, Expected(robot)) << "a wall has been put up";
 }
 
 TEST_F(LidarOnABody, SeesStaticBodiesWhereTheyAre) {
   const World::LidarHandle lidar = AddLidar(AddRobot({3, 2, 0}));
-  const auto scan = [&] { return world_.Scan(lidar).ranges; };
+  const auto scan = [&] { return world_.lidars().Scan(lidar).ranges; };
   const std::vector<float> without = scan();
   BodySettings settings;
   settings.type = b2_staticBody;
@@ -168,32 +169,32 @@ TEST_F(LidarOnABody, GoesWithItsBody) {
   const World::Body robot = AddRobot({3, 2, 0});
   const World::LidarHandle lidar = AddLidar(robot);
   const World::LidarHandle other = AddLidar(AddRobot({1, 1, 0}));
-  world_.ExpectScan(lidar);
+  world_.lidars().Expect(lidar);
 
   world_.RemoveBody(robot);
 
-  EXPECT_THROW(world_.Scan(lidar), GoneError);
-  EXPECT_THROW(world_.ExpectScan(lidar), GoneError);
-  EXPECT_NO_THROW(world_.Scan(other));
+  EXPECT_THROW(world_.lidars().Scan(lidar), GoneError);
+  EXPECT_THROW(world_.lidars().Expect(lidar), GoneError);
+  EXPECT_NO_THROW(world_.lidars().Scan(other));
 }
 
 TEST_F(LidarOnABody, IsForgottenWithItsBodyWhenItHasScanned) {
   const World::Body robot = AddRobot({3, 2, 0});
   const World::LidarHandle other = AddLidar(AddRobot({1, 1, 0}));
-  world_.Scan(AddLidar(robot));
+  world_.lidars().Scan(AddLidar(robot));
 
   world_.RemoveBody(robot);
 
-  const std::vector<float> seen = world_.Scan(other).ranges;
+  const std::vector<float> seen = world_.lidars().Scan(other).ranges;
   EXPECT_LT(*std::max_element(seen.begin(), seen.end()), 20.0f);
 }
 
 TEST_F(LidarOnABody, RefusesInvalidSettings) {
   const World::Body robot = AddRobot({3, 2, 0});
 
-  EXPECT_THROW(world_.AddLidar(robot, {nullptr, {}, {20.0, 1, 0}}), std::invalid_argument);
-  EXPECT_THROW(world_.AddLidar(robot, {fan_, {}, {0.0, 1, 0}}), std::invalid_argument);
-  EXPECT_THROW(world_.AddLidar(robot, {fan_, {std::nan(""), 0, 0}, {20.0, 1, 0}}),
+  EXPECT_THROW(world_.lidars().Add(robot, {nullptr, {}, {20.0, 1, 0}}), std::invalid_argument);
+  EXPECT_THROW(world_.lidars().Add(robot, {fan_, {}, {0.0, 1, 0}}), std::invalid_argument);
+  EXPECT_THROW(world_.lidars().Add(robot, {fan_, {std::nan(""), 0, 0}, {20.0, 1, 0}}),
                std::invalid_argument);
 }
 
@@ -233,7 +234,7 @@ TEST(ForEachInParallel, WaitsForAllPieces) {
   }
 }
 
-// Whether two pieces are done at a time: each waits for the other, but not for ever.
+// True if two pieces are done at a time: each waits for the other, but not for ever.
 bool UsesSeveralThreads() {
   const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   std::atomic<int> arrived{0};

@@ -74,9 +74,11 @@ TEST(LargeLayer, BodiesMeetItsWallsAsInAnOrdinaryLayer) {
   const std::vector<Pose> poses = large.Run(100), expected = ordinary.Run(100);
 
   for (size_t i = 0; i < poses.size(); ++i) ExpectPose(poses[i], expected[i], 1e-3);
-  ASSERT_FALSE(large.world.GetTouches().empty());
-  ASSERT_EQ(large.world.GetTouches().size(), ordinary.world.GetTouches().size());
-  EXPECT_EQ(large.world.GetTouches()[0].a.index, ordinary.world.GetTouches()[0].a.index);
+  ASSERT_FALSE(large.world.contacts().GetTouches().empty());
+  ASSERT_EQ(large.world.contacts().GetTouches().size(),
+            ordinary.world.contacts().GetTouches().size());
+  EXPECT_EQ(large.world.contacts().GetTouches()[0].a.index,
+            ordinary.world.contacts().GetTouches()[0].a.index);
   EXPECT_EQ(large.world.body_count(), ordinary.world.body_count());
   EXPECT_EQ(ordinary.world.held_wall_count(), 0);
 }
@@ -122,8 +124,8 @@ TEST(LargeLayer, ABodyThatIsFastOrMovedFarMeetsItsWalls) {
 TEST(LargeLayer, EventsNameItsWalls) {
   Scene scene;
   Recorder recorder;
-  scene.world.SetContactListener(&recorder);
-  scene.world.ListenToContacts(scene.layer, kBeginContact | kEndContact);
+  scene.world.contacts().SetListener(&recorder);
+  scene.world.contacts().ListenTo(scene.layer, kBeginContact | kEndContact);
   scene.Run(200);
   scene.world.SetPose(scene.robot, {40, 40, 0});
   scene.world.SetPose(scene.box, {-40, 40, 0});

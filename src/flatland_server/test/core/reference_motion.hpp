@@ -29,7 +29,7 @@ class Course {
     return points_.back().value;
   }
 
-  /// Whether it is continuous there.
+  /// True if it is continuous there.
   bool IsSteadyAt(double time) const {
     constexpr double kLittle = 1e-9;
     return std::abs(At(time + kLittle) - At(time - kLittle)) < 1e3 * kLittle;

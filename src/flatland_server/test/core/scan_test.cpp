@@ -196,7 +196,7 @@ TEST_F(LidarTest, SeesTheSideOfACircleThatAWallLeavesFree) {
     settings.pose = {4, 0, 0};
     world.AddCircle(world.AddBody(settings), {0, 0}, 1.0, {});
     float range, intensity;
-    world.Scan(BeamFan(-0.2 * side, 0.0, 1), {}, settings_, &range, &intensity);
+    world.lidars().Scan(BeamFan(-0.2 * side, 0.0, 1), {}, settings_, &range, &intensity);
 
     const double across = 4.0 * std::sin(0.2);
     EXPECT_NEAR(range, 4.0 * std::cos(0.2) - std::sqrt(1.0 - across * across), 1e-5) << side;

@@ -85,7 +85,7 @@ inline bool AreSame(World::Body a, World::Body b) {
 
 class ContactTest : public testing::Test {
  protected:
-  ContactTest() { world_.SetContactListener(&recorder_); }
+  ContactTest() { world_.contacts().SetListener(&recorder_); }
 
   World::Body AddBody(const Pose& pose, b2BodyType type = b2_dynamicBody) {
     BodySettings settings;
@@ -116,7 +116,5 @@ class ContactTest : public testing::Test {
   Recorder recorder_;
   World world_{10, 10};
 };
-
-using Contacts = ContactTest;
 
 }  // namespace flatland

@@ -20,14 +20,14 @@ class LidarTest : public testing::Test {
  protected:
   LidarTest() { settings_.range = 30.0; }
 
-  View Look(const BeamFan& fan, const Pose& pose) const {
+  View Look(const BeamFan& fan, const Pose& pose) {
     View view{std::vector<float>(fan.size(), -1.0f), std::vector<float>(fan.size(), -1.0f)};
-    world_.Scan(fan, pose, settings_, view.ranges.data(), view.intensities.data());
+    world_.lidars().Scan(fan, pose, settings_, view.ranges.data(), view.intensities.data());
     return view;
   }
 
   // The range of a single beam along the lidar's x axis.
-  float LookAhead(const Pose& pose) const { return Look(BeamFan(0.0, 0.0, 1), pose).ranges[0]; }
+  float LookAhead(const Pose& pose) { return Look(BeamFan(0.0, 0.0, 1), pose).ranges[0]; }
 
   World::Body AddBody(const Pose& pose) {
     BodySettings settings;

@@ -58,7 +58,7 @@ class WorldBatchTest : public WorldTest {
     LidarSettings lidar;
     lidar.fan = std::make_shared<BeamFan>(-2.0, 0.13, kBeams);
     lidar.scan.range = 5.0;
-    robot_.lidar = world_.AddLidar(base, lidar);
+    robot_.lidar = world_.lidars().Add(base, lidar);
   }
 
   /// The action of an environment in a round: two numbers.
@@ -86,13 +86,13 @@ class WorldBatchTest : public WorldTest {
           bool touches = false;
           for (int i = 0; i < 7; ++i) {
             alone->Step(kStep);
-            touches = touches || alone->Touches(robot_.bodies);
+            touches = touches || alone->contacts().Touches(robot_.bodies);
           }
           const Pose pose = alone->GetPose(robot_.bodies[0]);
           ASSERT_EQ(rows.poses[3 * k], pose.x);
           ASSERT_EQ(rows.poses[3 * k + 1], pose.y);
           ASSERT_EQ(rows.collided[k], touches);
-          const Lidar& lidar = alone->Scan(robot_.lidar);
+          const Lidar& lidar = alone->lidars().Scan(robot_.lidar);
           for (int i = 0; i < kBeams; ++i) {
             ASSERT_EQ(rows.ranges[k * kBeams + i], lidar.ranges[i]);
           }
@@ -210,7 +210,7 @@ TEST_F(WorldBatchTest, AReplacedEnvironmentIsAnotherWorld) {
       alone->Get(std::get<World::Drive>(robot_.drive)).Command({actions[2], 0.0, actions[3]});
       for (int i = 0; i < 5; ++i) alone->Step(kStep);
       ASSERT_EQ(rows.poses[3], alone->GetPose(robot_.bodies[0]).x) << is_again;
-      ASSERT_EQ(rows.ranges[kBeams], alone->Scan(robot_.lidar).ranges[0]);
+      ASSERT_EQ(rows.ranges[kBeams], alone->lidars().Scan(robot_.lidar).ranges[0]);
       ASSERT_EQ(rows.poses[0], expected.poses[0]);
       ASSERT_EQ(rows.poses[6], expected.poses[6]);
     }

@@ -52,7 +52,7 @@ TEST_F(WorldCopyTest, MakesTheSteps) {
     ExpectSame(world_, *copy, driven_);
     ExpectSame(world_, *copy, box_);
   }
-  EXPECT_FALSE(world_.GetTouches().empty());
+  EXPECT_FALSE(world_.contacts().GetTouches().empty());
   EXPECT_EQ(copy->GetMass(driven_), world_.GetMass(driven_));
 }
 
@@ -74,9 +74,9 @@ TEST_F(WorldCopyTest, TouchesOfABodyAreWithOtherSolidBodies) {
   const World::Body neighbour = AddBox(world_, {0.99, 0, 0});
   AddBox(world_, {0, 0.99, 0}, 1.0, Sensor());
   world_.Step(kStep);
-  EXPECT_TRUE(world_.Touches({box}));
-  EXPECT_FALSE(world_.Touches({box, neighbour}));
-  EXPECT_FALSE(world_.Touches({}));
+  EXPECT_TRUE(world_.contacts().Touches({box}));
+  EXPECT_FALSE(world_.contacts().Touches({box, neighbour}));
+  EXPECT_FALSE(world_.contacts().Touches({}));
 }
 
 }  // namespace

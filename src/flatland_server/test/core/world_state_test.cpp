@@ -107,8 +107,8 @@ TEST(WorldState, ItCannotBeSavedDuringAStep) {
     World& world;
     int count = 0;
   } saver(scene.world);
-  scene.world.SetContactListener(&saver);
-  scene.world.ListenToContacts(scene.box, kBeginContact);
+  scene.world.contacts().SetListener(&saver);
+  scene.world.contacts().ListenTo(scene.box, kBeginContact);
 
   scene.Run(80);
 

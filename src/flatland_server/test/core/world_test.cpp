@@ -74,7 +74,7 @@ TEST_F(WorldTest, EachUseOfARemovedBodyThrows) {
   EXPECT_THROW(world_.SetFriction({gone, 0}, 0.5), GoneError);
   EXPECT_THROW(world_.TestPoint({gone, 0}, {0, 0}), GoneError);
   EXPECT_THROW(world_.AddTricycle(gone, {}, {}), GoneError);
-  EXPECT_THROW(world_.ListenToContacts(gone, kBeginContact), GoneError);
+  EXPECT_THROW(world_.contacts().ListenTo(gone, kBeginContact), GoneError);
 }
 
 TEST_F(WorldTest, BodyInTheSlotOfARemovedOneDoesNotGetItsDrive) {

@@ -81,7 +81,7 @@ def test_the_worker_ends_with_the_preprocessor(evaluate, preprocessor):
 
 
 def has_ended(pid: int) -> bool:
-    """Whether a process is gone, or waits to be reaped."""
+    """True if a process is gone, or waits to be reaped."""
     try:
         status = Path(f"/proc/{pid}/stat").read_text()
     except OSError:

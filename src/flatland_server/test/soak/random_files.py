@@ -112,7 +112,7 @@ class RandomFiles:
 
 
 def is_of_a_whole_file(message: str) -> bool:
-    """Whether a problem concerns a file as a whole, so that it has no line."""
+    """True if a problem concerns a file as a whole, so that it has no line."""
     beginnings = (
         "cannot be read", "is not UTF-8", "is not valid YAML", "is nested too deeply",
         "expected a map, found an empty file", "is not an image", "expected walls",

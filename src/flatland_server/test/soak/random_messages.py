@@ -119,7 +119,7 @@ def send_random_messages(folder: Path, seed: int, steps: int, findings: Findings
 
 
 def is_finite(value: Any) -> bool:
-    """Whether all numbers in a message or a value are finite."""
+    """True if all numbers in a message or a value are finite."""
     if isinstance(value, float):
         return math.isfinite(value)
     if isinstance(value, Message):

@@ -71,7 +71,7 @@ def signals_at_random(
 
 
 def answers(server: Server) -> bool:
-    """Whether its services can be called; the master may know those of one that was killed."""
+    """True if its services can be called; the master may know those of one that was killed."""
     if not server.look_up():
         return False
     try:

@@ -23,5 +23,5 @@ class Usage(NamedTuple):
         return cls(int(values["VmRSS"].split()[0]) / 1024, files, int(values["Threads"]))
 
     def has_no_more_than(self, other: "Usage") -> bool:
-        """Whether there are at most as many open files and threads."""
+        """True if there are at most as many open files and threads."""
         return self.open_files <= other.open_files and self.threads <= other.threads

@@ -56,7 +56,7 @@ def module_name(path: Path) -> str:
 
 
 def is_ros_module(path: Path) -> bool:
-    """Whether a file belongs to flatland_server.ros."""
+    """True if a file belongs to flatland_server.ros."""
     return f"{module_name(path)}.".startswith("flatland_server.ros.")
 
 

@@ -45,7 +45,7 @@ def functions_of(value):
 
 
 def raises(function):
-    """Whether a function's own code raises an error other than NotImplementedError."""
+    """True if a function's own code raises an error other than NotImplementedError."""
     code = inspect.unwrap(getattr(function, "__func__", function))
     source = inspect.getsource(code) if inspect.isfunction(code) else ""  # nothing in the core
     return re.search(r"^ +raise (?!NotImplementedError|TypeError)[A-Z]", source, re.MULTILINE)

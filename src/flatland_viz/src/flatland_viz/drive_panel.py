@@ -21,7 +21,7 @@ from python_qt_binding.QtWidgets import (
 from flatland_viz.drive_command import KEYS, SLOW, Command, Speeds, of_keys, of_pad, velocity
 from flatland_viz.drive_pad import DrivePad
 from flatland_viz.drive_publisher import DrivePublisher
-from flatland_viz.drive_robots import PublisherWatch, Robot, robots_of
+from flatland_viz.drive_robots import Robot, robots_of
 from flatland_viz.model_list import Model
 from flatland_viz.number_field import NumberField
 from flatland_viz.selection import Selection
@@ -57,12 +57,11 @@ class DrivePanel(QDockWidget):
         self._is_slow = False
         self._command = Command()
         self._publisher = DrivePublisher()
-        self._watch = PublisherWatch()
+        self._publishers: Dict[str, List[str]] = {}
         self._filtered: Optional[QObject] = None
         self._build()
         self._pad.moved.connect(lambda right, up: self._drive(of_pad(right, up)))
         self._choice.currentIndexChanged.connect(self._open)
-        self._watch.changed.connect(self._show_others)
         self.visibilityChanged.connect(lambda _: self._open())
         selection.changed.connect(self._choose)
         selection.drive_asked.connect(self._begin)
@@ -121,11 +120,6 @@ class DrivePanel(QDockWidget):
             self._filtered = self.window().windowHandle()
             self._filtered.installEventFilter(self)
 
-    def finish(self) -> None:
-        """Stops the robot and the panel's updates. To be called at the end."""
-        self.stop()
-        self._watch.close()
-
     def stop(self) -> None:
         """Stops the robot, even while keys or the pad are held."""
         self._held.clear()
@@ -171,15 +165,21 @@ class DrivePanel(QDockWidget):
         if not topic:
             self.stop()
         self._publisher.open(topic)
-        self._watch.watch(topic)
         self._choice.setToolTip(f"{robot.name}\n{topic}" if robot else "")
         steers = robot is not None and robot.steers
         self._turn_label.setText("Steer" if steers else "Turn")
         self._turn.setSuffix(" rad" if steers else " rad/s")
-        self._show_others(topic, [])
+        self._show_notice()
         self._send()
 
-    def _show_others(self, topic: str, nodes: List[str]) -> None:
+    def set_publishers(self, publishers: Dict[str, List[str]]) -> None:
+        """Sets the other nodes that publish a topic, by topic."""
+        self._publishers = publishers
+        self._show_notice()
+
+    def _show_notice(self) -> None:
+        topic = self._robot.topic if self._robot else ""
+        nodes = self._publishers.get(topic, [])
         text = ""
         if not self._robots:
             text = "No robot in this world can be driven."

@@ -13,7 +13,7 @@ class Topic(NamedTuple):
     name: str
     type: str
     is_published: bool
-    """Whether the server publishes it; otherwise the server subscribes."""
+    """True if the server publishes it; otherwise the server subscribes."""
     plugin: str
 
 

@@ -2,18 +2,17 @@
 
 import threading
 import xmlrpc.client
-from typing import Any, Set, Tuple
+from typing import Any, Dict, Set, Tuple
 
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from flatland_msgs.msg import ModelList
 from python_qt_binding.QtCore import QObject, Signal
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 
 from flatland_viz.drive_robots import robots_of
-from flatland_viz.model_list import models_of
+from flatland_viz.model_list import Model
 from flatland_viz.problems import frames_published_twice, shared_commands
 
 _SERVER = "flatland_server"
@@ -42,9 +41,7 @@ class ProblemSources(QObject):
 
     def start(self) -> None:
         """Subscribes. Connect the signals before, or in the same event of Qt's loop."""
-        models = rospy.resolve_name(f"{_SERVER}/models")
         rospy.Subscriber("/rosout", Log, self._on_log, queue_size=100)
-        rospy.Subscriber(models, ModelList, self._on_models, queue_size=1)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=10)
         threading.Thread(target=self._watch_frames, name="frames", daemon=True).start()
 
@@ -58,8 +55,9 @@ class ProblemSources(QObject):
             stamp = message.header.stamp.to_sec()
             self._emit(self.logged, message.name, message.msg, message.level >= Log.ERROR, stamp)
 
-    def _on_models(self, message: ModelList) -> None:
-        robots = robots_of(models_of(message).values())
+    def check_models(self, models: Dict[str, Model]) -> None:
+        """Reports robots that share a topic of commands."""
+        robots = robots_of(models.values())
         states = [("models", text, False) for text in shared_commands(robots)]
         self._emit(self.lasts, "models", states, rospy.get_time())
 

@@ -64,7 +64,7 @@ class Problems:
 
     @property
     def has_errors(self) -> bool:
-        """Whether one of them is an error."""
+        """True if one of them is an error."""
         return any(problem.is_error for problem in self._problems.values())
 
 

@@ -254,7 +254,7 @@ class Scene(QObject):
 
     @property
     def can_spawn(self) -> bool:
-        """Whether the tool that spawns models is available."""
+        """True if the tool that spawns models is available."""
         tool = self._tool(SPAWN_TOOL)
         return tool is not None and _child(tool.getPropertyContainer(), "Model File") is not None
 

@@ -8,7 +8,7 @@ import threading
 import time
 import xmlrpc.client
 from contextlib import suppress
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -50,6 +50,8 @@ class Server(QObject):
     """The topics of all laser scans; emitted once at the start even if there are none."""
     navigation_changed = Signal(object)
     """The NavigationTools that have subscribers."""
+    publishers_changed = Signal(object)
+    """The names of the nodes that publish a topic, but this one, by topic."""
     world_changed = Signal(str)
     """The path of the world's file."""
     loading_changed = Signal(int)
@@ -70,6 +72,7 @@ class Server(QObject):
         self.debug = rospy.resolve_name(f"{_SERVER}/debug")
         self._scans: Optional[List[str]] = None
         self._navigation: List[NavigationTool] = []
+        self._publishers: Dict[str, List[str]] = {}
         self._world = ""
         self._poll_now = threading.Event()
         self._is_closed = False
@@ -224,13 +227,14 @@ class Server(QObject):
             self._poll_now.clear()
             try:
                 scans = laser_scans(master.getPublishedTopics(""))
-                subscribed = [topic for topic, _ in master.getSystemState()[1]]
+                published, subscribed, _ = master.getSystemState()
                 world = _parameter(master, rospy.resolve_name(f"{_SERVER}/world_path"))
             except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
                 pass  # there is no master now; the window shows that there is no server
             else:
                 self._on_polled(scans, world)
-                self._on_subscribed(subscribed)
+                self._on_subscribed([topic for topic, _ in subscribed])
+                self._on_published(published)
             self._poll_now.wait(_POLL_PERIOD)
             time.sleep(0.1)  # several models that are spawned together cause one poll
 
@@ -247,6 +251,15 @@ class Server(QObject):
         if tools != self._navigation:
             self._navigation = tools
             self._emit(self.navigation_changed, tools)
+
+    def _on_published(self, nodes_by_topic: List[Tuple[str, List[str]]]) -> None:
+        own = rospy.get_name()
+        publishers = {
+            topic: sorted(node for node in nodes if node != own) for topic, nodes in nodes_by_topic
+        }
+        if publishers != self._publishers:
+            self._publishers = publishers
+            self._emit(self.publishers_changed, publishers)
 
 
 def _parameter(master: rosgraph.Master, name: str) -> Optional[str]:

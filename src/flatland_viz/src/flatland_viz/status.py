@@ -28,7 +28,7 @@ class Status(NamedTuple):
 
 
 def is_gone(silence: float) -> bool:
-    """Whether the server counts as gone after a silence [s of real time]."""
+    """True if the server counts as gone after a silence [s of real time]."""
     return silence > SILENCE
 
 
@@ -58,5 +58,5 @@ def speed(simulation: Simulation) -> str:
 
 
 def has_restarted(before: Optional[Simulation], silence: float, now: Simulation) -> bool:
-    """Whether the server was restarted: after a silence, or because time went back."""
+    """True if the server was restarted: after a silence, or because time went back."""
     return before is not None and (is_gone(silence) or now.time < before.time)

@@ -16,7 +16,7 @@ def describe(kind: str, message: Any) -> str:
 
 
 def is_described(kind: str) -> bool:
-    """Whether `describe` knows a type."""
+    """True if `describe` knows a type."""
     return kind in _DESCRIBERS
 
 

@@ -36,7 +36,7 @@ def main() -> int:
 
 
 def _has_display() -> bool:
-    """Whether the X server named by DISPLAY accepts connections.
+    """True if the X server named by DISPLAY accepts connections.
 
     A server such as Xvfb resets when its last client disconnects, and refuses connections
     meanwhile: so this tries for a second, and keeps its connection open until Qt has one.
@@ -74,6 +74,7 @@ def _show_window(ends_server: bool) -> int:
     problems = ProblemSources()
     problems.start()  # before rviz, which takes seconds: the server logs as it loads the world
     server = Server()
+    server.models_changed.connect(problems.check_models)
     window = Window(server, Scene(_base_config(), _frame_rate()), problems)
     server.start()
     # Opened by a launch file, it waits for the world, since a refused world ends the launch.

@@ -56,7 +56,7 @@ class Window(QMainWindow):
         self._server = server
         self._scene = scene
         self.is_closed = False
-        """Whether the user has closed it."""
+        """True if the user has closed it."""
         self._world = ""
         self._simulation: Optional[Simulation] = None
         self._last_message = time.monotonic()
@@ -97,6 +97,7 @@ class Window(QMainWindow):
         server.world_changed.connect(self._on_world)
         server.failed.connect(self._line.show_message)
         server.models_changed.connect(self._drive.set_models)
+        server.publishers_changed.connect(self._drive.set_publishers)
         server.done.connect(self._line.show_message)
         server.refused.connect(self._show_error)
         scene.hints.connect(self._line.show_hint)
@@ -174,7 +175,7 @@ class Window(QMainWindow):
 
     def finish(self) -> None:
         """Remembers the window's place, size and panels, and stops a robot that it drives."""
-        self._drive.finish()
+        self._drive.stop()
         self._settings.save_window(self, self._scene.frame)
 
     def _show_error(self, what: str, why: str) -> None:

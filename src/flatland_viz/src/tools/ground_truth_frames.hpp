@@ -36,7 +36,7 @@ class GroundTruthFrames {
   GroundTruthFrames(std::shared_ptr<tf2_ros::Buffer> buffer, const WorldModels& models,
                     ros::NodeHandle& node);
 
-  /// Whether the transforms go to /tf.
+  /// True if the transforms go to /tf.
   bool is_published = false;
 
   void Add(const flatland_msgs::ModelStates& states);

@@ -25,9 +25,9 @@ struct WorldModel {
   flatland_msgs::ModelState state;
   int color_index = 0;
 
-  /// Whether its state is known, from the first message on.
+  /// True if its state is known, from the first message on.
   bool is_placed() const { return !state.bodies.empty(); }
-  /// Whether it has topics. A box has none.
+  /// True if it has topics. A box has none.
   bool is_robot() const;
   /// Its accent colour.
   QColor color() const;
@@ -39,7 +39,7 @@ struct WorldModel {
   geometry_msgs::Pose2D MiddleAt(const geometry_msgs::Pose2D& pose) const;
   /// The same, with the origin where it was last [m].
   QPointF middle_in_world() const;
-  /// Whether a point of the world [m] is within one of its bodies.
+  /// True if a point of the world [m] is within one of its bodies.
   bool Contains(double x, double y) const;
 
  private:

@@ -17,7 +17,7 @@ class DrawSchedule {
   /// The user moved the mouse in the view, or pressed a key.
   void UserActed(double now) { last_action_ = now; }
 
-  /// Whether to draw now. Follow up with `Drawn` if so.
+  /// True if the view is to be drawn now. Follow up with `Drawn` if so.
   bool IsDue(double now) const;
 
   /// The view was drawn.

@@ -23,7 +23,7 @@ double Seconds(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Whether the window is minimised, on another desktop, or not shown yet.
+/// True if the window is minimised, on another desktop, or not shown yet.
 bool IsHidden(const QWidget& widget) {
   const QWidget* top = widget.window();
   const QWindow* window = top->windowHandle();

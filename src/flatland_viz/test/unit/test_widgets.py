@@ -60,13 +60,6 @@ class Publisher:
         self.velocity = self.commands[self.topic] = velocity
 
 
-class Watch(QObject):
-    changed = Signal(str, object)
-
-    def watch(self, topic):
-        pass
-
-
 class Settings:
     """Settings without stored values."""
 
@@ -81,7 +74,6 @@ def robot(name):
 
 def test_a_held_key_does_not_drive_the_next_robot_when_its_own_is_deleted(application, monkeypatch):
     monkeypatch.setattr(drive_panel, "DrivePublisher", Publisher)
-    monkeypatch.setattr(drive_panel, "PublisherWatch", Watch)
     window = QMainWindow()
     panel = drive_panel.DrivePanel(Selection(), Settings())
     window.addDockWidget(Qt.RightDockWidgetArea, panel)

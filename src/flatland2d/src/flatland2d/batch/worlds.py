@@ -30,7 +30,7 @@ class BatchWorlds:
         self._walls: Dict[int, List[Segments]] = {}
 
     def __bool__(self) -> bool:
-        """Whether environments have worlds of their own."""
+        """True if environments have worlds of their own."""
         return self._differ
 
     def load(self, core: _core.WorldBatch, chosen: BoolArray, seeds: IntArray) -> BoolArray:

@@ -58,7 +58,7 @@ def world_key(world: str, parameters: Mapping[str, Any]) -> str:
 
 
 def is_for_controller(name: str) -> bool:
-    """Whether a parameter is an argument of the controller."""
+    """True if a parameter is an argument of the controller."""
     return name.startswith(_CONTROLLER)
 
 
@@ -74,7 +74,7 @@ def world_changes(parameters: Mapping[str, Any]) -> Dict[str, Any]:
 
 
 def _names_a_file(place: str) -> bool:
-    """Whether the value at a place in a world may be a file: a layer's map, a model."""
+    """True if the value at a place in a world may be a file: a layer's map, a model."""
     words = place.split(".")
     return len(words) == 3 and (words[0], words[2]) in (("layers", "map"), ("models", "model"))
 

@@ -135,7 +135,7 @@ class SweepRun:
 
     @property
     def is_running(self) -> bool:
-        """Whether the run goes on."""
+        """True if the run goes on."""
         return not self.outcome
 
     @property

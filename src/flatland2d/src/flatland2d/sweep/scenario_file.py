@@ -244,7 +244,7 @@ def _grid(section: YamlReader) -> Dict[str, Any]:
 
 
 def _is_list_of_maps(reader: YamlReader, key: str) -> bool:
-    """Whether a key has a list with a map in it."""
+    """True if a key has a list with a map in it."""
     if not reader.is_list(key):
         return False
     try:

@@ -58,7 +58,7 @@ class Window:
 
     @property
     def is_open(self) -> bool:
-        """Whether the user has not closed it yet."""
+        """True if the user has not closed it yet."""
         return self._is_open
 
     def run(self) -> None:

@@ -63,7 +63,7 @@ def workers_of(process):
 
 
 def is_running(pid):
-    """Whether there is such a process, which is no zombie."""
+    """True if there is such a process, which is no zombie."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except FileNotFoundError:

@@ -32,7 +32,7 @@ class ComposedFile(NamedTuple):
     value_count: int
     """The number of its keys and values, maps and lists."""
     is_plain: bool
-    """Whether it has no directives (`$include`, `$eval`), no aliases, no tags and no `<<`."""
+    """True if it has no directives (`$include`, `$eval`), no aliases, no tags and no `<<`."""
     content: bytes
     """The file's bytes."""
 
@@ -160,5 +160,5 @@ def _named(text: str, path: Path) -> io.StringIO:
 
 
 def _is_empty(document: yaml.Node) -> bool:
-    """Whether nothing is written in a document, not even `null`."""
+    """True if nothing is written in a document, not even `null`."""
     return isinstance(document, yaml.ScalarNode) and is_null(document) and not document.value

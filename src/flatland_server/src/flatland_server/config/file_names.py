@@ -55,7 +55,7 @@ def find_file(name: Union[str, Path], folders: Sequence[Path]) -> Path:
 
 
 def is_bare(name: Union[str, Path]) -> bool:
-    """Whether a name is looked up in the folders of models: relative, without "./" or "../"."""
+    """True if a name is looked up in the folders of models: relative, without "./" or "../"."""
     text = os.fspath(name)
     return not text.startswith(("/", "./", "../", _HOME, _SCHEME)) and text not in ("", ".", "..")
 

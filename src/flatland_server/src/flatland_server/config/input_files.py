@@ -52,7 +52,7 @@ def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a regular file; False also for a name that is too long for a file."""
+    """True if there is such a regular file; False also for a name that is too long for a file."""
     try:
         return path.is_file()
     except OSError:

@@ -37,12 +37,12 @@ class ProblemCollector:
 
     @property
     def is_full(self) -> bool:
-        """Whether a further problem would only be counted, so that its text does not matter."""
+        """True if a further problem would only be counted, so that its text does not matter."""
         return self._before + len(self._problems) >= MAX_SHOWN
 
     @property
     def is_empty(self) -> bool:
-        """Whether no problem was found so far."""
+        """True if no problem was found so far."""
         return not self._problems
 
     def note(self, error: YamlError) -> None:

@@ -22,13 +22,13 @@ _FRAME = re.compile(r"/?[^\s/]+(/[^\s/]+)*")  # the names that tf2 accepts, with
 
 
 def is_topic(name: str) -> bool:
-    """Whether a topic can have this name, which may begin with "/"."""
+    """True if a topic can have this name, which may begin with "/"."""
     bare = name[1:] if name.startswith("/") else name
     return len(name) <= MAX_LENGTH and bool(_TOPIC_NAME.fullmatch(bare))
 
 
 def is_frame(name: str) -> bool:
-    """Whether a frame can have this name, which may begin with "/"."""
+    """True if a frame can have this name, which may begin with "/"."""
     return len(name) <= MAX_LENGTH and bool(_FRAME.fullmatch(name))
 
 

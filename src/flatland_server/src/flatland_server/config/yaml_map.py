@@ -62,7 +62,7 @@ class YamlMap:
             self._keys[key.value], self._values[key.value] = key, value
 
     def has(self, key: str) -> bool:
-        """Whether the key is given; a `null` counts as not given.
+        """True if the key is given; a `null` counts as not given.
 
         Args:
             key: to look for.
@@ -70,7 +70,7 @@ class YamlMap:
         return key in self._values and not is_null(self._values[key])
 
     def is_list(self, key: str) -> bool:
-        """Whether a value is a list, for keys that take a list or something else.
+        """True if a value is a list, for keys that take a list or something else.
 
         Args:
             key: of the value.
@@ -78,7 +78,7 @@ class YamlMap:
         return isinstance(self._values.get(key), yaml.SequenceNode)
 
     def is_map(self, key: str) -> bool:
-        """Whether a value is a map, for keys that take a map or something else.
+        """True if a value is a map, for keys that take a map or something else.
 
         Args:
             key: of the value.
@@ -103,7 +103,7 @@ class YamlMap:
 
     @property
     def is_sound(self) -> bool:
-        """Whether no problem was noted so far."""
+        """True if no problem was noted so far."""
         return self._problems.is_empty
 
     def problem(self, message: str, key: Optional[str] = None) -> None:

@@ -382,7 +382,7 @@ class YamlReader(YamlMap):
         return entries
 
     def _has_too_many_entries(self, key: str, nodes: Sequence[yaml.Node]) -> bool:
-        """Whether these entries of a key's list are more than a document may have; notes that."""
+        """True if these entries of a key's list are more than a document may have; notes that."""
         if not self._problems.count_entries(len(nodes)):
             return False
         self._read.add(key)

@@ -29,7 +29,7 @@ class ConversionError(Exception):
 
 
 def is_null(node: yaml.Node) -> bool:
-    """Whether a node is `null`, `~` or empty."""
+    """True if a node is `null`, `~` or empty."""
     return node.tag == "tag:yaml.org,2002:null"
 
 

@@ -42,7 +42,7 @@ class _Seconds:
         return self.secs * _NANO + self.nsecs
 
     def is_zero(self) -> bool:
-        """Whether both fields are zero."""
+        """True if both fields are zero."""
         return self.secs == 0 and self.nsecs == 0
 
     def __bool__(self) -> bool:

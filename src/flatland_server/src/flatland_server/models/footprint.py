@@ -246,7 +246,7 @@ def convex_hull(points: Sequence[Point]) -> Tuple[Point, ...]:
 
 
 def _is_convex(vertices: Tuple[Point, ...]) -> bool:
-    """Whether a polygon is convex: it turns in one direction only, by one revolution in total."""
+    """True if a polygon is convex: it turns in one direction only, by one revolution in total."""
     angles = []  # between consecutive sides
     for (ax, ay), (bx, by), (cx, cy) in zip(
         vertices, vertices[1:] + vertices[:1], vertices[2:] + vertices[:2]

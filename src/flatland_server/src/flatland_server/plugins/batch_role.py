@@ -105,5 +105,5 @@ class BatchRole(NamedTuple):
     """Makes the motion of the bodies that the plugin moves at its updates, for a number of
     environments. Called when all models and plugins of the world have been made."""
     varies_by_seed: bool = False
-    """Whether `on_initialize` changes the world at random, as by adding walls: each environment
+    """True if `on_initialize` changes the world at random, as by adding walls: each environment
     then has its own world, loaded with its seed."""

@@ -56,7 +56,7 @@ class ContactDispatcher:
 
     @property
     def is_listening(self) -> bool:
-        """Whether a plugin has a contact hook."""
+        """True if a plugin has a contact hook."""
         return any(self._listeners.values())
 
     def add(self, plugin: Plugin, entity: Optional[Entity], hooks: Dict[str, Hook]) -> None:

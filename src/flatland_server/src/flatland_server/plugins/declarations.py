@@ -74,7 +74,7 @@ class PluginDeclaration:
         return cls(plugin.__name__, module.partition(".")[0], f"{module}.{plugin.__name__}")
 
     def answers_to(self, type: str) -> bool:
-        """Whether a type in a YAML file means this class.
+        """True if a type in a YAML file means this class.
 
         Args:
             type: with or without a package, such as `Laser` or `flatland_plugins::Laser`.

@@ -82,7 +82,7 @@ class Plugin:
     """
 
     accept_other_keys = False
-    """Whether keys that it does not read are accepted, instead of refused as misspelt."""
+    """True if keys that it does not read are accepted, instead of refused as misspelt."""
 
     def __init_subclass__(cls, **arguments: Any) -> None:
         """Drops the inherited `batch_role` of a class that overrides a hook."""
@@ -159,7 +159,7 @@ class Plugin:
         return namespaced_frame(self.node.namespace, bare)
 
     def has_work(self) -> bool:
-        """Whether the step hooks need to be called now.
+        """True if the step hooks need to be called now.
 
         To be overridden by plugins that only publish, which have no work while their topics have no
         subscribers. Called again only after a topic has got or lost a subscriber, plugins were

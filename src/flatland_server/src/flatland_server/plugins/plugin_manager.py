@@ -113,7 +113,7 @@ class PluginManager:
 
     @property
     def is_starting(self) -> bool:
-        """Whether plugins are being initialized at the moment."""
+        """True if plugins are being initialized at the moment."""
         return self._starting > 0
 
     def all_plugins(self) -> List[Tuple[str, Plugin]]:

@@ -123,7 +123,7 @@ def _line_of(problem: Problem) -> str:
 
 
 def _is_of_flatland(path: Path) -> bool:
-    """Whether a file is evidently that of a world or model: it has one of their keys."""
+    """True if a file is evidently that of a world or model: it has one of their keys."""
     try:
         return bool(_TOP_LEVEL_KEY.search(read_input(path, MAX_YAML)))
     except FlatlandError:

@@ -140,7 +140,7 @@ class _ModelDisplay:
 
     @property
     def has_subscribers(self) -> bool:
-        """Whether this model's own topic has subscribers."""
+        """True if this model's own topic has subscribers."""
         return self._subscribers > 0
 
     def place(self, is_full: bool) -> bool:

@@ -49,7 +49,7 @@ def parent_command_line() -> List[str]:
 
 
 def _is_started_by(launch_files: Sequence[Path], command_line: Sequence[str]) -> bool:
-    """Whether a command line has one of these launch files, by path or package, and no other."""
+    """True if a command line has one of these launch files, by path or package, and no other."""
     found = [
         (package, word)
         for package, word in zip(["", *command_line], command_line)

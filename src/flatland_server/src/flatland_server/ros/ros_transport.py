@@ -53,7 +53,7 @@ class RosTransport(Transport):
         self.rospy_calls = rospy_calls
         """The operations of rospy in use."""
         self.has_started = False
-        """Whether the simulation runs, so that it checks `is_ending` regularly."""
+        """True if the simulation runs, so that it checks `is_ending` regularly."""
         self.is_ending = False
         self.before_sending: Callable[[], None] = lambda: None
         """Called before messages are sent and callbacks are run, to send what must arrive first."""

@@ -110,7 +110,7 @@ class WallVisualization:
         return True
 
     def _has_changed(self, layer: Layer) -> bool:
-        """Whether a layer has walls, a colour or heights that are not shown."""
+        """True if a layer has walls, a colour or heights that are not shown."""
         before, walls = self._shown.get(layer.name, (None, layer.segments))
         if before is layer and walls is layer.segments:
             return False

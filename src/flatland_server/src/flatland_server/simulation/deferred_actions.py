@@ -44,12 +44,12 @@ class DeferredActions:
 
     @property
     def is_locked(self) -> bool:
-        """Whether every action would be deferred at the moment."""
+        """True if every action would be deferred at the moment."""
         return self.lock.depth > 0
 
     @property
     def is_free(self) -> bool:
-        """Whether every action would run at once at the moment."""
+        """True if every action would run at once at the moment."""
         return not self.lock.depth and not self._changing
 
     @contextmanager

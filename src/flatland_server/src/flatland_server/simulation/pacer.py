@@ -77,7 +77,7 @@ class Pacer:
         return wait if wait < _MAX_TICK_PERIOD else _MAX_TICK_PERIOD
 
     def begin_step(self, is_paused: bool) -> bool:
-        """Whether to make a step now; never during a pause."""
+        """True if a step is to be made now; never during a pause."""
         if self._now < self._due:
             self._now = self._clock()
             if self._now < self._due:

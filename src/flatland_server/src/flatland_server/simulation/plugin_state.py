@@ -80,7 +80,7 @@ class PluginState:
 
 
 def has_state_hooks(plugin: Plugin) -> bool:
-    """Whether a plugin overrides `get_state`."""
+    """True if a plugin overrides `get_state`."""
     return type(plugin).get_state is not Plugin.get_state
 
 

@@ -39,7 +39,7 @@ class SimulationManager(Run):
         self.change_rate(update_rate * timekeeper.step_size)
         self.is_paused = False
         self.is_held = False
-        """Whether time stands still for a while, as when a model is dragged. Does not affect
+        """True if time stands still for a while, as when a model is dragged. Does not affect
         `is_paused`; no steps can be requested unless that is set, too."""
         self.on_tick: List[Callable[[], None]] = []
         """Called before each wait for the next step, and otherwise every millisecond; also during
@@ -88,7 +88,7 @@ class SimulationManager(Run):
 
     @property
     def is_stepping(self) -> bool:
-        """Whether `run` makes steps on its own: it is neither paused nor held."""
+        """True if `run` makes steps on its own: it is neither paused nor held."""
         return not (self.is_paused or self.is_held)
 
     def toggle_pause(self) -> None:

@@ -39,7 +39,7 @@ class StepRequest:
         self._arrivals = arrivals
 
     def is_step_due(self, now: float) -> bool:
-        """Whether to make a step now; ends the request if the wait for messages takes too long.
+        """True if a step is due now; ends the request if the wait for messages takes too long.
 
         Args:
             now: real time [s].
@@ -60,7 +60,7 @@ class StepRequest:
 
     @property
     def is_complete(self) -> bool:
-        """Whether all steps are made, or the request has failed."""
+        """True if all steps are made, or the request has failed."""
         return self._left == 0 or self.done.done()
 
     def fail(self, reason: str) -> None:

@@ -362,7 +362,7 @@ class World:
 
     @property
     def is_between_steps(self) -> bool:
-        """Whether no step is being made, and no plugin is being started or stopped."""
+        """True if no step is being made, and no plugin is being started or stopped."""
         return self.contents.deferred.is_free and not self.contents.is_starting
 
     def require_between_steps(self, name: str) -> None:

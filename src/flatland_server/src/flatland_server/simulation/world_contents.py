@@ -136,7 +136,7 @@ class WorldContents:
                 self._remove_bodies(model)
 
     def has(self, model: Model) -> bool:
-        """Whether a model is still there; it may be deleted before a deferred action runs."""
+        """True if a model is still there; it may be deleted before a deferred action runs."""
         return self.models.get(model.name) is model
 
     def add_walls(self, layer: Layer, segments: Segments) -> None:
@@ -152,7 +152,7 @@ class WorldContents:
 
     @property
     def _comes_with_another(self) -> bool:
-        """Whether a rebuild of the world or of a model repeats an addition made now."""
+        """True if a rebuild of the world or of a model repeats an addition made now."""
         return self.is_starting or self.plugins.is_starting
 
     def close(self) -> None:

@@ -154,7 +154,7 @@ class _ObservingPublisher(Publisher):
 
 
 def _is_same(data: bytes, message: Any) -> bool:
-    """Whether bytes equal a serialized message, except for the sequence number of its header."""
+    """True if bytes equal a serialized message, except for the sequence number of its header."""
     received = type(message)().deserialize(data)
     if hasattr(received, "header"):
         received.header.seq = message.header.seq

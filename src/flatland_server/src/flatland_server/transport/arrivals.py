@@ -43,7 +43,7 @@ class Arrivals:
         return list(self._subscriptions)
 
     def has_received(self, topic: str) -> Optional[bool]:
-        """Whether each subscription of a topic has got a message since the last step.
+        """True if each subscription of a topic has got a message since the last step.
 
         Args:
             topic: its absolute name.

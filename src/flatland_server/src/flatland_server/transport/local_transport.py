@@ -110,7 +110,7 @@ class LocalTransport(Transport):
         self._subscribers_change()
 
     def has_subscribers(self, topic: str) -> bool:
-        """Whether a topic counts as having a subscriber.
+        """True if a topic counts as having a subscriber.
 
         Args:
             topic: its name.

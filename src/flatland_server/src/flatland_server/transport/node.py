@@ -24,7 +24,7 @@ class NodeTopic(NamedTuple):
     type: str
     """Such as `sensor_msgs/LaserScan`."""
     is_published: bool
-    """Whether the plugin publishes it; otherwise it subscribes to it."""
+    """True if the plugin publishes it; otherwise it subscribes to it."""
 
 
 class Node:
@@ -159,7 +159,7 @@ class Node:
 
     @property
     def transforms_have_subscribers(self) -> bool:
-        """Whether the topic of transforms has a subscriber."""
+        """True if the topic of transforms has a subscriber."""
         return self._transport.transforms_have_subscribers
 
     @property

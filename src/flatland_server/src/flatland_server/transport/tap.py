@@ -14,7 +14,7 @@ class Tap(ABC):
 
     @abstractmethod
     def wants(self, topic: str) -> bool:
-        """Whether to receive the messages of a topic.
+        """True if the messages of a topic are to be received.
 
         Args:
             topic: its absolute name; "/tf" too.

@@ -20,7 +20,7 @@ class Publisher(ABC):
     @property
     @abstractmethod
     def has_subscribers(self) -> bool:
-        """Whether the topic has a subscriber. Check it before computing a message."""
+        """True if the topic has a subscriber. Check it before computing a message."""
 
     @abstractmethod
     def publish(self, message: Any) -> None:
@@ -135,7 +135,7 @@ class Transport(ABC):
     @property
     @abstractmethod
     def transforms_have_subscribers(self) -> bool:
-        """Whether the topic of transforms has a subscriber."""
+        """True if the topic of transforms has a subscriber."""
 
     @property
     def subscriber_revision(self) -> object:
@@ -147,7 +147,7 @@ class Transport(ABC):
 
     @property
     def has_to_deliver(self) -> bool:
-        """Whether `flush` has to run callbacks after the next step."""
+        """True if `flush` has to run callbacks after the next step."""
         return False
 
     @abstractmethod

@@ -93,7 +93,7 @@ class Master:
         self._proxy.setParam(rospy.get_caller_id(), name, value)
 
     def has_service(self, name: str, uri: str) -> bool:
-        """Whether the master knows this service.
+        """True if the master knows this service.
 
         Raises:
             NO_ANSWER: one of these.

@@ -145,7 +145,7 @@ class _Handshake:
         self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, size)
 
     def is_complete(self) -> bool:
-        """Whether the header has arrived; it is left in the socket.
+        """True if the header has arrived; it is left in the socket.
 
         Raises:
             OSError: the connection has ended, or its header is too large.

@@ -1,50 +1,48 @@
-/// World: contacts. Box2D reports all contacts to the world, which passes on those that a body has
-/// chosen.
+#include "flatland_server/contacts.hpp"
 
 #include <algorithm>
 #include <tuple>
 
-#include "flatland_server/world.hpp"
-
 namespace flatland {
 
-void World::SetContactListener(ContactListener* listener) {
-  const AccessGuard guard(*this);
+void Contacts::SetListener(ContactListener* listener) {
+  const AccessGuard guard(access_);
   listener_ = listener;
 }
 
-void World::ListenToContacts(Body body, ContactEvents events) {
-  RequireAccess();
+void Contacts::ListenTo(Bodies::Body body, ContactEvents events) {
+  access_.RequireAccess();
   bodies_.Get(body).contact_events = events;
-  ChooseContactReports();
+  ChooseReports();
 }
 
-void World::ChooseContactReports() {
+void Contacts::ChooseReports() {
   bool is_any_chosen = false;
-  bodies_.ForEach([&](Body, const BodyRecord& record) {
+  bodies_.ForEach([&](auto, const BodyRecord& record) {
     is_any_chosen |= record.contact_events != kNoContactEvents;
   });
   world_->SetContactListener(is_any_chosen ? this : nullptr);
 }
 
-bool World::IsListenedTo(b2Contact& contact, ContactEvent event) const {
+bool Contacts::IsListenedTo(b2Contact& contact, ContactEvent event) const {
   if (listener_ == nullptr) return false;
   const auto events = [&](b2Fixture* fixture) {
-    return RecordOf(*fixture->GetBody()).contact_events;
+    return bodies_.RecordOf(*fixture->GetBody()).contact_events;
   };
   return ((events(contact.GetFixtureA()) | events(contact.GetFixtureB())) & event) != 0;
 }
 
-Contact World::MakeContact(b2Contact& contact, ContactEvent event) const {
+Contact Contacts::MakeContact(b2Contact& contact, ContactEvent event) const {
   const auto fixture = [&](b2Fixture* f) {
-    return Fixture{HandleOf(*f->GetBody()), static_cast<uint32_t>(f->GetUserData().pointer)};
+    return Fixture{bodies_.HandleOf(*f->GetBody()),
+                   static_cast<uint32_t>(f->GetUserData().pointer)};
   };
   return Contact(contact, event, fixture(contact.GetFixtureA()), fixture(contact.GetFixtureB()));
 }
 
 // Box2D keeps its contacts in the order of their discovery, which depends on its tree.
-std::vector<Touch> World::GetTouches() const {
-  RequireAccess();
+std::vector<Touch> Contacts::GetTouches() const {
+  access_.RequireAccess();
   std::vector<Touch> touches;
   for (b2Contact* each = world_->GetContactList(); each != nullptr; each = each->GetNext()) {
     if (!each->IsTouching()) continue;
@@ -59,14 +57,14 @@ std::vector<Touch> World::GetTouches() const {
   return touches;
 }
 
-bool World::Touches(const std::vector<Body>& bodies) const {
-  RequireAccess();
+bool Contacts::Touches(const std::vector<Bodies::Body>& bodies) const {
+  access_.RequireAccess();
   const auto is_own = [&](b2Body& other) {
     const uint32_t index = static_cast<uint32_t>(other.GetUserData().pointer);
     return std::any_of(bodies.begin(), bodies.end(),
-                       [&](Body body) { return body.index == index; });
+                       [&](Bodies::Body body) { return body.index == index; });
   };
-  for (const Body& body : bodies) {
+  for (const Bodies::Body& body : bodies) {
     b2Body& found = *bodies_.Get(body).body;
     for (b2ContactEdge* edge = found.GetContactList(); edge != nullptr; edge = edge->next) {
       b2Contact& contact = *edge->contact;
@@ -78,26 +76,31 @@ bool World::Touches(const std::vector<Body>& bodies) const {
   return false;
 }
 
-void World::CallListener(Contact& contact) {
-  has_called_listener_ = true;
-  listener_thread_ = std::this_thread::get_id();
-  listener_->OnContact(contact);
-  listener_thread_ = std::thread::id();
+void Contacts::RunDeferred() {
+  for (const auto& [body, action] : deferred_) {
+    if (bodies_.Contains(body)) action(*bodies_.Get(body).body);
+  }
+  deferred_.clear();
 }
 
-void World::BeginContact(b2Contact* contact) {
+void Contacts::CallListener(Contact& contact) {
+  ++event_count_;
+  access_.CallBack([&] { listener_->OnContact(contact); });
+}
+
+void Contacts::BeginContact(b2Contact* contact) {
   if (!IsListenedTo(*contact, kBeginContact)) return;
   Contact reported = MakeContact(*contact, kBeginContact);
   CallListener(reported);
 }
 
-void World::EndContact(b2Contact* contact) {
+void Contacts::EndContact(b2Contact* contact) {
   if (!IsListenedTo(*contact, kEndContact)) return;
   Contact reported = MakeContact(*contact, kEndContact);
   CallListener(reported);
 }
 
-void World::PreSolve(b2Contact* contact, const b2Manifold* old_manifold) {
+void Contacts::PreSolve(b2Contact* contact, const b2Manifold* old_manifold) {
   if (!IsListenedTo(*contact, kPreSolve)) return;
   Contact reported = MakeContact(*contact, kPreSolve);
   for (int i = 0; i < old_manifold->pointCount; ++i) {
@@ -109,7 +112,7 @@ void World::PreSolve(b2Contact* contact, const b2Manifold* old_manifold) {
   CallListener(reported);
 }
 
-void World::PostSolve(b2Contact* contact, const b2ContactImpulse* impulse) {
+void Contacts::PostSolve(b2Contact* contact, const b2ContactImpulse* impulse) {
   if (!IsListenedTo(*contact, kPostSolve)) return;
   Contact reported = MakeContact(*contact, kPostSolve);
   const float* normal = impulse->normalImpulses;

@@ -1,0 +1,29 @@
+#include "to_box2d.hpp"
+
+namespace flatland {
+
+// A joint would react to a whole rotation that only one of its bodies makes. A rotation by half a
+// turn either way, up to rounding, is applied as given.
+void Place(b2Body& body, const Pose& pose) {
+  constexpr double kRoundingMargin = 1e-3;  // [rad]
+  double rotation = pose.yaw - body.GetAngle();
+  if (std::abs(rotation) > M_PI + kRoundingMargin) {
+    rotation = std::remainder(rotation, 2.0 * M_PI);
+  }
+  body.SetTransform(ToBox2D({pose.x, pose.y}), static_cast<float>(body.GetAngle() + rotation));
+}
+
+void WakeBodiesNear(const b2Body& body) {
+  if (body.GetType() != b2_staticBody) return;
+  struct Waker : b2QueryCallback {
+    bool ReportFixture(b2Fixture* fixture) override {
+      fixture->GetBody()->SetAwake(true);
+      return true;
+    }
+  } waker;
+  for (const b2Fixture* f = body.GetFixtureList(); f != nullptr; f = f->GetNext()) {
+    body.GetWorld()->QueryAABB(&waker, f->GetAABB(0));
+  }
+}
+
+}  // namespace flatland
