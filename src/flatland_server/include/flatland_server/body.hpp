@@ -23,7 +23,7 @@ struct BodyRecord {
   struct FixtureRecord {
     b2Fixture* fixture = nullptr;
     bool visible = true;           // to lidars
-    double bounding_radius = 0.0;  // of its shape [m]; see VisibleFixture
+    double seen_radius = 0.0;  // of its bounding circle, as lidars see it [m]; see VisibleFixture
   };
 
   /// The walls of large layers that Box2D has for a dynamic body; see NearbyWalls.

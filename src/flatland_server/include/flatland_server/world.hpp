@@ -184,6 +184,13 @@ class World : private b2DestructionListener, private b2ContactListener {
   void SetFriction(Fixture fixture, double friction);
   /// Sets the coefficient of restitution for new contacts; existing ones keep theirs.
   void SetRestitution(Fixture fixture, double restitution);
+  /// Sets whether lidars see it; not for walls.
+  void SetVisible(Fixture fixture, bool visible);
+  /// The radius of a circle as lidars see it [m]; by default its own.
+  double GetSeenRadius(Fixture fixture) const;
+  void SetSeenRadius(Fixture fixture, double radius);
+  /// Replaces a circle by another one, in the body's frame [m]. The body's mass stays.
+  void SetCircle(Fixture fixture, Vec2 center, double radius);
   /// Whether a point of the world [m] is within the shape; always false for a wall.
   bool TestPoint(Fixture fixture, Vec2 point) const;
   /// The other bodies with a fixture that overlaps one of this body, and that Box2D would push out
@@ -337,6 +344,7 @@ class World : private b2DestructionListener, private b2ContactListener {
   const BodyRecord& RecordOf(b2Body& body) const { return bodies_.Get(HandleOf(body)); }
   /// The large layer that a fixture is a wall of, or null.
   NearbyWalls* FindLargeLayer(Fixture fixture) const;
+  b2Fixture& FindCircle(Fixture fixture) const;
   Body AddRecord(BodyRecord record);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
   /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.

@@ -165,6 +165,46 @@ void World::SetRestitution(Fixture fixture, double restitution) {
   Find(fixture).SetRestitution(static_cast<float>(restitution));
 }
 
+void World::SetVisible(Fixture handle, bool visible) {
+  Require(!bodies_.Get(handle.body).is_layer, "lidars see all walls");
+  Find(handle);
+  const AccessGuard guard(*this);
+  bodies_.Get(handle.body).fixtures[handle.index].visible = visible;
+  ChangeStructure();
+}
+
+b2Fixture& World::FindCircle(Fixture handle) const {
+  const bool is_layer = bodies_.Get(handle.body).is_layer;
+  Require(!is_layer && Find(handle).GetType() == b2Shape::e_circle, "the fixture is no circle");
+  return Find(handle);
+}
+
+double World::GetSeenRadius(Fixture handle) const {
+  FindCircle(handle);
+  return bodies_.Get(handle.body).fixtures[handle.index].seen_radius;
+}
+
+void World::SetSeenRadius(Fixture handle, double radius) {
+  FindCircle(handle);
+  MakeCircle({}, radius);  // checks the radius
+  const AccessGuard guard(*this);
+  bodies_.Get(handle.body).fixtures[handle.index].seen_radius = radius;
+  ChangeStructure();
+}
+
+void World::SetCircle(Fixture handle, Vec2 center, double radius) {
+  b2Fixture& fixture = FindCircle(handle);
+  const b2CircleShape circle = MakeCircle(center, radius);
+  const AccessGuard guard(*this);
+  *static_cast<b2CircleShape*>(fixture.GetShape()) = circle;
+  b2Body& body = *fixture.GetBody();
+  body.SetTransform(body.GetPosition(), body.GetAngle());  // updates its bounding box
+  BodyRecord& record = bodies_.Get(handle.body);
+  record.fixtures[handle.index].seen_radius = BoundingRadius(circle);
+  record.nearby.is_current = false;  // it may reach farther
+  ChangeStructure();
+}
+
 bool World::TestPoint(Fixture fixture, Vec2 point) const {
   RequirePosition(point);
   return FindLargeLayer(fixture) == nullptr && Find(fixture).TestPoint(ToBox2D(point));

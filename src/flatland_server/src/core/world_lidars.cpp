@@ -125,7 +125,7 @@ void World::AddVisibleFixtures(const BodyRecord& record) const {
     const bool is_on_a_layer = each.fixture->GetFilterData().categoryBits != 0;
     if (!each.visible || !is_on_a_layer || each.fixture->IsSensor()) continue;
     const VisibleFixture& fixture =
-        visible_fixtures_.emplace_back(*each.fixture, each.bounding_radius);
+        visible_fixtures_.emplace_back(*each.fixture, each.seen_radius);
     bounding_circles_.Add(fixture.center, fixture.bounding_radius);
   }
 }

@@ -617,7 +617,27 @@ class Fixture(_WithoutConstructor):
         """Whether it has contacts at all."""
     @property
     def visible(self) -> bool:
-        """Whether lidars see it."""
+        """Whether lidars see it; cannot be set for walls."""
+    @visible.setter
+    def visible(self, visible: bool) -> None: ...
+    @property
+    def seen_radius(self) -> float:
+        """Radius of a circle as lidars see it [m], 1e-4 to 1e5; by default its own.
+
+        Bodies collide with its own. Raises ValueError for other shapes.
+        """
+    @seen_radius.setter
+    def seen_radius(self, radius: float) -> None: ...
+    def set_circle(self, center: _PairLike, radius: float) -> None:
+        """Replaces its shape, a circle, by another circle. The mass of the body stays.
+
+        Args:
+            center: in the body's frame [m].
+            radius: 1e-4 to 1e5 [m].
+
+        Raises:
+            ValueError: it is no circle, or cannot be this one.
+        """
     @property
     def layers(self) -> int:
         """Bits of its collision layers."""

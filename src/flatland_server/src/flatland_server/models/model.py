@@ -278,6 +278,26 @@ class Model(Entity):
             body.halt()
         self.move_revision += 1
 
+    def set_circle(self, name: str, circle: Circle) -> None:
+        """Replaces the only footprint of a body, a circle, by another circle. Its mass stays.
+
+        Args:
+            name: of the body.
+            circle: in the body's frame.
+
+        Raises:
+            ModelError: there is no such body, or its footprint is no circle.
+            ValueError: Box2D cannot represent the circle.
+        """
+        body = self.get_body(name)
+        footprints = body.config.footprints
+        if len(footprints) != 1 or not isinstance(footprints[0].shape, Circle):
+            raise ModelError(f'expected a circle as the only footprint of the body "{name}"')
+        body.physics_body.fixture(0).set_circle(circle.center, circle.radius)
+        body.config = replace(body.config, footprints=(replace(footprints[0], shape=circle),))
+        bodies = tuple(each.config for each in self.bodies.values())
+        self.config = replace(self.config, bodies=bodies)
+
     def remove(self) -> None:
         """Removes its bodies and joints from the world."""
         bodies = self.physics_bodies
