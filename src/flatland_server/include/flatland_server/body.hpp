@@ -22,7 +22,7 @@ struct BodySettings {
 struct BodyRecord {
   struct FixtureRecord {
     b2Fixture* fixture = nullptr;
-    bool visible = true;           // to lidars
+    bool visible = true;       // to lidars
     double seen_radius = 0.0;  // of its bounding circle, as lidars see it [m]; see VisibleFixture
   };
 
