@@ -3,8 +3,10 @@
 import contextlib
 import logging
 import math
+from dataclasses import astuple
 from typing import Any, Dict, List, Optional, Sequence
 
+from flatland_plugins.agents import FARTHEST, Agent, from_agent_states, from_odometry
 from flatland_plugins.crowd_motion import CrowdMotion, reach_of
 from flatland_plugins.obstacles import Outline, Surroundings
 from flatland_plugins.other_names import given_name
@@ -22,19 +24,12 @@ from flatland_server import (
     Timekeeper,
     UpdateTimer,
     YamlReader,
-    yaw_of,
 )
 
 logger = logging.getLogger(__name__)
 
-_PATIENCE = 1.0
-"""The time [s] for which an agent is taken to walk on after its last state."""
-
 _LONGEST_WAY = 1.0
 """The distance [m] from which on a pedestrian jumps to its agent, instead of walking there."""
-
-_FARTHEST = 5e4
-"""The largest coordinate [m] and speed [m/s] of an agent that is followed."""
 
 
 class Pedestrian(ModelPlugin):
@@ -65,8 +60,8 @@ class Pedestrian(ModelPlugin):
         self._motion = self._make_motion(1)
         self._motion.begin(0, self.rng, None)
         self._lifted = 0.0
-        self._agent: Optional[List[float]] = None
-        """x, y [m], vx, vy [m/s] and the age [s] of what is followed."""
+        self._is_ignoring = False
+        self._agent: Optional[Agent] = None
         self.update_timer = UpdateTimer(keys.walk.update_rate)
         self.node.subscribe(keys.odom_sub, "nav_msgs/Odometry", self._on_odometry)
         if keys.agent_topic is not None:
@@ -119,21 +114,18 @@ class Pedestrian(ModelPlugin):
             self._motion.update_alone(step_size)
         else:
             self._motion.see(())
-            velocity = self._towards_agent(self._agent, self._motion.time_of(step_size))
+            velocity = self._towards(self._agent, self._motion.time_of(step_size))
             self._motion.update_alone(step_size, velocity)
         self._lift(self._phase())
 
-    def _towards_agent(self, agent: List[float], dt: float) -> Sequence[float]:
-        """The velocity [m/s] that leads to the agent in `dt` seconds."""
-        if math.dist(agent[:2], self._body.pose[:2]) > _LONGEST_WAY:
-            self._body.physics_body.pose = (*agent[:2], self._body.pose.yaw)
+    def _towards(self, agent: Agent, dt: float) -> Sequence[float]:
+        """The velocity [m/s] that leads to an agent in `dt` seconds."""
+        if math.dist(agent.point, self._body.pose[:2]) > _LONGEST_WAY:
+            self._body.physics_body.pose = (*agent.point, self._body.pose.yaw)
             self._stand()
-        if agent[4] < _PATIENCE:
-            agent[0] += agent[2] * dt
-            agent[1] += agent[3] * dt
-            agent[4] += dt
+        agent.advance(dt)
         here = self._body.pose
-        return (agent[0] - here.x) / dt, (agent[1] - here.y) / dt
+        return (agent.x - here.x) / dt, (agent.y - here.y) / dt
 
     def _phase(self) -> float:
         """How high a foot is lifted, 0 to 1; negative for the right one."""
@@ -166,25 +158,21 @@ class Pedestrian(ModelPlugin):
 
     # Agents
 
-    def _on_agent_states(self, message: Any) -> None:
-        for agent in message.agent_states:
-            if str(agent.id) == self._keys.agent_id:
-                self._follow(agent.pose.position, agent.twist.linear.x, agent.twist.linear.y)
-
     def _on_odometry(self, message: Any) -> None:
-        """Follows a pose in the world, with a velocity in the frame of the body."""
-        pose, velocity = message.pose.pose, message.twist.twist.linear
-        yaw = yaw_of(pose.orientation)
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        vx, vy = velocity.x, velocity.y
-        self._follow(pose.position, cos * vx - sin * vy, sin * vx + cos * vy)
+        self._follow(from_odometry(message))
 
-    def _follow(self, position: Any, vx: float, vy: float) -> None:
-        agent = [position.x, position.y, vx, vy, 0.0]
-        if all(abs(value) < _FARTHEST for value in agent):
+    def _on_agent_states(self, message: Any) -> None:
+        for agent in from_agent_states(message, str(self._keys.agent_id)):
+            self._follow(agent)
+
+    def _follow(self, agent: Agent) -> None:
+        """Follows an agent; warns of the first in a series of invalid ones."""
+        if agent.is_valid:
             self._agent = agent
-        else:
-            logger.warning("%s: ignored an agent at %g, %g", self.node.owner, *agent[:2])
+        elif not self._is_ignoring:
+            expected = f"expected an agent with numbers below {FARTHEST:g}"
+            logger.warning("%s: %s, found %s", self.node.owner, expected, agent)
+        self._is_ignoring = not agent.is_valid
 
     # State
 
@@ -195,14 +183,14 @@ class Pedestrian(ModelPlugin):
             "goal": int(goals[0, 0]),
             "stride": float(strides[0, 0]),
             "lifted": self._lifted,
-            "agent": None if self._agent is None else list(self._agent),
+            "agent": None if self._agent is None else astuple(self._agent),
         }
 
     def set_state(self, state: Dict[str, Any]) -> None:
         goals, strides = self._motion.progress
         goals[0, 0], strides[0, 0] = state["goal"], state["stride"]
         self._lift(state["lifted"])
-        self._agent = None if state["agent"] is None else list(state["agent"])
+        self._agent = None if state["agent"] is None else Agent(*state["agent"])
 
     def on_shutdown(self) -> None:
         """Stops the bodies, if they outlive the plugin."""

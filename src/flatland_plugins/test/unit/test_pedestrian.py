@@ -85,6 +85,17 @@ def test_it_goes_where_odometry_says_and_stands_when_that_ceases(files):
         assert abs(place(person, leg)[1] - 3.7 - side * 0.1) < 0.02
 
 
+def test_odometry_that_is_not_finite_is_ignored_after_one_warning(files, caplog):
+    person = walker(files)
+
+    for x in (math.nan, math.inf, 1e9):
+        person.send("/agent", odometry(x, 0.0, 0.0, 1.0)).run(0.1)
+
+    assert place(person) == pytest.approx((0.0, 0.0), abs=1e-5)
+    [warning] = warnings(caplog)
+    assert warning.startswith("walker7/walk: expected an agent with numbers below 50000, found Ag")
+
+
 @pytest.fixture
 def agent_states(monkeypatch):
     """A message of agents, as if pedsim_msgs were there."""
