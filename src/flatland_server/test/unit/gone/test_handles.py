@@ -55,6 +55,8 @@ CALLS = {
         "sensor": (),
         "collides": (),
         "visible": (),
+        "seen_radius": (),
+        "set_circle": ((0, 0), 0.1),
         "layers": (),
         "test_point": ((0, 0),),
     },
