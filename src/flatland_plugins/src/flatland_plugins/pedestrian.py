@@ -15,10 +15,10 @@ from flatland_plugins.people import LEAST_SPEED, LEGS, Person, leg_offset
 from flatland_server import (
     BatchRole,
     Circle,
+    FlatlandError,
     GoneError,
     MessageError,
     ModelBody,
-    ModelError,
     ModelPlugin,
     Pose,
     Timekeeper,
@@ -88,10 +88,15 @@ class Pedestrian(ModelPlugin):
         if self._circle is not None:
             sizes.append(("safety_dist_body", self._circle, keys.safety_dist))
         for key, body, radius in sizes:
-            try:
-                self.model.set_circle(body.name, Circle((0.0, 0.0), radius))
-            except (ModelError, ValueError) as error:
-                raise config.error(str(error), key) from None
+            circle, footprints = Circle((0.0, 0.0), radius), body.config.footprints
+            if len(footprints) != 1:
+                found = f"found {len(footprints)}"
+                raise config.error(f'expected one footprint of "{body.name}", {found}', key)
+            if footprints[0].shape != circle:
+                try:
+                    self.model.set_footprint(body.name, 0, circle)
+                except FlatlandError as error:
+                    raise config.error(str(error), key) from None
         for hidden in (self._body if self._legs else None, self._circle):
             for fixture in hidden.physics_body.fixtures if hidden else ():
                 fixture.visible = False

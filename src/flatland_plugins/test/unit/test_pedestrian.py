@@ -239,7 +239,7 @@ def test_files_for_other_simulators_are_run_with_their_keys(files, agent_states)
             f"  - {{name: post, type: static, footprints: [{LEG}]}}",
             'body: expected a body that moves, found "post", a static one',
         ),
-        ("leg_radius: 0.1", LEGS.replace(LEG, f"{LEG}, {LEG}"), 'of the body "left_leg"'),
+        ("", LEGS.replace(LEG, f"{LEG}, {LEG}"), 'expected one footprint of "left_leg", found 2'),
     ],
 )
 def test_what_it_cannot_move_is_refused_at_its_line(files, keys, bodies, message):

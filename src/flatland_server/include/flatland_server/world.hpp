@@ -81,8 +81,8 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   /// A world that makes the same steps, bit for bit, of one that has made none yet. Handles name
   /// the same things in both. It has no contact listener, and nothing has chosen events. Throws
-  /// std::invalid_argument if a step was made. No body may have been removed before. In the copy,
-  /// Box2D has all walls of large layers.
+  /// std::invalid_argument if a step was made. No body may have been removed before, and no shape
+  /// replaced. In the copy, Box2D has all walls of large layers.
   std::unique_ptr<World> Copy() const;
 
   /// Marks the world as in use while it exists; throws std::logic_error if it is in use already.
@@ -177,6 +177,14 @@ class World : private b2DestructionListener, private b2ContactListener {
   Fixture AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings);
   /// Adds the convex hull of 3 to 8 vertices, in the body's frame [m].
   Fixture AddPolygon(Body body, const std::vector<Vec2>& vertices, const FixtureSettings& settings);
+  /// Replaces the shape of a body's fixture by a disc, in the body's frame [m], and its layers if
+  /// they are given. The material stays, and the body's mass follows. The fixture's contacts end,
+  /// and the next step finds the new ones. Throws std::invalid_argument for a wall.
+  void SetCircle(Fixture fixture, Vec2 center, double radius,
+                 std::optional<LayerBits> layers = std::nullopt);
+  /// The same by the convex hull of 3 to 8 vertices.
+  void SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices,
+                  std::optional<LayerBits> layers = std::nullopt);
   /// Number of fixtures of a body; their indices are 0 to count - 1.
   int GetFixtureCount(Body body) const;
   FixtureSettings GetSettings(Fixture fixture) const;
@@ -186,11 +194,9 @@ class World : private b2DestructionListener, private b2ContactListener {
   void SetRestitution(Fixture fixture, double restitution);
   /// Sets whether lidars see it; not for walls.
   void SetVisible(Fixture fixture, bool visible);
-  /// The radius of a circle as lidars see it [m]; by default its own.
+  /// The radius of a circle as lidars see it [m]; its own, until it is set.
   double GetSeenRadius(Fixture fixture) const;
   void SetSeenRadius(Fixture fixture, double radius);
-  /// Replaces a circle by another one, in the body's frame [m]. The body's mass stays.
-  void SetCircle(Fixture fixture, Vec2 center, double radius);
   /// Whether a point of the world [m] is within the shape; always false for a wall.
   bool TestPoint(Fixture fixture, Vec2 point) const;
   /// The other bodies with a fixture that overlaps one of this body, and that Box2D would push out
@@ -284,7 +290,7 @@ class World : private b2DestructionListener, private b2ContactListener {
 
   /// The state of all that moves, as bytes: poses, velocities, pending forces, contacts with the
   /// solver's impulses, joints, drives and tweens. What the construction of the world determines,
-  /// such as shapes, is not included.
+  /// such as shapes, is not included, even if they were replaced.
   ///
   /// It also puts this world into the form that RestoreState gives to another one, with a new tree
   /// of bounding boxes: Box2D finds new contacts in the order of that tree, and solves them in this
@@ -344,9 +350,9 @@ class World : private b2DestructionListener, private b2ContactListener {
   const BodyRecord& RecordOf(b2Body& body) const { return bodies_.Get(HandleOf(body)); }
   /// The large layer that a fixture is a wall of, or null.
   NearbyWalls* FindLargeLayer(Fixture fixture) const;
-  b2Fixture& FindCircle(Fixture fixture) const;
   Body AddRecord(BodyRecord record);
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
+  void SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers);
   /// Moves a body; adds the multiple of 2 pi that keeps its angle nearest to the present one.
   static void Place(b2Body& body, const Pose& pose);
   /// Wakes the bodies that a static body may touch; Box2D does not do so.

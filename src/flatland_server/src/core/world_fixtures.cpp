@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "nearby_walls.hpp"
@@ -62,6 +63,24 @@ bool CanTouch(const b2Fixture& a, const b2Fixture& b) {
          (second.maskBits & first.categoryBits) != 0;
 }
 
+/// Makes a fixture that does not count for the body's mass: with a density, Box2D would sum over
+/// all fixtures; see MassSum.
+b2Fixture* MakeFixture(b2Body& body, uint32_t index, const b2Shape& shape,
+                       const FixtureSettings& settings) {
+  b2FixtureDef definition;
+  definition.userData.pointer = index;
+  definition.shape = &shape;
+  definition.density = 0.0f;
+  definition.friction = static_cast<float>(settings.friction);
+  definition.restitution = static_cast<float>(settings.restitution);
+  definition.isSensor = settings.sensor;
+  definition.filter.categoryBits = settings.layers;
+  definition.filter.maskBits = settings.collides ? settings.layers : 0;
+  b2Fixture* const fixture = body.CreateFixture(&definition);
+  fixture->SetDensity(static_cast<float>(settings.density));
+  return fixture;
+}
+
 }  // namespace
 
 Fixture World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
@@ -82,26 +101,72 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   if (has_mass) mass = mass.With(ComputeMass(shape, settings));
   const AccessGuard guard(*this);
   BodyRecord& record = bodies_.Get(handle);
-  b2FixtureDef definition;
-  definition.userData.pointer = record.fixtures.size();
-  definition.shape = &shape;
-  definition.density = 0.0f;  // with a density, Box2D would sum over all fixtures: see MassSum
-  definition.friction = static_cast<float>(settings.friction);
-  definition.restitution = static_cast<float>(settings.restitution);
-  definition.isSensor = settings.sensor;
-  definition.filter.categoryBits = settings.layers;
-  definition.filter.maskBits = settings.collides ? settings.layers : 0;
-  b2Fixture* const fixture = body.CreateFixture(&definition);
-  fixture->SetDensity(static_cast<float>(settings.density));
+  const auto index = static_cast<uint32_t>(record.fixtures.size());
+  b2Fixture* const fixture = MakeFixture(body, index, shape, settings);
   if (has_mass && settings.density != 0.0) {
     record.mass = mass;
     const b2MassData data = mass.ToBox2D();
     body.SetMassData(&data);
   }
-  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
+  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape), settings.collides});
   record.nearby.is_current = false;  // it reaches farther
   ChangeStructure();
-  return {handle, static_cast<uint32_t>(record.fixtures.size() - 1)};
+  return {handle, index};
+}
+
+void World::SetCircle(Fixture fixture, Vec2 center, double radius,
+                      std::optional<LayerBits> layers) {
+  SetShape(fixture, MakeCircle(center, radius), layers);
+}
+
+void World::SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices,
+                       std::optional<LayerBits> layers) {
+  SetShape(fixture, MakePolygon(vertices), layers);
+}
+
+void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers) {
+  RequireAccess();
+  BodyRecord& record = bodies_.Get(fixture.body);
+  Require(!record.is_layer, "the shape of a wall cannot be changed");
+  b2Fixture& old = Find(fixture);
+  b2Body& body = *record.body;
+  MassSum mass;
+  std::vector<float> densities;
+  for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+    FixtureSettings settings;
+    settings.density = each.fixture->GetDensity();
+    densities.push_back(each.fixture->GetDensity());
+    const b2Shape& its_shape = each.fixture == &old ? shape : *each.fixture->GetShape();
+    if (body.GetType() == b2_dynamicBody) mass = mass.With(ComputeMass(its_shape, settings));
+  }
+  FixtureSettings settings = GetSettings(fixture);
+  settings.collides = record.fixtures[fixture.index].collides;
+  settings.layers = layers.value_or(settings.layers);
+  const AccessGuard guard(*this);
+  WakeBodiesNear(body);
+  for (b2ContactEdge* edge = body.GetContactList(); edge != nullptr;) {
+    b2Contact* const contact = edge->contact;
+    edge = edge->next;
+    const bool is_its_own = contact->GetFixtureA() == &old || contact->GetFixtureB() == &old;
+    if (is_its_own) box2d::Contacts(*world_).Destroy(contact);  // calls the contact listener
+  }
+  // Box2D sums up the masses of the rest, and asserts an inertia that they may not have.
+  for (const BodyRecord::FixtureRecord& each : record.fixtures) each.fixture->SetDensity(0.0f);
+  body.DestroyFixture(&old);
+  BodyRecord::FixtureRecord& replaced = record.fixtures[fixture.index];
+  replaced.fixture = MakeFixture(body, fixture.index, shape, settings);
+  replaced.seen_radius = BoundingRadius(shape);
+  for (size_t i = 0; i < densities.size(); ++i) {
+    record.fixtures[i].fixture->SetDensity(densities[i]);
+  }
+  const b2MassData data = mass.ToBox2D();
+  if (data.mass > 0.0f) body.SetMassData(&data);
+  record.mass = mass;
+  record.nearby.is_current = false;
+  WakeBodiesNear(body);
+  body.SetAwake(true);
+  ChangeStructure();
+  ApplyDeferredForces();
 }
 
 b2Fixture& World::Find(Fixture fixture) const {
@@ -173,35 +238,17 @@ void World::SetVisible(Fixture handle, bool visible) {
   ChangeStructure();
 }
 
-b2Fixture& World::FindCircle(Fixture handle) const {
-  const bool is_layer = bodies_.Get(handle.body).is_layer;
-  Require(!is_layer && Find(handle).GetType() == b2Shape::e_circle, "the fixture is no circle");
-  return Find(handle);
-}
-
 double World::GetSeenRadius(Fixture handle) const {
-  FindCircle(handle);
+  Find(handle);
   return bodies_.Get(handle.body).fixtures[handle.index].seen_radius;
 }
 
 void World::SetSeenRadius(Fixture handle, double radius) {
-  FindCircle(handle);
+  const bool is_layer = bodies_.Get(handle.body).is_layer;
+  Require(!is_layer && Find(handle).GetType() == b2Shape::e_circle, "the fixture is no circle");
   MakeCircle({}, radius);  // checks the radius
   const AccessGuard guard(*this);
   bodies_.Get(handle.body).fixtures[handle.index].seen_radius = radius;
-  ChangeStructure();
-}
-
-void World::SetCircle(Fixture handle, Vec2 center, double radius) {
-  b2Fixture& fixture = FindCircle(handle);
-  const b2CircleShape circle = MakeCircle(center, radius);
-  const AccessGuard guard(*this);
-  *static_cast<b2CircleShape*>(fixture.GetShape()) = circle;
-  b2Body& body = *fixture.GetBody();
-  body.SetTransform(body.GetPosition(), body.GetAngle());  // updates its bounding box
-  BodyRecord& record = bodies_.Get(handle.body);
-  record.fixtures[handle.index].seen_radius = BoundingRadius(circle);
-  record.nearby.is_current = false;  // it may reach farther
   ChangeStructure();
 }
 

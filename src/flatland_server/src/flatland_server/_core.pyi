@@ -622,22 +622,12 @@ class Fixture(_WithoutConstructor):
     def visible(self, visible: bool) -> None: ...
     @property
     def seen_radius(self) -> float:
-        """Radius of a circle as lidars see it [m], 1e-4 to 1e5; by default its own.
+        """Radius of the bounding circle as lidars see it [m]: its own, until it is set.
 
-        Bodies collide with its own. Raises ValueError for other shapes.
+        Can be set for circles, to 1e-4 to 1e5 m; a new shape ends that. Bodies touch its own.
         """
     @seen_radius.setter
     def seen_radius(self, radius: float) -> None: ...
-    def set_circle(self, center: _PairLike, radius: float) -> None:
-        """Replaces its shape, a circle, by another circle. The mass of the body stays.
-
-        Args:
-            center: in the body's frame [m].
-            radius: 1e-4 to 1e5 [m].
-
-        Raises:
-            ValueError: it is no circle, or cannot be this one.
-        """
     @property
     def layers(self) -> int:
         """Bits of its collision layers."""
@@ -646,6 +636,30 @@ class Fixture(_WithoutConstructor):
 
         Args:
             point: in the world [m].
+        """
+    def set_circle(self, center: _PairLike, radius: float, *, layers: int | None = None) -> None:
+        """Replaces the shape by a disc. For a footprint of a model, use `Model.set_footprint`.
+
+        The fixture keeps its density, friction and restitution, and the body's mass follows. Its
+        contacts end; the next step finds the new ones. Not possible in a contact listener.
+
+        Args:
+            center: in the body's frame [m].
+            radius: 1e-4 to 1e5 [m].
+            layers: bits of its collision layers; None leaves them as they are.
+
+        Raises:
+            ValueError: the body cannot have this shape, or this is a wall; nothing has changed.
+            Exception: raised by the contact listener for a contact that ends.
+        """
+    def set_polygon(
+        self, vertices: Sequence[_PairLike] | FloatArray, *, layers: int | None = None
+    ) -> None:
+        """Replaces the shape by the convex hull of some vertices; see `set_circle`.
+
+        Args:
+            vertices: 3 to 8, in the body's frame [m].
+            layers: bits of its collision layers; None leaves them as they are.
         """
 
 class FixtureChecker(metaclass=_Metaclass):

@@ -31,6 +31,12 @@ ALIASES = {"PedsimMovement": "Pedestrian", "PosePub": "PosePublisher"}
 declares a Python class of that name."""
 
 
+_CPP_PLUGINS = frozenset(
+    ["ackermannDrive", "RandomGates", "RandomWandering", "StaticLaser", "VehicleMovement"]
+)
+"""C++ plugins of public packages for the original Flatland, which may not be on the path."""
+
+
 class PluginLoader:
     """Imports plugins on demand.
 
@@ -63,7 +69,10 @@ class PluginLoader:
             built_in = [d for d in self._declarations if d.package == _BUILT_IN]
             found = [d for d in built_in if d.answers_to(alias)]
         if answering and not found:
-            raise PluginError(_cpp_error(type, answering[0]))
+            cpp = answering[0]
+            raise PluginError(_cpp_error(type, f"of the package {cpp.package} ({cpp.class_path})"))
+        if not found and name in _CPP_PLUGINS:
+            raise PluginError(_cpp_error(type, "of other packages for the original Flatland"))
         if not found:
             names = sorted(d.name for d in self._declarations if not d.is_cpp)
             known = ", ".join(names) or f"none; {_question()}"
@@ -88,10 +97,9 @@ def _question() -> str:
     return "is flatland2d installed in this Python (pip install)?"
 
 
-def _cpp_error(type: str, declaration: PluginDeclaration) -> str:
+def _cpp_error(type: str, origin: str) -> str:
     return (
-        f'"{type}" is a C++ plugin of the package {declaration.package} '
-        f"({declaration.class_path}); this Flatland runs plugins written in Python: "
+        f'"{type}" is a C++ plugin {origin}; this Flatland runs plugins written in Python: '
         "docs/coming_from_cpp.md says how to port it"
     )
 
