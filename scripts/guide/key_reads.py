@@ -249,7 +249,9 @@ def _bounds(options: Dict[str, Any]) -> str:
 
 
 def _yaml(value: Any) -> str:
-    """A default as it would be written in a file."""
+    """A default as it would be written in a file, or "none"."""
+    if value is None:
+        return "none"
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (int, float)):

@@ -100,6 +100,15 @@ PLUGINS: Dict[str, List[Dict[str, Any]]] = {
     ],
     "ModelTfPublisher": [{}, {}],
     "OmniDrive": [ON_BASE, {**ON_BASE, **NOISE, **LIMITS}, {**ON_BASE, "odom_drift": [1, 1, 1]}],
+    "Pedestrian": [
+        {
+            "left_leg_body": "left_wheel",
+            "right_leg_body": "right_wheel",
+            "safety_dist_body": "front_wheel",
+        },
+        {"radius": 0.3, "speed": 1, "leg_radius": 0.2},
+    ],
+    "PosePublisher": [{}, {}],
     "RandomWall": [{"layer": "map", "robot_name": "robot"}],
     "TricycleDrive": [
         {**ON_BASE, **WHEELS},

@@ -1,10 +1,10 @@
-"""Over a real master: the drives, Tween and ModelTfPublisher."""
+"""Over a real master: the drives, Tween, Pedestrian, ModelTfPublisher and PosePublisher."""
 
 import math
 
 import rospy
 import rostest_case
-from geometry_msgs.msg import TwistWithCovarianceStamped
+from geometry_msgs.msg import PoseStamped, Quaternion, TwistWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from readings import pose_of, turned
 from robots import Frame, Topic
@@ -156,3 +156,34 @@ class Tween(rostest_case.PluginCase):
             return all(math.dist(pose, end) < 1e-6 for pose, end in poses)
 
         wait_until(have_turned, "the gates to turn")
+
+
+class Pedestrian(rostest_case.PluginCase):
+    """With PosePublisher, also by its other name."""
+
+    model = "pedestrian"
+    published = (
+        Topic("pose", PoseStamped, 10.0, "map"),
+        Topic("leg/pose", PoseStamped, 25.0, "world"),
+    )
+    subscribed = ("agent",)
+
+    def test_pedestrians_go_where_odometry_says(self):
+        for robot in self.robots:
+            goal = (robot.x + 2.0, robot.y - 0.4)
+            odometry = Odometry()
+            odometry.pose.pose.position.x, odometry.pose.pose.position.y = goal
+            odometry.pose.pose.orientation = Quaternion(0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5))
+            odometry.twist.twist.linear.x = 0.3  # to the north, for a second
+            publisher = rospy.Publisher(robot.topic("agent"), Odometry, queue_size=1, latch=True)
+            self.addCleanup(publisher.unregister)
+            publisher.publish(odometry)
+            end = (goal[0], goal[1] + 0.3, math.pi / 2)
+            left_leg = turned((0.0, 0.15), end[2], end[:2])
+
+            def has_arrived(robot=robot, end=end, left_leg=left_leg):
+                pose = pose_of(self.recorder_of(robot, "pose").next().pose)
+                leg = pose_of(self.recorder_of(robot, "leg/pose").next().pose)
+                return math.dist(pose, end) < 1e-3 and math.dist(leg[:2], left_leg) < 0.02
+
+            wait_until(has_arrived, "the pedestrian to arrive")

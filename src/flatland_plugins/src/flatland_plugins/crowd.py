@@ -5,14 +5,12 @@ from typing import Any, Dict, Iterator, List, Sequence, Tuple
 import numpy as np
 
 from flatland_plugins.crowd_config import CrowdConfig
-from flatland_plugins.crowd_motion import CrowdMotion
+from flatland_plugins.crowd_motion import CrowdMotion, poses_of, reach_of
 from flatland_plugins.obstacles import Bodies, Outline, Walls, seen_from
-from flatland_plugins.people import Pedestrian, model_of
+from flatland_plugins.people import Person, model_of
 from flatland_plugins.social_force import Others, discs_apart
 from flatland_server import (
     BatchRole,
-    Body,
-    FloatArray,
     ModelEntry,
     Segments,
     Timekeeper,
@@ -22,17 +20,10 @@ from flatland_server import (
     fill_pose,
     header,
     messages,
-    wrap_angle,
 )
 
 PoseMessage = messages.get("geometry_msgs/Pose")
 PoseArray = messages.get("geometry_msgs/PoseArray")
-
-_REACH = 8.0
-"""Reach of walls, in ranges of the repulsion: it has fallen to e^-8 there."""
-
-_ALONE = np.array([0])
-"""The index of the only world of a simulation."""
 
 
 class Crowd(WorldPlugin):
@@ -48,23 +39,23 @@ class Crowd(WorldPlugin):
         crowd = self._config = CrowdConfig.read(
             config, self.name, self.world.registry, self.world.models
         )
-        layers = [layer for layer in self.world.layers if layer.config.bits & crowd.layer_bits]
-        radius = max((p.build.radius for p in crowd.pedestrians), default=0.0)
-        self._reach = radius + _REACH * crowd.force.range
+        walk = crowd.walk
+        layers = [layer for layer in self.world.layers if layer.config.bits & walk.layer_bits]
+        self._reach = reach_of([person.build for person in crowd.pedestrians], walk.force)
         self._walls = Walls(lambda: [layer.segments for layer in layers], self._reach)
-        self._bodies = Bodies(self.world.models, crowd.layer_bits)
+        self._bodies = Bodies(self.world.models.values, walk.layer_bits)
         for index, problem in self._tight_places():
             config.note(crowd.pedestrians[index].reader.error(problem, "pose"))
         config.raise_problems()
 
-        self.update_timer = UpdateTimer(crowd.update_rate)
+        self.update_timer = UpdateTimer(walk.update_rate)
         self._publisher = self.node.advertise(crowd.poses_pub, "geometry_msgs/PoseArray")
-        self._people: List[Pedestrian] = []
+        self._people: List[Person] = []
         try:
             for person in crowd.pedestrians:
-                model = model_of(person, config.file, crowd.layers, crowd.layer_bits)
+                model = model_of(person, config.file, walk.layers, walk.layer_bits)
                 entry = ModelEntry(person.name, "", person.pose, model)
-                self._people.append(Pedestrian(person, self.world.add_model(entry)))
+                self._people.append(Person.of(person, self.world.add_model(entry)))
         except BaseException:
             self.on_shutdown()
             raise
@@ -77,7 +68,7 @@ class Crowd(WorldPlugin):
         points = np.array([p.pose[:2] for p in people]).reshape(-1, 2)
         radii = np.array([p.build.radius for p in people])
         apart, bodies = discs_apart(points, radii), self._bodies.find(but=())
-        standing = _poses([each.body for each in bodies])
+        standing = poses_of([each.body for each in bodies])
         around = {
             "a wall": self._walls.seen_from(points),
             "a model": seen_from(points, bodies, np.repeat(standing, len(points), axis=0)),
@@ -95,13 +86,8 @@ class Crowd(WorldPlugin):
         if self._publisher.has_subscribers:
             self._publisher.publish(self._message(timekeeper.nanoseconds))
         if self._people:
-            motion = self._motion
-            motion.see(self._find_others())
-            bodies = motion.bodies
-            velocities = np.array([[body.velocity for body in bodies]])
-            new = motion.update(_ALONE, _poses(bodies), velocities, timekeeper.step_size)
-            for body, velocity in zip(motion.moved, new[0].tolist()):
-                body.velocity = tuple(velocity)
+            self._motion.see(self._find_others())
+            self._motion.update_alone(timekeeper.step_size)
 
     @property
     def batch_role(self) -> BatchRole:
@@ -110,19 +96,20 @@ class Crowd(WorldPlugin):
 
     def _make_motion(self, count: int) -> CrowdMotion:
         others = self._find_others()
-        return CrowdMotion(self._config, self._walls, self._see_walls, self._people, others, count)
+        walk = self._config.walk
+        return CrowdMotion(walk, self._walls, self._see_walls, self._people, others, count)
 
     def _see_walls(self, walls: Sequence[Segments]) -> Walls:
         """The walls on the crowd's layers, given the walls of each layer of the world."""
         layers = zip(walls, self.world.layers)
-        seen = [each for each, layer in layers if layer.config.bits & self._config.layer_bits]
+        seen = [each for each, layer in layers if layer.config.bits & self._config.walk.layer_bits]
         return Walls(lambda: seen, self._reach)
 
     def _find_others(self) -> List[Outline]:
         """The present bodies of all models but the people."""
         return self._bodies.find(but={person.model for person in self._people})
 
-    def _is_there(self, person: Pedestrian) -> bool:
+    def _is_there(self, person: Person) -> bool:
         return self.world.models.get(person.config.name) is person.model
 
     def _keep(self, indices: List[int]) -> None:
@@ -158,10 +145,3 @@ class Crowd(WorldPlugin):
         for person in self._people:
             if self._is_there(person):
                 self.world.delete_model(person.config.name)
-
-
-def _poses(bodies: Sequence[Body]) -> FloatArray:
-    """The poses of bodies, the yaw within [-pi, pi]: shape (1, n, 3)."""
-    poses = np.array([body.pose for body in bodies]).reshape(1, -1, 3)
-    poses[..., 2] = [[wrap_angle(yaw) for yaw in poses[0, :, 2]]]
-    return poses

@@ -1,7 +1,7 @@
-"""The keys of a Crowd."""
+"""The keys of a Crowd, and those that a Pedestrian shares with it."""
 
 from dataclasses import dataclass
-from typing import Collection, Dict, Tuple
+from typing import Collection, Dict, Optional, Tuple
 
 from flatland_plugins.social_force import SocialForce
 from flatland_server import (
@@ -13,15 +13,29 @@ from flatland_server import (
     check_topic_name,
 )
 
+WALK_RATIO = 0.0064 * 60.0
+"""A step's length by the steps per second [m s], about equal at all speeds.
+
+N. Sekiya et al., "The invariant relationship between step length and step rate during free
+walking", Journal of Human Movement Studies 30, 1996.
+"""
+
 
 @dataclass(frozen=True)
 class Build:
-    """Speed and appearance of a pedestrian: the crowd's, unless its own entry says otherwise."""
+    """Speed and appearance of a pedestrian: the crowd's, unless its own entry says otherwise.
+
+    Attributes:
+        leg_offset: distance of a leg from the middle [m]; None: by the radius.
+        walk_ratio: a step's length by the steps per second [m s]; 0 for legs that do not swing.
+    """
 
     speed: float = 1.34
     radius: float = 0.25
     legs: bool = False
     color: Color = (0.9, 0.6, 0.3, 1.0)
+    leg_offset: Optional[float] = None
+    walk_ratio: float = WALK_RATIO
 
     @classmethod
     def read(cls, reader: YamlReader, default: "Build") -> "Build":
@@ -61,15 +75,52 @@ class PedestrianConfig:
 
 
 @dataclass(frozen=True)
+class WalkConfig:
+    """How people walk.
+
+    Attributes:
+        layers: their collision layers; they avoid the walls of these.
+        layer_bits: the bits of these layers.
+        update_rate: of the forces [Hz].
+        goal_radius: distance at which a goal counts as reached [m].
+        force: the social force model.
+    """
+
+    layers: Tuple[str, ...]
+    layer_bits: int
+    update_rate: float
+    goal_radius: float
+    force: SocialForce
+
+    @classmethod
+    def read(cls, config: YamlReader, registry: CollisionFilterRegistry) -> "WalkConfig":
+        """Reads the keys.
+
+        Args:
+            config: the plugin's configuration.
+            registry: the layers of the world.
+        """
+        layers = config.get_strings("layers", ("all",))
+        layer_bits = 0
+        try:
+            layer_bits = registry.bits(layers)
+        except ValueError as error:
+            config.problem(str(error), "layers")
+        return cls(
+            layers=layers,
+            layer_bits=layer_bits,
+            update_rate=config.get_rate("update_rate", 20.0),
+            goal_radius=config.get_float("goal_radius", 0.3, above=0.0),
+            force=_read_force(config.get_section("force")),
+        )
+
+
+@dataclass(frozen=True)
 class CrowdConfig:
     """All keys of a crowd but its frame."""
 
-    update_rate: float
-    layers: Tuple[str, ...]
-    layer_bits: int
-    goal_radius: float
+    walk: WalkConfig
     poses_pub: str
-    force: SocialForce
     pedestrians: Tuple[PedestrianConfig, ...]
 
     @classmethod
@@ -92,12 +143,7 @@ class CrowdConfig:
             YamlError: something is wrong.
         """
         check_topic_name(config, "name", name)
-        layers = config.get_strings("layers", ("all",))
-        layer_bits = 0
-        try:
-            layer_bits = registry.bits(layers)
-        except ValueError as error:
-            config.problem(str(error), "layers")
+        walk = WalkConfig.read(config, registry)
         build = Build.read(config, Build())
         names: Dict[str, int] = {}
 
@@ -111,12 +157,8 @@ class CrowdConfig:
             return pedestrian
 
         crowd = cls(
-            update_rate=config.get_rate("update_rate", 20.0),
-            layers=layers,
-            layer_bits=layer_bits,
-            goal_radius=config.get_float("goal_radius", 0.3, above=0.0),
+            walk=walk,
             poses_pub=config.get_topic("poses_pub", f"{name}/poses"),
-            force=_read_force(config.get_section("force")),
             pedestrians=tuple(config.get_sections("pedestrians", read_pedestrian, required=True)),
         )
         config.finish()

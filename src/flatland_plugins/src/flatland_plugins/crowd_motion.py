@@ -4,21 +4,35 @@ from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland_plugins.crowd_config import CrowdConfig
+from flatland_plugins.crowd_config import Build, WalkConfig
 from flatland_plugins.obstacles import Outline, Walls, seen_from, seen_walls
-from flatland_plugins.people import Pedestrian, People, Progress
-from flatland_plugins.social_force import Others, discs_apart, limit
-from flatland_server import BatchMotion, FloatArray, IntArray, Segments, UpdateTimer
+from flatland_plugins.people import People, Person, Progress
+from flatland_plugins.social_force import Others, SocialForce, discs_apart, limit
+from flatland_server import (
+    BatchMotion,
+    Body,
+    FloatArray,
+    IntArray,
+    Segments,
+    UpdateTimer,
+    wrap_angle,
+)
 
 _MOST_SPEED = 1.3
 """Maximum speed over desired speed (Helbing and Molnar, Phys. Rev. E 51, 1995)."""
+
+_REACH = 8.0
+"""Reach of walls, in ranges of the repulsion: it has fallen to e^-8 there."""
+
+_ALONE = np.array([0])
+"""The index of the only world of a simulation."""
 
 
 class CrowdMotion(BatchMotion):
     """The people of a crowd in n worlds.
 
     Args:
-        config: of the crowd.
+        config: how they walk.
         walls: of the world, as far as the people see them.
         see_walls: selects the walls that people see from the walls of each layer.
         people: those that exist, p.
@@ -32,10 +46,10 @@ class CrowdMotion(BatchMotion):
 
     def __init__(
         self,
-        config: CrowdConfig,
+        config: WalkConfig,
         walls: Walls,
         see_walls: Callable[[Sequence[Segments]], Walls],
-        people: Sequence[Pedestrian],
+        people: Sequence[Person],
         outlines: Sequence[Outline],
         count: int = 1,
     ) -> None:
@@ -60,11 +74,13 @@ class CrowdMotion(BatchMotion):
         goals, strides = self.progress
         self.progress = Progress(goals[:, indices], strides[:, indices])
 
-    def _set_people(self, people: Sequence[Pedestrian]) -> None:
+    def _set_people(self, people: Sequence[Person]) -> None:
         self.people = list(people)
         self._people = People([each.config for each in people])
-        legs = [each.model.bodies[leg] for each in people for leg in each.legs]
-        bodies = [*(each.model.base for each in people), *legs]
+        legs = [leg for each in people for leg in each.legs]
+        circles = [each.circle for each in people if each.circle is not None]
+        self._in_circles = [i for i, each in enumerate(people) if each.circle is not None]
+        bodies = [*(each.body for each in people), *legs, *circles]
         self.moved = [body.physics_body for body in bodies]
         self.see(self._outlines)
 
@@ -84,15 +100,15 @@ class CrowdMotion(BatchMotion):
         self, environments: IntArray, poses: FloatArray, velocities: FloatArray, step_size: float
     ) -> FloatArray:
         """The velocities until the next update; see `BatchMotion`."""
-        config, people, dt = self._config, self._people, max(self._period, step_size)
-        count = len(people)
-        moved = count + 2 * len(people.walkers)
-        bodies, motion = poses[:, :count], np.zeros_like(poses[:, :moved])
-        walk, time_left = motion[:, :count], 2.0 * config.force.relaxation_time
-        goals, ways = people.ways(
-            self.progress.goals[environments], bodies[..., :2], config.goal_radius, time_left
+        config, count, dt = self._config, len(self._people), self.time_of(step_size)
+        moved, bodies = len(self.moved), poses[:, :count]
+        goals, ways = self._people.ways(
+            self.progress.goals[environments],
+            bodies[..., :2],
+            config.goal_radius,
+            time_left=2.0 * config.force.relaxation_time,
         )
-        walk[..., :2] = self._velocities(
+        walk = self._velocities(
             environments.tolist(),
             ways,
             bodies[..., :2],
@@ -101,14 +117,58 @@ class CrowdMotion(BatchMotion):
             self._noise(environments, dt),
             dt,
         )
-        walk[..., 2] = people.turns(bodies[..., 2], walk[..., :2], dt) / dt
         self.progress.goals[environments] = goals
+        return self.walk(environments, poses, walk, step_size)
+
+    def walk(
+        self, environments: IntArray, poses: FloatArray, velocities: FloatArray, step_size: float
+    ) -> FloatArray:
+        """The velocities of bodies and legs of people that walk at these velocities.
+
+        Args:
+            environments: as in `update`.
+            poses: as in `update`.
+            velocities: of the people, (k, p, 2) [m/s].
+            step_size: as in `update`.
+
+        Returns:
+            As `update`.
+        """
+        people, dt = self._people, self.time_of(step_size)
+        count, moved = len(people), len(self.moved)
+        bodies, motion = poses[:, :count], np.zeros_like(poses[:, :moved])
+        walk = motion[:, :count]
+        walk[..., :2] = velocities
+        walk[..., 2] = people.turns(bodies[..., 2], velocities, dt) / dt
         if moved > count:
             strides, legs = people.step(self.progress.strides[environments], bodies, walk, dt)
             self.progress.strides[environments] = strides
-            legs = legs.reshape(len(legs), -1, 2)
-            motion[:, count:, :2] = (legs - poses[:, count:moved, :2]) / dt
+            places = legs.reshape(len(legs), -1, 2)
+            if self._in_circles:
+                circles = (bodies + walk * dt)[:, self._in_circles, :2]
+                places = np.concatenate([places, circles], axis=1)
+            motion[:, count:, :2] = (places - poses[:, count:moved, :2]) / dt
         return motion
+
+    def update_alone(self, step_size: float, velocity: Optional[Sequence[float]] = None) -> None:
+        """Sets the velocities in the only world of a simulation.
+
+        Args:
+            step_size: of the simulation [s].
+            velocity: of the people [m/s]; None: by the forces.
+        """
+        poses = poses_of(self.bodies)
+        if velocity is None:
+            velocities = np.array([[body.velocity for body in self.bodies]])
+            new = self.update(_ALONE, poses, velocities, step_size)
+        else:
+            new = self.walk(_ALONE, poses, np.array([[velocity]]), step_size)
+        for body, each in zip(self.moved, new[0].tolist()):
+            body.velocity = tuple(each)
+
+    def time_of(self, step_size: float) -> float:
+        """The time from one update to the next [s]."""
+        return max(self._period, step_size)
 
     def _noise(self, environments: IntArray, dt: float) -> FloatArray:
         """Noise of the velocities [m/s], (n, p, 2)."""
@@ -158,3 +218,15 @@ class CrowdMotion(BatchMotion):
         after = force.relax(after, speeds[:, np.newaxis] * way, repulsion + will * evasion, dt)
         after += will * noise.reshape(-1, 2)
         return limit(after, _MOST_SPEED * speeds).reshape(worlds, count, 2)
+
+
+def reach_of(builds: Sequence[Build], force: SocialForce) -> float:
+    """The distance within which walls repel people of these builds [m]."""
+    return max((build.radius for build in builds), default=0.0) + _REACH * force.range
+
+
+def poses_of(bodies: Sequence[Body]) -> FloatArray:
+    """The poses of bodies, the yaw within [-pi, pi]: shape (1, n, 3)."""
+    poses = np.array([body.pose for body in bodies]).reshape(1, -1, 3)
+    poses[..., 2] = [[wrap_angle(yaw) for yaw in poses[0, :, 2]]]
+    return poses

@@ -1,12 +1,22 @@
 """The obstacles of a crowd: the walls of layers, and the models that do not belong to it."""
 
-from typing import Callable, Collection, Dict, List, Sequence, Tuple
+from typing import Callable, Collection, Dict, Iterable, Iterator, List, Sequence, Tuple
 
 import numpy as np
 
 from flatland_plugins.social_force import Others
 from flatland_plugins.wall_grid import WallGrid, nearest
-from flatland_server import Circle, FloatArray, Footprint, Model, ModelBody, Segments, cos_sin
+from flatland_server import (
+    Circle,
+    Entity,
+    FloatArray,
+    Footprint,
+    Layer,
+    Model,
+    ModelBody,
+    Segments,
+    cos_sin,
+)
 
 
 class Walls:
@@ -90,18 +100,18 @@ class Bodies:
     """The bodies of a world's models, each an obstacle.
 
     Args:
-        models: the world's models by name, which may change.
+        models: returns the world's present models.
         layers: bits of the collision layers of the people.
     """
 
-    def __init__(self, models: Dict[str, Model], layers: int) -> None:
+    def __init__(self, models: Callable[[], Iterable[Model]], layers: int) -> None:
         self._models = models
         self._layers = layers
         self._outlines: Dict[Tuple[Model, int], List[Outline]] = {}
 
     def find(self, but: Collection[Model]) -> List[Outline]:
         """The present bodies of all models but some."""
-        present = [(m, m.footprint_revision) for m in self._models.values() if m not in but]
+        present = [(m, m.footprint_revision) for m in self._models() if m not in but]
         self._outlines = {
             key: self._outlines.get(key) or self._outlines_of(key[0]) for key in present
         }
@@ -121,6 +131,40 @@ class Bodies:
             and not footprint.sensor
             and bool(footprint.layer_bits & self._layers)
         )
+
+
+class Surroundings:
+    """The walls and bodies that people see, found among the entities of the world.
+
+    Args:
+        entities: of the world.
+        layers: bits of the collision layers of the people.
+        reach: distance from a point within which walls are found [m].
+
+    Attributes:
+        walls: the present ones.
+        bodies: those of the present models.
+    """
+
+    def __init__(self, entities: Iterable[Entity], layers: int, reach: float) -> None:
+        self._entities = entities
+        self._layers = layers
+        self._reach = reach
+        self.walls = Walls(lambda: self._visible(each.segments for each in self._found()), reach)
+        self.bodies = Bodies(lambda: (e for e in entities if isinstance(e, Model)), layers)
+
+    def see_walls(self, walls: Sequence[Segments]) -> Walls:
+        """The walls that people see, given those of each layer of the world."""
+        seen = self._visible(each for each in walls if len(each))
+        return Walls(lambda: seen, self._reach)
+
+    def _found(self) -> Iterator[Layer]:
+        """The layers with walls, in their order: others have no bodies."""
+        return (each for each in self._entities if isinstance(each, Layer))
+
+    def _visible(self, walls: Iterable[Segments]) -> List[Segments]:
+        layers = zip(walls, self._found())
+        return [each for each, layer in layers if layer.config.bits & self._layers]
 
 
 def seen_from(points: FloatArray, outlines: Sequence[Outline], poses: FloatArray) -> Others:

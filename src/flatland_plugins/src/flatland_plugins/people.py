@@ -7,11 +7,11 @@ Arrays are those of one world or of many at once. They hold n worlds with p peop
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from flatland_plugins.crowd_config import PedestrianConfig
+from flatland_plugins.crowd_config import Build, PedestrianConfig
 from flatland_plugins.social_force import directions
 from flatland_server import (
     BodyConfig,
@@ -20,6 +20,7 @@ from flatland_server import (
     Footprint,
     IntArray,
     Model,
+    ModelBody,
     ModelConfig,
     Pose,
     cos_sin,
@@ -29,24 +30,17 @@ from flatland_server import (
 _MASS = 80.0
 """Of each pedestrian [kg]."""
 
-_LEG_RADIUS = 0.28
-LEG_OFFSET = 0.4
+LEG_RADIUS = 0.28
+_LEG_OFFSET = 0.4
 """A leg's radius and its distance from the middle, as fractions of the pedestrian's radius."""
 
 LEGS = (("left_leg", 1.0), ("right_leg", -1.0))
 """The names of their bodies, and on which side they are: 1 is the left."""
 
-_WALK_RATIO = 0.0064 * 60.0
-"""A step's length by the steps per second [m s], about equal at all speeds.
-
-N. Sekiya et al., "The invariant relationship between step length and step rate during free
-walking", Journal of Human Movement Studies 30, 1996.
-"""
-
 _TURN_RATE = math.pi
 """Maximum rate of turn [rad/s]."""
 
-_LEAST_SPEED = 0.1
+LEAST_SPEED = 0.1
 """Speed [m/s] below which people keep their heading."""
 
 _FEET_ABREAST = 0.25
@@ -70,28 +64,40 @@ def model_of(
     )
     leg = replace(
         disc,
-        shape=Circle((0.0, 0.0), _LEG_RADIUS * build.radius),
+        shape=Circle((0.0, 0.0), LEG_RADIUS * build.radius),
         density=0.0,
         collision=False,
         visible=True,
     )
     bodies = [BodyConfig("body", Pose(), "dynamic", build.color, 0.0, 0.0, (disc,))]
     for name, side in LEGS if build.legs else ():
-        pose = Pose(0.0, side * LEG_OFFSET * build.radius)
+        pose = Pose(0.0, side * leg_offset(build))
         bodies.append(BodyConfig(name, pose, "kinematic", build.color, 0.0, 0.0, (leg,)))
     return ModelConfig(file, tuple(bodies), (), ())
 
 
-class Pedestrian(NamedTuple):
-    """A pedestrian in the world: its entry in the world file, and its model."""
+class Person(NamedTuple):
+    """A pedestrian in the world.
+
+    Attributes:
+        config: its configuration.
+        model: its model.
+        body: the body that walks.
+        legs: the left one and the right one, if it has legs.
+        circle: a body that goes along with it.
+    """
 
     config: PedestrianConfig
     model: Model
+    body: ModelBody
+    legs: Sequence[ModelBody]
+    circle: Optional[ModelBody] = None
 
-    @property
-    def legs(self) -> List[str]:
-        """The names of the bodies of its legs, if it has some."""
-        return [name for name, _ in LEGS] if self.config.build.legs else []
+    @classmethod
+    def of(cls, config: PedestrianConfig, model: Model) -> "Person":
+        """The pedestrian of a model that `model_of` has made."""
+        legs = [model.bodies[name] for name, _ in LEGS if config.build.legs]
+        return cls(config, model, model.base, legs)
 
 
 class Progress(NamedTuple):
@@ -128,6 +134,8 @@ class People:
         self.radii = np.array([each.build.radius for each in configs])
         self.speeds = np.array([each.build.speed for each in configs])
         self.walkers = np.array([i for i, c in enumerate(configs) if c.build.legs], np.int64)
+        self._leg_offsets = np.array([leg_offset(each.build) for each in configs])
+        self._walk_ratios = np.array([each.build.walk_ratio for each in configs])
         self._goal_counts = np.array([len(each.goals) for each in configs], np.int64)
         self._goals = np.zeros((len(configs), self._goal_counts.max(initial=0), 2))
         for index, each in enumerate(configs):
@@ -158,7 +166,7 @@ class People:
         turn -= math.tau * np.rint(turn / math.tau)
         _, speeds = directions(velocities)
         turn = np.minimum(np.maximum(turn, -_TURN_RATE * dt), _TURN_RATE * dt)
-        return np.where(speeds > _LEAST_SPEED, turn, 0.0)
+        return np.where(speeds > LEAST_SPEED, turn, 0.0)
 
     def step(
         self, strides: FloatArray, poses: FloatArray, motions: FloatArray, dt: float
@@ -180,13 +188,18 @@ class People:
         after = poses + motions * dt
         cos, sin = cos_sin(after[..., 2])
         speeds = motions[..., 0] * cos + motions[..., 1] * sin
-        steps = np.sqrt(_WALK_RATIO * np.abs(speeds))
+        steps = np.sqrt(self._walk_ratios * np.abs(speeds))
         done = speeds * dt / (2.0 * np.where(steps > 0.0, steps, 1.0))
         strides = (strides + np.where(steps > 0.0, done, 0.0)) % 1.0
         ahead = steps / 2.0 * (1.0 - 4.0 * np.abs(strides - 0.5))
         places = []
         for _, side in LEGS:
-            x, y = side * ahead, side * LEG_OFFSET * self.radii
+            x, y = side * ahead, side * self._leg_offsets
             place = after[..., 0] + cos * x - sin * y, after[..., 1] + sin * x + cos * y
             places.append(np.stack(place, axis=-1))
         return strides, np.stack(places, axis=-2)[:, self.walkers]
+
+
+def leg_offset(build: Build) -> float:
+    """The distance of a leg from the middle [m]."""
+    return _LEG_OFFSET * build.radius if build.leg_offset is None else build.leg_offset

@@ -47,6 +47,16 @@ bodies:
        density: 1}]}
 plugins: [{type: Tween, name: tween, body: door, delta: [0.5, 1, 1], duration: 1.3}]
 """
+WALKER = """
+bodies:
+  - {name: body, footprints: [{type: circle, radius: 0.25, density: 400}]}
+  - {name: left_leg, footprints: [LEG]}
+  - {name: right_leg, footprints: [LEG]}
+  - {name: circle, footprints: [LEG]}
+plugins:
+  - {type: Pedestrian, name: walk, goals: [[2, 0.5], [-2, 0]], layers: [map], update_rate: 11,
+     safety_dist_body: circle, var_leg_offset: 0.05, step_time: 0.5}
+""".replace("LEG", "{type: circle, radius: 0.08, density: 1, collision: false}")
 WALLS = ("-3 -3 3 -3", "3 -3 3 3", "3 3 -3 3", "-3 3 -3 -3", "-1 2 1 2", "1 1 1 2", "1 1 2.5 1")
 WORLD = """
 properties: {}
@@ -75,4 +85,5 @@ def write_world(folder: Path, drive="DiffDrive", noise="0", models=WORLD, others
     files.write("robot.yaml", plugins.replace("LASER", LASER.replace("NOISE", noise)))
     files.write("box.yaml", BOX)
     files.write("door.yaml", DOOR)
+    files.write("walker.yaml", WALKER)
     return files.write("world.yaml", models.replace("MAP", files.walls("map", *WALLS)))

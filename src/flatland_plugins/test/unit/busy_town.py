@@ -59,6 +59,15 @@ plugins:
   - {type: Tween, name: tween, body: door, delta: [1.5, 0, 1], duration: 2.3, mode: trigger,
      easing: cubicInOut}
 """
+WALKER = """
+bodies:
+  - {name: body, footprints: [{type: circle, radius: 0.25, density: 400}]}
+  - {name: left_leg, footprints: [LEG]}
+  - {name: right_leg, footprints: [LEG]}
+plugins:
+  - {type: Pedestrian, name: walk, goals: [[-3, 1], [3, 1]], swing_radius: 0.05}
+  - {type: PosePublisher, name: pose, update_rate: 15}
+""".replace("LEG", "{type: circle, radius: 0.08, density: 1, collision: false}")
 WALLS = ("-4 -4 4 -4", "4 -4 4 4", "4 4 -4 4", "-4 4 -4 -4", "-1 2 1 2", "-3 -1 -3 1")
 WORLD = """
 properties: {}
@@ -72,6 +81,7 @@ models:
   - {name: rests2, namespace: rests2, model: box.yaml, pose: [-2.9, 3.2, 0]}
   - {name: gone, namespace: gone, model: box.yaml, pose: [3, 3, 0]}
   - {name: door, model: door.yaml, pose: [0, -2, 0]}
+  - {name: walker, namespace: walker, model: walker.yaml, pose: [2, 1.2, 0]}
 plugins:
   - {type: RandomWall, name: walls, layer: map, num_of_walls: 2, wall_wall_dist: 0.5,
      robot_name: anna}
@@ -129,6 +139,7 @@ class Town:
         self.files.write("robot.yaml", ROBOT)
         self.files.write("box.yaml", BOX)
         self.files.write("door.yaml", DOOR)
+        self.files.write("walker.yaml", WALKER)
         world = WORLD.replace("MAP", self.files.walls("map", *WALLS))
         self.transport = Recorder(subscribed_topics)
         path = self.files.write("world.yaml", world)

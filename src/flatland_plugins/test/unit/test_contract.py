@@ -49,6 +49,7 @@ VARIANTS = [
     ("Imu", {"angular_velocity_noise": [0.1, 0.1, 0.1]}),
     ("Laser", {"noise_std_dev": 0.1, "upside_down": True}),
     ("ModelTfPublisher", {"publish_tf_world": True, "exclude": ["left_wheel"]}),
+    ("Pedestrian", {"goals": [[3, 3], [0, 0]], "leg_radius": 0.12, "swing_radius": 0.05}),
     ("RandomWall", {"num_of_walls": 2}),
     ("TricycleDrive", SLIP),
     ("Tween", {"mode": "trigger"}),
@@ -59,6 +60,8 @@ VARIANTS = [
 ROBOT = yaml.safe_dump(samples.TRICYCLE)
 OTHER_NAMES = {
     "Imu": {"update_rate"},
+    "Pedestrian": {"base_body"},
+    "PosePublisher": {"ground_truth_pub", "pub_rate"},
     "TricycleDrive": {"max_angular_velocity", "max_steer_acceleration"},
 }
 """Aliases of keys, which cannot be given together with the keys."""

@@ -156,6 +156,20 @@ def test_walls_that_differ_are_those_of_simulations(world_of):
         assert np.array_equal(batch.observe().ranges[0], first.ranges[1])
 
 
+WALKERS = """  - {name: walker1, model: walker.yaml, pose: [-2, 1, 0]}
+  - {name: walker2, model: walker.yaml, pose: [-1.3, -2.4, 2]}
+"""
+
+
+@pytest.mark.parametrize("plugins", ["", CROWD + MORE_WALLS], ids=["alone", "among others"])
+def test_pedestrians_are_those_of_a_simulation(world_of, plugins):
+    world = world_of(noise="0.02", models=WORLD + WALKERS + plugins)
+
+    found = run_batch(world, 3, 2, 2)
+
+    assert_are_simulations(found, {k: run_simulation(world, k, 2) for k in range(3)})
+
+
 def test_where_people_are_is_seen_in_a_view(world_of):
     world = world_of(models=WORLD + CROWD)
     with SimulationBatch(world, 2, seed=7) as batch, Simulation(world, seed=8) as simulation:

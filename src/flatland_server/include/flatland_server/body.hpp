@@ -22,9 +22,9 @@ struct BodySettings {
 struct BodyRecord {
   struct FixtureRecord {
     b2Fixture* fixture = nullptr;
-    bool visible = true;           // to lidars
-    double bounding_radius = 0.0;  // of its shape [m]; see VisibleFixture
-    bool collides = true;          // on its layers
+    bool visible = true;       // to lidars
+    double seen_radius = 0.0;  // of its bounding circle, as lidars see it [m]; see VisibleFixture
+    bool collides = true;      // on its layers
   };
 
   /// The walls of large layers that Box2D has for a dynamic body; see NearbyWalls.

@@ -150,6 +150,11 @@ class World : public Access, private b2DestructionListener {
   /// Sets a coefficient for new contacts; existing ones keep theirs.
   void SetFriction(Fixture fixture, double friction);
   void SetRestitution(Fixture fixture, double restitution);
+  /// Sets whether lidars see it; not for walls.
+  void SetVisible(Fixture fixture, bool visible);
+  /// The radius of a circle as lidars see it [m]; its own, until it is set.
+  double GetSeenRadius(Fixture fixture) const;
+  void SetSeenRadius(Fixture fixture, double radius);
   /// True if a point of the world [m] is within the shape; always false for a wall.
   bool TestPoint(Fixture fixture, Vec2 point) const;
   /// The other bodies with a fixture that overlaps one of this body, and that Box2D would push out

@@ -111,9 +111,14 @@ void BindFixture(py::class_<PyFixture>& fixture) {
       .def_property_readonly("sensor", [=](const PyFixture& self) { return settings(self).sensor; })
       .def_property_readonly("collides",
                              [=](const PyFixture& self) { return settings(self).collides; })
-      .def_property_readonly("visible",
-                             [=](const PyFixture& self) { return settings(self).visible; })
+      .def_property(
+          "visible", [=](const PyFixture& self) { return settings(self).visible; },
+          [](PyFixture& self, bool value) { self.world->SetVisible(self.handle, value); })
       .def_property_readonly("layers", [=](const PyFixture& self) { return settings(self).layers; })
+      .def_property(
+          "seen_radius",
+          [](const PyFixture& self) { return self.world->GetSeenRadius(self.handle); },
+          [](PyFixture& self, double value) { self.world->SetSeenRadius(self.handle, value); })
       .def(
           "test_point",
           [](const PyFixture& self, const Pair& point) {

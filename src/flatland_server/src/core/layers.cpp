@@ -22,7 +22,8 @@ struct Reach {
     const b2Vec2 center = record.body->GetLocalCenter();
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
       const b2Vec2 arm = CentroidOf(*each.fixture->GetShape()) - center;
-      radius = std::max(radius, arm.Length() + static_cast<float>(each.bounding_radius));
+      radius = std::max(
+          radius, arm.Length() + static_cast<float>(BoundingRadius(*each.fixture->GetShape())));
       layers |= each.fixture->GetFilterData().maskBits;
     }
   }

@@ -114,8 +114,7 @@ void Lidars::AddVisibleFixtures(const BodyRecord& record) const {
   for (const BodyRecord::FixtureRecord& each : record.fixtures) {
     const bool is_on_a_layer = each.fixture->GetFilterData().categoryBits != 0;
     if (!each.visible || !is_on_a_layer || each.fixture->IsSensor()) continue;
-    const VisibleFixture& fixture =
-        visible_fixtures_.emplace_back(*each.fixture, each.bounding_radius);
+    const VisibleFixture& fixture = visible_fixtures_.emplace_back(*each.fixture, each.seen_radius);
     bounding_circles_.Add(fixture.center, fixture.bounding_radius);
   }
 }

@@ -196,7 +196,7 @@ void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerB
   body.DestroyFixture(&old);
   BodyRecord::FixtureRecord& replaced = record.fixtures[fixture.index];
   replaced.fixture = MakeFixture(body, fixture.index, shape, settings);
-  replaced.bounding_radius = BoundingRadius(shape);
+  replaced.seen_radius = BoundingRadius(shape);
   for (size_t i = 0; i < densities.size(); ++i) {
     record.fixtures[i].fixture->SetDensity(densities[i]);
   }
@@ -269,6 +269,28 @@ void World::SetRestitution(Fixture fixture, double restitution) {
     return;
   }
   Find(fixture).SetRestitution(static_cast<float>(restitution));
+}
+
+void World::SetVisible(Fixture handle, bool visible) {
+  Require(!bodies_.Get(handle.body).is_layer, "lidars see all walls");
+  Find(handle);
+  const AccessGuard guard(*this);
+  bodies_.Get(handle.body).fixtures[handle.index].visible = visible;
+  bodies_.ChangeStructure();
+}
+
+double World::GetSeenRadius(Fixture handle) const {
+  Find(handle);
+  return bodies_.Get(handle.body).fixtures[handle.index].seen_radius;
+}
+
+void World::SetSeenRadius(Fixture handle, double radius) {
+  const bool is_layer = bodies_.Get(handle.body).is_layer;
+  Require(!is_layer && Find(handle).GetType() == b2Shape::e_circle, "the fixture is no circle");
+  MakeCircle({}, radius);  // checks the radius
+  const AccessGuard guard(*this);
+  bodies_.Get(handle.body).fixtures[handle.index].seen_radius = radius;
+  bodies_.ChangeStructure();
 }
 
 bool World::TestPoint(Fixture fixture, Vec2 point) const {

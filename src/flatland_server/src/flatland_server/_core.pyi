@@ -617,7 +617,17 @@ class Fixture(_WithoutConstructor):
         """True if it has contacts at all."""
     @property
     def visible(self) -> bool:
-        """True if lidars see it."""
+        """True if lidars see it; cannot be set for walls."""
+    @visible.setter
+    def visible(self, visible: bool) -> None: ...
+    @property
+    def seen_radius(self) -> float:
+        """Radius of the bounding circle as lidars see it [m]: its own, until it is set.
+
+        Can be set for circles, to 1e-4 to 1e5 m; a new shape ends that. Bodies touch its own.
+        """
+    @seen_radius.setter
+    def seen_radius(self, radius: float) -> None: ...
     @property
     def layers(self) -> int:
         """Bits of its collision layers."""

@@ -37,6 +37,27 @@ TEST_F(LidarTest, MeasuresARoom) {
   }
 }
 
+TEST_F(LidarTest, SeesACircleAsItIsSetToBeSeen) {
+  AddWallAt(10);
+  const World::Body body = AddBody({5, 0, 0});
+  const Fixture circle = world_.AddCircle(body, {0, 0}, 0.5, {});
+  EXPECT_NEAR(LookAhead({}), 4.5, 1e-5);
+
+  world_.SetSeenRadius(circle, 0.1);
+
+  EXPECT_NEAR(LookAhead({}), 4.9, 1e-5);
+  EXPECT_TRUE(world_.TestPoint(circle, {5.4, 0}));
+  world_.SetVisible(circle, false);
+  EXPECT_NEAR(LookAhead({}), 10.0, 1e-5);
+  world_.SetVisible(circle, true);
+  EXPECT_NEAR(LookAhead({}), 4.9, 1e-5);
+  world_.SetCircle(circle, {0, 0}, 0.3);
+  EXPECT_NEAR(LookAhead({}), 4.7, 1e-5);
+  EXPECT_THROW(world_.SetSeenRadius(circle, kNaN), std::invalid_argument);
+  const Fixture square = world_.AddPolygon(body, square_, {});
+  EXPECT_THROW(world_.SetSeenRadius(square, 1.0), std::invalid_argument);
+}
+
 TEST_F(LidarTest, MeasuresInfinityWhereNothingIsInRange) {
   AddWallAt(5.0);
   const World::Body body = AddBody({0.0, 8.0, 0.0});

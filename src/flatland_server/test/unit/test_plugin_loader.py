@@ -71,6 +71,19 @@ def test_the_plugins_of_flatland_are_found_with_and_without_their_package(type):
     assert PluginLoader().load(type, ModelPlugin) is DiffDrive
 
 
+@pytest.mark.parametrize("package", ["", "flatland_plugins::"])
+def test_other_names_of_built_in_plugins_are_theirs_unless_a_package_has_them(packages, package):
+    xml = '<class name="{0}" type="flatland_plugins.{1}.{0}"/>'
+    publisher = xml.format("PosePublisher", "pose_publisher")
+    pedestrian = xml.format("Pedestrian", "pedestrian")
+    packages.add("flatland_plugins", f"<library>{publisher}{pedestrian}</library>")
+
+    assert PluginLoader().load(f"{package}PosePub", ModelPlugin).__name__ == "PosePublisher"
+    assert PluginLoader().load(f"{package}PedsimMovement", ModelPlugin).__name__ == "Pedestrian"
+    packages.add_plugin("my_plugins", "PosePub", "loader_own")
+    assert PluginLoader().load("PosePub", ModelPlugin).__module__ == "loader_own"
+
+
 def test_a_plugin_of_another_package_is_found(packages):
     packages.add_plugin("my_plugins", "ConstVelocity", "loader_other")
 

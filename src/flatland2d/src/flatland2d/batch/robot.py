@@ -18,7 +18,7 @@ class PluginRole(NamedTuple):
 
 
 def roles_of(world: World) -> List[PluginRole]:
-    """The roles of all plugins of a world.
+    """The roles of all plugins of a world, in the order in which a step calls them.
 
     Args:
         world: on a LocalTransport.
@@ -36,7 +36,7 @@ def roles_of(world: World) -> List[PluginRole]:
         )
     require_unchanged_footprints(world)
     roles = []
-    for owner in ["", *world.models]:
+    for owner in [*world.models, ""]:
         for plugin in world.plugins_of(owner).values():
             role = plugin.batch_role
             if role is None:

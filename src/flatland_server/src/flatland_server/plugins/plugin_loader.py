@@ -24,6 +24,12 @@ P = TypeVar("P", bound=Plugin)
 EXAMPLE_PACKAGE = "flatland_example_plugins"
 """The package that users copy under another name: a copy hides the plugins of the original."""
 
+_BUILT_IN = "flatland_plugins"
+
+ALIASES = {"PedsimMovement": "Pedestrian", "PosePub": "PosePublisher"}
+"""Types in files of other simulators, and the built-in plugins that are meant, unless a package
+declares a Python class of that name."""
+
 
 _CPP_PLUGINS = frozenset(
     ["ackermannDrive", "RandomGates", "RandomWandering", "StaticLaser", "VehicleMovement"]
@@ -57,15 +63,20 @@ class PluginLoader:
             self._declarations = discover()
         answering = [d for d in self._declarations if d.answers_to(type)]
         found = [d for d in answering if not d.is_cpp]
+        package, separator, name = type.rpartition("::")
+        if not found and name in ALIASES:
+            alias = f"{package}{separator}{ALIASES[name]}"
+            built_in = [d for d in self._declarations if d.package == _BUILT_IN]
+            found = [d for d in built_in if d.answers_to(alias)]
         if answering and not found:
             cpp = answering[0]
             raise PluginError(_cpp_error(type, f"of the package {cpp.package} ({cpp.class_path})"))
-        if not found and type.rpartition("::")[2] in _CPP_PLUGINS:
+        if not found and name in _CPP_PLUGINS:
             raise PluginError(_cpp_error(type, "of other packages for the original Flatland"))
         if not found:
             names = sorted(d.name for d in self._declarations if not d.is_cpp)
             known = ", ".join(names) or f"none; {_question()}"
-            hint = suggestion(type.rpartition("::")[2], names)
+            hint = suggestion(name, names)
             raise PluginError(f'unknown plugin type "{shortened(type)}"{hint}; there are: {known}')
         found = list({d.class_path: d for d in found}.values())
         if len(found) > 1:

@@ -7,7 +7,7 @@ MODEL = "robot.model.yaml"
 
 PLUGINS = (
     "BoolSensor, Bumper, Crowd, DiffDrive, DummyModelPlugin, DummyWorldPlugin, Gps, Imu, Laser, "
-    "ModelTfPublisher, OmniDrive, RandomWall, TricycleDrive, Tween"
+    "ModelTfPublisher, OmniDrive, Pedestrian, PosePublisher, RandomWall, TricycleDrive, Tween"
 )
 
 # A mistake: the file, the text in it that is replaced (None is all of it), its replacement, and the

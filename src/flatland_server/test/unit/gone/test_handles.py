@@ -55,6 +55,7 @@ CALLS = {
         "sensor": (),
         "collides": (),
         "visible": (),
+        "seen_radius": (),
         "layers": (),
         "test_point": ((0, 0),),
         "set_circle": ((0, 0), 1),
