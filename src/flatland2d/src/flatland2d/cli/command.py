@@ -39,8 +39,9 @@ def main(arguments: Optional[List[str]] = None) -> int:
         subcommand.add_parser(commands)
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(message)s", level=logging.WARNING)
-    if isinstance(sys.stdout, io.TextIOWrapper):  # names of files and errors may have no UTF-8
-        sys.stdout.reconfigure(errors="backslashreplace")
+    for stream in (sys.stdout, sys.stderr):  # names of files and errors may have no UTF-8
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         code: int = options.execute(options)
         sys.stdout.flush()

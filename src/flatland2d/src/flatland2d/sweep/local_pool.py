@@ -46,7 +46,7 @@ from flatland2d.sweep.local_pool import work
 work(int(sys.argv[1]))
 """
 
-_GUARD = 'read -r _; kill -KILL -- "-$0"'
+_GUARD = 'read -r _; kill -s KILL -- "-$0"'
 """The program of a guard: waits until the parent has ended, and kills a process group.
 
 A process of its own: a worker may be stopped, or hang in C code that lets no other thread run.
