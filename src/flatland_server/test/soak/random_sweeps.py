@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Callable, Dict, List
+from typing import Any, Callable, Dict, List, Tuple
 
 from soak.findings import Findings
 from soak.mutations import Mutator
@@ -26,6 +26,9 @@ from flatland_server import FlatlandError
 
 TABLES = ("results.csv", "summary.csv", "report.html")
 LIMIT = 300.0  # s
+Rows = Dict[Tuple[str, str], Dict[str, str]]
+"""The rows of a table by controller and seed."""
+
 _MARK = "FLATLAND_SOAK_SWEEP"
 """A variable in the environment of all processes that a sweep starts; its value is a folder."""
 
@@ -141,6 +144,21 @@ def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> N
     once = _start(folder, "once", jobs=1)
     findings.expect(once.wait(LIMIT) == 1, f"{what}: ended with {once.returncode}")
 
+    _kill_at_random(folder, rng, kills, what, findings)
+    _finish(folder, f"{what}, after kills", findings)
+    _damage_journals(folder / "out" / JOURNAL, rng, what, findings)
+    _finish(folder, f"{what}, with a damaged journal", findings)
+    _write_scenarios(folder, ["towards", "misbehaves"], 10 * seed, 30, retries=0)
+    process = _start(folder, "bad", jobs=2)
+    findings.expect(process.wait(LIMIT) == 1, f"{what}, bad: ended with {process.returncode}")
+    _expect_no_process(folder, f"{what}, with bad controllers", findings)
+    _compare_rows(_rows(folder / "bad"), _rows(folder / "once"), what, findings)
+
+
+def _kill_at_random(
+    folder: Path, rng: random.Random, kills: int, what: str, findings: Findings
+) -> None:
+    """Kills processes of a sweep, which is started again when it was killed itself."""
     while kills and not (folder / "out" / "report.html").exists():
         process = _start(folder, "out", jobs=2)
         while kills and process.poll() is None:
@@ -154,9 +172,10 @@ def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> N
             _kill(process, rng)
         process.wait(LIMIT)
         _expect_no_process(folder, what, findings)
-    _finish(folder, f"{what}, after kills", findings)
 
-    journal = folder / "out" / JOURNAL
+
+def _damage_journals(journal: Path, rng: random.Random, what: str, findings: Findings) -> None:
+    """Reads a journal damaged in many ways: what is read, is what was written."""
     original = journal.read_bytes()
     entries = {key: repr(entry) for key, entry in read_entries(journal).items()}
     mutator = Mutator(rng)
@@ -171,21 +190,17 @@ def disturb_sweeps(folder: Path, seed: int, kills: int, findings: Findings) -> N
             continue
         false = [key for key, entry in found.items() if repr(entry) != entries.get(key)]
         findings.expect(not false, f"{what}: a damaged journal was believed: {false}")
-    if "is no journal" in _finish(folder, f"{what}, with a damaged journal", findings):
-        journal.unlink()
 
-    good = _rows(folder / "once")
-    _write_scenarios(folder, ["towards", "misbehaves"], 10 * seed, 30, retries=0)
-    process = _start(folder, "bad", jobs=2)
-    findings.expect(process.wait(LIMIT) == 1, f"{what}, bad: ended with {process.returncode}")
-    _expect_no_process(folder, f"{what}, with bad controllers", findings)
-    for key, row in _rows(folder / "bad").items():
-        if row["status"] == "done":  # also of bad ones: they drive as the others do
-            same = dict(good["towards", key[1]], controller=key[0], scenario=row["scenario"])
+
+def _compare_rows(found: Rows, good: Rows, what: str, findings: Findings) -> None:
+    """Bad controllers either fail or drive as the good one does, whose rows are as before."""
+    for (controller, seed), row in found.items():
+        if row["status"] == "done":
+            same = {**good["towards", seed], "controller": controller, "scenario": row["scenario"]}
             findings.expect(row == same, f"{what}: {row} is not {same}")
         else:
-            findings.expect(key[0] == "misbehaves", f"{what}: {row}")
-        findings.counts[f"rows of {key[0]} {row['status']}"] += 1
+            findings.expect(controller == "misbehaves", f"{what}: {row}")
+        findings.counts[f"rows of {controller} {row['status']}"] += 1
 
 
 def _write_files(folder: Path) -> None:
@@ -269,8 +284,8 @@ def _expect_no_process(folder: Path, what: str, findings: Findings) -> None:
                 os.kill(pid, signal.SIGKILL)
 
 
-def _finish(folder: Path, what: str, findings: Findings) -> str:
-    """Runs the rest of a sweep, and compares its tables; returns what it has printed."""
+def _finish(folder: Path, what: str, findings: Findings) -> None:
+    """Runs the rest of a sweep, and compares its tables."""
     log = folder / "out.log"
     log.write_text("")
     _start(folder, "out", jobs=2).wait(LIMIT)
@@ -281,10 +296,9 @@ def _finish(folder: Path, what: str, findings: Findings) -> str:
         same = (folder / "out" / name).read_bytes() == (folder / "once" / name).read_bytes()
         findings.expect(same, f"{what}: {name} is not that of an undisturbed sweep")
         findings.counts["tables compared"] += 1
-    return text
 
 
-def _rows(folder: Path) -> Dict[object, Dict[str, str]]:
+def _rows(folder: Path) -> Rows:
     """The rows of a table by controller and seed."""
     with (folder / "results.csv").open(newline="") as file:
         return {(row["controller"], row["seed"]): row for row in csv.DictReader(file)}
@@ -317,16 +331,17 @@ def read_random_scenario_files(folder: Path, seed: int, count: int, findings: Fi
 
 def soak_sweeps(
     folder: Path, seconds: float, seed: int, report: Callable[[str], None]
-) -> Dict[str, object]:
+) -> Dict[str, Any]:
     """Disturbs sweeps for a time [s], in one round at least. Returns figures as a dict for JSON."""
-    findings, begin, rounds = Findings(), time.monotonic(), 0
+    findings, begin, rounds, reported = Findings(), time.monotonic(), 0, 0
     while rounds == 0 or time.monotonic() < begin + seconds:
         with findings.part("random sweeps"):
             disturb_sweeps(folder / str(seed + rounds), seed + rounds, 10, findings)
         rounds += 1
         minutes = (time.monotonic() - begin) / 60.0
         report(f"{minutes:6.1f} min  round {rounds}  {dict(findings.counts)}")
-        for violation in findings.violations:
+        for violation in findings.violations[reported:]:
             report(f"         {violation}")
-    seconds = round(time.monotonic() - begin, 1)
-    return {"seconds": seconds, "rounds": rounds, "seed": seed, **findings.to_dict()}
+        reported = len(findings.violations)
+    total = round(time.monotonic() - begin, 1)
+    return {"seconds": total, "rounds": rounds, "seed": seed, **findings.to_dict()}
