@@ -278,7 +278,7 @@ class _Worker:
         return answer
 
     def death(self) -> str:
-        """Ends it, if it still runs; returns the cause, such as "was killed by SIGKILL"."""
+        """Waits for its end; returns the cause, such as "was killed by SIGKILL"."""
         try:
             code = self._process.wait(_DEATH_LIMIT)
         except subprocess.TimeoutExpired:
