@@ -321,7 +321,7 @@ def read_random_scenario_files(folder: Path, seed: int, count: int, findings: Fi
             read_scenario_file(path)
             findings.counts["spoilt scenario files accepted"] += 1
         except FlatlandError as error:
-            findings.expect(str(path) in str(error), f"{what}: {error}")
+            findings.expect(str(folder) in str(error), f"{what}: {error}")
             findings.counts["spoilt scenario files refused"] += 1
         except Exception as error:
             findings.expect(False, f"{what}: {error!r}")
