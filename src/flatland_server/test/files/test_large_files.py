@@ -8,7 +8,6 @@ import time
 
 import pytest
 
-from flatland_server.config import problem_collector
 from flatland_server.exceptions import MAX_SHOWN, Problem, YamlError, listed, suggestion
 
 COUNT = 8_000
@@ -91,15 +90,22 @@ def test_the_text_of_a_word_that_no_key_is_as_long_as_is_not_compared():
         "- &b {name: b, footprints: [&c {type: circle, radius: 1, density: 1}, USES]}\nBASES",
         "- {name: b, footprints: [&c {type: circle, radius: 1, density: 1, layers: [ALL]}, USES]}",
     ],
-    ids=["lists of entries", "lists of names"],
+    ids=["a million footprints", "a million names of layers"],
 )
-def test_an_alias_within_an_aliased_list_is_refused_soon(files, monkeypatch, lists):
-    monkeypatch.setattr(problem_collector, "MAX_ENTRIES", 2_000)
-    uses, names, bases = ("*c, " * 100)[:-2], ("all, " * 100)[:-2], "- *b\n" * 100
+def test_a_million_values_by_aliases_are_refused_before_they_are_built(files, lists):
+    uses, names, bases = ("*c, " * 1000)[:-2], ("all, " * 1000)[:-2], "- *b\n" * 1000
     text = lists.replace("USES", uses).replace("ALL", names).replace("BASES", bases)
+    begin = time.process_time()
 
     with pytest.raises(YamlError) as caught:
         files.spawn(f"bodies:\n{text}\n")
 
-    assert "expected at most 1000000 entries in all lists of the file" in str(caught.value)
-    assert sum("entries in all" in problem.message for problem in caught.value.problems) < 200
+    assert "expected at most 1000000 keys and values, each use of an alias" in str(caught.value)
+    assert time.process_time() - begin < 2.0
+
+
+def test_aliases_of_aliases_are_not_nested_deeper_than_lists(files):
+    nested = "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 3000))
+
+    with pytest.raises(YamlError, match="expected at most 100 levels"):
+        files.spawn(f"a0: &a0 [1]\n{nested}bodies: []\n")

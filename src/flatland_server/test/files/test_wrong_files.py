@@ -146,7 +146,10 @@ def test_an_alias_bomb_is_refused_quickly(files, kind, key):
     message = files.refusal()
 
     assert time.process_time() - begin < 1.0
-    assert 'world.yaml:1: unknown key "x0"' in message.splitlines()
+    if kind == "merged maps":  # these are merged into few keys
+        assert 'world.yaml:1: unknown key "x0"' in message.splitlines()
+    else:
+        assert message.startswith("world.yaml:6: expected at most 1000000 keys and values")
     assert len(message) < 5_000
 
 

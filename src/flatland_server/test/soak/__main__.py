@@ -7,7 +7,12 @@ import sys
 import tempfile
 from pathlib import Path
 
+from soak.random_sweeps import soak_sweeps
 from soak.soak import Soak
+
+
+def _report(line: str) -> None:
+    print(line, flush=True)
 
 
 def main() -> int:
@@ -17,12 +22,16 @@ def main() -> int:
     parser.add_argument("--clients", type=int, default=4, help="of the services (default 4)")
     parser.add_argument("--seed", type=int, default=0, help="of the first round (default 0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to a file")
+    parser.add_argument("--sweeps", action="store_true", help="disturb sweeps alone, no server")
     options = parser.parse_args()
     for number in (signal.SIGINT, signal.SIGTERM):  # the processes that it has started end too
         signal.signal(number, lambda *_: sys.exit(130))
     with tempfile.TemporaryDirectory(prefix="flatland_soak_") as folder:
-        soak = Soak(Path(folder), options.clients, options.seed)
-        figures = soak.run(60.0 * options.minutes, lambda line: print(line, flush=True))
+        if options.sweeps:
+            figures = soak_sweeps(Path(folder), 60.0 * options.minutes, options.seed, _report)
+        else:
+            soak = Soak(Path(folder), options.clients, options.seed)
+            figures = soak.run(60.0 * options.minutes, _report)
     text = json.dumps(figures, indent=2)
     print(text)
     if options.json:

@@ -12,8 +12,9 @@ from soak.findings import Findings
 from soak.random_files import RandomFiles
 from soak.random_messages import send_random_messages
 from soak.random_states import load_random_states
+from soak.random_sweeps import read_random_scenario_files
 
-FILES, STEPS, STATES = 400, 400, 100
+FILES, STEPS, STATES, SCENARIO_FILES = 400, 400, 100, 100
 LIMIT = 120.0  # s
 
 
@@ -42,6 +43,7 @@ def main() -> None:
         RandomFiles(Path(name) / "files", seed, findings).run(FILES, LIMIT / 3)
         send_random_messages(Path(name) / "messages", seed, STEPS, findings)
         load_random_states(Path(name) / "states", seed, STATES, findings)
+        read_random_scenario_files(Path(name) / "sweep", seed, SCENARIO_FILES, findings)
     print(json.dumps(findings.to_dict()))
 
 

@@ -11,11 +11,13 @@ from soak import faults, restarts
 from soak.findings import Findings
 from soak.in_process import run_in_process
 from soak.random_calls import call_at_random
+from soak.random_sweeps import disturb_sweeps
 from soak.ros_messages import publish_at_random
 from soak.usage import Usage
 from waiting import wait_until
 
-CALLS, MESSAGES, SIGNALS = 100, 50, 2  # of a client, to each topic, to starting servers
+CALLS, MESSAGES, SIGNALS, KILLS = 100, 50, 2, 3
+# of a client, to each topic, to starting servers, of sweeps
 REST = 200
 """Equal readings in a row of files and threads, 5 ms apart, for the server to be at rest."""
 WARM_UP = 0.2  # of the time
@@ -89,6 +91,9 @@ class Soak:
             "lack of descriptors": lambda: faults.no_descriptors(server, findings),
             "dead masters": lambda: faults.dead_master(server, master, findings),
             "random files": lambda: run_in_process(seed, findings),
+            "random sweeps": lambda: disturb_sweeps(
+                self._folder / f"sweep_{seed}", seed, KILLS, findings
+            ),
             "killed servers": lambda: restarts.killed_server(
                 self._other_master, self._folder, findings
             ),

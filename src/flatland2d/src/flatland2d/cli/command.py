@@ -3,6 +3,7 @@
 import argparse
 import atexit
 import gc
+import io
 import logging
 import os
 import sys
@@ -38,6 +39,9 @@ def main(arguments: Optional[List[str]] = None) -> int:
         subcommand.add_parser(commands)
     options = parser.parse_args(arguments)
     logging.basicConfig(format="%(message)s", level=logging.WARNING)
+    for stream in (sys.stdout, sys.stderr):  # names of files and errors may have no UTF-8
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         code: int = options.execute(options)
         sys.stdout.flush()

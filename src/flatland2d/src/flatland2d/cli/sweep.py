@@ -16,6 +16,7 @@ from flatland2d.sweep.ray_pool import RayPool
 from flatland2d.sweep.report import summary_cells, text_table
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.sweep import JOURNAL, Pool, Sweep
+from flatland_server.exceptions import listed
 
 _INTERRUPTED = 130
 
@@ -111,6 +112,13 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
             "no file of the worlds reads it" if name.startswith("/") else "there is no controller"
         )
         print(f'the parameter "{name}" changes nothing: {where}', file=sys.stderr)
+    if sweep.damaged:
+        lines = listed([str(number) for number in sweep.damaged])
+        print(
+            f"{sweep.folder / JOURNAL}: expected a result in each line, found damaged lines: "
+            f"{lines}; they are left out, and their scenarios run again",
+            file=sys.stderr,
+        )
     if sweep.other_count:
         print(
             f"{options.file} or a file that it names has changed: {sweep.other_count} results in "

@@ -43,14 +43,18 @@ def mean(values: Sequence[float]) -> Interval:
     """A mean, with the interval of Student's t: m +- t s / sqrt(n), s with n - 1 in it.
 
     Args:
-        values: of n trials. One value, or one that is infinite or NaN, has no interval.
+        values: of n trials. One value, or one that is infinite or NaN, has no interval. Values too
+            large to be added have no mean.
     """
     if not values:
         return Interval(math.nan, math.nan, math.nan)
-    middle = fmean(values)
-    if len(values) < 2 or not math.isfinite(middle):
-        return Interval(middle, math.nan, math.nan)
-    half = t_quantile(len(values) - 1) * stdev(values) / math.sqrt(len(values))
+    try:
+        middle = fmean(values)
+        if len(values) < 2 or not math.isfinite(middle):
+            return Interval(middle, math.nan, math.nan)
+        half = t_quantile(len(values) - 1) * stdev(values) / math.sqrt(len(values))
+    except (OverflowError, ValueError):  # of fsum: also infinities of both signs
+        return Interval(math.nan, math.nan, math.nan)
     return Interval(middle, middle - half, middle + half)
 
 

@@ -8,21 +8,24 @@ A worker is
     gone        it has died, or was stopped since its scenario took too long; another one is started
 
 Parent and worker send each other pickled messages over a socket. The worker gets the
-`SweepSettings`, then pairs of a function and a scenario; it sends READY, then what the functions
-return. It ends when the socket is closed, also in the middle of a scenario, so that no process
-outlives a parent that was killed.
+`SweepSettings`, then pairs of a function and a scenario. It answers with its process id, the number
+of the scenario (0 when it is ready) and what the function has returned. A process that a controller
+has forked ends when it returns from the controller; an answer with another process id or number is
+refused.
+
+A worker leads a process group, in which the processes that controllers start are, too. The parent
+kills the whole group when the worker ends; if the parent itself is killed, the worker's guard does.
 """
 
 import logging
 import os
-import queue
+import pickle
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections import Counter, deque
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
@@ -31,8 +34,6 @@ from typing import Any, Callable, Deque, Generic, Iterable, Iterator, List, Opti
 from flatland2d.sweep.runner import ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings
 from flatland_server.exceptions import FlatlandError
-
-READY = "ready"
 
 _MAX_FAILED_STARTS = 5
 """The number of workers in a row that may die before they are ready."""
@@ -44,6 +45,18 @@ if sys.path[0] == "":  # imports nothing from the working directory
 from flatland2d.sweep.local_pool import work
 work(int(sys.argv[1]))
 """
+
+_GUARD = 'read -r _; kill -s KILL -- "-$0"'
+"""The program of a guard: waits until the parent has ended, and kills a process group.
+
+A process of its own: a worker may be stopped, or hang in C code that lets no other thread run.
+"""
+
+_DEATH_LIMIT = 1.0
+"""Real time in which a worker that has closed its connection must have ended [s]."""
+
+_MAX_ANSWER = 1 << 28
+"""Largest message of a worker [bytes]: a controller may have written to the socket."""
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Variables with NumPy's number of threads: 1 in a worker, unless the user has set them. There are
@@ -154,6 +167,9 @@ class LocalPool:
             return self._give_up(scenario, f"it took more than {limit:g} s of real time")
         try:
             answer = worker.receive()
+        except FlatlandError as error:
+            self.report(str(error))
+            return None
         except EOFError:
             death = worker.death()
             self._remove(worker)
@@ -218,6 +234,13 @@ class _Worker:
                 env={**dict.fromkeys(_THREADS, "1"), **os.environ},
                 start_new_session=True,  # Ctrl-C in a terminal does not reach it
             )
+        self._guard = subprocess.Popen(
+            ["/bin/sh", "-c", _GUARD, str(self._process.pid)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
         self._send(settings)
 
     @property
@@ -234,29 +257,44 @@ class _Worker:
         self._send((function, scenario))
 
     def receive(self) -> Any:
-        """Its next message, after which it is idle.
+        """Its answer, after which it is idle.
 
         Raises:
-            EOFError: it has died.
+            EOFError: it has died, or the message cannot be read.
+            FlatlandError: it is the answer of another process, or to another scenario.
         """
         try:
-            message = self.connection.recv()
-        except OSError:
+            message = self.connection.recv_bytes(_MAX_ANSWER)
+            process, number, answer = pickle.loads(message)
+        except Exception:  # a controller may write anything
             raise EOFError from None
+        expected = self.scenario.number if self.scenario else 0
+        if (process, number) != (self._process.pid, expected):
+            raise FlatlandError(
+                f"expected an answer of process {self._process.pid} to scenario {expected}, found "
+                f"one of process {process} to scenario {number}: it is refused"
+            )
         self.is_ready, self.scenario = True, None
-        return message
+        return answer
 
     def death(self) -> str:
         """Waits for its end; returns the cause, such as "was killed by SIGKILL"."""
-        code = self._process.wait()
+        try:
+            code = self._process.wait(_DEATH_LIMIT)
+        except subprocess.TimeoutExpired:
+            return "has closed its connection or written to it"
         if code < 0:
-            return f"was killed by {signal.Signals(-code).name}"
+            names = {each.value: each.name for each in signal.Signals}
+            return f"was killed by {names.get(-code, f'signal {-code}')}"
         return f"has ended with exit code {code}"
 
     def kill(self) -> None:
-        """Ends it at once."""
-        self._process.kill()
+        """Ends it at once, with its process group."""
+        with suppress(OSError):  # there is no process in the group any more
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
+        self._guard.kill()
+        self._guard.communicate()
         self.connection.close()
 
     def _send(self, message: object) -> None:
@@ -272,23 +310,32 @@ def work(descriptor: int) -> None:
     """
     os.dup2(2, 1)  # what controllers print does not mix with the results on standard output
     logging.basicConfig(format="%(message)s", level=logging.WARNING)
+    os.set_inheritable(descriptor, False)  # by programs that controllers start
     connection: Connection[Any, Any] = Connection(descriptor)
-    received: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    os.register_at_fork(after_in_child=connection.close)
+    process, inode = os.getpid(), os.fstat(descriptor).st_ino
 
-    def receive() -> None:
-        try:
-            while True:
-                received.put(connection.recv())
-        except (EOFError, OSError):
-            os._exit(0)
+    def answer(number: int, content: Any) -> None:
+        with _until_the_parent_ends():
+            if os.fstat(descriptor).st_ino != inode:
+                raise OSError  # a controller has closed it, and opened another file
+            connection.send((process, number, content))
 
-    threading.Thread(target=receive, daemon=True).start()
-    runner = ScenarioRunner(received.get())
-    connection.send(READY)
+    def receive() -> Any:
+        with _until_the_parent_ends():
+            return connection.recv()
+
+    runner = ScenarioRunner(receive())
+    answer(0, None)
     while True:
-        function, scenario = received.get()
-        answer = function(runner, scenario)
-        try:
-            connection.send(answer)
-        except OSError:
-            os._exit(0)  # the parent has ended
+        function, scenario = receive()
+        answer(scenario.number, function(runner, scenario))
+
+
+@contextmanager
+def _until_the_parent_ends() -> Iterator[None]:
+    """Ends this worker if the connection to its parent is closed."""
+    try:
+        yield
+    except (EOFError, OSError):
+        os._exit(0)

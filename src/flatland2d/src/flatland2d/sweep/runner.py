@@ -1,6 +1,9 @@
 """Runs scenarios in this process, one after the other."""
 
+import json
 import math
+import os
+import sys
 import traceback
 from collections import OrderedDict
 from contextlib import ExitStack
@@ -147,12 +150,16 @@ class ScenarioRunner:
         function = find_controller(scenario.controller, folder)
         arguments = arguments_of(scenario.controller, function, scenario.parameters, folder)
         returned: Any = None
+        process = os.getpid()
         try:
             returned = function(run, **arguments)
         except RunOver:
             pass
         except (Exception, SystemExit) as error:
             return _failed(run, error)
+        finally:
+            if os.getpid() != process:  # forked by the controller: this process has no result
+                os._exit(0)
         run.end()
         row = run.metrics()
         columns = _checked_columns(returned, {*row, *scenario.columns, "status", "error"})
@@ -206,8 +213,11 @@ def _checked_columns(returned: Any, taken: Container[str]) -> Row:
             )
         if name in taken and name != "success":
             raise UsageError(f'the controller returns "{name}", which is a column already')
+        if isinstance(value, int) and abs(value) > sys.float_info.max:
+            raise UsageError(f"expected numbers below 1.8e308, found a larger one: {name!r}")
         columns[name] = value
-    return columns
+    plain: Row = json.loads(json.dumps(columns))  # without a controller's own types of values
+    return plain
 
 
 # The robot, its start and its goal

@@ -4,6 +4,7 @@ import fcntl
 import json
 import os
 import shlex
+import zlib
 from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
@@ -39,7 +40,9 @@ from flatland_server.exceptions import FlatlandError
 
 JOURNAL = "journal.jsonl"
 
-_FORMAT = "flatland sweep 1"
+_HEADER = b'{"format": "flatland sweep 1"}\n'
+_CHECKSUM = b', "crc32": '
+"""What follows the content of a line, before the CRC-32 of that content."""
 
 T = TypeVar("T")
 
@@ -115,6 +118,11 @@ class Sweep:
         ]
 
     @property
+    def damaged(self) -> List[int]:
+        """The numbers of damaged lines of the journal; the scenarios in them are not done."""
+        return self._journal.damaged
+
+    @property
     def other_count(self) -> int:
         """Number of results in the folder of scenarios that are not, or no longer, in the sweep."""
         return len(set(self._journal.entries) - set(self._fingerprints.values()))
@@ -161,7 +169,7 @@ class Sweep:
             rows,
             [(rows[number - 1], drawn[number]) for number in chosen if drawn[number]],
         )
-        write_file(self.folder / "report.html", document.encode())
+        write_file(self.folder / "report.html", document.encode("utf-8", "backslashreplace"))
         failed = [row for row in rows if row["status"] == "failed"]
         reasons = Counter(row["error"] for row in failed)
         example = max(failed, key=lambda row: reasons[row["error"]], default={})
@@ -186,13 +194,15 @@ class Journal:
     """The results so far, by the fingerprints of their scenarios, and the file that they are in.
 
     A line is written at once and in one piece when a scenario is done. The last one may be
-    incomplete after a crash; it is then cut off, and its scenario is run again.
+    incomplete after a crash; it is then cut off, and its scenario is run again. So is that of a
+    damaged line, as its checksum shows.
 
     Args:
         path: of the file; created if it does not exist.
 
     Attributes:
         entries: by fingerprint.
+        damaged: the numbers of damaged lines.
 
     Raises:
         FlatlandError: the file cannot be written, is something else, or another sweep writes it.
@@ -206,10 +216,10 @@ class Journal:
             raise FlatlandError(f"{path}: cannot be written: {error.strerror}") from None
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            self.entries, end = _read(path)
+            self.entries, self.damaged, end = _read(path)
             os.ftruncate(self._file.fileno(), end)
             if end == 0:
-                self._write({"format": _FORMAT})
+                self._write(_HEADER)
         except BlockingIOError:
             self.close()
             raise FlatlandError(f"{path.parent}: another sweep writes its results there") from None
@@ -221,14 +231,14 @@ class Journal:
         """Writes the result of a scenario."""
         self.entries[fingerprint] = entry
         times = {"seconds": entry.seconds, "attempts": entry.attempts}
-        self._write({"scenario": fingerprint, **asdict(entry.result), **times})
+        content = json.dumps({"scenario": fingerprint, **asdict(entry.result), **times}).encode()
+        self._write(b"%s%s%d}\n" % (content[:-1], _CHECKSUM, zlib.crc32(content[:-1])))
 
     def close(self) -> None:
         """Closes the file."""
         self._file.close()
 
-    def _write(self, content: Dict[str, Any]) -> None:
-        line = json.dumps(content).encode() + b"\n"
+    def _write(self, line: bytes) -> None:
         try:
             if self._file.write(line) != len(line):
                 raise OSError(0, "the disk is full")
@@ -240,23 +250,41 @@ def read_entries(path: Path) -> Dict[str, Entry]:
     """The results of a journal, by fingerprint; none if there is no such file.
 
     Raises:
-        FlatlandError: it is no journal, or is damaged.
+        FlatlandError: it is no journal.
     """
     return _read(path)[0] if path.exists() else {}
 
 
-def _read(path: Path) -> Tuple[Dict[str, Entry], int]:
-    """The entries of a journal, and the size of its complete lines [bytes]."""
-    content = path.read_bytes()
-    end = content.rfind(b"\n") + 1
-    entries: Dict[str, Entry] = {}
+def _read(path: Path) -> Tuple[Dict[str, Entry], List[int], int]:
+    """The entries of a journal, its damaged lines, and the size of its complete lines [bytes].
+
+    Raises:
+        FlatlandError: it cannot be read, or is no journal.
+    """
     try:
-        lines = [json.loads(line) for line in content[:end].splitlines()]
-        if lines and lines[0]["format"] != _FORMAT:
-            raise ValueError
-        for line in lines[1:]:
-            result = Result(line["row"], line["returned"], line["error"], line["traceback"])
-            entries[line["scenario"]] = Entry(result, line["seconds"], line["attempts"])
-    except (ValueError, KeyError, TypeError):
-        raise FlatlandError(f"{path}: is no journal of a sweep, or is damaged") from None
-    return entries, end
+        content = path.read_bytes()
+    except OSError as error:
+        raise FlatlandError(f"{path}: cannot be read: {error.strerror}") from None
+    *lines, _ = content.split(b"\n")
+    entries: Dict[str, Entry] = {}
+    damaged = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            fingerprint, entry = _entry(line)
+            entries[fingerprint] = entry
+        except (ValueError, KeyError, TypeError, RecursionError):
+            if number > 1 or line + b"\n" != _HEADER:
+                damaged.append(number)
+    if not (entries or content.startswith(_HEADER) or _HEADER.startswith(content)):
+        raise FlatlandError(f"{path}: is no journal of a sweep")
+    return entries, damaged, content.rfind(b"\n") + 1
+
+
+def _entry(line: bytes) -> Tuple[str, Entry]:
+    """The fingerprint and the entry of a line; fails if it is damaged."""
+    content, _, checksum = line.rpartition(_CHECKSUM)
+    if checksum != b"%d}" % zlib.crc32(content):
+        raise ValueError
+    found = json.loads(content + b"}")
+    result = Result(found["row"], found["returned"], found["error"], found["traceback"])
+    return found["scenario"], Entry(result, found["seconds"], found["attempts"])

@@ -132,6 +132,7 @@ def column(name: str, values: Iterable[Any]) -> Column:
 
     Numbers that are not all whole are float64; values of several types, and lists, are strings.
     """
+    name = _writable(name)
     found = [json.dumps(v) if isinstance(v, (list, dict)) else v for v in values]
     types = {type(value) for value in found if value is not None}
     if not types or types == {bool}:
@@ -141,7 +142,7 @@ def column(name: str, values: Iterable[Any]) -> Column:
         return Column(name, INT, found)
     if types <= {int, float} and is_small:
         return Column(name, FLOAT, [None if v is None else float(v) for v in found])
-    return Column(name, STRING, [None if v is None else _text(v) for v in found])
+    return Column(name, STRING, [None if v is None else _writable(_text(v)) for v in found])
 
 
 def table_of(rows: Sequence[Mapping[str, Any]]) -> Table:
@@ -205,6 +206,11 @@ def write_file(path: Path, content: bytes) -> None:
         os.replace(temporary, path)
     except OSError as error:
         raise FlatlandError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _writable(text: str) -> str:
+    """A text without lone surrogates, which UTF-8 does not have: they are escaped."""
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _text(value: Any) -> str:

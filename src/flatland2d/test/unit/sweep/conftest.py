@@ -32,8 +32,12 @@ bodies:
       - {type: polygon, points: [[-0.5, -0.3], [0.5, -0.3], [0.5, 0.3], [-0.5, 0.3]], density: 1}
 """
 DRIVERS = '''
+import enum
+import gc
 import os
 import signal
+import subprocess
+from multiprocessing.connection import Connection
 
 
 def ahead(run, speed=0.5):
@@ -72,6 +76,43 @@ def hangs(run):
 def fails(run):
     run.step()
     return 1 / 0
+
+
+def forks(run):
+    """Both processes return; a program stays."""
+    child = os.fork()
+    if child:
+        stay()
+    return {**towards(run), "note": "own" if child else "of the child"}
+
+
+def stay():
+    with open("stay", "a") as file:
+        print(subprocess.Popen(["sleep", "1000"]).pid, file=file)
+
+
+def forges(run):
+    """Sends the parent answers of others."""
+    [connection] = [each for each in gc.get_objects() if isinstance(each, Connection)]
+    for process, number in ((os.getpid(), 9), (1, run.seed + 1)):
+        connection.send((process, number, None))
+    return towards(run)
+
+
+def stops(run):
+    stay()
+    os.kill(os.getpid(), signal.SIGSTOP)
+
+
+class Word(str, enum.Enum):
+    A = "a"
+
+
+def odd(run):
+    run.step()
+    if run.seed == 1:
+        raise ValueError("no text: \\ud800")
+    return {"word": Word.A, "text": "\\udfff", "x": 1e308, "n": 10 ** (400 * (run.seed == 2))}
 '''
 SCENARIOS = """
 worlds: [world.yaml]

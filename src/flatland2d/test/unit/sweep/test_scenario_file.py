@@ -1,8 +1,10 @@
 """Scenario files: their settings, their scenarios, and errors in them."""
 
+import time
 from contextlib import closing
 
 import pytest
+from soak.mutations import LAUGHS
 
 from flatland2d.sweep.fingerprints import Fingerprints
 from flatland2d.sweep.parameters import combinations, set_value
@@ -121,6 +123,16 @@ def test_controllers_and_places_are_checked_before_the_first_scenario(settings_o
         Fingerprints(settings_of(**keys))
 
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize("key", ["/a", "x"])
+def test_aliases_of_aliases_are_refused_before_they_are_written_out(settings_of, key):
+    begin = time.process_time()
+    with pytest.raises(YamlError) as error:
+        settings_of(laughs="1\n" + LAUGHS, parameters=f"{{{key}: *a8}}")
+
+    assert "expected at most 1000000 keys and values, each use of an alias" in str(error.value)
+    assert time.process_time() - begin < 6.0
 
 
 def test_combinations_of_several_grids():

@@ -24,9 +24,15 @@ from flatland2d.sweep.settings import scenarios_of
 
 pytestmark = pytest.mark.slow
 
+NOTES = {"forks": "own"}
 QUICK = {"step_size": 0.02, "control_period": 0.1}
 TABLES = ("results.csv", "summary.csv", "report.html")
 LIMIT = 120.0  # s
+
+
+def call(name):
+    """An entry of `controllers`."""
+    return f'{{name: {name}, call: "drivers.py:{name}"}}'
 
 
 def rows(folder="out"):
@@ -55,11 +61,23 @@ def start(*arguments):
     pytest.fail("".join(lines) or "it has ended")
 
 
+def children_of(process):
+    """Its workers and their guards."""
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text()
+    return [int(pid) for pid in children.split()]
+
+
 def workers_of(process):
-    return [
-        int(pid)
-        for pid in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-    ]
+    return [pid for pid in children_of(process) if name_of(pid) != "sh"]
+
+
+def name_of(pid):
+    return Path(f"/proc/{pid}/comm").read_text().strip()
+
+
+def staying():
+    """The programs that controllers have started and left."""
+    return [int(pid) for pid in Path("stay").read_text().split()]
 
 
 def is_running(pid):
@@ -139,7 +157,7 @@ def test_scenarios_that_crash_hang_or_raise_are_rows_with_the_reason(settings_of
     assert reasons == {
         "dies": "its worker was killed by SIGSEGV, at each attempt",
         "hangs": "it took more than 6 s of real time",
-        "fails": "ZeroDivisionError: division by zero (drivers.py:41)",
+        "fails": "ZeroDivisionError: division by zero (drivers.py:45)",
         "towards": "",
         "once": "",
     }
@@ -328,12 +346,55 @@ def test_what_ray_calls_finds_the_files_where_ray_has_put_them(folder, settings_
     assert (done.failure, messages) == ("", [])
 
 
-def test_a_worker_ends_with_a_parent_that_was_killed(settings_of):
-    settings_of(controllers='[{name: a, call: "drivers.py:hangs"}, {name: none}]', seeds=1)
+@pytest.mark.parametrize("controller", ["hangs", "stops"])
+def test_a_worker_ends_with_a_parent_that_was_killed(settings_of, controller):
+    settings_of(controllers=f"[{call(controller)}, {{name: none}}]", seeds=1)
     process, _ = start("--jobs", "2", "--out", "out")
-    workers = workers_of(process)
+    children = children_of(process)
+    if controller == "stops":
+        children += wait_until(lambda: Path("stay").exists() and staying(), "it to stop")
 
     process.kill()
     process.communicate(timeout=LIMIT)
 
-    wait_until(lambda: not any(map(is_running, workers)), "the workers to end", LIMIT)
+    wait_until(lambda: not any(map(is_running, children)), "the workers to end", LIMIT)
+
+
+def test_a_controller_that_forks_answers_once_and_leaves_no_process(settings_of):
+    names = ("towards", "forks", "forges")
+    settings_of(**QUICK, controllers=", ".join(map(call, names)).join("[]"), seeds=8)
+
+    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "2"]) == 0
+
+    found = {name: [row for row in rows() if row["controller"] == name] for name in names}
+    for name in names:
+        assert [row["note"] for row in found[name]] == [NOTES.get(name, "ok, so")] * 8
+        for key in ("path_length", "scan", "draws"):
+            assert [row[key] for row in found[name]] == [row[key] for row in found["towards"]]
+    wait_until(lambda: not any(map(is_running, staying())), "the programs to end", LIMIT)
+
+
+def test_answers_of_others_are_refused(settings_of, capsys):
+    settings_of(**QUICK, controllers=call("forges").join("[]"), seeds=1)
+
+    assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", "1"]) == 0
+
+    error = capsys.readouterr().err
+    assert re.search(r"to scenario 1, found one of process \d+ to scenario 9: it is refused", error)
+    assert "found one of process 1 to scenario 1: it is refused" in error
+    assert [row["note"] for row in rows()] == ["ok, so"]
+
+
+def test_odd_texts_and_numbers_are_in_the_tables(settings_of, capsys):
+    settings_of(**QUICK, controllers=call("odd").join("[]"), seeds=5)
+
+    for jobs in ("2", "1"):  # again, from the journal
+        assert main(["sweep", "scenarios.yaml", "--out", "out", "--jobs", jobs]) == 1
+
+    first, second, third, *_ = rows()
+    assert (first["word"], first["text"], first["x"]) == ("a", r"\udfff", "1e+308")
+    assert second["error"].startswith(r"ValueError: no text: \ud800 (drivers.py:")
+    assert third["error"] == "expected numbers below 1.8e308, found a larger one: 'n'"
+    assert r"no text: \ud800" in Path("out/report.html").read_text()
+    assert main(["sweep", "scenarios.yaml", "--out", "out", "--replay", "1"]) == 0
+    assert "the same as in out" in capsys.readouterr().out

@@ -92,13 +92,41 @@ def test_a_journal_goes_on_where_it_has_ended(tmp_path):
     assert list(read_entries(path)) == ["a", "b"]
 
 
+@pytest.mark.parametrize(
+    ("line", "old", "new"),
+    [
+        (1, b"format", b"fomat"),
+        (3, b'"n": 1', b'"n": 2'),
+        (3, b'"n"', b"\xff\x00"),
+        (3, b"{", b"[" * 100_000),
+        (3, b", ", b"\n"),
+    ],
+)
+def test_damaged_lines_of_a_journal_are_left_out(tmp_path, line, old, new):
+    path = tmp_path / "journal.jsonl"
+    with closing(Journal(path)) as journal:
+        for name in "abc":
+            journal.add(name, ENTRY)
+    lines = path.read_bytes().splitlines(keepends=True)
+    lines[line - 1] = lines[line - 1].replace(old, new, 1)
+    path.write_bytes(b"".join(lines))
+
+    with closing(Journal(path)) as journal:
+        assert journal.damaged[0] == line
+        assert set(journal.entries) == set("abc" if line == 1 else "ac")
+        journal.add("b", ENTRY)
+
+    found = read_entries(path)
+    assert {name: repr(entry) for name, entry in found.items()} == dict.fromkeys("abc", repr(ENTRY))
+
+
 def test_a_journal_is_written_by_one_sweep_at_a_time(tmp_path):
     path = tmp_path / "journal.jsonl"
     with closing(Journal(path)), pytest.raises(FlatlandError, match="another sweep"):
         Journal(path)
 
 
-@pytest.mark.parametrize("content", ["a,b\n1,2\n", '{"format": "other"}\n', "[]\n"])
+@pytest.mark.parametrize("content", ["a,b\n1,2\n", '{"format": "other"}\n', "[]\n", "a line"])
 def test_another_file_is_no_journal_and_stays_as_it_is(tmp_path, content):
     path = tmp_path / "journal.jsonl"
     path.write_text(content)

@@ -18,8 +18,7 @@ from flatland_server.exceptions import YamlError, shortened
 
 MAX_ITEMS = 100_000  # of a list
 MAX_VALUES = 1_000_000  # keys and values of a file with all that it includes: half a gigabyte
-
-_MAX_DEPTH = 100  # of nested maps and lists
+MAX_DEPTH = 100  # of nested maps and lists
 _MAX_KEPT = 20_000  # of `ComposedFile.size` in all files that are kept: ten megabytes
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -132,8 +131,8 @@ def _checked_structure(path: Path, text: str, count_before: int) -> Tuple[int, b
             if event.tag or event.anchor:
                 is_plain = False
             depth += 1
-            if depth > _MAX_DEPTH:
-                raise _error_at(path, event, f"expected at most {_MAX_DEPTH} levels, found more")
+            if depth > MAX_DEPTH:
+                raise _error_at(path, event, f"expected at most {MAX_DEPTH} levels, found more")
         elif isinstance(event, yaml.AliasEvent):
             is_plain = False
         else:

@@ -1,12 +1,9 @@
 """Collecting the problems of a document, so that they are reported together."""
 
 from contextlib import contextmanager
-from typing import Dict, Iterator, List, Optional
+from typing import Dict, Iterator
 
 from flatland_server.exceptions import MAX_SHOWN, Problem, YamlError
-
-MAX_ENTRIES = 1_000_000
-"""The maximum number of list entries in a document; each use of an alias counts."""
 
 
 class ProblemCollector:
@@ -18,22 +15,11 @@ class ProblemCollector:
 
     Args:
         before: how many problems were found in the document before.
-        entries: the counter of the document, if this is the collector of a part of it.
     """
 
-    def __init__(self, before: int = 0, entries: Optional[List[int]] = None) -> None:
+    def __init__(self, before: int = 0) -> None:
         self._problems: Dict[Problem, None] = {}  # a set that keeps its order
         self._before = before
-        self._entries = [0] if entries is None else entries
-
-    def count_entries(self, count: int) -> bool:
-        """Counts entries of lists about to be read; returns whether the document has too many.
-
-        A list that is used a thousand times, by its alias, within another such list has a million
-        entries, in a file of a few kilobytes.
-        """
-        self._entries[0] += count
-        return self._entries[0] > MAX_ENTRIES
 
     @property
     def is_full(self) -> bool:
@@ -71,7 +57,7 @@ class ProblemCollector:
         A YamlError ends the block and is noted. At the end of the block, the problems of the entry
         are added to those of the document.
         """
-        part = ProblemCollector(self._before + len(self._problems), self._entries)
+        part = ProblemCollector(self._before + len(self._problems))
         try:
             yield part
         except YamlError as error:
@@ -87,7 +73,7 @@ class MutedCollector(ProblemCollector):
     """
 
     def __init__(self, document: ProblemCollector) -> None:
-        super().__init__(entries=document._entries)
+        super().__init__()
         self._document = document
 
     @property

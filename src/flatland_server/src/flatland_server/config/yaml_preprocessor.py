@@ -4,13 +4,16 @@ A node keeps the file and line that it is written in (its `start_mark`), so that
 place, also in a file that is included.
 """
 
+from itertools import chain
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import yaml
 
 from flatland_server.config.composed_files import (
+    MAX_DEPTH,
     MAX_ITEMS,
+    MAX_VALUES,
     ComposedFile,
     compose_file,
     compose_text,
@@ -47,7 +50,8 @@ class YamlPreprocessor:
 
         Raises:
             YamlError: it or a file that it includes is missing, unreadable, empty or not YAML; an
-                include leads back to itself; an expression fails.
+                include leads back to itself; an expression fails; it has too many values, each
+                use of an alias and of an included file counted.
         """
         self._restart()
         return self._resolve_root(self._compose(path), path, (path,))
@@ -104,7 +108,10 @@ class YamlPreprocessor:
         if len(composed.documents) > 1:
             raise error_at(composed.documents[1], "expected one document, found another one")
         try:
-            return self._resolve_file(composed, files)[0]
+            [root] = self._resolve_file(composed, files)
+            if not composed.is_plain:  # else it has been measured as text
+                _measure(root, {})
+            return root
         except RecursionError:
             raise YamlError(path, "is nested too deeply") from None
 
@@ -221,3 +228,30 @@ def _directive(node: yaml.Node, keyword: str) -> Any:
         return None
     rest = text[len(keyword) :]
     return rest.strip() if rest[:1].isspace() else None
+
+
+def _measure(node: yaml.Node, known: Dict[int, Tuple[int, int]]) -> Tuple[int, int]:
+    """The number of keys and values in a node, each use of an alias counted, and the depth.
+
+    Args:
+        node: with everything resolved.
+        known: the results for lists and maps by their `id`: each is measured once.
+
+    Raises:
+        YamlError: they are too many, or too deep.
+    """
+    if isinstance(node, yaml.ScalarNode):
+        return 1, 0
+    if id(node) not in known:
+        inner = node.value if isinstance(node, yaml.SequenceNode) else chain(*node.value)
+        count, depth = 1, 1
+        for each in inner:
+            more, levels = _measure(each, known)
+            count, depth = count + more, max(depth, 1 + levels)
+            if count > MAX_VALUES:
+                expected = f"expected at most {MAX_VALUES} keys and values"
+                raise error_at(each, f"{expected}, each use of an alias counted; found more")
+            if depth > MAX_DEPTH:
+                raise error_at(each, f"expected at most {MAX_DEPTH} levels, found more")
+        known[id(node)] = count, depth
+    return known[id(node)]

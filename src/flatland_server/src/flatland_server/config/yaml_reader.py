@@ -18,7 +18,7 @@ import yaml
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, why_not_a_file
 from flatland_server.config.plain_nodes import plain_copy, to_node
-from flatland_server.config.problem_collector import MAX_ENTRIES, MutedCollector
+from flatland_server.config.problem_collector import MutedCollector
 from flatland_server.config.yaml_map import REQUIRED as REQUIRED
 from flatland_server.config.yaml_map import YamlMap, file_of
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -297,9 +297,6 @@ class YamlReader(YamlMap):
             key: of the list.
             default: the value if the key is missing; without it, the key is required.
         """
-        node = self._values.get(key)
-        if isinstance(node, yaml.SequenceNode) and self._has_too_many_entries(key, node.value):
-            return ()
         return cast(Tuple[str, ...], self._get(key, default, to_strings, ()))
 
     def get_path(self, key: str, folders: Sequence[Path] = ()) -> Path:
@@ -375,20 +372,9 @@ class YamlReader(YamlMap):
         path = self._path_of(key)
         nodes = self._get(key, REQUIRED if required else [], to_items, [])
         for index, node in enumerate(nodes):
-            if self._has_too_many_entries(key, [node]):
-                break
             with self._problems.part() as problems:
                 entries.append(read(YamlReader(node, f"{path}[{index}]", self._root, problems)))
         return entries
-
-    def _has_too_many_entries(self, key: str, nodes: Sequence[yaml.Node]) -> bool:
-        """True if these entries of a key's list are more than a document may have; notes that."""
-        if not self._problems.count_entries(len(nodes)):
-            return False
-        self._read.add(key)
-        expected = f"expected at most {MAX_ENTRIES} entries in all lists of the file"
-        self.problem(f"{expected}, each use of an alias counted; found more", key)
-        return True
 
     def get_enabled_sections(
         self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False
