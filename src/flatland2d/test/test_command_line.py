@@ -244,7 +244,6 @@ def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):
 
 @pytest.mark.parametrize("name", ["run.bag", "run.mcap"])
 def test_a_run_is_recorded(folder, capsys, name):
-    pytest.importorskip("rosbags" if name.endswith(".bag") else "mcap")
     arguments = ["run", "world.yaml", "--seconds", "1", "--record", name, "--topics", "/scan"]
     assert main([*arguments, "/tf", "scna"]) == 0
 

@@ -184,7 +184,8 @@ class Simulation(SimulatedTopics):
                 sim.step(200)
 
         Args:
-            path: of the file, which ends with .bag or .mcap.
+            path: of the file, which ends with .bag or .mcap. It replaces a recording, and nothing
+                else.
             topics: names of topics, or regular expressions that match whole names; by default all.
                 They are computed while they are recorded.
 
@@ -192,7 +193,7 @@ class Simulation(SimulatedTopics):
             A context manager; the recording ends with it, or with `close`, or with the simulation.
 
         Raises:
-            RecordingError: the file cannot be written, or a package for it is not installed.
+            RecordingError: the file cannot be written, or something else than a recording is there.
         """
         self.require_open()
         recorder = Recorder(
