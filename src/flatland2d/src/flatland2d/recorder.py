@@ -27,6 +27,7 @@ from typing import (
 
 from flatland2d.recording_file import RecordingFile
 from flatland2d.recording_format import Channel
+from flatland_server.arguments import several
 from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import MessageError, RecordingError, shortened
 from flatland_server.geometry import Pose, Transform
@@ -69,6 +70,7 @@ class Recorder(Tap):
     Raises:
         RecordingError: the file cannot be written, something else than a recording is there, or a
             topic is neither a name nor a regular expression.
+        UsageError: `topics` is no list.
     """
 
     def __init__(
@@ -239,7 +241,7 @@ def _serialized(message: Any) -> bytes:
 
 def _compiled(topics: Iterable[str]) -> List[Pattern[str]]:
     patterns = []
-    for topic in [topics] if isinstance(topics, str) else topics:
+    for topic in [topics] if isinstance(topics, str) else several(topics, "topics"):
         try:
             patterns.append(re.compile(f"/{topic}" if _is_relative(topic) else topic))
         except (re.error, TypeError):

@@ -17,8 +17,9 @@ from typing import Dict, Iterator, Optional, Type, Union
 from flatland2d.bag_format import BagFormat
 from flatland2d.mcap_format import McapFormat
 from flatland2d.recording_format import Channel, Damaged, Format, Recorded
+from flatland_server.arguments import shown
 from flatland_server.config.input_files import require_free
-from flatland_server.exceptions import RecordingError, listed
+from flatland_server.exceptions import RecordingError, UsageError, listed
 
 CHUNK_SIZE = 1 << 20
 """The size at which a chunk is written [bytes]."""
@@ -51,6 +52,8 @@ class RecordingFile:
     """
 
     def __init__(self, path: Union[str, "os.PathLike[str]"], unfinished: str = UNFINISHED) -> None:
+        if not isinstance(path, (str, os.PathLike)):
+            raise UsageError(f"expected the path of a recording, found {shown(path)}")
         self.path = Path(path)
         kind = _FORMATS.get(self.path.suffix.lower())
         if kind is None:

@@ -36,18 +36,27 @@ def main(arguments: Optional[List[str]] = None) -> int:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for subcommand in SUBCOMMANDS:
         subcommand.add_parser(commands)
-    options = parser.parse_args(arguments)
     logging.basicConfig(format="%(message)s", level=logging.WARNING)
     try:
-        code: int = options.execute(options)
-        sys.stdout.flush()
+        try:
+            options = parser.parse_args(arguments)
+            code: int = options.execute(options)
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        if sys.stdout is None:
+            code = _fail("flatland: the output cannot be written: it is closed")
     except YamlError as error:
         code = _fail("\n".join(error.lines(lambda problem: problem.with_column)))
     except FlatlandError as error:
         code = _fail(f"flatland: {error}")
-    except BrokenPipeError:  # such as `flatland worlds | head -1`
+    except OSError as error:
+        if error.filename is not None:
+            raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 1
+        if not isinstance(error, BrokenPipeError):  # such as `flatland worlds | head -1`
+            _fail(f"flatland: the output cannot be written: {error.strerror}")
     except KeyboardInterrupt:
         code = _INTERRUPTED
     return code
