@@ -11,14 +11,15 @@ from pathlib import Path
 from soak.findings import Findings
 from soak.random_files import RandomFiles
 from soak.random_messages import send_random_messages
+from soak.random_recordings import record_at_random
 from soak.random_states import load_random_states
 
-FILES, STEPS, STATES = 400, 400, 100
+FILES, STEPS, STATES, RECORDINGS = 400, 400, 100, 4
 LIMIT = 120.0  # s
 
 
 def run_in_process(seed: int, findings: Findings) -> None:
-    """Reads spoilt files and sends random messages, in a new process."""
+    """Reads spoilt files, sends random messages and records, in a new process."""
     result = subprocess.run(
         [sys.executable, "-X", "faulthandler", "-m", "soak.in_process", str(seed)],
         capture_output=True,
@@ -42,6 +43,7 @@ def main() -> None:
         RandomFiles(Path(name) / "files", seed, findings).run(FILES, LIMIT / 3)
         send_random_messages(Path(name) / "messages", seed, STEPS, findings)
         load_random_states(Path(name) / "states", seed, STATES, findings)
+        record_at_random(Path(name) / "recordings", seed, RECORDINGS, findings)
     print(json.dumps(findings.to_dict()))
 
 

@@ -106,9 +106,7 @@ def test_wrong_options_are_refused(options, message):
 
 @pytest.mark.parametrize("topics", [5, [5]])
 def test_topics_are_names(topics):
-    with pytest.raises(
-        UsageError, match="expected (topics as a list|the name of a topic), found 5"
-    ):
+    with pytest.raises(UsageError, match=r"expected (topics|the name of) .*, found 5"):
         Simulation("office", topics=topics)
 
 
