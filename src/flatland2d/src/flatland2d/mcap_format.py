@@ -20,7 +20,7 @@ from flatland_server.exceptions import MissingPackageError
 try:  # files of a fraction of the size
     import zstandard
 except ImportError:
-    zstandard = None  # type: ignore[assignment]
+    zstandard = None
 
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _MESSAGE_INDEX, _CHUNK_INDEX = range(1, 9)
 _STATISTICS, _DATA_END = 0x0B, 0x0F

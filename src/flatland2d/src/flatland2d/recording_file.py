@@ -206,8 +206,9 @@ class _Writer:
                 self._size = self._format.drop_chunk()
         os.ftruncate(self._descriptor, end)
         _write(self._descriptor, self._format.beginning(self._size), 0)
-        self._require_free(self._path)
-        os.replace(self._active, self._path)
+        complete = self._active.with_name(self._path.name)  # not of a folder entered since
+        self._require_free(complete)
+        os.replace(self._active, complete)
 
     def _require_free(self, path: Path) -> None:
         require_free(path, self._format.magic, "a recording of this format", RecordingError)

@@ -283,6 +283,15 @@ def test_a_file_is_whole_once_the_recorder_is_closed(tmp_path):
         recorder.write_step()
 
 
+def test_a_file_stays_in_its_folder_when_the_process_moves_elsewhere(tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    with Recorder(LocalTransport(), Timekeeper(0.005), "run.bag"):
+        monkeypatch.chdir(tmp_path / "elsewhere")
+
+    assert [each.topic for each in read_by_ros(tmp_path / "run.bag")] == ["/clock"]
+
+
 def test_a_file_is_recorded_once_at_a_time(tmp_path):
     path = tmp_path / "run.mcap"
     recorder = Recorder(LocalTransport(), Timekeeper(0.005), path)
