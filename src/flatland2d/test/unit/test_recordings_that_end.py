@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 from test_recorder import READERS
 from waiting import wait_until
 
@@ -44,7 +45,13 @@ def record_noise(path: Path) -> None:
 
 
 def times(path: Path) -> list:
+    """The times in a recording [ns]."""
     read = READERS[path.suffix](path)
+    if path.suffix == ".mcap":
+        with path.open("rb") as file:
+            statistics = make_reader(file).get_summary().statistics
+        assert sum(statistics.channel_message_counts.values()) == statistics.message_count
+        assert statistics.message_count == len(read)
     return [each.message.clock.to_nsec() for each in read if each.topic == "/clock"]
 
 
