@@ -242,9 +242,26 @@ def test_ctrl_c_ends_a_run_with_what_was_done(folder, arguments, number, code):
     assert b"Traceback" not in error
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("arguments", ["worlds", "run world.yaml --seconds 0.1", "--version"])
+@pytest.mark.parametrize(
+    ("output", "reason"), [(">&-", "it is closed"), ("> /dev/full", "No space left on device")]
+)
+def test_an_output_that_cannot_be_written_is_a_line_and_an_exit_code(
+    folder, arguments, output, reason
+):
+    if (arguments, output) == ("--version", ">&-"):
+        pytest.skip("argparse prints it on standard error then")
+    shell = f"{shlex.quote(sys.executable)} -m flatland2d {arguments} {output}"
+
+    answer = subprocess.run(shell, shell=True, stderr=subprocess.PIPE, text=True)
+
+    assert answer.stderr == f"flatland: the output cannot be written: {reason}\n"
+    assert answer.returncode == 1
+
+
 @pytest.mark.parametrize("name", ["run.bag", "run.mcap"])
 def test_a_run_is_recorded(folder, capsys, name):
-    pytest.importorskip("rosbags" if name.endswith(".bag") else "mcap")
     arguments = ["run", "world.yaml", "--seconds", "1", "--record", name, "--topics", "/scan"]
     assert main([*arguments, "/tf", "scna"]) == 0
 

@@ -51,7 +51,7 @@ def test_tab_offers_arguments_values_commands_options_and_worlds(offers, tmp_pat
         "run scripts/run m": "models:= map_to_odom:= mine.yaml",
         "roslaunch roslaunch flatland_server server.launch use": "use_rviz:=",
         "flatland flatland check --r": "--render",
-        "rosrun rosrun flatland2d flatland r": "render run",
+        "rosrun rosrun flatland2d flatland r": "recover render run",
         "rosrun rosrun flatland2d flatland run ''": "office test_room mine.yaml",
         "rosrun rosrun flatland2d flatland run --s": "--seed --step-size --seconds",
     }

@@ -21,10 +21,13 @@ from typing import (
     Optional,
     Pattern,
     Set,
+    Tuple,
     Union,
 )
 
-from flatland2d.recording_file import open_recording
+from flatland2d.recording_file import RecordingFile
+from flatland2d.recording_format import Channel
+from flatland_server.arguments import several
 from flatland_server.config.ros_names import is_topic
 from flatland_server.exceptions import MessageError, RecordingError, shortened
 from flatland_server.geometry import Pose, Transform
@@ -60,13 +63,14 @@ class Recorder(Tap):
         transport: has the topics.
         timekeeper: has the time.
         path: of the file, which ends with .bag or .mcap. It has ".active" appended until it is
-            closed; then it replaces a file of the same name.
+            closed; then it replaces a recording of the same name.
         topics: names of topics, or regular expressions that match whole names; by default all.
         odometry_frames: returns the present frames of odometry: `lambda: world.odometry_frames`.
 
     Raises:
-        RecordingError: the file cannot be written, a package for it is not installed, or a topic is
-            neither a name nor a regular expression.
+        RecordingError: the file cannot be written, something else than a recording is there, or a
+            topic is neither a name nor a regular expression.
+        UsageError: `topics` is no list.
     """
 
     def __init__(
@@ -82,6 +86,7 @@ class Recorder(Tap):
         self._odometry_frames = odometry_frames
         self._patterns = None if topics is None or topics == "all" else _compiled(topics)
         self._wanted: Dict[str, bool] = {}
+        self._channels: Dict[Tuple[str, Any, bool], Channel] = {}
         self._waiting: List[_Message] = []
         self._transforms: Dict[int, TransformQueue] = {}  # the waiting ones, by their time
         self._sequences: Dict[str, int] = {}
@@ -89,7 +94,7 @@ class Recorder(Tap):
         self._clock_type = get("rosgraph_msgs/Clock")
         self._transforms_type = get("tf2_msgs/TFMessage")
         self._is_open = True
-        self._file = open_recording(path)
+        self._file = RecordingFile(path)
         transport.open_tap(self)
         try:
             self.write_step()
@@ -99,7 +104,7 @@ class Recorder(Tap):
 
     @property
     def is_open(self) -> bool:
-        """True if the recording goes on: until `close`."""
+        """True if the recording goes on: until `close`, or the disk is full."""
         return self._is_open
 
     def wants(self, topic: str) -> bool:
@@ -141,22 +146,17 @@ class Recorder(Tap):
 
         Raises:
             MessageError: a published object is no message, or has a wrong value.
-            RecordingError: the file cannot be written, or is closed.
+            RecordingError: the file cannot be written, or is closed. On a full disk, the recording
+                ends with what there is room for.
         """
         if not self._is_open:
             raise RecordingError(f"{self._file.path}: the recording is closed")
-        now = self._timekeeper.nanoseconds
-        waiting, self._waiting = self._waiting, []
-        self._transforms.clear()
-        # A time comes before its messages, in the order in which the server sends them.
-        for each in waiting:
-            if each.nanoseconds < now:
-                self._write(each)
-        self._write_data("/clock", self._clock_type, now, _TICK.pack(*divmod(now, 1_000_000_000)))
-        self._write_static_frames(now)
-        for each in waiting:
-            if each.nanoseconds >= now:
-                self._write(each)
+        try:
+            self._write_waiting()
+        except RecordingError:
+            self._waiting = []
+            self.close()
+            raise
 
     def close(self) -> None:
         """Finishes the file. Messages since the last `write_step` are written."""
@@ -176,6 +176,20 @@ class Recorder(Tap):
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _write_waiting(self) -> None:
+        now = self._timekeeper.nanoseconds
+        waiting, self._waiting = self._waiting, []
+        self._transforms.clear()
+        # A time comes before its messages, in the order in which the server sends them.
+        for each in waiting:
+            if each.nanoseconds < now:
+                self._write(each)
+        self._write_data("/clock", self._clock_type, now, _TICK.pack(*divmod(now, 1_000_000_000)))
+        self._write_static_frames(now)
+        for each in waiting:
+            if each.nanoseconds >= now:
+                self._write(each)
+
     def _write(self, each: _Message) -> None:
         if isinstance(each.content, TransformQueue):
             self._write_data(
@@ -192,7 +206,13 @@ class Recorder(Tap):
     def _write_data(
         self, topic: str, kind: Any, nanoseconds: int, data: bytes, is_latched: bool = False
     ) -> None:
-        self._file.write(topic, kind, nanoseconds, data, is_latched)
+        key = (topic, kind, is_latched)
+        channel = self._channels.get(key)
+        if channel is None:
+            channel = self._channels[key] = Channel(
+                topic, kind._type, kind._md5sum, kind._full_text, is_latched
+            )
+        self._file.write(channel, nanoseconds, data)
 
     def _numbered(self, topic: str, kind: Any, data: bytes) -> bytes:
         """A serialized message with the number that rospy gives it, the first of its header."""
@@ -221,7 +241,7 @@ def _serialized(message: Any) -> bytes:
 
 def _compiled(topics: Iterable[str]) -> List[Pattern[str]]:
     patterns = []
-    for topic in [topics] if isinstance(topics, str) else topics:
+    for topic in [topics] if isinstance(topics, str) else several(topics, "topics"):
         try:
             patterns.append(re.compile(f"/{topic}" if _is_relative(topic) else topic))
         except (re.error, TypeError):

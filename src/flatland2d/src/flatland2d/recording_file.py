@@ -1,181 +1,241 @@
 """Files of recorded messages: .bag, as `rosbag record` writes them, and .mcap, as Foxglove does.
 
-Both contain the definitions of the message types, so that a reader needs nothing else.
+Both contain the definitions of the message types, so that a reader needs nothing else. Messages are
+written in chunks, each of which can be read even if the file has no index yet.
 """
 
+import contextlib
+import errno
+import fcntl
+import mmap
 import os
+import threading
 import weakref
-from abc import ABC, abstractmethod
-from contextlib import contextmanager
-from importlib import import_module
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, Set, Tuple, Type, Union
+from typing import Dict, Iterator, Optional, Type, Union
 
-from flatland_server.exceptions import RecordingError, listed
+from flatland2d.bag_format import BagFormat
+from flatland2d.mcap_format import McapFormat
+from flatland2d.recording_format import Channel, Damaged, Format, Recorded
+from flatland_server.arguments import shown
+from flatland_server.config.input_files import require_free
+from flatland_server.exceptions import RecordingError, UsageError, listed
 
-_INSTALL = 'pip install "flatland2d[record]"'
+CHUNK_SIZE = 1 << 20
+"""The size at which a chunk is written [bytes]."""
+
+CHUNK_TIME = 1.0
+"""The real time after which a chunk is written, whatever its size [s]."""
+
+UNFINISHED = ".active"
+"""Ends the name of a file that is being written."""
+
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+_FORMATS: Dict[str, Type[Format]] = {".bag": BagFormat, ".mcap": McapFormat}
 
 
-_in_use: Set[Path] = set()
-"""The files that this process is writing."""
+class RecordingFile:
+    """A file that is being written, under another name until it is closed.
 
-
-class RecordingFile(ABC):
-    """A file that is being written, under its name with ".active" until it is closed.
-
-    It is closed at the latest when it is garbage-collected or the program ends.
+    It is closed at the latest when it is garbage-collected or the program ends. When the disk is
+    full, it is closed, too, with all complete chunks for which there is room.
 
     Args:
-        path: of the file; one of this name is replaced when this one is closed.
+        path: of the file, which ends with .bag or .mcap. When this one is closed, it replaces a
+            recording of this name.
+        unfinished: appended to the name until then.
 
     Raises:
-        RecordingError: the file cannot be written or is being recorded already, or a package is
-            missing.
+        RecordingError: the format is unknown, the file cannot be written, something else than a
+            recording is there, or the file is being recorded already.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        with _errors_of(path):
-            active = path.absolute().with_name(f"{path.name}.active")
-            if active in _in_use:
-                raise RecordingError(f"{path}: is being recorded already")
-            active.unlink(missing_ok=True)  # left by a process that was killed
-            finish = self._open(active)
-        _in_use.add(active)
-        self._end = weakref.finalize(self, _end, finish, active, path, os.getpid())
+    def __init__(self, path: Union[str, "os.PathLike[str]"], unfinished: str = UNFINISHED) -> None:
+        if not isinstance(path, (str, os.PathLike)):
+            raise UsageError(f"expected the path of a recording, found {shown(path)}")
+        self.path = Path(path)
+        kind = _FORMATS.get(self.path.suffix.lower())
+        if kind is None:
+            raise RecordingError(f"{self.path}: expected a name that ends with {listed(_FORMATS)}")
+        self._writer = _Writer(self.path, kind(), unfinished)
+        self._end = weakref.finalize(self, _close, self._writer, os.getpid())
 
-    def write(
-        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool = False
-    ) -> None:
+    def write(self, channel: Channel, nanoseconds: int, data: bytes) -> None:
         """Appends a message.
 
         Args:
-            topic: its absolute name.
-            message_type: the message's class.
+            channel: its topic and type.
             nanoseconds: the simulated time [ns].
             data: the serialized message.
-            is_latched: whether a player repeats it to subscribers that come later.
 
         Raises:
-            RecordingError: the file cannot be written.
+            RecordingError: the disk is full, or the file is closed; it has ended before this
+                message.
         """
-        with _errors_of(self.path):
-            self._write(topic, message_type, nanoseconds, data, is_latched)
+        self._writer.write(Recorded(channel, nanoseconds, data))
 
     def close(self) -> None:
-        """Finishes the file."""
+        """Finishes the file.
+
+        Raises:
+            RecordingError: not all that was recorded could be written.
+        """
         self._end()
 
-    @abstractmethod
-    def _open(self, path: Path) -> Callable[[], None]:
-        """Begins the file; returns the function that finishes it."""
 
-    @abstractmethod
-    def _write(
-        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
-    ) -> None:
-        """Appends a message."""
-
-
-class BagFile(RecordingFile):
-    """A .bag of ROS 1, version 2.0."""
-
-    def _open(self, path: Path) -> Callable[[], None]:
-        writer = _package("rosbags.rosbag1", ".bag").Writer
-        self._writer = writer(path)
-        self._writer.open()
-        self._connections: Dict[Tuple[str, str], Any] = {}
-        return self._writer.close  # type: ignore[no-any-return]
-
-    def _write(
-        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
-    ) -> None:
-        key = (topic, message_type._type)
-        if key not in self._connections:
-            self._connections[key] = self._writer.add_connection(
-                topic,
-                message_type._type.replace("/", "/msg/"),  # as rosbags names types
-                msgdef=message_type._full_text,
-                md5sum=message_type._md5sum,
-                callerid="/flatland_server",
-                latching=int(is_latched),
-            )
-        # To rosbag, the time 0 means none: such a message would not be played.
-        self._writer.write(self._connections[key], max(nanoseconds, 1), data)
-
-
-class McapFile(RecordingFile):
-    """An .mcap with the profile of ROS 1."""
-
-    def _open(self, path: Path) -> Callable[[], None]:
-        writer = _package("mcap.writer", ".mcap").Writer
-        self._writer = writer(str(path))
-        self._writer.start(profile="ros1", library="flatland")
-        self._schemas: Dict[str, int] = {}
-        self._channels: Dict[Tuple[str, str], int] = {}
-        return self._writer.finish  # type: ignore[no-any-return]
-
-    def _write(
-        self, topic: str, message_type: Any, nanoseconds: int, data: bytes, is_latched: bool
-    ) -> None:
-        name = message_type._type
-        if name not in self._schemas:
-            definition = message_type._full_text.encode()
-            self._schemas[name] = self._writer.register_schema(name, "ros1msg", definition)
-        if (topic, name) not in self._channels:
-            metadata = {
-                "callerid": "/flatland_server",
-                "latching": str(int(is_latched)),
-                "md5sum": message_type._md5sum,
-            }
-            self._channels[topic, name] = self._writer.register_channel(
-                topic, "ros1", self._schemas[name], metadata
-            )
-        self._writer.add_message(self._channels[topic, name], nanoseconds, data, nanoseconds)
-
-
-_KINDS: Dict[str, Type[RecordingFile]] = {".bag": BagFile, ".mcap": McapFile}
-
-
-def open_recording(path: Union[str, "os.PathLike[str]"]) -> RecordingFile:
-    """Begins a recording in the format of the file's extension.
+def read_recording(path: Path) -> Iterator[Recorded]:
+    """The messages of a file that Flatland has written, finished or not: up to its last chunk.
 
     Raises:
-        RecordingError: the format is unknown, the file cannot be written, or a package is missing.
+        RecordingError: it cannot be read, or is no recording.
     """
-    file = Path(path)
-    kind = _KINDS.get(file.suffix.lower())
-    if kind is None:
-        raise RecordingError(f"{file}: expected a name that ends with {listed(_KINDS)}")
-    return kind(file)
-
-
-def _end(finish: Callable[[], None], active: Path, path: Path, process: int) -> None:
-    """Finishes and renames a file; does nothing in a fork of the process that writes it."""
-    if os.getpid() != process:
-        return
-    _in_use.discard(active)
-    with _errors_of(path):
-        finish()
-        os.replace(active, path)
-
-
-def _package(module: str, suffix: str) -> Any:
-    """Imports a module that only recording needs, or says how to install it."""
     try:
-        return import_module(module)
-    except ImportError as error:
-        package = module.partition(".")[0]
-        raise RecordingError(
-            f"a {suffix} recording needs the Python package {package} ({error}): {_INSTALL}, "
-            f"or pip install {package}"
-        ) from None
-
-
-@contextmanager
-def _errors_of(path: Path) -> Iterator[None]:
-    """Turns errors of the operating system into those of a recording."""
-    try:
-        yield
+        with path.open("rb") as file, mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ) as data:
+            for kind in _FORMATS.values():
+                if data[: len(kind.magic)] == kind.magic:
+                    with contextlib.suppress(Damaged):
+                        yield from kind.read(data)
+                    return
+    except ValueError:  # an empty file
+        pass
     except OSError as error:
-        raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise RecordingError(f"{path}: cannot be read: {error.strerror}") from None
+    raise RecordingError(f"{path}: expected a recording, found something else")
+
+
+class _Writer:
+    """Writes chunks, at the latest in a thread of its own, which also finishes the file."""
+
+    def __init__(self, path: Path, form: Format, unfinished: str) -> None:
+        self._path = path
+        self._active = path.absolute().with_name(path.name + unfinished)
+        self._format = form
+        self._lock = threading.Lock()  # of the format and the file
+        self._is_ending = threading.Event()
+        self._error: Optional[Exception] = None
+        try:
+            self._require_free(path)
+            self._descriptor = self._begin()
+        except (OSError, ValueError) as error:  # ValueError: the name contains a zero byte
+            raise self._failure(error) from None
+        self._thread = threading.Thread(target=self._run, name="recording", daemon=True)
+        self._thread.start()
+
+    def write(self, message: Recorded) -> None:
+        with self._lock:
+            if not self._is_ending.is_set():
+                self._format.add(message)
+                if self._format.size >= CHUNK_SIZE:
+                    self._write_chunk()
+        if self._is_ending.is_set():
+            self.close()
+            raise RecordingError(f"{self._path}: the recording is closed")
+
+    def close(self) -> None:
+        """Finishes the file, and raises the error that has ended it, once."""
+        self._is_ending.set()
+        if self._thread is threading.current_thread():  # by garbage collection; it ends next
+            return
+        self._thread.join()
+        error, self._error = self._error, None
+        if isinstance(error, OSError):
+            end = max((chunk.end for chunk in self._format.chunks), default=0) * 1e-9
+            raise self._failure(
+                error,
+                f"; `flatland recover {self._active}` reads what was"
+                if self._active.exists()
+                else f"; the recording is complete up to {end:.3f} s",
+            )
+        if error is not None:
+            raise error
+
+    def _begin(self) -> int:
+        """Begins the file, in place of one that was left by a process that was killed."""
+        self._require_free(self._active)
+        with contextlib.suppress(FileNotFoundError):
+            with self._active.open("rb") as former:
+                self._reserve(former.fileno())
+            self._active.unlink()
+        descriptor = os.open(self._active, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+        try:
+            self._reserve(descriptor)
+            self._size = _write(descriptor, self._format.beginning(0), 0)
+        except BaseException:
+            os.close(descriptor)
+            self._active.unlink()
+            raise
+        return descriptor
+
+    def _run(self) -> None:
+        while not self._is_ending.wait(CHUNK_TIME):
+            with self._lock:
+                if self._format.size:
+                    self._write_chunk()
+        with self._lock:
+            try:
+                self._finish()
+            except (OSError, RecordingError) as error:
+                self._error = self._error or error
+            finally:
+                os.close(self._descriptor)
+
+    def _write_chunk(self) -> None:
+        """Writes the open chunk; if that fails, the recording ends before it."""
+        chunk = self._format.take_chunk(self._size)
+        try:
+            self._size += _write(self._descriptor, chunk, self._size)
+        except OSError as error:
+            self._format.drop_chunk()
+            self._error = error
+            self._is_ending.set()
+
+    def _finish(self) -> None:
+        """Writes the index, on a full disk in place of the last chunks, and renames the file."""
+        if self._error is None and self._format.size:
+            self._write_chunk()
+        while True:
+            index = self._format.index(self._size)
+            try:
+                end = self._size + _write(self._descriptor, index, self._size)
+                break
+            except OSError as error:
+                self._error = self._error or error
+                if error.errno not in _FULL or not self._format.chunks:
+                    raise
+                self._size = self._format.drop_chunk()
+        os.ftruncate(self._descriptor, end)
+        _write(self._descriptor, self._format.beginning(self._size), 0)
+        complete = self._active.with_name(self._path.name)  # not of a folder entered since
+        self._require_free(complete)
+        os.replace(self._active, complete)
+
+    def _require_free(self, path: Path) -> None:
+        require_free(path, self._format.magic, "a recording of this format", RecordingError)
+
+    def _reserve(self, descriptor: int) -> None:
+        """Locks the file, as long as it is open."""
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise RecordingError(f"{self._path}: is being recorded already") from None
+        except OSError:  # the file system has no locks
+            pass
+
+    def _failure(self, error: Exception, more: str = "") -> RecordingError:
+        reason = error.strerror if isinstance(error, OSError) else error
+        return RecordingError(f"{self._path}: cannot be written: {reason}{more}")
+
+
+def _write(descriptor: int, data: bytes, position: int) -> int:
+    """Writes all bytes at an offset in the file; returns their number."""
+    written = 0
+    while written < len(data):
+        written += os.pwrite(descriptor, memoryview(data)[written:], position + written)
+    return written
+
+
+def _close(writer: _Writer, process: int) -> None:
+    """Closes a file; does nothing in a fork of the process that writes it."""
+    if os.getpid() == process:
+        writer.close()

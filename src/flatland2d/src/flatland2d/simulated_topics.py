@@ -2,7 +2,8 @@
 
 from typing import Any, Dict, Iterable
 
-from flatland_server.exceptions import TopicError, listed, shortened, suggestion
+from flatland_server.arguments import shown
+from flatland_server.exceptions import TopicError, UsageError, listed, shortened, suggestion
 from flatland_server.geometry import Transform
 from flatland_server.simulation.run import Run
 from flatland_server.simulation.world import World
@@ -37,7 +38,7 @@ class SimulatedTopics(Run):
             topics: their names; "/tf" for `transforms`. They need not exist yet.
 
         Raises:
-            UsageError: the simulation is closed.
+            UsageError: a name is no string, or the simulation is closed.
         """
         self.require_open()
         new = {_absolute(topic): None for topic in topics}
@@ -117,4 +118,6 @@ class SimulatedTopics(Run):
 
 
 def _absolute(topic: str) -> str:
+    if not isinstance(topic, str):
+        raise UsageError(f"expected the name of a topic, found {shown(topic)}")
     return topic if topic.startswith("/") else f"/{topic}"

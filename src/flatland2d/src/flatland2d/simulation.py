@@ -13,7 +13,7 @@ from flatland2d.simulated_topics import SimulatedTopics
 from flatland2d.touch import Touch, touches
 from flatland2d.world_source import WorldSource, open_world
 from flatland_server import _core
-from flatland_server.arguments import folders_of, params_of, shown, whole_number
+from flatland_server.arguments import folders_of, params_of, several, shown, whole_number
 from flatland_server.arrays import FloatArray, PoseLike, UInt8Array
 from flatland_server.exceptions import ModelError, UsageError, listed, shortened, suggestion
 from flatland_server.models.model import Model
@@ -80,7 +80,7 @@ class Simulation(SimulatedTopics):
             loader=loader,
         )
         super().__init__(opened, timekeeper, raise_failures=raise_failures)
-        self.subscribe(*([topics] if isinstance(topics, str) else topics))
+        self.subscribe(*([topics] if isinstance(topics, str) else several(topics, "topics")))
         self._recorders: List[Recorder] = []
         self._renderer = Renderer(opened, self.timekeeper)
         self._handles: Dict[str, ModelHandle] = {}
@@ -184,7 +184,8 @@ class Simulation(SimulatedTopics):
                 sim.step(200)
 
         Args:
-            path: of the file, which ends with .bag or .mcap.
+            path: of the file, which ends with .bag or .mcap. It replaces a recording, and nothing
+                else.
             topics: names of topics, or regular expressions that match whole names; by default all.
                 They are computed while they are recorded.
 
@@ -192,7 +193,7 @@ class Simulation(SimulatedTopics):
             A context manager; the recording ends with it, or with `close`, or with the simulation.
 
         Raises:
-            RecordingError: the file cannot be written, or a package for it is not installed.
+            RecordingError: the file cannot be written, or something else than a recording is there.
         """
         self.require_open()
         recorder = Recorder(

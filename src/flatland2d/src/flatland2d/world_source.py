@@ -46,6 +46,8 @@ def open_world(
     """
     if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
         raise UsageError(f"expected simplify_map to be 0, 1 or 2, found {shown(simplify_map)}")
+    if not isinstance(loader, (PluginLoader, type(None))):
+        raise UsageError(f"expected a PluginLoader as loader, found {shown(loader)}")
     if isinstance(source, WorldConfig):
         return World(source, transport, seed=seed, loader=loader or exported_plugins())
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:

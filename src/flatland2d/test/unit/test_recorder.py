@@ -2,14 +2,13 @@
 
 import gc
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any, List, NamedTuple, Tuple
 
 import pytest
 from without_ros import run_without_ros
 
-from flatland2d import MessageError, Pose, Recorder, RecordingError, messages
+from flatland2d import MessageError, Pose, Recorder, RecordingError, mcap_format, messages
 from flatland_server import LocalTransport, Timekeeper, Transform
 from flatland_server.testing import Harness, WorldFiles
 
@@ -269,10 +268,11 @@ def test_a_bag_says_which_topics_are_latched(tmp_path):
 
 def test_a_file_is_whole_once_the_recorder_is_closed(tmp_path):
     path = tmp_path / "run.bag"
-    path.write_text("the run before")
+    Recorder(LocalTransport(), Timekeeper(0.005), path).close()
+    before = path.read_bytes()
     recorder = Recorder(LocalTransport(), Timekeeper(0.005), path)
 
-    assert path.read_text() == "the run before"
+    assert path.read_bytes() == before
     assert (tmp_path / "run.bag.active").exists()
     recorder.close()
     recorder.close()
@@ -281,6 +281,15 @@ def test_a_file_is_whole_once_the_recorder_is_closed(tmp_path):
     assert not (tmp_path / "run.bag.active").exists()
     with pytest.raises(RecordingError, match=r"run\.bag: the recording is closed"):
         recorder.write_step()
+
+
+def test_a_file_stays_in_its_folder_when_the_process_moves_elsewhere(tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    with Recorder(LocalTransport(), Timekeeper(0.005), "run.bag"):
+        monkeypatch.chdir(tmp_path / "elsewhere")
+
+    assert [each.topic for each in read_by_ros(tmp_path / "run.bag")] == ["/clock"]
 
 
 def test_a_file_is_recorded_once_at_a_time(tmp_path):
@@ -327,18 +336,17 @@ def test_what_is_no_message_is_refused_with_its_topic(tmp_path):
     recorder.close()
 
 
-@pytest.mark.parametrize(("suffix", "package"), [(".bag", "rosbags"), (".mcap", "mcap")])
-def test_a_missing_package_is_named(suffix, package, tmp_path, monkeypatch):
-    for name in [*sys.modules]:
-        if name.partition(".")[0] == package:
-            monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, package, None)
+def test_an_mcap_is_larger_without_zstandard_but_the_same(tmp_path, files, monkeypatch):
+    record(tmp_path / "small.mcap", files)
+    monkeypatch.setattr(mcap_format, "zstandard", None)
+    record(tmp_path / "large.mcap", files)
 
-    with pytest.raises(RecordingError) as error:
-        Recorder(LocalTransport(), Timekeeper(0.005), tmp_path / f"run{suffix}")
-
-    assert f"needs the Python package {package}" in str(error.value)
-    assert 'pip install "flatland2d[record]"' in str(error.value)
+    small, large = (
+        [(each.topic, each.nanoseconds, str(each.message)) for each in read_by_mcap(path)]
+        for path in (tmp_path / "small.mcap", tmp_path / "large.mcap")
+    )
+    assert small == large
+    assert (tmp_path / "large.mcap").stat().st_size > 2 * (tmp_path / "small.mcap").stat().st_size
 
 
 PROGRAM = """

@@ -101,3 +101,11 @@ def test_a_crowd_comes_wholly_or_not_at_all(town, monkeypatch):
     assert worlds[0].models == {}
     assert worlds[0].physics.body_count == 0
     assert worlds[0].transport.topics == set()
+
+
+def test_people_with_legs_may_be_updated_once_only(town):
+    people = town("pose: [0, 0, 0], goals: [[9, 0]], legs: true", keys="update_rate: 1.0e-300")
+
+    people.run(1.0)
+
+    assert 0.0 < position(people)[0] < 9.0

@@ -76,7 +76,9 @@ def finite(values: Sequence[Any], what: str) -> None:
     for value in values:
         try:
             is_finite = math.isfinite(value)
-        except (TypeError, OverflowError):
+        except OverflowError:  # a whole number that is too large for a float
+            is_finite = False
+        except TypeError:
             continue  # not a number: left to the plugin to check
         if not is_finite:
             raise UsageError(f"expected {what} of finite numbers, found {shown(values)}")

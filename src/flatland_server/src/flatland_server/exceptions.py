@@ -7,7 +7,7 @@
     ├── MessageError        a message type is unknown or wrongly defined, or a value is wrong
     ├── MissingPackageError a Python package is needed that is not installed
     ├── PluginError         a plugin is unknown or cannot be imported, or fails in a `Simulation`
-    ├── RecordingError      a recording cannot be written
+    ├── RecordingError      a recording cannot be written or read
     ├── StateError          a state cannot be saved, or does not fit the world it is loaded into
     ├── TopicError          a name is not allowed for a topic or frame, or a topic has another type
     └── UsageError          a program calls something with a wrong value, or after `close`
@@ -152,7 +152,7 @@ class PluginError(FlatlandError):
 
 
 class RecordingError(FlatlandError):
-    """A recording cannot be written: to this file, or without a package that is not installed."""
+    """A recording cannot be written or read."""
 
 
 class StateError(FlatlandError):

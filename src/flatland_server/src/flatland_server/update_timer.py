@@ -8,6 +8,9 @@ import numpy as np
 from flatland_server.arrays import FloatArray, IntArray
 from flatland_server.timekeeper import Timekeeper
 
+_LONGEST = 1e18
+"""The longest period, 32 years [ns]: that of a lower rate would be infinite, or nearly so."""
+
 
 class UpdateTimer:
     """Tells when an update is due, in simulated time.
@@ -25,7 +28,7 @@ class UpdateTimer:
     def __init__(self, rate: float = math.inf) -> None:
         if not rate > 0:
             raise ValueError(f"expected a rate above 0 Hz, found {rate}")
-        self._period = 1e9 / rate  # ns
+        self._period = min(1e9 / rate, _LONGEST)  # ns
         self._start = 0
         self.due: float = -1
         """The simulated time [ns] from which on an update is due; -1 for any time."""
@@ -55,9 +58,7 @@ class UpdateTimer:
             return False
         if self.due < 0:
             self._start = now
-        if math.isinf(self._period):
-            self.due = math.inf
-        elif self._period > 0:
+        if self._period > 0:
             passed = round(math.floor((now - self._start + 0.5) / self._period) + 1)
             self.due = self._start + round(passed * self._period)
         return True
@@ -81,7 +82,7 @@ class UpdateTimer:
         period, start, due = (state[key] for key in ("period", "start", "due"))
         if not (
             all(isinstance(each, (int, float)) for each in (period, start, due))
-            and period >= 0.0
+            and 0.0 <= period <= _LONGEST
             and math.isfinite(start)
             and due >= -1.0
         ):
@@ -99,7 +100,7 @@ def due_after(times: IntArray, rate: float) -> FloatArray:
         times: of updates that were due [ns], shape (n,).
         rate: of updates [Hz], above zero; with infinity, one is due at every check.
     """
-    period = 1e9 / rate
+    period = min(1e9 / rate, _LONGEST)
     if period == 0.0:
         return times.astype(np.float64)
     due: FloatArray = np.rint((np.floor((times + 0.5) / period) + 1.0) * period)

@@ -11,15 +11,16 @@ from pathlib import Path
 from soak.findings import Findings
 from soak.random_files import RandomFiles
 from soak.random_messages import send_random_messages
+from soak.random_recordings import record_at_random
 from soak.random_states import load_random_states
 from soak.random_sweeps import read_random_scenario_files
 
-FILES, STEPS, STATES, SCENARIO_FILES = 400, 400, 100, 100
+FILES, STEPS, STATES, SCENARIO_FILES, RECORDINGS = 400, 400, 100, 100, 4
 LIMIT = 120.0  # s
 
 
 def run_in_process(seed: int, findings: Findings) -> None:
-    """Reads spoilt files and sends random messages, in a new process."""
+    """Reads spoilt files, sends random messages and records, in a new process."""
     result = subprocess.run(
         [sys.executable, "-X", "faulthandler", "-m", "soak.in_process", str(seed)],
         capture_output=True,
@@ -44,6 +45,7 @@ def main() -> None:
         send_random_messages(Path(name) / "messages", seed, STEPS, findings)
         load_random_states(Path(name) / "states", seed, STATES, findings)
         read_random_scenario_files(Path(name) / "sweep", seed, SCENARIO_FILES, findings)
+        record_at_random(Path(name) / "recordings", seed, RECORDINGS, findings)
     print(json.dumps(findings.to_dict()))
 
 

@@ -9,12 +9,13 @@ from soak.findings import Findings
 from soak.mutations import Mutator
 from soak.random_files import RandomFiles
 from soak.random_messages import random_message, send_random_messages
+from soak.random_recordings import record_at_random
 from soak.random_states import load_random_states
 from soak.soak import Soak
 from soak.usage import Usage
 
 SEED = 1
-FILES, STEPS, STATES = 500, 300, 150
+FILES, STEPS, STATES, RECORDINGS = 500, 300, 150, 6
 
 
 @pytest.fixture
@@ -46,6 +47,14 @@ def test_a_spoilt_state_is_refused_or_runs_on(tmp_path, findings):
     assert findings.violations == []
     assert findings.counts["spoilt states refused"] > STATES / 4
     assert findings.counts["spoilt states loaded"] > STATES / 20
+
+
+@pytest.mark.slow
+def test_recordings_under_signals_and_on_full_disks_can_be_read(tmp_path, findings):
+    record_at_random(tmp_path / "recordings", SEED, RECORDINGS, findings)
+
+    assert findings.violations == []
+    assert findings.counts["recorded steps"] > 1000
 
 
 def test_what_a_failed_spawn_leaves_behind_is_found(tmp_path, findings, monkeypatch):

@@ -151,6 +151,18 @@ def test_a_message_before_the_request_counts_and_one_before_the_last_step_does_n
         done.result(0)
 
 
+def test_a_pause_ends_a_request_that_waits_for_ever(manager, transport):
+    transport.subscribe("/a", str, lambda _: None)
+    done = manager.request_steps(1, ["/a"], timeout=float("inf"))
+    manager.on_tick.append(manager.pause)
+
+    run(manager, 50)
+
+    with pytest.raises(FlatlandError, match="was paused before the steps were made"):
+        done.result(0)
+    assert steps(manager) == 0
+
+
 def test_a_topic_without_a_subscription_is_refused(manager, transport):
     transport.subscribe("/cmd_vel", str, lambda _: None)
 

@@ -101,7 +101,7 @@ def seeds_of(value: Any, count: int) -> IntArray:
     if np.ndim(value) == 0:
         first = whole_number(value, "a seed", 0)
         if first > _MAX_SEED - count:
-            raise UsageError(f"expected a seed below 2^63 - {count}, found {first}")
+            raise UsageError(f"expected a seed below 2^63 - {shown(count)}, found {shown(first)}")
         return np.arange(first, first + count)
     array = _array(value, "seeds", f"{count} whole numbers", (count,))
     if array.dtype.kind not in "iu" or (array < 0).any() or (array > _MAX_SEED).any():

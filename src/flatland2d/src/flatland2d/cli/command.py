@@ -9,11 +9,11 @@ import os
 import sys
 from typing import List, Optional
 
-from flatland2d.cli import check, map_to_lines, render, run, sweep, view, worlds
+from flatland2d.cli import check, map_to_lines, recover, render, run, sweep, view, worlds
 from flatland_server._core import __version__
 from flatland_server.exceptions import FlatlandError, YamlError
 
-SUBCOMMANDS = (check, map_to_lines, render, run, sweep, view, worlds)
+SUBCOMMANDS = (check, map_to_lines, recover, render, run, sweep, view, worlds)
 
 _INTERRUPTED = 130
 """The exit code of a program ended by Ctrl-C, as in shells."""
@@ -37,21 +37,30 @@ def main(arguments: Optional[List[str]] = None) -> int:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for subcommand in SUBCOMMANDS:
         subcommand.add_parser(commands)
-    options = parser.parse_args(arguments)
     logging.basicConfig(format="%(message)s", level=logging.WARNING)
     for stream in (sys.stdout, sys.stderr):  # names of files and errors may have no UTF-8
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     try:
-        code: int = options.execute(options)
-        sys.stdout.flush()
+        try:
+            options = parser.parse_args(arguments)
+            code: int = options.execute(options)
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        if sys.stdout is None:
+            code = _fail("flatland: the output cannot be written: it is closed")
     except YamlError as error:
         code = _fail("\n".join(error.lines(lambda problem: problem.with_column)))
     except FlatlandError as error:
         code = _fail(f"flatland: {error}")
-    except BrokenPipeError:  # such as `flatland worlds | head -1`
+    except OSError as error:
+        if error.filename is not None:
+            raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 1
+        if not isinstance(error, BrokenPipeError):  # such as `flatland worlds | head -1`
+            _fail(f"flatland: the output cannot be written: {error.strerror}")
     except KeyboardInterrupt:
         code = _INTERRUPTED
     return code

@@ -85,7 +85,8 @@ def _execute(options: argparse.Namespace) -> int:
     settings = read_scenario_file(options.file)
     folder = options.out or Path(f"{options.file.stem}_results")
     if options.replay is not None:
-        return replay(settings, options.replay, folder, options.view, options.record)
+        with _interrupts():
+            return replay(settings, options.replay, folder, options.view, options.record)
     if options.restart and (folder / JOURNAL).exists():
         (folder / JOURNAL).unlink()
     with ExitStack() as stack:

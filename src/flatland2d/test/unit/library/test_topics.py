@@ -121,7 +121,6 @@ def test_transforms_are_computed_if_they_are_subscribed_to():
 
 
 def test_a_recording_subscribes_while_it_is_open(sim, tmp_path, published):
-    pytest.importorskip("rosbags")
     with sim.record(tmp_path / "run.bag", topics=["/speed"]):
         sim.step(5)
     assert len(published) == 5
@@ -131,7 +130,6 @@ def test_a_recording_subscribes_while_it_is_open(sim, tmp_path, published):
 
 
 def test_closing_finishes_recordings(sim, tmp_path):
-    pytest.importorskip("rosbags")
     recorder = sim.record(tmp_path / "run.bag")
     sim.step(5).close()
     assert not recorder.is_open

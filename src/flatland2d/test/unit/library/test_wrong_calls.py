@@ -40,6 +40,11 @@ WRONG = [
     (lambda sim: sim.spawn("no.yaml", "c"), ModelError, r"there is no file /.*/no\.yaml"),
     (lambda sim: sim.models["robot"].command(math.nan), UsageError, r"finite numbers, found \(nan"),
     (lambda sim: sim.models["robot"].command(np.float32("inf")), UsageError, "finite numbers"),
+    (lambda sim: sim.models["robot"].command(10**400), UsageError, "finite numbers, found"),
+    (lambda sim: sim.subscribe(5), UsageError, "expected the name of a topic, found 5"),
+    (lambda sim: sim.last(None), UsageError, "expected the name of a topic, found None"),
+    (lambda sim: sim.record(5), UsageError, "expected the path of a recording, found 5"),
+    (lambda sim: sim.record("run.bag", topics=5), UsageError, "expected topics as a list, found 5"),
     (
         lambda sim: sim.models["robot"].command(),
         UsageError,
@@ -91,11 +96,18 @@ def test_a_wrong_call_is_refused_and_changes_nothing(sim, call, error, message):
         ({"simplify_map": -1}, "found -1"),
         ({"params": 3}, "expected params as a dict by name, found 3"),
         ({"params": {3: 4}}, "expected params as a dict by name"),
+        ({"loader": 3}, "expected a PluginLoader as loader, found 3"),
     ],
 )
 def test_wrong_options_are_refused(options, message):
     with pytest.raises(UsageError, match=message):
         Simulation("no such world, which is not looked for", **options)
+
+
+@pytest.mark.parametrize("topics", [5, [5]])
+def test_topics_are_names(topics):
+    with pytest.raises(UsageError, match=r"expected (topics|the name of) .*, found 5"):
+        Simulation("office", topics=topics)
 
 
 @pytest.mark.parametrize(

@@ -283,7 +283,6 @@ def test_a_scenario_is_replayed_alone(settings_of, capsys, monkeypatch):
 
 def test_a_replay_is_recorded(settings_of, capsys):
     rosbag = pytest.importorskip("rosbag")
-    pytest.importorskip("rosbags")
     settings_of(**QUICK, seeds=2)
 
     assert main(["sweep", "scenarios.yaml", "--replay", "2", "--record", "run.bag"]) == 0

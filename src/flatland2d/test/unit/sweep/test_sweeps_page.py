@@ -41,7 +41,7 @@ def test_the_files_and_commands_work(tmp_path, monkeypatch, capsys):
     for name, text in FILES:
         (tmp_path / name).write_text(text)
     monkeypatch.chdir(tmp_path)
-    needs = {"--ray": "ray", "--record": "rosbags", "--view": "pygame"}
+    needs = {"--ray": "ray", "--view": "pygame"}
 
     for line in COMMANDS:
         missing = [m for word, m in needs.items() if word in line and not _has(m)]

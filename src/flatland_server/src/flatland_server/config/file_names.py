@@ -11,6 +11,7 @@ from flatland_server.exceptions import FlatlandError, listed, shortened, suggest
 
 _SCHEME = "package://"
 _HOME = "~/"
+_LONGEST = 4096  # characters of a path; Linux refuses longer ones, pathlib takes minutes for some
 
 
 def to_path(name: Union[str, Path]) -> Path:
@@ -22,9 +23,13 @@ def to_path(name: Union[str, Path]) -> Path:
     first one with the path is used.
 
     Raises:
-        FlatlandError: there is no such package.
+        FlatlandError: there is no such package, or the name is longer than any path.
     """
     text = os.fspath(name)
+    if len(text) > _LONGEST:
+        raise FlatlandError(
+            f'expected a path of at most {_LONGEST} characters, found "{shortened(text)}"'
+        )
     if not text.startswith(_SCHEME):
         return Path(os.path.expanduser(text) if text.startswith(_HOME) else text)
     package, _, inner = text[len(_SCHEME) :].partition("/")

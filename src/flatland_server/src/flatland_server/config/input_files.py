@@ -51,6 +51,29 @@ def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
     return content
 
 
+def require_free(path: Path, magic: bytes, kind: str, refusal: Callable[[str], Exception]) -> None:
+    """Checks that a file can be written: nothing is there, or a regular file of its own kind.
+
+    Args:
+        path: of the file; links are not followed.
+        magic: the first bytes of such files.
+        kind: their name, for the message.
+        refusal: the error if something else is there.
+
+    Raises:
+        OSError: it cannot be looked at.
+    """
+    try:
+        if stat.S_ISREG(path.lstat().st_mode):
+            descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+            with open(descriptor, "rb") as file:
+                if file.read(len(magic)) == magic:
+                    return
+    except FileNotFoundError:
+        return
+    raise refusal(f"{path}: expected a new file or {kind}, found something else")
+
+
 def is_file(path: Path) -> bool:
     """True if there is such a regular file; False also for a name that is too long for a file."""
     try:

@@ -79,8 +79,10 @@ class SimulationManager(Run):
         self.update_rate = rate / self.timekeeper.step_size
 
     def pause(self) -> None:
-        """Makes `run` stop making steps; callbacks go on."""
+        """Makes `run` stop making steps, also those that were requested; callbacks go on."""
         self.is_paused = True
+        if self._request is not None:
+            self._request.fail("the simulation was paused before the steps were made")
 
     def resume(self) -> None:
         """Ends a pause."""
@@ -108,8 +110,8 @@ class SimulationManager(Run):
 
         Returns:
             A future of the simulated time at which the last step has ended [ns]. It raises a
-            FlatlandError if a message does not come in time, the simulation is resumed before the
-            steps are made, or ends.
+            FlatlandError if a message does not come in time, the simulation is paused once more or
+            resumed before the steps are made, or ends.
 
         Raises:
             ValueError: the count is below 1, the timeout is not above 0, or a topic has no

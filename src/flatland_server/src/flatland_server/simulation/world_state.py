@@ -4,7 +4,6 @@ It does not include the world's files: loading a state rebuilds the world from i
 additions and deletions made since, and then sets the values that have changed.
 """
 
-import stat
 import uuid
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
 
 from flatland_server import plain_data
-from flatland_server.config.input_files import MAX_STATE, read_input
+from flatland_server.config.input_files import MAX_STATE, read_input, require_free
 from flatland_server.exceptions import StateError
 from flatland_server.simulation.plugin_state import PluginState
 
@@ -146,11 +145,11 @@ def write_state(path: Path, state: bytes) -> None:
     """
     partial = path.parent / f".{uuid.uuid4().hex}.partial"
     try:
-        _require_free(path)
+        require_free(path, _BEGINNING, "a saved state", StateError)
         try:
             with partial.open("xb") as file:
                 file.write(state)
-            _require_free(path)  # still
+            require_free(path, _BEGINNING, "a saved state", StateError)  # still
             partial.replace(path)
         except BaseException:
             with suppress(OSError):
@@ -159,18 +158,3 @@ def write_state(path: Path, state: bytes) -> None:
     except (OSError, ValueError) as error:  # ValueError: the name contains a zero byte
         reason = error.strerror if isinstance(error, OSError) else error
         raise StateError(f"cannot write {path}: {reason}") from None
-
-
-def _require_free(path: Path) -> None:
-    """Checks that nothing is at a path, or a state in a regular file.
-
-    Raises:
-        StateError: something else is there.
-        OSError: it cannot be looked at.
-    """
-    try:
-        is_regular = stat.S_ISREG(path.lstat().st_mode)
-    except FileNotFoundError:
-        return
-    if not (is_regular and read_state(path).startswith(_BEGINNING)):
-        raise StateError(f"{path}: expected a new file or a saved state, found something else")
