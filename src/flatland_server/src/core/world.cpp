@@ -1,4 +1,4 @@
-/// Construction, access and stepping. The other parts of World are in world_*.cpp, one file for
+/// Construction and stepping. The other parts of World are in world_*.cpp, one file for
 /// each group of functions in world.hpp.
 
 #include "flatland_server/world.hpp"

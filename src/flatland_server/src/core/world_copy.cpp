@@ -26,7 +26,7 @@ std::unique_ptr<World> World::Copy() const {
   Require(box2d::InverseStep(*world_) == 0.0f, "a world that has made a step is not copied");
   auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_);
   copy->bodies_ = bodies_;
-  copy->bodies_.ChangeStructure();
+  copy->bodies_.ChangeStructure();  // what is cached is of this world
   copy->layers_->CopyFrom(*layers_);
   copy->lidars_.CopyFrom(lidars_);
   copy->joints_ = joints_;
