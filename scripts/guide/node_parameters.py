@@ -24,6 +24,6 @@ def parameters_of(node: str) -> List[Tuple[str, Any]]:
             found[name[1:]] = default
         return "/world.yaml" if name.endswith("world_path") else default
 
-    with mock.patch.object(rospy, "get_param", note):
+    with mock.patch.multiple(rospy, get_param=note, search_param=lambda name: None):
         READERS[node]()
     return list(found.items())

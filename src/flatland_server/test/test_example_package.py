@@ -111,6 +111,23 @@ def flatland(tmp_path_factory):
     return folder / prefix
 
 
+def test_a_cpp_plugin_ends_its_build_with_a_hint(flatland, tmp_path):
+    (tmp_path / "CMakeLists.txt").write_text("""
+cmake_minimum_required(VERSION 3.10)
+project(cpp_plugins)
+find_package(catkin REQUIRED COMPONENTS flatland_server)
+include_directories(${catkin_INCLUDE_DIRS})
+add_library(cpp_plugins plugin.cpp)
+""")
+    (tmp_path / "plugin.cpp").write_text("#include <flatland_server/model_plugin.h>")
+    with pytest.raises(pytest.fail.Exception, match=r"docs/coming_from_cpp.md says how to port"):
+        Shell(tmp_path).run(
+            f"source '{flatland}/setup.bash'",
+            f"cmake {CONFIGURE} -S '{tmp_path}' -B '{tmp_path}/build'",
+            f"cmake --build '{tmp_path}/build'",
+        )
+
+
 def rename(copy):
     """Give a copy of the package the name of its folder, as the package's README says."""
     (copy / "src" / PACKAGE.name).rename(copy / "src" / copy.name)

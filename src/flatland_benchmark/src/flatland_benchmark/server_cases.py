@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 import tempfile
 import time
 from contextlib import contextmanager
@@ -204,6 +205,21 @@ def slow_spawn(worlds: Path) -> Figures:
     }
 
 
+def train(worlds: Path) -> Figures:
+    """Training episodes of 1,000 steps in the test room; see `training_episodes`."""
+    episodes, steps = 3, 1000
+    program = [sys.executable, "-m", "flatland_benchmark.training_episodes"]
+    with ServerProcess(worlds / "test_room" / "world.yaml", REAL_TIME) as server:
+        output = server.call("trainer", [*program, str(episodes), str(steps)], limit=300.0)
+    seconds = json.loads(output)
+    prepared = median(seconds["prepared"])
+    return {
+        "episode [s]": prepared + sum(seconds["stepped"]) / episodes,
+        "reset, spawns and deletions [ms]": prepared * 1e3,
+        **durations(seconds["stepped"]),
+    }
+
+
 SERVER_CASES: Tuple[Case, ...] = (
     *(
         Case(
@@ -239,4 +255,5 @@ SERVER_CASES: Tuple[Case, ...] = (
     ),
     Case("serve_spawn", "spawning a robot by /spawn_model", spawn),
     Case("serve_slow_spawn", "spawning a model from a file that takes long to read", slow_spawn),
+    Case("serve_training", "training episodes: 20 spawns, 1,000 steps of 0.1 s with a scan", train),
 )

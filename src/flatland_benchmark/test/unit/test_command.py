@@ -283,10 +283,14 @@ def test_the_pictures_of_the_page_are_there():
         assert (PAGE.parent / image).is_file()
 
 
+def launched(launch, *arguments):
+    """The configuration that roslaunch makes of a launch file with these arguments."""
+    return load_config_default([(str(launch), list(arguments))], None, verbose=False)
+
+
 def options_of(launch, *arguments):
     """The command's options when a launch file has these arguments."""
-    config = load_config_default([(str(launch), list(arguments))], None, verbose=False)
-    [node] = config.nodes
+    [node] = launched(launch, *arguments).nodes
     return command.parser().parse_args(shlex.split(node.args))
 
 
@@ -302,6 +306,23 @@ def test_the_launch_file_hands_its_arguments_on(launch):
     assert not options.world
     assert options.launch_files == LAUNCH_FILES
     assert options_of(launch, "world_path:=/a.yaml").world
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("launch", LAUNCH_FILES, ids=lambda path: path.parts[-3])
+def test_arguments_of_the_cpp_flatlands_benchmark_are_taken(launch):
+    config = launched(
+        launch,
+        "world_path:=/a.yaml",
+        *("benchmark_duration:=5", "update_rate:=100", "step_size:=0.01", "viz_pub_rate:=5"),
+        *("show_viz:=true", "use_rviz:=false", "simplify_map:=2", "use_perf:=true"),
+    )
+
+    benchmark, window = config.nodes
+    assert benchmark.launch_prefix == "perf record -g"
+    assert window.type == "flatland_viz"
+    assert config.params["/flatland_benchmark/simplify_map"].value == 2
+    assert config.params["/flatland_benchmark/benchmark_duration"].value == 5
 
 
 @pytest.mark.parametrize("arguments", [["spawn"], ["--plots", "/tmp"]])

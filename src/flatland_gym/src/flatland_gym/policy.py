@@ -181,13 +181,10 @@ def _arrays(content: bytes, path: Path) -> Dict[str, Any]:
 
 
 def _array(data: bytes) -> Any:
+    npy: Any = np.lib.format  # without types
     stream = io.BytesIO(data)
-    version = np.lib.format.read_magic(stream)
-    read = (
-        np.lib.format.read_array_header_1_0
-        if version == (1, 0)
-        else np.lib.format.read_array_header_2_0
-    )
+    is_first = npy.read_magic(stream) == (1, 0)
+    read = npy.read_array_header_1_0 if is_first else npy.read_array_header_2_0
     shape, is_fortran, dtype = read(stream)
     values = np.frombuffer(data, dtype, offset=stream.tell())
     return values.reshape(shape, order="F" if is_fortran else "C")

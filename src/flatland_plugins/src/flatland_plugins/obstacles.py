@@ -1,6 +1,6 @@
 """The obstacles of a crowd: the walls of layers, and the models that do not belong to it."""
 
-from typing import Callable, Collection, Dict, List, Sequence
+from typing import Callable, Collection, Dict, List, Sequence, Tuple
 
 import numpy as np
 
@@ -97,13 +97,13 @@ class Bodies:
     def __init__(self, models: Dict[str, Model], layers: int) -> None:
         self._models = models
         self._layers = layers
-        self._outlines: Dict[Model, List[Outline]] = {}
+        self._outlines: Dict[Tuple[Model, int], List[Outline]] = {}
 
     def find(self, but: Collection[Model]) -> List[Outline]:
         """The present bodies of all models but some."""
-        models = [model for model in self._models.values() if model not in but]
+        present = [(m, m.footprint_revision) for m in self._models.values() if m not in but]
         self._outlines = {
-            model: self._outlines.get(model) or self._outlines_of(model) for model in models
+            key: self._outlines.get(key) or self._outlines_of(key[0]) for key in present
         }
         return [outline for outlines in self._outlines.values() for outline in outlines]
 

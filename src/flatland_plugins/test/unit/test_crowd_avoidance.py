@@ -18,6 +18,8 @@ from townspeople import (
     walk,
 )
 
+from flatland_server import Circle
+
 pytestmark = pytest.mark.slow
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
@@ -161,6 +163,16 @@ def test_a_robot_in_the_way_is_passed_at_a_distance(town, files, offset):
     assert least_distance(path, (0.0, 0.0)) > 0.2 + RADIUS + 0.1
     assert path[-1, 0, 0] > 3.7
     assert people.model("robot").pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+
+
+def test_a_robot_that_has_grown_is_passed_at_a_distance_from_its_new_outline(town, files):
+    people = town("pose: [-4, 0.1, 0], goals: [[4, 0.1], [9, 0]]", robots=robot(files))
+    people.model("robot").set_footprint("base", 0, Circle((0.0, 0.0), 0.8))
+
+    path = walk(people, 10.0)
+
+    assert least_distance(path, (0.0, 0.0)) > 0.8 + RADIUS + 0.05
+    assert path[-1, 0, 0] > 3.7
 
 
 def test_of_a_long_robot_its_outline_counts(town, files):

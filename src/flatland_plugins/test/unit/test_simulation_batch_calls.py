@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 from batch_world import WALLS, WORLD
 
-from flatland2d import BatchObservation, ModelError, PluginError, SimulationBatch, UsageError
-from flatland_server import BatchRole, ModelPlugin, PluginLoader
+from flatland2d import (
+    BatchObservation,
+    ModelError,
+    PluginError,
+    Simulation,
+    SimulationBatch,
+    UsageError,
+)
+from flatland_server import BatchRole, Circle, ModelPlugin, PluginLoader
 
 
 def test_facts_of_the_robot(world_of):
@@ -182,7 +189,20 @@ class Refused(Observer):
     batch_role = None
 
 
-LOCAL = {each.__name__: each for each in (Observer, Quiet, Actor, MixedActor, Refused)}
+GROWER = "\n  - {type: Grower, name: grower}"
+
+
+class Grower(Observer):
+    """Changes a footprint when it starts, with some seeds."""
+
+    batch_role = BatchRole(varies_by_seed=True)
+
+    def on_initialize(self, config):
+        if self.rng.random() < 0.5:
+            self.model.set_footprint("base", 0, Circle((0.0, 0.0), 0.3))
+
+
+LOCAL = {each.__name__: each for each in (Observer, Quiet, Actor, MixedActor, Refused, Grower)}
 
 
 class Loader(PluginLoader):
@@ -201,6 +221,24 @@ def test_plugins_without_a_role_are_refused_by_name(world_of, name):
     """A class that overrides a hook has to declare its role again."""
     with pytest.raises(PluginError, match=rf'"robot/hand" \({name}\) acts in Python'):
         SimulationBatch(world_of(others=f"\n  - {{type: {name}, name: hand}}"), 1, loader=Loader())
+
+
+def test_footprints_that_are_not_those_of_the_files_are_refused(world_of):
+    def open_with(seeds):
+        world = world_of(others=GROWER)
+        with SimulationBatch(world, len(seeds), seed=seeds, loader=Loader()) as batch:
+            batch.reset()
+
+    def grows(seed):
+        with Simulation(world_of(others=GROWER), seed=seed, loader=Loader()) as simulation:
+            return simulation.world.models["robot"].footprint_revision > 0
+
+    growing = next(seed for seed in range(99) if grows(seed))
+    other = next(seed for seed in range(99) if not grows(seed))
+    open_with([other, other])
+    for seeds in [growing], [other, growing]:
+        with pytest.raises(PluginError, match="a plugin has changed those of robot"):
+            open_with(seeds)
 
 
 @pytest.mark.parametrize(

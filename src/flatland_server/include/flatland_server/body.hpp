@@ -24,6 +24,7 @@ struct BodyRecord {
     b2Fixture* fixture = nullptr;
     bool visible = true;           // to lidars
     double bounding_radius = 0.0;  // of its shape [m]; see VisibleFixture
+    bool collides = true;          // on its layers
   };
 
   /// The walls of large layers that Box2D has for a dynamic body; see NearbyWalls.

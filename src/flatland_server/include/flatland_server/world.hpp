@@ -59,17 +59,15 @@ class World : public Access, private b2DestructionListener {
 
   /// A world that makes the same steps, bit for bit, of one that has made none yet. Handles name
   /// the same things in both. It has no contact listener, and nothing has chosen events. Throws
-  /// std::invalid_argument if a step was made. No body may have been removed before. In the copy,
-  /// Box2D has all walls of large layers.
+  /// std::invalid_argument if a step was made. No body may have been removed before, and no shape
+  /// replaced. In the copy, Box2D has all walls of large layers.
   std::unique_ptr<World> Copy() const;
 
   // ---- Bodies ----
 
   Body AddBody(const BodySettings& settings);
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
-  ///
-  /// @param progress  called with the number of walls added so far, about every 50,000 and at the
-  /// end
+  /// `progress` is called with their number so far, about every 50,000 and at the end.
   Body AddLayer(std::vector<Segment> walls, LayerBits layers,
                 const std::function<void(std::size_t added)>& progress = {});
   /// Also removes its fixtures, joints, drives, tweens and lidars.
@@ -96,10 +94,9 @@ class World : public Access, private b2DestructionListener {
 
   /// In the world's frame [m/s, m/s, rad/s].
   Twist GetVelocity(Body body) const;
+  void SetVelocity(Body body, const Twist& velocity);
   /// In the body's frame [m/s, m/s, rad/s].
   Twist GetLocalVelocity(Body body) const;
-  /// In the world's frame [m/s, m/s, rad/s].
-  void SetVelocity(Body body, const Twist& velocity);
   /// Velocity of the body at a point of the world [m], in the world's frame [m/s].
   Vec2 GetVelocityAt(Body body, Vec2 point) const;
   /// Sets the velocities of the body and its drives, and their commands, to zero.
@@ -136,6 +133,14 @@ class World : public Access, private b2DestructionListener {
   Fixture AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings);
   /// Adds the convex hull of 3 to 8 vertices, in the body's frame [m].
   Fixture AddPolygon(Body body, const std::vector<Vec2>& vertices, const FixtureSettings& settings);
+  /// Replaces the shape of a body's fixture by a disc, in the body's frame [m], and its layers if
+  /// they are given. The material stays, and the body's mass follows. The fixture's contacts end,
+  /// and the next step finds the new ones. Throws std::invalid_argument for a wall.
+  void SetCircle(Fixture fixture, Vec2 center, double radius,
+                 std::optional<LayerBits> layers = std::nullopt);
+  /// The same by the convex hull of 3 to 8 vertices.
+  void SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices,
+                  std::optional<LayerBits> layers = std::nullopt);
   /// Number of fixtures of a body; their indices are 0 to count - 1.
   int GetFixtureCount(Body body) const;
   FixtureSettings GetSettings(Fixture fixture) const;
@@ -191,22 +196,17 @@ class World : public Access, private b2DestructionListener {
   /// Makes at most `count` steps of `dt` [s] each, and at least one. Ends after a step in which the
   /// contact listener was called, so that the caller can react before the next one. Returns the
   /// number of steps.
-  int StepUntilContact(double dt, int count) {
-    return StepUntilContact(dt, count, AccessGuard(*this));
-  }
+  int StepUntilContact(double dt, int count);
   int StepUntilContact(double dt, int count, const AccessGuard& guard);
   /// Number of steps that the last call of StepUntilContact has completed; during a call of the
   /// contact listener, those before the step that is being made.
-  int completed_steps() const {
-    RequireAccess();
-    return completed_steps_;
-  }
+  int completed_steps() const;
 
   // ---- State ----
 
   /// The state of all that moves, as bytes: poses, velocities, pending forces, contacts with the
   /// solver's impulses, joints, drives and tweens. What the construction of the world determines,
-  /// such as shapes, is not included.
+  /// such as shapes, is not included, even if they were replaced.
   ///
   /// It also puts this world into the form that RestoreState gives to another one, with a new tree
   /// of bounding boxes: Box2D finds new contacts in the order of that tree, and solves them in this
@@ -227,8 +227,8 @@ class World : public Access, private b2DestructionListener {
   /// The large layer that a fixture is a wall of, or null.
   NearbyWalls* FindLargeLayer(Fixture fixture) const;
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
-  /// Calls `apply(b2Body&)`, which applies a force: now or, in the contact listener, after the
-  /// step.
+  void SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers);
+  /// Calls `apply(b2Body&)` now or, in the contact listener, after the step.
   template <class Apply>
   void ApplyOrDefer(Body body, Apply apply);
   Joint AddJoint(const b2JointDef& definition);

@@ -119,7 +119,21 @@ void BindFixture(py::class_<PyFixture>& fixture) {
           [](const PyFixture& self, const Pair& point) {
             return self.world->TestPoint(self.handle, ToVec2(point));
           },
-          py::arg("point"));
+          py::arg("point"))
+      .def(
+          "set_circle",
+          [](PyFixture& self, const Pair& center, double radius, std::optional<LayerBits> layers) {
+            self.world->SetCircle(self.handle, ToVec2(center), radius, layers);
+            RethrowFromListener(*self.world);
+          },
+          py::arg("center"), py::arg("radius"), py::kw_only(), py::arg("layers") = py::none())
+      .def(
+          "set_polygon",
+          [](PyFixture& self, const std::vector<Pair>& vertices, std::optional<LayerBits> layers) {
+            self.world->SetPolygon(self.handle, ToVertices(vertices), layers);
+            RethrowFromListener(*self.world);
+          },
+          py::arg("vertices"), py::kw_only(), py::arg("layers") = py::none());
 }
 
 void BindFixtureChecker(py::module_& m) {

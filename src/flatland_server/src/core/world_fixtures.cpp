@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "layers.hpp"
@@ -103,6 +104,24 @@ double ClearanceOf(const b2Fixture& fixture, const Bodies& bodies, const Layers&
   return least;
 }
 
+/// Makes a fixture that does not count for the body's mass: with a density, Box2D would sum over
+/// all fixtures; see MassSum.
+b2Fixture* MakeFixture(b2Body& body, uint32_t index, const b2Shape& shape,
+                       const FixtureSettings& settings) {
+  b2FixtureDef definition;
+  definition.userData.pointer = index;
+  definition.shape = &shape;
+  definition.density = 0.0f;
+  definition.friction = static_cast<float>(settings.friction);
+  definition.restitution = static_cast<float>(settings.restitution);
+  definition.isSensor = settings.sensor;
+  definition.filter.categoryBits = settings.layers;
+  definition.filter.maskBits = settings.collides ? settings.layers : 0;
+  b2Fixture* const fixture = body.CreateFixture(&definition);
+  fixture->SetDensity(static_cast<float>(settings.density));
+  return fixture;
+}
+
 }  // namespace
 
 Fixture World::AddCircle(Body body, Vec2 center, double radius, const FixtureSettings& settings) {
@@ -123,26 +142,72 @@ Fixture World::AddFixture(Body handle, const b2Shape& shape, const FixtureSettin
   if (has_mass) mass = mass.With(ComputeMass(shape, settings));
   const AccessGuard guard(*this);
   BodyRecord& record = bodies_.Get(handle);
-  b2FixtureDef definition;
-  definition.userData.pointer = record.fixtures.size();
-  definition.shape = &shape;
-  definition.density = 0.0f;  // with a density, Box2D would sum over all fixtures: see MassSum
-  definition.friction = static_cast<float>(settings.friction);
-  definition.restitution = static_cast<float>(settings.restitution);
-  definition.isSensor = settings.sensor;
-  definition.filter.categoryBits = settings.layers;
-  definition.filter.maskBits = settings.collides ? settings.layers : 0;
-  b2Fixture* const fixture = body.CreateFixture(&definition);
-  fixture->SetDensity(static_cast<float>(settings.density));
+  const auto index = static_cast<uint32_t>(record.fixtures.size());
+  b2Fixture* const fixture = MakeFixture(body, index, shape, settings);
   if (has_mass && settings.density != 0.0) {
     record.mass = mass;
     const b2MassData data = mass.ToBox2D();
     body.SetMassData(&data);
   }
-  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape)});
+  record.fixtures.push_back({fixture, settings.visible, BoundingRadius(shape), settings.collides});
   record.nearby.is_current = false;  // it reaches farther
   bodies_.ChangeStructure();
-  return {handle, static_cast<uint32_t>(record.fixtures.size() - 1)};
+  return {handle, index};
+}
+
+void World::SetCircle(Fixture fixture, Vec2 center, double radius,
+                      std::optional<LayerBits> layers) {
+  SetShape(fixture, MakeCircle(center, radius), layers);
+}
+
+void World::SetPolygon(Fixture fixture, const std::vector<Vec2>& vertices,
+                       std::optional<LayerBits> layers) {
+  SetShape(fixture, MakePolygon(vertices), layers);
+}
+
+void World::SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers) {
+  RequireAccess();
+  BodyRecord& record = bodies_.Get(fixture.body);
+  Require(!record.is_layer, "the shape of a wall cannot be changed");
+  b2Fixture& old = Find(fixture);
+  b2Body& body = *record.body;
+  MassSum mass;
+  std::vector<float> densities;
+  for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+    FixtureSettings settings;
+    settings.density = each.fixture->GetDensity();
+    densities.push_back(each.fixture->GetDensity());
+    const b2Shape& its_shape = each.fixture == &old ? shape : *each.fixture->GetShape();
+    if (body.GetType() == b2_dynamicBody) mass = mass.With(ComputeMass(its_shape, settings));
+  }
+  FixtureSettings settings = GetSettings(fixture);
+  settings.collides = record.fixtures[fixture.index].collides;
+  settings.layers = layers.value_or(settings.layers);
+  const AccessGuard guard(*this);
+  WakeBodiesNear(body);
+  for (b2ContactEdge* edge = body.GetContactList(); edge != nullptr;) {
+    b2Contact* const contact = edge->contact;
+    edge = edge->next;
+    const bool is_its_own = contact->GetFixtureA() == &old || contact->GetFixtureB() == &old;
+    if (is_its_own) box2d::Contacts(*world_).Destroy(contact);  // calls the contact listener
+  }
+  // Box2D sums up the masses of the rest, and asserts an inertia that they may not have.
+  for (const BodyRecord::FixtureRecord& each : record.fixtures) each.fixture->SetDensity(0.0f);
+  body.DestroyFixture(&old);
+  BodyRecord::FixtureRecord& replaced = record.fixtures[fixture.index];
+  replaced.fixture = MakeFixture(body, fixture.index, shape, settings);
+  replaced.bounding_radius = BoundingRadius(shape);
+  for (size_t i = 0; i < densities.size(); ++i) {
+    record.fixtures[i].fixture->SetDensity(densities[i]);
+  }
+  const b2MassData data = mass.ToBox2D();
+  if (data.mass > 0.0f) body.SetMassData(&data);
+  record.mass = mass;
+  record.nearby.is_current = false;
+  WakeBodiesNear(body);
+  body.SetAwake(true);
+  bodies_.ChangeStructure();
+  contacts_.RunDeferred();
 }
 
 b2Fixture& World::Find(Fixture fixture) const {

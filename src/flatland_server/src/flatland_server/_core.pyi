@@ -627,6 +627,30 @@ class Fixture(_WithoutConstructor):
         Args:
             point: in the world [m].
         """
+    def set_circle(self, center: _PairLike, radius: float, *, layers: int | None = None) -> None:
+        """Replaces the shape by a disc. For a footprint of a model, use `Model.set_footprint`.
+
+        The fixture keeps its density, friction and restitution, and the body's mass follows. Its
+        contacts end; the next step finds the new ones. Not possible in a contact listener.
+
+        Args:
+            center: in the body's frame [m].
+            radius: 1e-4 to 1e5 [m].
+            layers: bits of its collision layers; None leaves them as they are.
+
+        Raises:
+            ValueError: the body cannot have this shape, or this is a wall; nothing has changed.
+            Exception: raised by the contact listener for a contact that ends.
+        """
+    def set_polygon(
+        self, vertices: Sequence[_PairLike] | FloatArray, *, layers: int | None = None
+    ) -> None:
+        """Replaces the shape by the convex hull of some vertices; see `set_circle`.
+
+        Args:
+            vertices: 3 to 8, in the body's frame [m].
+            layers: bits of its collision layers; None leaves them as they are.
+        """
 
 class FixtureChecker(metaclass=_Metaclass):
     """Checks the fixtures of a body without a world.

@@ -3,6 +3,7 @@
 import math
 import operator
 import os
+from numbers import Real
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, Sequence, TypeVar, Union
 
@@ -79,6 +80,23 @@ def finite(values: Sequence[Any], what: str) -> None:
             continue  # not a number: left to the plugin to check
         if not is_finite:
             raise UsageError(f"expected {what} of finite numbers, found {shown(values)}")
+
+
+def steps_in(duration: float, step_size: float, name: str) -> int:
+    """The number of steps in a duration [s].
+
+    Raises:
+        UsageError: it is not a multiple of the steps, or shorter than one.
+    """
+    if not isinstance(duration, Real) or not math.isfinite(duration):
+        raise UsageError(f"expected {name} as a number of seconds, found {shown(duration)}")
+    count = round(duration / step_size)
+    if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:
+        raise UsageError(
+            f"expected {name} to be a multiple of the step_size of {step_size:g} s, "
+            f"found {duration:g} s"
+        )
+    return count
 
 
 def shown(value: Any) -> str:

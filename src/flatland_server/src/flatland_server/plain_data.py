@@ -10,7 +10,7 @@ import base64
 import json
 import math
 from dataclasses import fields
-from typing import Any, Dict, List, Type, TypeVar, Union, get_type_hints
+from typing import Any, Dict, List, Tuple, Type, TypeVar, Union, get_type_hints
 
 import numpy as np
 
@@ -67,7 +67,8 @@ def made(cls: Type[T], content: Any, where: str) -> T:
 
 def _is_of(value: Any, kind: Any) -> bool:
     """True if a value has a type: a class, Any, Optional[...], List[...] or Dict[str, ...]."""
-    origin, parts = getattr(kind, "__origin__", None), getattr(kind, "__args__", ())
+    origin = getattr(kind, "__origin__", None)
+    parts: Tuple[Any, ...] = getattr(kind, "__args__", ())
     if kind is Any:
         return True
     if origin is Union:

@@ -151,6 +151,10 @@ TEST_F(Listening, MayNotAddRemoveOrPlaceAnything) {
        [&] {
          world_.AddPolygon(waiting_, {{0, 0}, {1, 0}, {0, 1}}, Solid());
        }},
+      {"SetCircle",
+       [&] {
+         world_.SetCircle({moving_, 0}, {0, 0}, 1.0);
+       }},
       {"AddRevolute", [&] { world_.AddRevolute(moving_, waiting_, {}); }},
       {"AddWeld", [&] { world_.AddWeld(moving_, waiting_, {}); }},
       {"AddDrive", [&] { world_.AddDrive(moving_, {}, {}); }},

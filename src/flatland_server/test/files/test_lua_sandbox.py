@@ -208,15 +208,12 @@ ENDLESS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("code", "message"), FAILING.values(), ids=FAILING.keys())
-def test_an_attack_fails_soon_with_an_error_that_names_it(evaluate, files, code, message):
-    begin = processor_time()
+def test_an_attack_fails_with_an_error_that_names_it(evaluate, files, code, message):
     with pytest.raises(YamlError) as caught:
         evaluate(code)
-    took = processor_time() - begin
 
     text = files.without_folder(str(caught.value))
     assert text.startswith("attack.yaml")
-    assert took < 3.0
     if message is not None:
         assert text.startswith("attack.yaml:1: $eval: ")
         assert message in text

@@ -14,8 +14,17 @@ from typing import Any, Callable, Dict, List, Set
 from typing import Counter as CounterType
 
 import tcpros_client
-from flatland_msgs.msg import DebugTopicList, SimulationState
-from flatland_msgs.srv import ChangeRate, DeleteModel, GetModelMarkers, MoveModel, SpawnModel
+from flatland_msgs.msg import DebugTopicList, Model, SimulationState
+from flatland_msgs.srv import (
+    ChangeRate,
+    DeleteModel,
+    DeleteModels,
+    GetModelMarkers,
+    MoveModel,
+    SpawnModel,
+    SpawnModels,
+    StepWorld,
+)
 from geometry_msgs.msg import Pose2D
 from running_server import NODE, ROBOT, WORLDS, Master, Server
 from soak.findings import Findings
@@ -30,6 +39,7 @@ WRONG_FILES = (
     *(str(HERE.parent / "worlds" / f"{n}.model.yaml") for n in ("misspelt", "fails_to_start")),
     *("x" * 5000, "\x00", str(WORLDS / "office" / "office.png")),
 )
+WRONG_TEXTS = ("", "bodies: [", "[]", "bodies: $include /etc/passwd", "\x00", "a: &a [*a]")
 WRONG_NAMES = ("", " ", "a b", "/", "//a", "a/", "-", "ü", "a\nb", "\x00", "$", "a" * 10 + "!")
 WRONG_NAMESPACES = ("a b", "1st", "-", "ü", "a//b", "_a", "{}")
 NUMBERS = (math.nan, math.inf, -math.inf, 1e300, -1e9)
@@ -74,7 +84,8 @@ class Client:
         actions: List[Callable[[], None]] = [
             self._spawn, self._spawn, self._delete, self._delete, self._move, self._move,
             self._spawn_wrongly, self._delete_unknown, self._change_pause, self._change_rate,
-            self._get_markers, self._hang_up,
+            self._get_markers, self._hang_up, self._spawn_several, self._delete_several,
+            self._step_world,
         ]  # fmt: skip
         for _ in range(calls):
             action = self._rng.choice(actions)
@@ -103,8 +114,11 @@ class Client:
     def _spawn(self) -> None:
         name = self._rng.choice([*self._own, *self._own, *SHARED_NAMES])
         path = self._rng.choice([ROBOT, BOX])
+        service, source = self._rng.choice(
+            [("/spawn_model", str(path)), ("/spawn_model_from_string", path.read_text())]
+        )
         answer = self._server.call(
-            "/spawn_model", SpawnModel, yaml_path=str(path), name=name, ns=name, pose=self._pose()
+            service, SpawnModel, yaml_path=source, name=name, ns=name, pose=self._pose()
         )
         if name in self._own:
             self._check(answer, name not in self._present, f"spawn {name}")
@@ -125,6 +139,37 @@ class Client:
         if answer.success:
             self._balance.add(name, -1)
 
+    def _some_names(self) -> List[str]:
+        return [self._rng.choice(self._own) for _ in range(self._rng.randrange(4))]
+
+    def _spawn_several(self) -> None:
+        names = self._some_names()
+        models = [Model(str(BOX), name, name, self._pose()) for name in names]
+        answer = self._server.call("/spawn_models", SpawnModels, models=models)
+        are_new = len(set(names)) == len(names) and not self._present & set(names)
+        self._check(answer, are_new, f"spawn {names}")
+        if answer.success:
+            self._present |= set(names)
+            for name in names:
+                self._balance.add(name, 1)
+
+    def _delete_several(self) -> None:
+        names = self._some_names()
+        answer = self._server.call("/delete_models", DeleteModels, name=names)
+        are_there = len(set(names)) == len(names) and self._present >= set(names)
+        self._check(answer, are_there, f"delete {names}")
+        if answer.success:
+            self._present -= set(names)
+            for name in names:
+                self._balance.add(name, -1)
+
+    def _step_world(self) -> None:
+        """Another client may resume the simulation meanwhile, or make steps."""
+        try:
+            self._server.call("/step_world", StepWorld)
+        except ConnectionError as error:
+            self._findings.expect("FlatlandError: " in str(error), f"{self._what}: {error!r}")
+
     def _move(self) -> None:
         name, is_valid = self._rng.choice(self._own), self._rng.random() < 0.8
         pose = self._pose(is_valid)
@@ -141,7 +186,10 @@ class Client:
             "pose": lambda: self._pose(is_valid=False),
         }
         request[key] = wrong[key]()
-        answer = self._server.call("/spawn_model", SpawnModel, **request)
+        service = "/spawn_model"
+        if key == "yaml_path" and self._rng.random() < 0.5:
+            service, request[key] = "/spawn_model_from_string", self._rng.choice(WRONG_TEXTS)
+        answer = self._server.call(service, SpawnModel, **request)
         self._check(answer, False, f"spawn with {key} {str(request[key])[:80]!r}")
 
     def _delete_unknown(self) -> None:

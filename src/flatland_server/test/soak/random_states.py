@@ -13,6 +13,7 @@ from soak.random_messages import every_model, unusual_poses
 
 from flatland_server.exceptions import StateError
 from flatland_server.geometry import Pose
+from flatland_server.models.footprint import Circle
 
 SECONDS = 0.15
 
@@ -22,6 +23,10 @@ def load_random_states(folder: Path, seed: int, count: int, findings: Findings) 
     corpus = Corpus.copy_to(folder)
     simulation = every_model(corpus)
     simulation.world.spawn_model(corpus.models[0], "late", "late", Pose(0.0, -30.0, 0.0))
+    for model in list(simulation.world.models.values())[:2]:
+        body = model.base
+        if body.config.footprints:
+            model.set_footprint(body.name, 0, Circle((0.1, 0.0), 0.3))
     simulation.run(0.2)
     state = simulation.save_state()
     for number in range(count):

@@ -15,6 +15,7 @@ from tcpros_publisher import Publishers
 from waiting import wait_until
 
 FEEDBACK = "/interactive_model_markers/feedback"
+MOVES = "/move_model"
 ROBOT = "soaked"
 VICTIM = "victim"  # may be deleted by its context menu
 
@@ -28,7 +29,8 @@ def publish_at_random(
         findings.expect(server.spawn(name).success, f"seed {seed}: {name} is not spawned")
     types = dict(master.ask("getTopicTypes"))
     types = {topic: types[topic] for topic in master.subscribed_topics() if topic in types}
-    findings.expect({f"/{ROBOT}/cmd_vel", FEEDBACK} <= types.keys(), f"topics: {sorted(types)}")
+    expected = {f"/{ROBOT}/cmd_vel", FEEDBACK, MOVES}
+    findings.expect(expected <= types.keys(), f"topics: {sorted(types)}")
     with Publishers(master, types) as publishers:
         wait_until(lambda: all(map(publishers.has_subscribers, types)), "the server to subscribe")
         for _ in range(count):
@@ -36,6 +38,8 @@ def publish_at_random(
                 message = random_message(message_type, rng)
                 if topic == FEEDBACK:
                     aim(message, rng)
+                if topic == MOVES:
+                    message.name = rng.choice([ROBOT, VICTIM, message.name])
                 publishers.send(topic, message)
                 findings.counts["messages over ROS"] += 1
         of_victim = f"/{VICTIM}/"

@@ -7,7 +7,7 @@ import pytest
 import rospy
 from visualization_msgs.msg import Marker, MarkerArray
 
-from flatland_server import Pose
+from flatland_server import Circle, Pose
 from flatland_server.messages.model_markers import ModelMarkers
 from flatland_server.ros.debug_visualization import DebugVisualization
 from flatland_server.ros.rospy_patches import RospyCalls
@@ -35,10 +35,14 @@ class Publisher:
         self.kept = None
 
 
-def actions(message):
+def markers(message):
     buffer = BytesIO()
     message.serialize(buffer)
-    return [marker.action for marker in MarkerArray().deserialize(buffer.getvalue()).markers]
+    return MarkerArray().deserialize(buffer.getvalue()).markers
+
+
+def actions(message):
+    return [marker.action for marker in markers(message)]
 
 
 @pytest.fixture
@@ -99,3 +103,19 @@ def test_a_new_model_of_a_name_does_not_begin_with_the_end_of_the_former(visuali
 
     assert actions(publisher.sent[-1]) == [Marker.DELETEALL]
     assert publisher.kept is None
+
+
+def test_the_markers_show_a_changed_footprint_of_a_model_at_rest(visualization, publishers):
+    shown, world = visualization
+    publisher = publishers[TOPIC]
+    publisher.connections = 1
+    shown.update()
+    shown.update()
+    assert len(publisher.sent) == 1
+
+    world.models["disc"].set_footprint("base", 0, Circle((0.0, 0.0), 0.7))
+    shown.update()
+
+    assert len(publisher.sent) == 2
+    filled, *_ = markers(publisher.sent[-1])
+    assert max(point.x for point in filled.points) == pytest.approx(0.7)

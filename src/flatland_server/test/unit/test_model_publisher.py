@@ -5,7 +5,7 @@ import math
 import pytest
 import rospy
 
-from flatland_server import Pose
+from flatland_server import Circle, Pose
 from flatland_server.ros.model_publisher import ModelPublisher
 
 CART = """
@@ -80,14 +80,17 @@ def test_a_model_is_described(published, files):
     assert ("/a/odometry/filtered", "nav_msgs/Odometry", True) in topics
 
 
-def test_the_list_is_published_when_models_come_and_go(published):
+def test_the_list_is_published_when_models_come_change_and_go(published):
     publishers, simulation, publisher = published
     publisher.update()
     assert len(publishers["~models"].sent) == 1
 
+    simulation.world.models["cart"].set_footprint("base", 0, Circle((1.0, 0.0), 2.0))
+    publisher.update()
+    assert publishers["~models"].sent[1].models[0].bodies[0].max_x == 3.0
     simulation.world.delete_model("cart")
     publisher.update()
-    assert publishers["~models"].sent[1].models == []
+    assert publishers["~models"].sent[2].models == []
 
 
 def test_states_have_what_has_moved(published):

@@ -12,11 +12,30 @@ from flatland_server.ros.server_config import ServerConfig
 
 @pytest.fixture
 def read(monkeypatch):
-    """Reads the configuration of a node with these parameters, besides a world's path."""
+    """Reads the configuration of a node /robots/server with these private parameters, besides a
+    world's path, and others by their absolute names.
+    """
 
-    def read_with(**params):
-        params = {"world_path": "/world.yaml", **params}
-        monkeypatch.setattr(rospy, "get_param", lambda name, default: params.get(name[1:], default))
+    def read_with(others=None, **params):
+        private = {
+            f"/robots/server/{k}": v for k, v in {"world_path": "/world.yaml", **params}.items()
+        }
+        params = {k: v for k, v in {**private, **(others or {})}.items() if v is not None}
+
+        def search(name):  # as the ROS master does
+            namespaces = ("/robots/server/", "/robots/", "/")
+            return next((ns + name for ns in namespaces if ns + name in params), None)
+
+        monkeypatch.setattr(
+            rospy,
+            "get_param",
+            lambda name, default: params.get(name.replace("~", "/robots/server/"), default),
+        )
+        monkeypatch.setattr(rospy, "search_param", search)
+        monkeypatch.setattr(
+            rospy, "resolve_name", lambda name: name.replace("~", "/robots/server/")
+        )
+        monkeypatch.setattr(rospy, "get_param_names", lambda: list(params))
         return ServerConfig.read()
 
     return read_with
@@ -27,15 +46,34 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         world_path=Path("/world.yaml"),
         update_rate=200.0,
         step_size=0.005,
+        control_period=0.1,
         show_viz=True,
         viz_pub_rate=30.0,
         seed=0,
         simplify_map=0,
+        no_return="inf",
         realtime_priority=True,
         rospy_patches=True,
         map_to_odom=False,
         models=(),
     )
+
+
+def test_parameters_of_namespaces_above_are_used_if_the_node_has_none(read, caplog):
+    caplog.set_level("INFO", "rosout")
+    others = {"/world_path": "/a.yaml", "/step_size": 0.1, "/robots/step_size": 0.01, "/seed": 3}
+
+    config = read(others, world_path=None, seed=5)
+
+    assert (config.world_path, config.step_size, config.seed) == (Path("/a.yaml"), 0.01, 5)
+    assert "~world_path is not set: /world_path is used" in caplog.text
+    assert "~step_size is not set: /robots/step_size is used" in caplog.text
+    assert "seed" not in caplog.text
+
+
+def test_a_world_that_is_set_for_another_node_is_named(read):
+    with pytest.raises(FlatlandError, match="; others are set: /server/world_path"):
+        read({"/server/world_path": "/a.yaml"}, world_path=None)
 
 
 @pytest.mark.parametrize("separate", [":".join, list])

@@ -1,6 +1,8 @@
-"""Concurrent calls of the services that load worlds."""
+"""Services of time and state that are refused."""
 
 import pytest
+import rospy
+from flatland_msgs.srv import StepWorldRequest
 from std_srvs.srv import TriggerRequest
 
 from flatland_server.exceptions import FlatlandError
@@ -32,7 +34,7 @@ def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, m
     manager = SimulationManager(world, Timekeeper(0.005))
     services = {}
     offer = lambda name, _, __, action: services.update({name: action})  # noqa: E731
-    StateServices(manager, transport, ClientFiles(world, None), offer)
+    StateServices(manager, transport, ClientFiles(world, None), offer, 0.1)
     monkeypatch.setattr(world, "read_config", lambda: manager.reload(second) or first)
 
     with pytest.raises(FlatlandError, match="another world was loaded while the file was read"):
@@ -40,3 +42,16 @@ def test_a_reload_does_not_undo_that_another_world_was_opened_meanwhile(files, m
 
     monkeypatch.undo()
     assert world.read_config().path == paths[1]
+
+
+def test_a_control_period_between_two_steps_is_refused(files):
+    world = World(WorldConfig.from_file(files.write("a.yaml", "properties: {}\nlayers: []\n")))
+    manager = SimulationManager(world, Timekeeper(0.03))
+    offer = lambda *_: None  # noqa: E731
+    services = StateServices(manager, DirectCalls(), ClientFiles(world, None), offer, 0.1)
+
+    expected = "expected ~control_period to be a multiple of the step_size of 0.03 s, found 0.1 s"
+    with pytest.raises(rospy.ServiceException, match=expected):
+        services.step_world(StepWorldRequest())
+
+    assert not manager.is_paused

@@ -24,7 +24,7 @@ def roles_of(world: World) -> List[PluginRole]:
         world: on a LocalTransport.
 
     Raises:
-        PluginError: one has no role, or plugins send messages to others.
+        PluginError: one has no role, plugins send messages to others, or footprints were changed.
     """
     transport = world.transport
     assert isinstance(transport, LocalTransport)
@@ -34,6 +34,7 @@ def roles_of(world: World) -> List[PluginRole]:
             f"one plugin acts on what another one publishes, on {listed(exchanged)}, and a "
             "SimulationBatch publishes nothing: use a Simulation for each environment"
         )
+    require_unchanged_footprints(world)
     roles = []
     for owner in ["", *world.models]:
         for plugin in world.plugins_of(owner).values():
@@ -48,3 +49,17 @@ def roles_of(world: World) -> List[PluginRole]:
                 )
             roles.append(PluginRole(owner, plugin.name, role))
     return roles
+
+
+def require_unchanged_footprints(world: World) -> None:
+    """Checks that the footprints of a world that was just loaded are those of its files.
+
+    Raises:
+        PluginError: a plugin has changed one as it started.
+    """
+    changed = [name for name, model in world.models.items() if model.footprint_revision]
+    if changed:
+        raise PluginError(
+            f"expected the footprints of the files in a SimulationBatch, found that a plugin has "
+            f"changed those of {listed(changed)}: use a Simulation for each environment"
+        )

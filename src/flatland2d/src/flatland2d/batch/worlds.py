@@ -4,7 +4,7 @@ from typing import Callable, Dict, List, Optional, Sequence
 
 import numpy as np
 
-from flatland2d.batch.robot import PluginRole
+from flatland2d.batch.robot import PluginRole, require_unchanged_footprints
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, IntArray, Segments
 from flatland_server.simulation.world import World
@@ -61,4 +61,5 @@ class BatchWorlds:
             self._last = self._open(seed)
         else:
             self._last.reset(seed)
+        require_unchanged_footprints(self._last)
         return self._last

@@ -7,8 +7,9 @@ import numpy as np
 
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
-from flatland2d.sweep.settings import SweepSettings, Task, steps_in
+from flatland2d.sweep.settings import SweepSettings, Task
 from flatland_server import _core
+from flatland_server.arguments import steps_in
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose, wrap_angle
 

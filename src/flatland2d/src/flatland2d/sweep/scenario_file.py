@@ -11,8 +11,8 @@ from flatland2d.sweep.settings import (
     SweepSettings,
     SweepWorld,
     Task,
-    steps_in,
 )
+from flatland_server.arguments import steps_in
 from flatland_server.config.input_files import is_file
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, UsageError, YamlError, shortened

@@ -1,13 +1,10 @@
 """The content of a scenario file, and the scenarios that it stands for."""
 
-import math
 from dataclasses import dataclass, field
 from itertools import product
-from numbers import Real
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 
-from flatland_server.arguments import shown
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose
 
@@ -160,20 +157,3 @@ def scenario_of(settings: SweepSettings, number: int) -> Scenario:
     if not 1 <= number <= len(scenarios):
         raise UsageError(f"expected a scenario of 1 to {len(scenarios)}, found {number}")
     return scenarios[number - 1]
-
-
-def steps_in(duration: float, step_size: float, name: str) -> int:
-    """The number of steps in a duration.
-
-    Raises:
-        UsageError: it is not a multiple of the steps, or shorter than one.
-    """
-    if not isinstance(duration, Real) or not math.isfinite(duration):
-        raise UsageError(f"expected {name} as a number of seconds, found {shown(duration)}")
-    count = round(duration / step_size)
-    if count < 1 or abs(count * step_size - duration) > 1e-6 * step_size * count:
-        raise UsageError(
-            f"expected {name} to be a multiple of the step_size of {step_size:g} s, "
-            f"found {duration:g} s"
-        )
-    return count

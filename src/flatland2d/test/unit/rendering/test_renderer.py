@@ -16,6 +16,7 @@ from flatland2d.rendering.scene import grid_cell
 from flatland2d.rendering.view import View
 from flatland_server.exceptions import FlatlandError, ModelError
 from flatland_server.geometry import Pose
+from flatland_server.models.footprint import Circle
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.testing import WorldFiles
@@ -76,6 +77,17 @@ def test_walls_and_bodies_are_where_they_are_in_the_world(simulation):
     assert len(discs) == pytest.approx(np.pi * scale**2, rel=0.1)
     assert walls.min() == pytest.approx(10, abs=2)
     assert walls.max() == pytest.approx(390, abs=2)
+
+
+def test_a_changed_footprint_is_drawn(simulation):
+    renderer = Renderer(simulation.world)
+    view = renderer.view((400, 400))
+    renderer.image(view)
+
+    simulation.world.models["disc"].set_footprint("base", 0, Circle((0.0, 0.0), 0.5))
+
+    pixels = len(where(renderer.image(view), RED))
+    assert pixels == pytest.approx(np.pi * (0.5 * view.scale) ** 2, rel=0.1)
 
 
 def test_edges_are_anti_aliased(simulation):

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Tuple
 
 import yaml
 
-from flatland_server.config.input_files import MAX_YAML, read_input
+from flatland_server.config.input_files import MAX_YAML, read_input, too_large
 from flatland_server.config.yaml_values import is_null
 from flatland_server.exceptions import YamlError, shortened
 
@@ -58,7 +58,26 @@ def compose_file(path: Path, count_before: int = 0) -> ComposedFile:
     Raises:
         YamlError: it is missing, unreadable, empty, not YAML, nested too deeply or too large.
     """
-    content = read_input(path, MAX_YAML)
+    return _compose_cached(path, read_input(path, MAX_YAML), count_before)
+
+
+def compose_text(text: str, name: Path) -> ComposedFile:
+    """Composes a text, with the limits of a file.
+
+    Args:
+        text: YAML.
+        name: stands for the file in errors.
+
+    Raises:
+        YamlError: it is empty, not YAML, nested too deeply or too large.
+    """
+    content = text.encode(errors="surrogatepass")
+    if len(content) > MAX_YAML:
+        raise YamlError(name, too_large(MAX_YAML))
+    return _compose_cached(name, content, 0)
+
+
+def _compose_cached(path: Path, content: bytes, count_before: int) -> ComposedFile:
     with _lock:
         kept = _kept.get(path)
         if kept and kept.content == content and count_before + kept.value_count <= MAX_VALUES:

@@ -47,7 +47,7 @@ def read_input(path: Path, limit: int, refusal: Refusal = YamlError) -> bytes:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise refusal(path, f"cannot be read: {reason}") from None
     if len(content) > limit:
-        raise refusal(path, _too_large(limit))
+        raise refusal(path, too_large(limit))
     return content
 
 
@@ -73,9 +73,10 @@ def _regular_size(path: Path, status: os.stat_result, limit: int, refusal: Refus
     if not stat.S_ISREG(status.st_mode):
         raise refusal(path, "expected a regular file, found a pipe, a socket or a device")
     if status.st_size > limit:
-        raise refusal(path, _too_large(limit))
+        raise refusal(path, too_large(limit))
     return status.st_size
 
 
-def _too_large(limit: int) -> str:
+def too_large(limit: int) -> str:
+    """The problem of a file that is larger than a limit [bytes]."""
     return f"expected a file of at most {limit // MIB} MiB, found a larger one"

@@ -26,6 +26,8 @@ class Expressions:
 
     def __init__(self, get_param: Callable[[str, Any], Any]) -> None:
         self._get_param = get_param
+        self.has_environment = True
+        """True if expressions may read environment variables."""
         self._place = ""  # file and line of the expression that is being evaluated
         self._lua = LuaEvaluator({"env": self._env, "param": self._param})
 
@@ -61,6 +63,8 @@ class Expressions:
     def _env(self, arguments: List[Any]) -> Any:
         """The function `env(name, default)`: an environment variable."""
         name = _name(arguments, "env")
+        if not self.has_environment:
+            raise LuaError("a text of a client cannot read environment variables")
         if name in os.environ:
             return _from_environment(os.environ[name])
         return self._default(arguments, f'the environment variable "{name}" is not set')

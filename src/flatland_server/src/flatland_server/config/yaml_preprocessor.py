@@ -9,7 +9,12 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import yaml
 
-from flatland_server.config.composed_files import MAX_ITEMS, ComposedFile, compose_file
+from flatland_server.config.composed_files import (
+    MAX_ITEMS,
+    ComposedFile,
+    compose_file,
+    compose_text,
+)
 from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import is_file
 from flatland_server.config.yaml_expressions import Expressions
@@ -44,16 +49,25 @@ class YamlPreprocessor:
             YamlError: it or a file that it includes is missing, unreadable, empty or not YAML; an
                 include leads back to itself; an expression fails.
         """
-        self._included.clear()
-        self._value_count = 0
-        self._expressions.restart_time()
-        composed = self._compose(path)
-        if len(composed.documents) > 1:
-            raise error_at(composed.documents[1], "expected one document, found another one")
-        try:
-            return self._resolve_file(composed, (path,))[0]
-        except RecursionError:
-            raise YamlError(path, "is nested too deeply") from None
+        self._restart()
+        return self._resolve_root(self._compose(path), path, (path,))
+
+    def read_text(self, text: str, name: Path) -> yaml.Node:
+        """The root node of a text, which must consist of one document.
+
+        A text may come from a client, who is not to learn what is in files and in the environment:
+        it includes no files, and its expressions read no environment variables.
+
+        Args:
+            text: YAML.
+            name: stands for the file in errors.
+
+        Raises:
+            YamlError: it is empty or not YAML, or includes a file; an expression fails.
+        """
+        self._restart()
+        self._expressions.has_environment = False
+        return self._resolve_root(compose_text(text, name), name, ())
 
     def resolve(self, node: yaml.Node) -> yaml.Node:
         """A copy of a node that was not read from a file, with everything resolved.
@@ -61,10 +75,14 @@ class YamlPreprocessor:
         Raises:
             YamlError: an expression fails, or a file that it includes is wrong.
         """
+        self._restart()
+        return self._resolve(node, (Path(node.start_mark.name),), {})
+
+    def _restart(self) -> None:
         self._included.clear()
         self._value_count = 0
         self._expressions.restart_time()
-        return self._resolve(node, (Path(node.start_mark.name),), {})
+        self._expressions.has_environment = True
 
     def restart_random(self) -> None:
         """Restarts math.random in expressions, as in a new preprocessor."""
@@ -80,6 +98,16 @@ class YamlPreprocessor:
         self._value_count += composed.value_count
         return composed
 
+    def _resolve_root(
+        self, composed: ComposedFile, path: Path, files: Tuple[Path, ...]
+    ) -> yaml.Node:
+        if len(composed.documents) > 1:
+            raise error_at(composed.documents[1], "expected one document, found another one")
+        try:
+            return self._resolve_file(composed, files)[0]
+        except RecursionError:
+            raise YamlError(path, "is nested too deeply") from None
+
     def _resolve_file(self, composed: ComposedFile, files: Tuple[Path, ...]) -> List[yaml.Node]:
         """The documents of a file with everything resolved."""
         if composed.is_plain:
@@ -93,7 +121,8 @@ class YamlPreprocessor:
 
         Args:
             node: as it is written.
-            files: the files that include each other down to the one that the node is written in.
+            files: the files that include each other down to the one that the node is written in;
+                none for a text.
             done: the results by the `id` of the node, for aliases; None while a node is resolved.
         """
         if isinstance(node, yaml.ScalarNode):
@@ -167,6 +196,8 @@ class YamlPreprocessor:
 
     def _include(self, node: yaml.Node, name: str, files: Tuple[Path, ...]) -> List[yaml.Node]:
         """The resolved documents of a file that a node includes."""
+        if not files:
+            raise error_at(node, "a text of a client cannot include files")
         try:
             path = files[-1].parent / to_path(name)
         except FlatlandError as error:

@@ -40,8 +40,15 @@ from flatland_server.geometry import Pose
 
 T = TypeVar("T")
 
+_TEXT_OF = "<text of "
+
 Color = Tuple[float, float, float, float]
 """Red, green, blue and alpha, each 0 to 1."""
+
+
+def is_text(file: Path) -> bool:
+    """True if a problem's file stands for a text; see `YamlReader.from_text`."""
+    return str(file).startswith(_TEXT_OF)
 
 
 class YamlReader(YamlMap):
@@ -92,6 +99,27 @@ class YamlReader(YamlMap):
             return cls(preprocessor.resolve(node))
         with closing(YamlPreprocessor()) as own:
             return cls(own.resolve(node))
+
+    @classmethod
+    def from_text(
+        cls, text: str, name: str, folder: Path, preprocessor: Optional[YamlPreprocessor] = None
+    ) -> "YamlReader":
+        """The reader of a text from a client, its expressions resolved.
+
+        Args:
+            text: YAML; see `YamlPreprocessor.read_text`.
+            name: in errors, `<text of NAME>` stands for the file.
+            folder: where relative paths begin.
+            preprocessor: has the parameters; by default there are none.
+
+        Raises:
+            YamlError: it is empty, not YAML or not a map.
+        """
+        file, root = Path(f"{_TEXT_OF}{name}>"), folder / "text"
+        if preprocessor is not None:
+            return cls(preprocessor.read_text(text, file), root=root)
+        with closing(YamlPreprocessor()) as own:
+            return cls(own.read_text(text, file), root=root)
 
     # Values
 

@@ -33,18 +33,27 @@ class ModelMarkers:
     """
 
     def __init__(self, model: Model, frame_id: str) -> None:
+        self._model = model
+        self._frame_id = frame_id
+        self._make()
+
+    def _make(self) -> None:
+        model = self._model
+        self._footprint_revision = model.footprint_revision
         placed = _markers_of(model.config, f"{model.name}/")
         markers = [marker for marker, _ in placed]
         bodies = [model.bodies[name] for _, name in placed]
         for marker in markers:
-            marker.header.frame_id = frame_id
+            marker.header.frame_id = self._frame_id
         self._markers = MovingMarkers(markers)
         self._unique = list(dict.fromkeys(bodies))
         self._index = [self._unique.index(body) for body in bodies]
         self._poses: List[Tuple[float, float, float]] = []
 
     def place(self) -> bool:
-        """Sets the markers' poses to the bodies' present ones. Returns whether any has changed."""
+        """Brings the markers up to date with the model. Returns whether any has changed."""
+        if self._footprint_revision != self._model.footprint_revision:
+            self._make()
         poses = [body.physics_body.pose for body in self._unique]
         has_moved = poses != self._poses
         self._poses = poses

@@ -4,10 +4,13 @@ import logging
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Dict, Iterable, List, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
+from flatland_server.arguments import shown
+from flatland_server.config.plain_nodes import plain_copy, to_node
 from flatland_server.config.yaml_reader import YamlReader
+from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point
 from flatland_server.models.collision_filter_registry import ALL, CollisionFilterRegistry
 
@@ -122,6 +125,58 @@ class Footprint:
         except ValueError as error:
             raise reader.error(str(error)) from None
         return footprint
+
+    def changes(
+        self,
+        shape: Optional[Union[Circle, Polygon]],
+        layers: Optional[Sequence[str]],
+        registry: CollisionFilterRegistry,
+        model: str,
+        path: str,
+    ) -> Dict[str, Any]:
+        """Checks a new shape and new layers as if they were in a file.
+
+        Args:
+            shape: None leaves it as it is.
+            layers: None leaves them as they are.
+            registry: the layers that footprints may name.
+            model: stands for the file in errors.
+            path: stands for its place in the file in errors.
+
+        Returns:
+            The attributes that change, for `dataclasses.replace`.
+
+        Raises:
+            FlatlandError: something in them is wrong.
+        """
+        shape_given, shape = shape is not None, shape or self.shape
+        if isinstance(shape, Circle):
+            keys = {"type": "circle", "center": shape.center, "radius": shape.radius}
+        elif isinstance(shape, Polygon):
+            keys = {"type": "polygon", "points": shape.vertices}
+        else:
+            raise UsageError(f"expected a Circle or a Polygon, found {shown(shape)}")
+        keys.update(density=self.density, layers=self.layers if layers is None else layers)
+        reader = YamlReader(to_node(plain_copy(keys, model, path), model), path)
+        read = self.read(reader, registry, _core.FixtureChecker("static"))
+        changes: Dict[str, Any] = {"shape": read.shape} if shape_given else {}
+        if layers is not None:
+            changes.update(layers=read.layers, layer_bits=read.layer_bits)
+        return changes
+
+    def reshape(self, fixture: _core.Fixture) -> None:
+        """Gives a fixture this shape and these layers.
+
+        Args:
+            fixture: keeps its material.
+
+        Raises:
+            ValueError: the body cannot have the shape.
+        """
+        if isinstance(self.shape, Circle):
+            fixture.set_circle(self.shape.center, self.shape.radius, layers=self.layer_bits)
+        else:
+            fixture.set_polygon(self.shape.vertices, layers=self.layer_bits)
 
     def attach(self, body: Union[_core.Body, _core.FixtureChecker]) -> None:
         """Adds this shape, with its material, to a body, or checks whether a body can have it.

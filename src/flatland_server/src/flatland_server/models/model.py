@@ -3,9 +3,10 @@
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from flatland_server import _core
+from flatland_server.arguments import whole_number
 from flatland_server.config.plain_nodes import plain_copy
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
@@ -14,10 +15,19 @@ from flatland_server.exceptions import ModelError, listed, shortened, suggestion
 from flatland_server.geometry import Pose
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
-from flatland_server.models.footprint import Circle
+from flatland_server.models.footprint import Circle, Polygon
 from flatland_server.models.joint import Joint, JointConfig
 from flatland_server.models.model_body import BodyConfig, ModelBody
 from flatland_server.models.plugin_config import PluginConfig
+
+
+class ModelText(NamedTuple):
+    """The content of a model's file, as a text from a client."""
+
+    text: str
+    """YAML; see `YamlPreprocessor.read_text`."""
+    name: str
+    """The model's, for errors."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +40,7 @@ class ModelConfig:
         joints: its joints.
         plugins: its plugins, which read their own keys when they start.
         is_read: whether it was read from `path` or `content`; otherwise a program has made it.
-        content: the plain data that it was read from, if not a file.
+        content: the plain data or the text that it was read from, if not a file.
     """
 
     path: Path
@@ -38,7 +48,7 @@ class ModelConfig:
     joints: Tuple[JointConfig, ...]
     plugins: Tuple[PluginConfig, ...]
     is_read: bool = False
-    content: Optional[Mapping[str, Any]] = field(default=None, compare=False, repr=False)
+    content: Union[Mapping[str, Any], str, None] = field(default=None, compare=False, repr=False)
 
     @classmethod
     def from_file(
@@ -78,6 +88,25 @@ class ModelConfig:
         return replace(cls.read(reader, registry), content=copy)
 
     @classmethod
+    def from_text(
+        cls,
+        source: ModelText,
+        folder: Path,
+        registry: CollisionFilterRegistry,
+        preprocessor: Optional[YamlPreprocessor] = None,
+    ) -> "ModelConfig":
+        """Reads the text of a model file; see `from_file`.
+
+        Args:
+            source: the text.
+            folder: where relative paths in it begin.
+            registry: as for `from_file`.
+            preprocessor: as for `from_file`.
+        """
+        reader = YamlReader.from_text(*source, folder, preprocessor)
+        return replace(cls.read(reader, registry), content=source.text)
+
+    @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "ModelConfig":
         """Reads a model from a file that is open in a reader; see `from_file`.
 
@@ -114,12 +143,16 @@ class Model(Entity):
         physics: the physical world that it is added to.
         registry: the collision layers of that world.
         entities: the entities of that world; the model adds itself.
+        change: makes a change that ends contacts, now or at the end of the step; also gets the log
+            message for a failure then.
 
     Attributes:
         namespace: without a "/" at its ends.
+        config: the contents of its file, with the footprints as they are now.
         bodies: by name, the base first; none after the model was deleted.
         joints: none after the model was deleted.
         move_revision: incremented by every `move`.
+        footprint_revision: incremented by every change of a footprint.
 
     Raises:
         ModelError: Box2D cannot represent it.
@@ -134,6 +167,7 @@ class Model(Entity):
         physics: _core.World,
         registry: CollisionFilterRegistry,
         entities: Entities,
+        change: Callable[[Callable[[], None], str], None],
     ) -> None:
         self._name = name
         self.namespace = namespace.strip("/")
@@ -141,9 +175,11 @@ class Model(Entity):
         self.physics = physics
         self.registry = registry
         self.entities = entities
+        self._change = change
         self.bodies: Dict[str, ModelBody] = {}
         self.joints: List[Joint] = []
         self.move_revision = 0
+        self.footprint_revision = 0
         self._joints_by_name: Dict[str, Joint] = {}
         try:
             for body in config.bodies:
@@ -277,6 +313,59 @@ class Model(Entity):
         for body, _ in before:
             body.halt()
         self.move_revision += 1
+
+    def set_footprint(
+        self,
+        body: str,
+        index: int,
+        shape: Optional[Union[Circle, Polygon]] = None,
+        layers: Optional[Sequence[str]] = None,
+    ) -> None:
+        """Changes the shape or the layers of a footprint, until a reset.
+
+        They are checked as those of a file are. The density stays, and the body's mass follows. The
+        footprint's contacts end, and the next step finds the new ones; a body that is within it
+        then is pushed out. In a plugin's hook, this happens at the end of the step; a failure is
+        then logged.
+
+        Args:
+            body: the name of the body.
+            index: of the footprint among the body's `footprints`, from 0.
+            shape: in the body's frame [m]; None leaves it as it is.
+            layers: names of its collision layers; None leaves them as they are.
+
+        Raises:
+            FlatlandError: there is no such footprint, or it cannot have this shape or these layers;
+                nothing has changed.
+        """
+        footprints = self.get_body(body).config.footprints
+        index = whole_number(index, "an index of a footprint", 0)
+        if index >= len(footprints):
+            count = f"it has {len(footprints)}, from index 0"
+            raise ModelError(f'the body "{body}" has no footprint {index}; {count}')
+        changes = footprints[index].changes(
+            shape, layers, self.registry, f'the model "{self.name}"', f"{body}.footprints[{index}]"
+        )
+        self._change(
+            lambda: self._set_footprint(body, index, changes),
+            f'the model "{self.name}" keeps its footprint',
+        )
+
+    def _set_footprint(self, body: str, index: int, changes: Mapping[str, Any]) -> None:
+        if not self.bodies:
+            return  # it has been deleted meanwhile
+        owner = self.bodies[body]
+        footprints = list(owner.config.footprints)
+        footprints[index] = replace(footprints[index], **changes)
+        try:
+            footprints[index].reshape(owner.physics_body.fixture(index))
+        except ValueError as error:
+            place = f'the body "{body}" of the model "{self.name}"'
+            raise ModelError(f"{place} cannot have this footprint: {error}") from None
+        owner.config = replace(owner.config, footprints=tuple(footprints))
+        bodies = tuple(each.config for each in self.bodies.values())
+        self.config = replace(self.config, bodies=bodies)
+        self.footprint_revision += 1
 
     def remove(self) -> None:
         """Removes its bodies and joints from the world."""

@@ -78,6 +78,7 @@ class ModelBody:
         ValueError: Box2D cannot represent a footprint; the world is unchanged.
 
     Attributes:
+        config: its entry in the model file, with the footprints as they are now.
         physics_body: the body in the physical world.
     """
 

@@ -25,6 +25,12 @@ EXAMPLE_PACKAGE = "flatland_example_plugins"
 """The package that users copy under another name: a copy hides the plugins of the original."""
 
 
+_CPP_PLUGINS = frozenset(
+    ["ackermannDrive", "RandomGates", "RandomWandering", "StaticLaser", "VehicleMovement"]
+)
+"""C++ plugins of public packages for the original Flatland, which may not be on the path."""
+
+
 class PluginLoader:
     """Imports plugins on demand.
 
@@ -52,7 +58,10 @@ class PluginLoader:
         answering = [d for d in self._declarations if d.answers_to(type)]
         found = [d for d in answering if not d.is_cpp]
         if answering and not found:
-            raise PluginError(_cpp_error(type, answering[0]))
+            cpp = answering[0]
+            raise PluginError(_cpp_error(type, f"of the package {cpp.package} ({cpp.class_path})"))
+        if not found and type.rpartition("::")[2] in _CPP_PLUGINS:
+            raise PluginError(_cpp_error(type, "of other packages for the original Flatland"))
         if not found:
             names = sorted(d.name for d in self._declarations if not d.is_cpp)
             known = ", ".join(names) or f"none; {_question()}"
@@ -77,10 +86,9 @@ def _question() -> str:
     return "is flatland2d installed in this Python (pip install)?"
 
 
-def _cpp_error(type: str, declaration: PluginDeclaration) -> str:
+def _cpp_error(type: str, origin: str) -> str:
     return (
-        f'"{type}" is a C++ plugin of the package {declaration.package} '
-        f"({declaration.class_path}); this Flatland runs plugins written in Python: "
+        f'"{type}" is a C++ plugin {origin}; this Flatland runs plugins written in Python: '
         "docs/coming_from_cpp.md says how to port it"
     )
 

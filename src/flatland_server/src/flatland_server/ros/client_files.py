@@ -11,6 +11,7 @@ from typing import Optional, Union
 from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import MAX_YAML, read_input
 from flatland_server.config.packages import package_folders
+from flatland_server.config.yaml_reader import is_text
 from flatland_server.exceptions import FlatlandError, Problem, StateError, YamlError, shortened
 from flatland_server.simulation.world import World
 
@@ -87,17 +88,36 @@ class ClientFiles:
             )
 
 
+class EntryError(FlatlandError):
+    """An error of one entry of a request's list.
+
+    Args:
+        entry: names it.
+        error: what is wrong with it.
+    """
+
+    def __init__(self, entry: str, error: FlatlandError) -> None:
+        super().__init__(f"{entry}: {error}")
+        self.entry = entry
+        self.error = error
+
+
 def told(error: Union[FlatlandError, ValueError]) -> str:
     """An error for a client: short lines, and nothing that is written in files of other kinds."""
+    if isinstance(error, EntryError):
+        kind, _, text = told(error.error).partition(": ")
+        return f"{kind}: {error.entry}: {text}"
     lines = error.lines(_line_of) if isinstance(error, YamlError) else str(error).splitlines()
     text = "\n".join(shortened(line, _LONGEST) for line in lines)
     return f"{type(error).__name__}: {text}"
 
 
 def _line_of(problem: Problem) -> str:
-    if _is_of_flatland(problem.file):
+    if is_text(problem.file) or _is_of_flatland(problem.file):
         return str(problem)
-    message = re.sub('"[^"]*"', '"..."', problem.message.partition(", found ")[0])
+    message = problem.message.partition(", found ")[0]
+    if not message.startswith("the required key"):
+        message = re.sub('"[^"]*"', '"..."', message)
     message = message.partition("is not valid YAML")[1] or message
     return str(Problem(problem.file, message, problem.line))
 

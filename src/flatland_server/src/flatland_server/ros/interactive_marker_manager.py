@@ -42,6 +42,7 @@ class _Handle(NamedTuple):
     """The shown state of a model."""
 
     model: Model
+    footprint_revision: int
     centre: Pose
     """The middle of its footprints, in the model's frame."""
     pose: Tuple[float, float, float]
@@ -99,7 +100,7 @@ class InteractiveMarkerManager:
             self._server.keep_alive()
 
     def _follow_models(self) -> Tuple[List[str], List[str]]:
-        """Adds and removes markers. Returns the names of the models that are gone, and new."""
+        """Adds and removes markers. Returns the names of those that are gone, and new."""
         models = self._world.models
         gone = [name for name, shown in self._shown.items() if models.get(name) is not shown.model]
         for name in gone:
@@ -107,16 +108,22 @@ class InteractiveMarkerManager:
             self._server.erase(name)
             if name in self._drags:
                 self._end_drag(name)
-        new = [name for name in models if name not in self._shown]
+        new = [name for name in models if name not in self._shown or self._is_outdated(name)]
         for name in new:
             model = models[name]
             centre, radius = _circle_around(model)
-            self._shown[name] = _Handle(model, centre, model.base.physics_body.pose)
+            pose = model.base.physics_body.pose
+            self._shown[name] = _Handle(model, model.footprint_revision, centre, pose)
             self._server.insert(
                 _interactive_marker(model, centre, radius, self._frame_id),
                 lambda feedback: self._transport.post(lambda: self._on_feedback(feedback)),
             )
         return gone, new
+
+    def _is_outdated(self, name: str) -> bool:
+        """True for a marker of former footprints, unless it is being dragged."""
+        model, revision, *_ = self._shown[name]
+        return revision != model.footprint_revision and name not in self._drags
 
     def _follow_poses(self) -> bool:
         """Moves the markers of models that have moved; returns whether there are any.

@@ -60,17 +60,19 @@ class ModelPublisher:
 
     def _publish_list(self) -> None:
         world = self._manager.world
-        described: List[object] = [*world.models.values(), *world.plugin_failures]
+        models = world.models.values()
+        described: List[object] = [
+            *models,
+            *(model.footprint_revision for model in models),
+            *world.plugin_failures,
+        ]
         if len(described) == len(self._described) and all(
             one is other or one == other for one, other in zip(described, self._described)
         ):
             return
         self._described = described
         self._list.publish(
-            [
-                _model_info(model, world.all_plugins_of(model.name))
-                for model in world.models.values()
-            ]
+            [_model_info(model, world.all_plugins_of(model.name)) for model in models]
         )
 
     def _publish_states(self) -> None:

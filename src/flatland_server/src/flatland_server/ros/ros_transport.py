@@ -10,7 +10,7 @@ import threading
 import time
 from collections import Counter, deque
 from concurrent.futures import Future, wait
-from typing import Any, Callable, Deque, Sequence, Tuple, TypeVar
+from typing import Any, Callable, Deque, Mapping, Optional, Sequence, Tuple, TypeVar
 from typing import Counter as CounterType
 
 import rospy
@@ -38,10 +38,18 @@ class RosTransport(Transport):
 
     Args:
         rospy_calls: the operations of rospy to use; by default without patches.
+        own_params: private parameters that the node has read, such as "~no_return". The ROS
+            master is not asked for them again: it may not answer, and each model that is spawned
+            reads some.
     """
 
-    def __init__(self, rospy_calls: RospyCalls = RospyCalls()) -> None:  # noqa: B008 (immutable)
+    def __init__(
+        self,
+        rospy_calls: RospyCalls = RospyCalls(),  # noqa: B008 (immutable)
+        own_params: Optional[Mapping[str, Any]] = None,
+    ) -> None:
         super().__init__()
+        self._own_params = own_params or {}
         self.rospy_calls = rospy_calls
         """The operations of rospy in use."""
         self.has_started = False
@@ -105,6 +113,8 @@ class RosTransport(Transport):
         return SerializedFrames(self._transforms, names)
 
     def get_param(self, name: str, default: Any = None) -> Any:
+        if name in self._own_params:
+            return self._own_params[name]
         return rospy.get_param(name, default)
 
     def process(self, timeout: float = 0.0) -> None:

@@ -80,7 +80,9 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
     except ValueError as error:
         raise FlatlandError(f"~step_size: {error}") from None
     shutdown = Shutdown()
-    transport = RosTransport(rospy_patches.install(config.rospy_patches))
+    transport = RosTransport(
+        rospy_patches.install(config.rospy_patches), {"~no_return": config.no_return}
+    )
     shutdown.transport = transport
     LoadingPublisher()
     with transport.rospy_calls.batch_registration():
@@ -134,7 +136,8 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     manager.on_tick.append(SlowPluginWatch().update)
     if config.map_to_odom:
         manager.on_tick.append(MapToOdom(manager.world).update)
-    ServiceManager(manager, transport, ClientFiles(manager.world, config.state_folder))
+    files = ClientFiles(manager.world, config.state_folder)
+    ServiceManager(manager, transport, files, config.control_period)
 
 
 def exclude_from_garbage_collection() -> None:

@@ -1,4 +1,4 @@
-"""The private parameters of the node flatland_server."""
+"""The parameters of the node flatland_server."""
 
 import math
 import re
@@ -13,15 +13,17 @@ from flatland_server.maps.simplify_outlines import TOLERANCES
 
 
 class ServerConfig(NamedTuple):
-    """The node's private parameters."""
+    """The node's parameters: its private ones, or those of a namespace above, or global ones."""
 
     world_path: Path
     update_rate: float
     step_size: float
+    control_period: float
     show_viz: bool
     viz_pub_rate: float
     seed: int
     simplify_map: int
+    no_return: str
     realtime_priority: bool
     rospy_patches: bool
     map_to_odom: bool
@@ -38,19 +40,16 @@ class ServerConfig(NamedTuple):
         Raises:
             FlatlandError: one is missing or invalid.
         """
-        world_path = rospy.get_param("~world_path", "")
+        world_path = _param("~world_path", "")
         if not world_path:
-            raise FlatlandError(
-                "the parameter ~world_path must be the path of a world file: "
-                "world_path:=PATH for roslaunch, _world_path:=PATH for rosrun"
-            )
-        seed = rospy.get_param("~seed", 0)
+            raise FlatlandError(_without_world())
+        seed = _param("~seed", 0)
         if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
             raise FlatlandError(f"~seed: expected a whole number of 0 or more, found {seed}")
-        simplify_map = rospy.get_param("~simplify_map", 0)
+        simplify_map = _param("~simplify_map", 0)
         if isinstance(simplify_map, bool) or simplify_map not in range(len(TOLERANCES)):
             raise FlatlandError(f"~simplify_map: expected 0, 1 or 2, found {simplify_map}")
-        no_return = rospy.get_param("~no_return", "inf")
+        no_return = _param("~no_return", "inf")
         if no_return not in ("inf", "nan", "max"):
             raise FlatlandError(f"~no_return: expected inf, nan or max, found {no_return}")
         launch_file = rospy.get_param("~launch_file", "")
@@ -58,10 +57,12 @@ class ServerConfig(NamedTuple):
             world_path=_world_file(str(world_path)),
             update_rate=positive_param("~update_rate", 200.0, allow_infinity=True),
             step_size=positive_param("~step_size", 0.005),
+            control_period=positive_param("~control_period", 0.1),
             show_viz=_flag("~show_viz", True),
             viz_pub_rate=positive_param("~viz_pub_rate", 30.0),
             seed=seed,
             simplify_map=simplify_map,
+            no_return=no_return,
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),
@@ -69,6 +70,30 @@ class ServerConfig(NamedTuple):
             state_folder=next(iter(_folders("~state_folder")), None),
             launch_file=Path(launch_file) if launch_file else None,
         )
+
+
+def _param(name: str, default: Any) -> Any:
+    """The value of a parameter of the node, else of the namespace above, and so on to the root."""
+    value = rospy.get_param(name, default)
+    found = rospy.search_param(name[1:]) if value is default else None
+    if found is None or found == rospy.resolve_name(name):
+        return value
+    rospy.loginfo("%s is not set: %s is used", name, found)
+    return rospy.get_param(found, default)
+
+
+def _without_world() -> str:
+    """The error of a missing `~world_path`, with the parameters of that name that others have."""
+    others = [
+        name
+        for name in rospy.get_param_names()
+        if name.endswith("/world_path") and rospy.get_param(name, "")
+    ]
+    elsewhere = f"; others are set: {', '.join(others)}" if others else ""
+    return (
+        "the parameter ~world_path must be the path of a world file: "
+        f"world_path:=PATH for roslaunch, _world_path:=PATH for rosrun{elsewhere}"
+    )
 
 
 def _world_file(name: str) -> Path:
@@ -85,7 +110,7 @@ def _world_file(name: str) -> Path:
 
 def _folders(name: str) -> Tuple[Path, ...]:
     """Folders: a list, or separated by colons; each may be a `package://` URI."""
-    value = rospy.get_param(name, "")
+    value = _param(name, "")
     texts = re.split(":(?!//)", value) if isinstance(value, str) else value
     if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
         raise FlatlandError(f"{name}: expected a list of folders, found {value}")
@@ -100,7 +125,7 @@ def _folders(name: str) -> Tuple[Path, ...]:
 
 
 def _flag(name: str, default: bool) -> bool:
-    value = rospy.get_param(name, default)
+    value = _param(name, default)
     if not isinstance(value, int) or value not in (0, 1):  # roslaunch's `if` takes 0 and 1, too
         raise FlatlandError(f"{name}: expected true or false, found {value}")
     return bool(value)
@@ -112,7 +137,7 @@ def positive_param(name: str, default: float, *, allow_infinity: bool = False) -
     Raises:
         FlatlandError: it is something else.
     """
-    value: Any = rospy.get_param(name, default)
+    value: Any = _param(name, default)
     try:
         number = math.nan if isinstance(value, bool) else float(value)
     except (TypeError, ValueError):

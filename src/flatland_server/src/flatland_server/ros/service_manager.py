@@ -3,38 +3,15 @@
 from typing import Any, Callable, Type
 
 import rospy
-from flatland_msgs.srv import (
-    ChangeRate,
-    ChangeRateRequest,
-    ChangeRateResponse,
-    DeleteModel,
-    DeleteModelRequest,
-    DeleteModelResponse,
-    GetModelMarkers,
-    GetModelMarkersRequest,
-    GetModelMarkersResponse,
-    MoveModel,
-    MoveModelRequest,
-    MoveModelResponse,
-    SpawnModel,
-    SpawnModelRequest,
-    SpawnModelResponse,
-)
-from geometry_msgs.msg import Pose2D
+from flatland_msgs.srv import ChangeRate, ChangeRateRequest, ChangeRateResponse, StepWorld
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
-from visualization_msgs.msg import MarkerArray
 
-from flatland_server.exceptions import FlatlandError, ModelError
-from flatland_server.geometry import Pose
-from flatland_server.messages.model_markers import preview
-from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
+from flatland_server.exceptions import FlatlandError
 from flatland_server.ros.client_files import ClientFiles, told
-from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
+from flatland_server.ros.model_services import ModelServices
+from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager
-from flatland_server.simulation.world_config import ModelEntry
-
-_NOT_REGISTERED = "spawned; its topics can be used when the ROS master answers"
 
 
 class ServiceManager:
@@ -46,25 +23,26 @@ class ServiceManager:
     The `message` of an error begins with the name of an exception class (see
     `flatland_server.exceptions`; `ValueError` for a rate), for programs to tell errors apart.
 
-    A model within a wall or another model is spawned all the same: `success` is true, and
-    `message` is a warning; otherwise `message` is empty.
+    Args:
+        manager: the simulation.
+        transport: hands calls over to the simulation's thread.
+        files: finds the files that clients name.
+        control_period: simulated time of a call of /step_world [s].
     """
 
     def __init__(
-        self, manager: SimulationManager, transport: RosTransport, files: ClientFiles
+        self,
+        manager: SimulationManager,
+        transport: RosTransport,
+        files: ClientFiles,
+        control_period: float,
     ) -> None:
         self._manager = manager
-        self._files = files
-        self._world = manager.world
         self._transport = transport
-        self._offer("spawn_model", SpawnModel, SpawnModelResponse, self._spawn_model)
-        self._offer("delete_model", DeleteModel, DeleteModelResponse, self._delete_model)
-        self._offer("move_model", MoveModel, MoveModelResponse, self._move_model)
+        ModelServices(manager.world, transport, files, self._offer)
+        states = StateServices(manager, transport, files, self._offer, control_period)
+        rospy.Service("step_world", StepWorld, states.step_world)
         self._offer("change_rate", ChangeRate, ChangeRateResponse, self._change_rate)
-        self._offer(
-            "get_model_markers", GetModelMarkers, GetModelMarkersResponse, self._get_model_markers
-        )
-        StateServices(manager, transport, files, self._offer)
         self._offer_empty("pause", manager.pause)
         self._offer_empty("resume", manager.resume)
         self._offer_empty("toggle_pause", manager.toggle_pause)
@@ -98,39 +76,5 @@ class ServiceManager:
 
         rospy.Service(name, Empty, handle)
 
-    def _spawn_model(self, request: SpawnModelRequest) -> SpawnModelResponse:
-        registry = self._world.registry
-        path = self._files.model_file(request.yaml_path)
-        entry = self._world.read_model_entry(path, request.name, request.ns, _to_pose(request.pose))
-        warning = self._transport.call(lambda: self._add_model(entry, registry))
-        if warning:
-            rospy.logwarn("spawn_model: %s", warning)
-        if not self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT):
-            warning = "; ".join(filter(None, (warning, _NOT_REGISTERED)))
-        return SpawnModelResponse(success=True, message=warning)
-
-    def _add_model(self, entry: ModelEntry, registry: CollisionFilterRegistry) -> str:
-        """Adds a model; returns a warning, or the empty string."""
-        if self._world.registry is not registry:
-            raise ModelError("the world was reloaded while the model's file was read; try again")
-        with self._transport.rospy_calls.batch_registration():
-            return self._world.overlap_warning(self._world.add_model(entry))
-
-    def _delete_model(self, request: DeleteModelRequest) -> None:
-        self._transport.call(lambda: self._world.delete_model(request.name))
-        self._transport.rospy_calls.wait_until_registered(REGISTRATION_LIMIT)
-
-    def _move_model(self, request: MoveModelRequest) -> None:
-        pose = _to_pose(request.pose)
-        self._transport.call(lambda: self._world.move_model(request.name, pose))
-
     def _change_rate(self, request: ChangeRateRequest) -> None:
         self._transport.call(lambda: self._manager.change_rate(request.rate))
-
-    def _get_model_markers(self, request: GetModelMarkersRequest) -> GetModelMarkersResponse:
-        markers = preview(self._world.read_model(self._files.model_file(request.yaml_path)))
-        return GetModelMarkersResponse(success=True, markers=MarkerArray(markers))
-
-
-def _to_pose(pose: Pose2D) -> Pose:
-    return Pose(pose.x, pose.y, pose.theta)

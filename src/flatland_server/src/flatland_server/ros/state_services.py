@@ -1,5 +1,6 @@
 """The services that control time and state: steps, resets, and saved states."""
 
+from concurrent.futures import Future
 from typing import Any, Callable, Type
 
 import rosgraph
@@ -20,12 +21,15 @@ from flatland_msgs.srv import (
     Step,
     StepRequest,
     StepResponse,
+    StepWorldRequest,
+    StepWorldResponse,
 )
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from flatland_server.arguments import steps_in
 from flatland_server.exceptions import FlatlandError
 from flatland_server.messages import ros_time
-from flatland_server.ros.client_files import ClientFiles
+from flatland_server.ros.client_files import ClientFiles, told
 from flatland_server.ros.ros_transport import REGISTRATION_LIMIT, RosTransport
 from flatland_server.ros.rospy_patches.master_calls import NO_ANSWER, Master
 from flatland_server.simulation.simulation_manager import SimulationManager
@@ -49,14 +53,21 @@ class StateServices:
         transport: hands calls over to the simulation's thread.
         files: finds the files that clients name.
         offer: offers a service; see `ServiceManager`.
+        control_period: simulated time of a call of /step_world [s].
     """
 
     def __init__(
-        self, manager: SimulationManager, transport: RosTransport, files: ClientFiles, offer: Offer
+        self,
+        manager: SimulationManager,
+        transport: RosTransport,
+        files: ClientFiles,
+        offer: Offer,
+        control_period: float,
     ) -> None:
         self._manager = manager
         self._files = files
         self._transport = transport
+        self._control_period = control_period
         offer("step", Step, StepResponse, self._step)
         offer("reset", Reset, ResetResponse, self._reset)
         offer("reload_world", Trigger, TriggerResponse, self._reload_world)
@@ -71,6 +82,30 @@ class StateServices:
         done = self._transport.call(lambda: manager.request_steps(request.steps, expected, timeout))
         nanoseconds = self._transport.wait(done)
         return StepResponse(success=True, time=ros_time(nanoseconds))
+
+    def step_world(self, request: StepWorldRequest) -> StepWorldResponse:
+        """The service /step_world. Its response is empty: errors are exceptions in the client.
+
+        Args:
+            request: empty.
+
+        Raises:
+            rospy.ServiceException: the steps cannot be made.
+        """
+        manager = self._manager
+
+        def begin() -> "Future[int]":
+            count = steps_in(self._control_period, manager.timekeeper.step_size, "~control_period")
+            manager.pause()
+            return manager.request_steps(count)
+
+        try:
+            done = self._transport.call(begin)
+            self._transport.wait(done)
+        except FlatlandError as error:
+            rospy.logwarn("step_world: %s", told(error))
+            raise rospy.ServiceException(told(error)) from None
+        return StepWorldResponse()
 
     def _reset(self, request: ResetRequest) -> None:
         seed = request.seed if request.new_seed else None

@@ -69,7 +69,7 @@ class Additions:
                     path,
                     list(entry.pose),
                     models[name].move_revision,
-                    dict(content) if content is not None else None,
+                    dict(content) if isinstance(content, Mapping) else content,
                 )
             )
         return states

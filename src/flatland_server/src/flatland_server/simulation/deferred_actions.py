@@ -1,8 +1,9 @@
 """Changes to the world that must wait until they are safe.
 
-Plugins may spawn, move and delete models in any hook. Box2D allows no such change during a step,
-though, and a model cannot be deleted while its plugins are being started or stopped. These changes
-are deferred: kept as actions, in the order of the requests, and run once the world is free again.
+Plugins may spawn, move and delete models and change footprints in any hook. Box2D allows no such
+change during a step, though, and a model cannot be deleted while its plugins are being started or
+stopped. These changes are deferred: kept as actions, in the order of the requests, and run once the
+world is free again.
 """
 
 import logging
@@ -80,6 +81,20 @@ class DeferredActions:
         result = action()
         self.run_pending()
         return result
+
+    def change_shapes(self, action: Callable[[], None], failure: str) -> None:
+        """As `run_or_defer`, for an action that ends contacts, which calls hooks.
+
+        Args:
+            action: changes shapes.
+            failure: as for `run_or_defer`.
+        """
+
+        def locked() -> None:
+            with self.lock:
+                action()
+
+        self.run_or_defer(locked, failure)
 
     def run_pending(self) -> None:
         """Runs the deferred actions, also those that are deferred meanwhile, if it is safe now.

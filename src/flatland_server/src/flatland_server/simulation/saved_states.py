@@ -2,14 +2,21 @@
 
 from operator import attrgetter
 from pathlib import Path
-from typing import Dict, List, Union
+from typing import Dict, Iterator, List, Union
 
 from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
+from flatland_server.models.footprint import Circle, Polygon
+from flatland_server.models.model import ModelText
 from flatland_server.simulation import plugin_state
 from flatland_server.simulation.world import World
-from flatland_server.simulation.world_config import WorldConfig
-from flatland_server.simulation.world_state import ModelState, WallsState, WorldState
+from flatland_server.simulation.world_config import ModelSource, WorldConfig
+from flatland_server.simulation.world_state import (
+    FootprintState,
+    ModelState,
+    WallsState,
+    WorldState,
+)
 from flatland_server.timekeeper import Timekeeper
 
 
@@ -29,6 +36,7 @@ def save(world: World, timekeeper: Timekeeper) -> WorldState:
         _wall_counts(contents.config),
         contents.additions.states_of(contents.models),
         contents.additions.walls,
+        list(_footprints(world)),
         plugin_state.collect(contents.plugins),
         contents.physics.save_state(),
     )
@@ -44,6 +52,8 @@ def restore(state: WorldState, world: World) -> None:
     try:
         _check_walls(state, contents.config)
         _replay_additions(state, world)
+        for footprint in state.footprints:
+            _restore_footprint(footprint, world)
         plugin_state.restore_failures(contents.plugins, state.plugins)
         contents.physics.restore_state(state.physics)
         plugin_state.restore(contents.plugins, state.plugins)
@@ -51,6 +61,31 @@ def restore(state: WorldState, world: World) -> None:
         raise
     except (FlatlandError, ValueError) as error:
         raise StateError(f"the state cannot be restored: {error}") from error
+
+
+def _footprints(world: World) -> Iterator[FootprintState]:
+    """The footprints of models that have changed ones."""
+    for model in world.models.values():
+        for body in model.bodies.values() if model.footprint_revision else ():
+            for index, footprint in enumerate(body.config.footprints):
+                shape, radius = footprint.shape, None
+                if isinstance(shape, Circle):
+                    radius, points = shape.radius, [shape.center]
+                else:
+                    points = list(shape.vertices)
+                layers = list(footprint.layers)
+                corners = [[x, y] for x, y in points]
+                yield FootprintState(model.name, body.name, index, radius, corners, layers)
+
+
+def _restore_footprint(state: FootprintState, world: World) -> None:
+    points = [(x, y) for x, y in state.points]
+    if state.radius is None:
+        shape: Union[Circle, Polygon] = Polygon(tuple(points))
+    else:
+        [center] = points
+        shape = Circle(center, state.radius)
+    world.get_model(state.model).set_footprint(state.body, state.index, shape, state.layers)
 
 
 def _wall_counts(config: WorldConfig) -> Dict[str, int]:
@@ -69,6 +104,12 @@ def _check_walls(state: WorldState, config: WorldConfig) -> None:
             )
 
 
+def _source_of(model: ModelState) -> ModelSource:
+    if isinstance(model.content, str):
+        return ModelText(model.content, model.name)
+    return Path(model.path) if model.content is None else model.content
+
+
 def _replay_additions(state: WorldState, world: World) -> None:
     """Deletes and adds models and walls of a rebuilt world, until it has those of a state."""
     kept = {model.name for model in state.models if model.order is None}
@@ -78,9 +119,8 @@ def _replay_additions(state: WorldState, world: World) -> None:
     additions += [model for model in state.models if model.order is not None]
     for addition in sorted(additions, key=attrgetter("order")):
         if isinstance(addition, ModelState):
-            source = addition.content if addition.content is not None else Path(addition.path)
             pose = Pose(*addition.pose)
-            world.spawn_model(source, addition.name, addition.namespace, pose)
+            world.spawn_model(_source_of(addition), addition.name, addition.namespace, pose)
         elif 0 <= addition.layer < len(world.layers):
             world.add_walls(world.layers[addition.layer].name, addition.segments)
     if list(world.models) != [model.name for model in state.models]:

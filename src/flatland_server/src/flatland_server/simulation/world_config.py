@@ -18,14 +18,14 @@ from flatland_server.geometry import Pose
 from flatland_server.maps.map_reader import read_map
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.layer import LayerConfig
-from flatland_server.models.model import ModelConfig
+from flatland_server.models.model import ModelConfig, ModelText
 from flatland_server.models.plugin_config import PluginConfig
 
 _MAX_ITERATIONS = 10_000
 """The maximum number of solver iterations in a step; more would stall the simulation."""
 
-ModelSource = Union[str, Path, Mapping[str, Any]]
-"""A model's file, or its content."""
+ModelSource = Union[str, Path, Mapping[str, Any], ModelText]
+"""A model's file, its content, or a client's text."""
 
 
 @dataclass(frozen=True)
@@ -209,12 +209,15 @@ class WorldConfig:
 
         Args:
             source: the path of its file, also beside the world file or in a folder of models; or
-                the content of one.
+                the content of one. Relative paths in a `ModelText` begin in the world's folder.
             preprocessor: evaluates expressions in it.
 
         Raises:
             FlatlandError: there is no such file, or something in it is wrong.
         """
+        if isinstance(source, ModelText):
+            folder = self.model_folders[0]
+            return ModelConfig.from_text(source, folder, self.registry, preprocessor)
         if not isinstance(source, (str, Path)):
             return ModelConfig.from_content(source, self.registry, preprocessor)
         return ModelConfig.from_file(self.find_model(source), self.registry, preprocessor)

@@ -106,6 +106,7 @@ class WorldContents:
             self.physics,
             self.config.registry,
             self.entities,
+            self.deferred.change_shapes,
         )
         self.models[name] = model
         with self.deferred.changing(name):

@@ -9,7 +9,7 @@ import uuid
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Union
 
 from flatland_server import plain_data
 from flatland_server.config.input_files import MAX_STATE, read_input
@@ -36,8 +36,8 @@ class ModelState:
     """The pose with which it was added."""
     move_revision: int
     """See `Model.move_revision`."""
-    content: Optional[Dict[str, Any]] = None
-    """The plain data that it was read from, if not a file; see `ModelConfig.content`."""
+    content: Union[Dict[str, Any], str, None] = None
+    """The data or text that it was read from, if not a file; see `ModelConfig.content`."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,21 @@ class WallsState:
     order: int
     layer: int
     segments: Any
+
+
+@dataclass(frozen=True)
+class FootprintState:
+    """A footprint of a model that has changed footprints."""
+
+    model: str
+    body: str
+    index: int
+    """Among the footprints of the body."""
+    radius: Optional[float]
+    """Of a circle [m]; None: it is a polygon."""
+    points: List[List[float]]
+    """The centre of the circle, or the vertices of the polygon [m]."""
+    layers: List[str]
 
 
 @dataclass(frozen=True)
@@ -62,6 +77,7 @@ class WorldState:
     """The number of walls of each layer when the world was made, to recognise another map."""
     models: List[ModelState]
     walls: List[WallsState]
+    footprints: List[FootprintState]
     plugins: List[PluginState]
     physics: bytes
     """See `_core.World.save_state`."""
@@ -87,11 +103,7 @@ class WorldState:
         if found != _FORMAT:
             raise StateError(f"expected a state of format {_FORMAT}, found format {found}")
         try:
-            for name, part in (
-                ("models", ModelState),
-                ("walls", WallsState),
-                ("plugins", PluginState),
-            ):
+            for name, part in _PARTS.items():
                 if not isinstance(content.get(name), list):
                     raise ValueError(f"{name}: expected a list")
                 content[name] = [
@@ -106,7 +118,12 @@ class WorldState:
         return state
 
 
-_PARTS = {"models": ModelState, "walls": WallsState, "plugins": PluginState}
+_PARTS = {
+    "models": ModelState,
+    "walls": WallsState,
+    "footprints": FootprintState,
+    "plugins": PluginState,
+}
 """The lists of a state."""
 
 

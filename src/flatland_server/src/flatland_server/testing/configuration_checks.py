@@ -60,7 +60,7 @@ def check_wrong_values(case: CheckedPlugin) -> Problems:
         value = value_at(case.entry, path)
         wrong = wrong_values(value)
         if _RATE_KEYS.search(str(path[-1])):
-            wrong += [0, -1]
+            wrong += [0, -1, "nan"]
         if value in parts and not _NAMES_NO_PART.search(str(path[-1])):
             wrong.append(misspelt(value))
         for each in wrong:
@@ -86,8 +86,10 @@ def wrong_values(value: Any) -> List[Any]:
     """Values of which none can stand where `value` is right."""
     if isinstance(value, bool):
         return ["perhaps", {"a": 1}]
-    if isinstance(value, (int, float)) or value == "inf":
+    if isinstance(value, (int, float)):
         return ["nan", "fast", [1], {"a": 1}]
+    if value == "inf":  # a number, or a choice that may have "nan", too
+        return ["fast", [1], {"a": 1}]
     if isinstance(value, str):
         return [{"a": 1}]
     if isinstance(value, list) and value and all(isinstance(each, (int, float)) for each in value):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from deferred.stage import FAR, HOOKS, ends, errors, plans, refusal, starts
 
-from flatland_server import _core
+from flatland_server import Circle, _core
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
 
@@ -47,6 +47,42 @@ def test_a_model_that_is_moved_in_a_hook_is_moved_at_the_end_of_the_step(stage, 
     assert before[0] == before[1]
     assert tuple(stage.world.get_model(mover).pose) == pytest.approx(FAR)
     assert body.velocity == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("changed", ["robot", "post", "bystander"])
+@pytest.mark.parametrize("hook", HOOKS)
+def test_a_footprint_that_is_changed_in_a_hook_is_changed_after_the_step(stage, hook, changed):
+    model = stage.world.get_model(changed)
+    before = []
+
+    def change():
+        model.set_footprint("base", 0, Circle((0.0, 0.0), 0.2))
+        model.set_footprint("base", 0, layers=["walls"])
+        before.append(model.footprint_revision)
+        if changed != "robot":  # a change of a model that is deleted meanwhile does nothing
+            stage.world.delete_model(changed)
+            model.set_footprint("base", 0, Circle((0.0, 0.0), 0.3))
+
+    plans["robot", hook] = change
+    stage.run_until_done()
+
+    assert before == [0]
+    assert model.footprint_revision == 2
+    if changed == "robot":
+        [footprint] = model.base.config.footprints
+        assert (footprint.shape.radius, footprint.layers) == (0.2, ("walls",))
+        assert model.base.physics_body.mass == pytest.approx(np.pi * 0.04)
+
+
+def test_a_hook_that_is_called_by_a_change_may_ask_for_others(stage):
+    touching = Pose(0.95, 0.0, 0.0)
+    stage.world.move_model("robot", touching)
+    stage.run()
+    plans["robot", "end_contact"] = lambda: stage.world.delete_model("post")
+
+    stage.world.get_model("post").set_footprint("base", 0, layers=[])
+
+    assert list(stage.world.models) == ["robot", "bystander"]
 
 
 @pytest.mark.parametrize("hook", HOOKS)

@@ -57,6 +57,8 @@ CALLS = {
         "visible": (),
         "layers": (),
         "test_point": ((0, 0),),
+        "set_circle": ((0, 0), 1),
+        "set_polygon": (((0, 0), (1, 0), (0, 1)),),
     },
     "joint": {"angle": ()},
     "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},

@@ -27,7 +27,12 @@ PATCHES: Dict[str, str] = {
     "latched_topics": "the markers of models are not latched",
     "marker_server": "a thread wakes at every step; in a pause only one client can drag a model",
 }
-"""The modules of the patches, each with what it costs to do without it."""
+"""The modules of the patches, each with what it costs to do without it.
+
+Three of them save time. A step of the office at 200 Hz takes 0.19 ms of processor time while a scan
+and odometry are subscribed to, 0.22 ms without `raw_publishing`, 0.27 ms without `local_time`, and
+0.40 ms without `nonblocking_connection`. The others have a test that fails without them.
+"""
 
 logger = logging.getLogger(__name__)
 
