@@ -63,6 +63,24 @@ bool CanTouch(const b2Fixture& a, const b2Fixture& b) {
          (second.maskBits & first.categoryBits) != 0;
 }
 
+/// Makes a fixture that does not count for the body's mass: with a density, Box2D would sum over
+/// all fixtures; see MassSum.
+b2Fixture* MakeFixture(b2Body& body, uint32_t index, const b2Shape& shape,
+                       const FixtureSettings& settings) {
+  b2FixtureDef definition;
+  definition.userData.pointer = index;
+  definition.shape = &shape;
+  definition.density = 0.0f;
+  definition.friction = static_cast<float>(settings.friction);
+  definition.restitution = static_cast<float>(settings.restitution);
+  definition.isSensor = settings.sensor;
+  definition.filter.categoryBits = settings.layers;
+  definition.filter.maskBits = settings.collides ? settings.layers : 0;
+  b2Fixture* const fixture = body.CreateFixture(&definition);
+  fixture->SetDensity(static_cast<float>(settings.density));
+  return fixture;
+}
+
 /// True if a fixture of a dynamic body overlaps a wall of a large layer that it collides with.
 bool OverlapsWall(const BodyRecord& record, const NearbyWalls& layer) {
   if (record.body->GetType() != b2_dynamicBody) return false;
@@ -102,24 +120,6 @@ double ClearanceOf(const b2Fixture& fixture, const Bodies& bodies, const Layers&
     });
   }
   return least;
-}
-
-/// Makes a fixture that does not count for the body's mass: with a density, Box2D would sum over
-/// all fixtures; see MassSum.
-b2Fixture* MakeFixture(b2Body& body, uint32_t index, const b2Shape& shape,
-                       const FixtureSettings& settings) {
-  b2FixtureDef definition;
-  definition.userData.pointer = index;
-  definition.shape = &shape;
-  definition.density = 0.0f;
-  definition.friction = static_cast<float>(settings.friction);
-  definition.restitution = static_cast<float>(settings.restitution);
-  definition.isSensor = settings.sensor;
-  definition.filter.categoryBits = settings.layers;
-  definition.filter.maskBits = settings.collides ? settings.layers : 0;
-  b2Fixture* const fixture = body.CreateFixture(&definition);
-  fixture->SetDensity(static_cast<float>(settings.density));
-  return fixture;
 }
 
 }  // namespace
