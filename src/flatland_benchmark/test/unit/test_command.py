@@ -284,7 +284,7 @@ def test_the_pictures_of_the_page_are_there():
 
 
 def launched(launch, *arguments):
-    """What roslaunch makes of a launch file with these arguments."""
+    """The configuration that roslaunch makes of a launch file with these arguments."""
     return load_config_default([(str(launch), list(arguments))], None, verbose=False)
 
 

@@ -67,9 +67,7 @@ class World : public Access, private b2DestructionListener {
 
   Body AddBody(const BodySettings& settings);
   /// Adds a static body of two-sided walls [m], one fixture each, that cannot be moved or removed.
-  ///
-  /// @param progress  called with the number of walls added so far, about every 50,000 and at the
-  /// end
+  /// `progress` is called with their number so far, about every 50,000 and at the end.
   Body AddLayer(std::vector<Segment> walls, LayerBits layers,
                 const std::function<void(std::size_t added)>& progress = {});
   /// Also removes its fixtures, joints, drives, tweens and lidars.
@@ -96,10 +94,9 @@ class World : public Access, private b2DestructionListener {
 
   /// In the world's frame [m/s, m/s, rad/s].
   Twist GetVelocity(Body body) const;
+  void SetVelocity(Body body, const Twist& velocity);
   /// In the body's frame [m/s, m/s, rad/s].
   Twist GetLocalVelocity(Body body) const;
-  /// In the world's frame [m/s, m/s, rad/s].
-  void SetVelocity(Body body, const Twist& velocity);
   /// Velocity of the body at a point of the world [m], in the world's frame [m/s].
   Vec2 GetVelocityAt(Body body, Vec2 point) const;
   /// Sets the velocities of the body and its drives, and their commands, to zero.
@@ -204,16 +201,11 @@ class World : public Access, private b2DestructionListener {
   /// Makes at most `count` steps of `dt` [s] each, and at least one. Ends after a step in which the
   /// contact listener was called, so that the caller can react before the next one. Returns the
   /// number of steps.
-  int StepUntilContact(double dt, int count) {
-    return StepUntilContact(dt, count, AccessGuard(*this));
-  }
+  int StepUntilContact(double dt, int count);
   int StepUntilContact(double dt, int count, const AccessGuard& guard);
   /// Number of steps that the last call of StepUntilContact has completed; during a call of the
   /// contact listener, those before the step that is being made.
-  int completed_steps() const {
-    RequireAccess();
-    return completed_steps_;
-  }
+  int completed_steps() const;
 
   // ---- State ----
 
@@ -241,8 +233,7 @@ class World : public Access, private b2DestructionListener {
   NearbyWalls* FindLargeLayer(Fixture fixture) const;
   Fixture AddFixture(Body body, const b2Shape& shape, const FixtureSettings& settings);
   void SetShape(Fixture fixture, const b2Shape& shape, std::optional<LayerBits> layers);
-  /// Calls `apply(b2Body&)`, which applies a force: now or, in the contact listener, after the
-  /// step.
+  /// Calls `apply(b2Body&)` now or, in the contact listener, after the step.
   template <class Apply>
   void ApplyOrDefer(Body body, Apply apply);
   Joint AddJoint(const b2JointDef& definition);

@@ -66,6 +66,10 @@ void World::Step(double dt, const AccessGuard&) {
   contacts_.RunDeferred();
 }
 
+int World::StepUntilContact(double dt, int count) {
+  return StepUntilContact(dt, count, AccessGuard(*this));
+}
+
 int World::StepUntilContact(double dt, int count, const AccessGuard& guard) {
   Require(count >= 1, "expected 1 step or more");
   const uint64_t events = contacts_.event_count();
@@ -74,6 +78,11 @@ int World::StepUntilContact(double dt, int count, const AccessGuard& guard) {
     Step(dt, guard);
     ++completed_steps_;
   }
+  return completed_steps_;
+}
+
+int World::completed_steps() const {
+  RequireAccess();
   return completed_steps_;
 }
 

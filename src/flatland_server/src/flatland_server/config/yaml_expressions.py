@@ -27,7 +27,7 @@ class Expressions:
     def __init__(self, get_param: Callable[[str, Any], Any]) -> None:
         self._get_param = get_param
         self.has_environment = True
-        """Whether expressions may read environment variables."""
+        """True if expressions may read environment variables."""
         self._place = ""  # file and line of the expression that is being evaluated
         self._lua = LuaEvaluator({"env": self._env, "param": self._param})
 

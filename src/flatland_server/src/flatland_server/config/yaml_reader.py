@@ -47,7 +47,7 @@ Color = Tuple[float, float, float, float]
 
 
 def is_text(file: Path) -> bool:
-    """Whether a problem's file stands for a text; see `YamlReader.from_text`."""
+    """True if a problem's file stands for a text; see `YamlReader.from_text`."""
     return str(file).startswith(_TEXT_OF)
 
 

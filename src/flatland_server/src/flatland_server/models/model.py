@@ -22,7 +22,7 @@ from flatland_server.models.plugin_config import PluginConfig
 
 
 class ModelText(NamedTuple):
-    """What would be in a model's file, from a client."""
+    """The content of a model's file, as a text from a client."""
 
     text: str
     """YAML; see `YamlPreprocessor.read_text`."""
