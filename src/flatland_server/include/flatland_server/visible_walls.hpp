@@ -15,12 +15,16 @@
 /// that do so for each half. To be on the safe side, a wall for which this does not succeed soon
 /// counts as seen. So a scan is the same with these walls as with all.
 ///
-/// A search takes some milliseconds. So that no step is late, a scan from a cell that waits for its
-/// walls makes a part of the first search that waits (wall_search.hpp). Searches take much memory,
-/// so only as many are begun as there are threads.
+/// A search takes some milliseconds; that for a cell of half a metre less than one if the walls of
+/// the cell of a metre around it are known, as only these and their chains matter. So that no step
+/// is late, a scan from a cell that waits for its walls makes a part of the first search that waits
+/// (wall_search.hpp). Searches take much memory, so only as many are begun as there are threads.
+/// Batches search all cells of a metre when they are made, on all cores, and keep what is known in
+/// a file (wall_cache.py).
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -53,15 +57,34 @@ class VisibleWalls {
   /// (yet); valid as long as this object. Several threads may call it at a time.
   const WallList* SeenFrom(Vec2 point) const;
 
+  /// The number of cells of a metre; 0 with few walls.
+  int cell_count() const { return grids_.empty() ? 0 : grids_[1].columns * grids_[1].rows; }
+  /// Finds the walls of cells of a metre, from one number to before another, on all cores.
+  void Find(int begin, int end) const;
+  /// All that is known, as numbers: for each cell kUnknown, kAllWalls, or the number of its walls
+  /// and their indices.
+  std::vector<uint32_t> GetKnown() const;
+  /// Takes what GetKnown gave for equal walls. Returns false, and takes nothing, if it is something
+  /// else.
+  bool Take(const std::vector<uint32_t>& known) const;
+  static constexpr uint32_t kUnknown = UINT32_MAX;
+  static constexpr uint32_t kAllWalls = UINT32_MAX - 1;  ///< too many can be seen for a list
+
   /// As many scans are made from a cell of a metre before the search for its walls begins, and as
   /// many from one of half a metre. In an office about a hundred more complete it.
   static constexpr int kScansBefore = 128;
   static constexpr int kScansBeforeHalf = 384;
 
  private:
+  /// The visible walls of a cell: their indices, and how they are drawn.
+  struct Found {
+    std::vector<uint32_t> indices;
+    WallList list;
+  };
+
   struct Cell {
     std::atomic<int> scans{0};
-    std::atomic<const WallList*> seen{nullptr};  // null before it is known
+    std::atomic<const Found*> seen{nullptr};  // null before it is known
   };
 
   struct Grid {
@@ -80,13 +103,16 @@ class VisibleWalls {
   };
 
   struct Search {
-    Cell* cell;
-    Box from;
+    const Grid* grid;
+    int cell;
     std::unique_ptr<WallSearch> search;  // null before its begin
   };
 
   const WallList* SeenFrom(const Grid& grid, Vec2 point) const;
   void PrepareLocked() const;
+  std::unique_ptr<WallSearch> Begin(const Grid& grid, int cell) const;
+  /// Keeps the walls of a cell, or that there are too many.
+  void KeepLocked(const Grid& grid, int cell, std::vector<uint32_t> indices) const;
   /// Makes a part of a search.
   void SearchOn() const;
 
@@ -95,7 +121,7 @@ class VisibleWalls {
   mutable std::mutex mutex_;  // guards the members below
   mutable std::unique_ptr<const Occluders> occluders_;  // made when they are first needed
   mutable std::deque<Search> waiting_;                  // but those that a thread goes on with
-  mutable std::vector<std::unique_ptr<const WallList>> found_;
+  mutable std::vector<std::unique_ptr<const Found>> found_;
   mutable size_t found_walls_ = 0;  // in all of them
 };
 

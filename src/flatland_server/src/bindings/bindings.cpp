@@ -4,6 +4,7 @@
 /// body its use raises GoneError. Steps and scans release the GIL; the contact listener acquires it
 /// for each event.
 
+#include "flatland_server/visible_walls.hpp"
 #include "bindings.hpp"
 
 #include "fast_method.hpp"
@@ -61,6 +62,40 @@ void SetContactListener(PyWorld& self, py::object callback) {
   ContactListener* listener = callback.is_none() ? nullptr : &self.owner->listener;
   self.world->contacts().SetListener(listener);
   self.owner->listener.SetCallback(self.world, std::move(callback));
+}
+
+void BindVisibleWalls(py::module_& m) {
+  struct Shared {
+    std::shared_ptr<const VisibleWalls> walls;
+  };
+  py::class_<Shared>(m, "VisibleWalls")
+      .def(py::init([](const Doubles& segments) {
+             return Shared{VisibleWalls::Share(ToSegments(segments))};
+           }),
+           py::arg("segments"))
+      .def_property_readonly("cell_count",
+                             [](const Shared& self) { return self.walls->cell_count(); })
+      .def(
+          "find",
+          [](const Shared& self, int begin, int end) {
+            const py::gil_scoped_release release;
+            self.walls->Find(begin, end);
+          },
+          py::arg("begin"), py::arg("end"))
+      .def("known",
+           [](const Shared& self) {
+             const std::vector<uint32_t> known = self.walls->GetKnown();
+             return py::bytes(reinterpret_cast<const char*>(known.data()),
+                              known.size() * sizeof(uint32_t));
+           })
+      .def(
+          "take",
+          [](const Shared& self, const std::string& bytes) {
+            std::vector<uint32_t> known(bytes.size() / sizeof(uint32_t));
+            std::memcpy(known.data(), bytes.data(), known.size() * sizeof(uint32_t));
+            return bytes.size() % sizeof(uint32_t) == 0 && self.walls->Take(known);
+          },
+          py::arg("known"));
 }
 
 void BindWorld(py::module_& m) {
@@ -144,6 +179,7 @@ PYBIND11_MODULE(_core, m) {
   BindBodyGroup(m);
   BindContacts(m);
   BindWorld(m);
+  BindVisibleWalls(m);
   BindWorldBatch(m);
   m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);

@@ -43,30 +43,37 @@ std::vector<uint32_t> FindNeighbors(const std::vector<Segment>& walls) {
   return neighbors;
 }
 
-/// The points of the longest chains; each wall is in one of them.
-std::vector<std::vector<Vec2>> FindChains(const std::vector<Segment>& walls) {
+/// A longest chain: its walls, and the points where they begin and the last one ends.
+struct Walk {
+  std::vector<uint32_t> walls;
+  std::vector<Vec2> points;
+};
+
+/// The longest chains; each wall is in one of them.
+std::vector<Walk> FindChains(const std::vector<Segment>& walls) {
   const std::vector<uint32_t> neighbors = FindNeighbors(walls);
   std::vector<bool> is_taken(walls.size(), false);
-  std::vector<std::vector<Vec2>> chains;
+  std::vector<Walk> chains;
   for (uint32_t wall = 0; wall < walls.size(); ++wall) {
     if (is_taken[wall]) continue;
     uint32_t first = 2 * wall;
     while (neighbors[first] != kNone && neighbors[first] / 2 != wall) {
       first = Opposite(neighbors[first]);
     }
-    std::vector<Vec2>& chain = chains.emplace_back();
-    chain.push_back(PointAt(walls, first));
+    Walk& chain = chains.emplace_back();
+    chain.points.push_back(PointAt(walls, first));
     for (uint32_t end = first; end != kNone && !is_taken[end / 2]; end = neighbors[Opposite(end)]) {
       is_taken[end / 2] = true;
-      chain.push_back(PointAt(walls, Opposite(end)));
+      chain.walls.push_back(end / 2);
+      chain.points.push_back(PointAt(walls, Opposite(end)));
     }
   }
   return chains;
 }
 
-/// Appends the chords over 2, 4, 8 ... walls of a chain.
-void AddChords(const std::vector<Vec2>& chain, std::vector<Segment>* lines,
-               std::vector<Box>* boxes) {
+/// Appends the chords over 2, 4, 8 ... walls of a chain, the first of which has number `first`.
+void AddChords(const std::vector<Vec2>& chain, size_t first, std::vector<Segment>* lines,
+               std::vector<Occluders::Chain>* chains) {
   for (size_t span = 2; span < chain.size(); span *= 2) {
     for (size_t begin = 0; begin + span < chain.size(); begin += span / 2) {
       const Segment chord{chain[begin], chain[begin + span]};
@@ -76,17 +83,21 @@ void AddChords(const std::vector<Vec2>& chain, std::vector<Segment>* lines,
       const double length = std::sqrt(Dot(way, way));
       if (!(length > 0.0) || length < kMinLength * box.half_perimeter()) continue;
       lines->push_back(chord);
-      boxes->push_back(box);
+      chains->push_back({box, first + begin, first + begin + span});
     }
   }
 }
 
 /// A tree of the walls and, after them, their chords; null if there are none.
 std::unique_ptr<const SegmentTree> MakeTree(const std::vector<Segment>& walls,
-                                            std::vector<Box>* chains) {
+                                            std::vector<Occluders::Chain>* chains,
+                                            std::vector<uint32_t>* in_order) {
   if (walls.size() > Occluders::kMaxWalls) return nullptr;
   std::vector<Segment> lines = walls;
-  for (const std::vector<Vec2>& chain : FindChains(walls)) AddChords(chain, &lines, chains);
+  for (const Walk& chain : FindChains(walls)) {
+    AddChords(chain.points, in_order->size(), &lines, chains);
+    in_order->insert(in_order->end(), chain.walls.begin(), chain.walls.end());
+  }
   return std::make_unique<const SegmentTree>(std::move(lines), SegmentTree::Progress(), 0);
 }
 
@@ -94,7 +105,18 @@ std::unique_ptr<const SegmentTree> MakeTree(const std::vector<Segment>& walls,
 
 Occluders::Occluders(const SegmentTree& walls)
     : wall_count_(walls.segment_count()),
-      with_chords_(MakeTree(walls.segments(), &chains_)),
+      with_chords_(MakeTree(walls.segments(), &chains_, &in_order_)),
       tree_(with_chords_ == nullptr ? walls : *with_chords_) {}
+
+std::vector<bool> Occluders::AreOf(const std::vector<uint32_t>& walls) const {
+  std::vector<bool> found(tree_.segment_count(), false);
+  for (const uint32_t wall : walls) found[wall] = true;
+  std::vector<uint32_t> count(in_order_.size() + 1, 0);  // of those among the first i in order
+  for (size_t i = 0; i < in_order_.size(); ++i) count[i + 1] = count[i] + found[in_order_[i]];
+  for (size_t i = 0; i < chains_.size(); ++i) {
+    found[wall_count_ + i] = count[chains_[i].begin] < count[chains_[i].end];
+  }
+  return found;
+}
 
 }  // namespace flatland

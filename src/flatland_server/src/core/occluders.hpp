@@ -30,6 +30,12 @@ struct Occluder {
 
 class Occluders {
  public:
+  /// The chain of a chord.
+  struct Chain {
+    Box box;
+    size_t begin, end;  ///< of its walls, in an order of all walls in which they are neighbours
+  };
+
   /// The occluders of a layer. They refer to its walls, which must live as long.
   explicit Occluders(const SegmentTree& walls);
 
@@ -43,8 +49,12 @@ class Occluders {
   /// The tree of their lines, and the occluder with an index in its segments().
   const SegmentTree& tree() const { return tree_; }
   Occluder Get(uint32_t index) const {
-    return {tree_.segments()[index], index < wall_count_ ? nullptr : &chains_[index - wall_count_]};
+    return {tree_.segments()[index],
+            index < wall_count_ ? nullptr : &chains_[index - wall_count_].box};
   }
+
+  /// For each occluder, whether it is one of these walls, or its chain has one.
+  std::vector<bool> AreOf(const std::vector<uint32_t>& walls) const;
 
   /// With more walls there are no chords: it takes too long to sort them.
   static constexpr size_t kMaxWalls = 100'000;
@@ -62,7 +72,8 @@ class Occluders {
   }
 
   size_t wall_count_;
-  std::vector<Box> chains_;  // of the chords, which come after the walls
+  std::vector<Chain> chains_;       // of the chords, which come after the walls
+  std::vector<uint32_t> in_order_;  // all walls, chain by chain
   std::unique_ptr<const SegmentTree> with_chords_;
   const SegmentTree& tree_;
 };

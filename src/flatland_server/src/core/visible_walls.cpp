@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "flatland_server/parallel.hpp"
 #include "occluders.hpp"
 #include "wall_search.hpp"
 
@@ -99,8 +100,11 @@ const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point) const {
   const int index = grid.CellAt(point);
   if (index < 0) return nullptr;
   Cell& cell = grid.cells[index];
-  const WallList* const seen = cell.seen.load(std::memory_order_acquire);
-  if (seen != nullptr) return seen;
+  const auto seen = [&cell] {
+    const Found* const found = cell.seen.load(std::memory_order_acquire);
+    return found == nullptr ? nullptr : &found->list;
+  };
+  if (const WallList* const list = seen()) return list;
   int scans = cell.scans.load(std::memory_order_relaxed);
   if (scans == kGivenUp) return nullptr;
   if (scans < grid.scans_before) {
@@ -108,10 +112,10 @@ const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point) const {
         cell.scans.compare_exchange_strong(scans, scans + 1, std::memory_order_relaxed);
     if (!is_counted || scans + 1 < grid.scans_before) return nullptr;
     const std::lock_guard lock(mutex_);
-    waiting_.push_back({&cell, grid.BoxOf(index), nullptr});
+    waiting_.push_back({&grid, index, nullptr});
   }
   SearchOn();
-  return cell.seen.load(std::memory_order_acquire);
+  return seen();
 }
 
 void VisibleWalls::Prepare() const {
@@ -131,26 +135,98 @@ void VisibleWalls::SearchOn() const {
   waiting_.pop_front();
   PrepareLocked();
   lock.unlock();
-  if (next.search == nullptr) {
-    next.search = std::make_unique<WallSearch>(*walls_, *occluders_, next.from);
-  }
+  if (next.search == nullptr) next.search = Begin(*next.grid, next.cell);
   const bool has_ended = next.search->Continue(kEffort);
   lock.lock();
   if (!has_ended) {
     waiting_.push_front(std::move(next));
     return;
   }
-  const std::vector<uint32_t>& indices = next.search->seen();
+  KeepLocked(*next.grid, next.cell, next.search->seen());
+}
+
+std::unique_ptr<WallSearch> VisibleWalls::Begin(const Grid& grid, int cell) const {
+  const Box box = grid.BoxOf(cell);
+  const Found* around = nullptr;
+  if (&grid != &grids_[1]) {
+    const int larger = grids_[1].CellAt(0.5 * (box.low + box.high));
+    if (larger >= 0) around = grids_[1].cells[larger].seen.load(std::memory_order_acquire);
+  }
+  return std::make_unique<WallSearch>(*walls_, *occluders_, box,
+                                      around == nullptr ? nullptr : &around->indices);
+}
+
+void VisibleWalls::KeepLocked(const Grid& grid, int index, std::vector<uint32_t> indices) const {
+  Cell& cell = grid.cells[index];
   const bool pays = indices.size() <= walls_->segment_count() / 2 &&
                     found_walls_ + indices.size() <= kMaxFoundWalls;
   if (!pays) {
-    next.cell->scans = kGivenUp;
+    cell.scans = kGivenUp;
     return;
   }
   found_walls_ += indices.size();
-  const Vec2 middle = 0.5 * (next.from.low + next.from.high);
-  found_.push_back(std::make_unique<const WallList>(walls_->segments(), indices, middle));
-  next.cell->seen.store(found_.back().get(), std::memory_order_release);
+  const Box box = grid.BoxOf(index);
+  const WallList list(walls_->segments(), indices, 0.5 * (box.low + box.high));
+  found_.push_back(std::make_unique<const Found>(Found{std::move(indices), list}));
+  cell.seen.store(found_.back().get(), std::memory_order_release);
+}
+
+void VisibleWalls::Find(int begin, int end) const {
+  if (!(0 <= begin && begin < end && end <= cell_count())) return;
+  Prepare();
+  const Grid& grid = grids_[1];
+  ForEachInParallel(end - begin, [&](int i) noexcept {
+    const int cell = begin + i;
+    if (grid.cells[cell].seen != nullptr || grid.cells[cell].scans == kGivenUp) return;
+    const std::unique_ptr<WallSearch> search = Begin(grid, cell);
+    search->Continue(INT_MAX);
+    const std::lock_guard lock(mutex_);
+    KeepLocked(grid, cell, search->seen());
+  });
+}
+
+std::vector<uint32_t> VisibleWalls::GetKnown() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<uint32_t> known;
+  for (const Grid& grid : grids_) {
+    for (int i = 0; i < grid.columns * grid.rows; ++i) {
+      const Cell& cell = grid.cells[i];
+      if (const Found* const found = cell.seen) {
+        known.push_back(static_cast<uint32_t>(found->indices.size()));
+        known.insert(known.end(), found->indices.begin(), found->indices.end());
+      } else {
+        known.push_back(cell.scans == kGivenUp ? kAllWalls : kUnknown);
+      }
+    }
+  }
+  return known;
+}
+
+bool VisibleWalls::Take(const std::vector<uint32_t>& known) const {
+  const auto count = static_cast<uint32_t>(walls_->segment_count());
+  // Twice the same: first only a check.
+  for (const bool is_check : {true, false}) {
+    const std::lock_guard lock(mutex_);
+    auto next = known.begin();
+    for (const Grid& grid : grids_) {
+      for (int i = 0; i < grid.columns * grid.rows; ++i) {
+        if (next == known.end()) return false;
+        const uint32_t number = *next++;
+        Cell& cell = grid.cells[i];
+        if (number == kAllWalls && !is_check) cell.scans = kGivenUp;
+        if (number == kAllWalls || number == kUnknown) continue;
+        if (number > known.end() - next) return false;
+        const auto end = next + number;
+        if (is_check && std::any_of(next, end, [&](uint32_t each) { return each >= count; })) {
+          return false;
+        }
+        if (!is_check && cell.seen == nullptr) KeepLocked(grid, i, {next, end});
+        next = end;
+      }
+    }
+    if (next != known.end()) return false;
+  }
+  return true;
 }
 
 }  // namespace flatland

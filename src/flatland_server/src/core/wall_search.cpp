@@ -170,9 +170,17 @@ class Shaft {
 
 class WallSearch::Finder {
  public:
-  Finder(const SegmentTree& walls, const Occluders& occluders, const Box& from)
+  Finder(const SegmentTree& walls, const Occluders& occluders, const Box& from,
+         const std::vector<uint32_t>* among)
       : walls_(walls), occluders_(occluders), from_(from) {
-    if (walls.segment_count() > 0) pending_.push_back({walls.root(), false});
+    if (among != nullptr) {
+      for (auto i = among->rbegin(); i != among->rend(); ++i) {
+        pending_.push_back({{{}, static_cast<int32_t>(*i)}, true});
+      }
+      among_ = occluders.AreOf(*among);
+    } else if (walls.segment_count() > 0) {
+      pending_.push_back({walls.root(), false});
+    }
   }
 
   bool Continue(int effort) {
@@ -278,6 +286,7 @@ class WallSearch::Finder {
     }
     occluders_.tree().ForEachWall(static_cast<size_t>(~child.index), [&](uint32_t index) {
       --effort_;
+      if (!among_.empty() && !among_[index]) return true;
       const Occluder each = occluders_.Get(index);
       if (shaft_->Meets(each.line)) candidates_.push_back(each);
       return true;
@@ -332,6 +341,7 @@ class WallSearch::Finder {
   const SegmentTree& walls_;
   const Occluders& occluders_;
   const Box from_;
+  std::vector<bool> among_;  // for each occluder, whether it counts; empty if all do
   int effort_ = 0;                // that is left in this portion
   std::vector<Pending> pending_;  // the next one last, as in those below
   std::vector<uint32_t> seen_;
@@ -346,8 +356,9 @@ class WallSearch::Finder {
   std::vector<Occluder> candidates_;            // what may hide a part of it
 };
 
-WallSearch::WallSearch(const SegmentTree& walls, const Occluders& occluders, const Box& from)
-    : finder_(std::make_unique<Finder>(walls, occluders, from)) {}
+WallSearch::WallSearch(const SegmentTree& walls, const Occluders& occluders, const Box& from,
+                       const std::vector<uint32_t>* among)
+    : finder_(std::make_unique<Finder>(walls, occluders, from, among)) {}
 
 WallSearch::~WallSearch() = default;
 

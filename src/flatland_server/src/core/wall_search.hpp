@@ -16,7 +16,9 @@ namespace flatland {
 class WallSearch {
  public:
   /// Of the walls of a tree, from a box. The tree and what hides its walls must outlive it.
-  WallSearch(const SegmentTree& walls, const Occluders& occluders, const Box& from);
+  /// `among`: those that can be seen from a box around it, if they are known; this is much quicker.
+  WallSearch(const SegmentTree& walls, const Occluders& occluders, const Box& from,
+             const std::vector<uint32_t>* among = nullptr);
   ~WallSearch();
 
   /// Goes on until it has looked at about so many occluders, and at least at one wall or box of the

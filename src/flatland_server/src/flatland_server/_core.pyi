@@ -165,6 +165,36 @@ class World(metaclass=_Metaclass):
     def joint_count(self) -> int:
         """Number of joints."""
 
+class VisibleWalls(metaclass=_Metaclass):
+    """Which walls are visible from where; see visible_walls.hpp.
+
+    Args:
+        segments: walls of a layer, shape (n, 4). All worlds with an equal layer share what is found.
+    """
+
+    def __init__(self, segments: Segments) -> None: ...
+    @property
+    def cell_count(self) -> int:
+        """Number of cells of a metre; 0 if there are only a few walls."""
+    def find(self, begin: int, end: int) -> None:
+        """Finds the walls visible from cells of a metre, on all cores; releases the GIL.
+
+        Args:
+            begin: number of the first cell.
+            end: number behind that of the last one.
+        """
+    def known(self) -> bytes:
+        """All that is known, for `take`: on this machine, as numbers of 32 bits."""
+    def take(self, known: bytes) -> bool:
+        """Adds what is known to be visible.
+
+        Args:
+            known: from `known`, of equal walls.
+
+        Returns:
+            False if it is something else; then nothing has changed.
+        """
+
 class WorldBatch(metaclass=_Metaclass):
     """Environments with the same initial world and a robot each; see world_batch.hpp.
 

@@ -19,6 +19,7 @@ from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
 from flatland2d.batch.robot import roles_of
 from flatland2d.batch.view import BatchView
+from flatland2d.batch.wall_cache import WallCache
 from flatland2d.free_space import FreeSpace
 from flatland2d.robot import find_robot
 from flatland2d.simulation import Simulation
@@ -141,6 +142,8 @@ class SimulationBatch:
         self._plugins.begin(None, self._seeds)
         self._noise = BatchNoise(self._robot, self._num_envs)
         self._spaces = FreeSpaces(self._world, self._robot)
+        config = self._world.config
+        self._walls = WallCache([config.walls_of(each) for each in config.layers], self._num_envs)
 
     # Facts
 
@@ -364,6 +367,7 @@ class SimulationBatch:
         """Frees all environments. Later calls raise a UsageError, except for the facts above."""
         if self._core is not None:
             self._core = None
+            self._walls.save()
             self._world.close()
             self._plugins.close()
             self._view.close()
