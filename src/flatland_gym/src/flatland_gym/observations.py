@@ -59,8 +59,8 @@ def observe(
     """
     beams, used = ranges.shape[1], np.flatnonzero(velocity_limits)
     result = np.empty((len(ranges), beams + 3 + len(used)), np.float32)
-    np.divide(ranges, np.float32(max_range), out=result[:, :beams])
-    np.minimum(result[:, :beams], np.float32(1.0), out=result[:, :beams])
+    scaled = ranges / np.float32(max_range)  # contiguous: quicker than in the rows of the result
+    result[:, :beams] = np.minimum(scaled, np.float32(1.0), out=scaled)
     x, y = goals[:, 0] - poses[:, 0], goals[:, 1] - poses[:, 1]
     cosine, sine = cos_sin(poses[:, 2])
     distance = np.hypot(x, y)

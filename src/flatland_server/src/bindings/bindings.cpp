@@ -4,11 +4,13 @@
 /// body its use raises GoneError. Steps and scans release the GIL; the contact listener acquires it
 /// for each event.
 
-#include "flatland_server/visible_walls.hpp"
 #include "bindings.hpp"
+
+#include <cstring>
 
 #include "fast_method.hpp"
 #include "flatland_server/box2d_timer.hpp"
+#include "flatland_server/visible_walls.hpp"
 
 namespace flatland {
 namespace {

@@ -158,6 +158,7 @@ std::unique_ptr<WallSearch> VisibleWalls::Begin(const Grid& grid, int cell) cons
 
 void VisibleWalls::KeepLocked(const Grid& grid, int index, std::vector<uint32_t> indices) const {
   Cell& cell = grid.cells[index];
+  if (cell.seen != nullptr) return;
   const bool pays = indices.size() <= walls_->segment_count() / 2 &&
                     found_walls_ + indices.size() <= kMaxFoundWalls;
   if (!pays) {
@@ -220,7 +221,7 @@ bool VisibleWalls::Take(const std::vector<uint32_t>& known) const {
         if (is_check && std::any_of(next, end, [&](uint32_t each) { return each >= count; })) {
           return false;
         }
-        if (!is_check && cell.seen == nullptr) KeepLocked(grid, i, {next, end});
+        if (!is_check) KeepLocked(grid, i, {next, end});
         next = end;
       }
     }

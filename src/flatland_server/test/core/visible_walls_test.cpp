@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <climits>
+#include <cmath>
 #include <random>
 #include <thread>
 #include <vector>
@@ -201,6 +203,61 @@ TEST(VisibleWallsTest, ManyThreadsMayAsk) {
     });
   }
   for (std::thread& thread : threads) thread.join();
+}
+
+TEST(VisibleWallsTest, ScansAreTheSameWithWallsFoundAmongThoseOfALargerCell) {
+  const BeamFan fan(-3.1, 0.01, 620);
+  const SegmentTree all(Chains(7));
+  const Occluders occluders(all);
+  Dice dice(300);
+  for (int cell = 0; cell < Rounds(40); ++cell) {
+    const Vec2 low{dice(0, 7), dice(0, 7)};
+    Box large, small;
+    large.Add(Segment{low, low + Vec2{1, 1}});
+    small.Add(Segment{low, low + Vec2{0.5, 0.5}});
+    const std::vector<uint32_t> around = WallsSeenFrom(all, occluders, large);
+    WallSearch search(all, occluders, small, &around);
+    search.Continue(INT_MAX);
+    EXPECT_LE(search.seen().size(), around.size());
+    const WallList seen(all.segments(), search.seen(), low);
+    for (int i = 0; i < 12; ++i) {
+      const double x = i < 4 ? 0.5 * (i % 2) : dice(0, 0.5), y = i < 4 ? 0.25 * i : dice(0, 0.5);
+      const Pose pose{low.x + x, low.y + std::min(y, 0.5), dice(-3, 3)};
+      ASSERT_EQ(Scan(fan, seen, pose), Scan(fan, all, pose)) << cell << " " << i;
+    }
+  }
+}
+
+TEST(VisibleWallsTest, AreFoundAtOnceAndTakenByEqualLayers) {
+  const auto walls = std::make_shared<const SegmentTree>(HallAndRooms(3));
+  const VisibleWalls first(walls), second(walls), third(walls);
+  first.Find(0, first.cell_count());
+  const std::vector<uint32_t> known = first.GetKnown();
+  ASSERT_TRUE(second.Take(known));
+  EXPECT_EQ(second.GetKnown(), known);
+  const BeamFan fan(-3.0, 0.1, 60);
+  Dice dice(1);
+  int lists = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Pose pose{dice(0, 25), dice(0, 20), dice(-3, 3)};
+    const WallList* const seen = second.SeenFrom({pose.x, pose.y});
+    if (seen == nullptr) continue;
+    ++lists;
+    ASSERT_EQ(Scan(fan, *seen, pose), Scan(fan, *walls, pose));
+  }
+  EXPECT_GT(lists, 150);
+
+  std::vector<uint32_t> wrong = known;
+  wrong.back() = static_cast<uint32_t>(walls->segment_count());
+  for (const auto& each : {std::vector<uint32_t>(known.begin(), known.end() - 1), wrong,
+                           std::vector<uint32_t>(), std::vector<uint32_t>{known[0], 5u}}) {
+    EXPECT_FALSE(third.Take(each));
+  }
+  wrong = known;
+  wrong.push_back(VisibleWalls::kUnknown);
+  EXPECT_FALSE(third.Take(wrong));
+  wrong = third.GetKnown();
+  EXPECT_EQ(wrong, std::vector<uint32_t>(wrong.size(), VisibleWalls::kUnknown));
 }
 
 TEST(VisibleWallsTest, TheSizeOfPortionsDoesNotMatter) {

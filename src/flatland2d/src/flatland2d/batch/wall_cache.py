@@ -18,6 +18,8 @@ _LARGE = 256
 """With fewer environments, walls are found where many scans are made."""
 _MOST_CELLS = 4096
 """Larger maps are left to the scans: finding all their walls would take minutes."""
+_MOST_WALLS = 100_000
+"""Of a layer; hashing more takes long."""
 _AT_ONCE = 64
 """Cells between two updates of the progress bar."""
 _LARGEST_FILE = 2**26
@@ -39,6 +41,8 @@ class WallCache:
     def __init__(self, layers: Sequence[Segments], count: int) -> None:
         self._files: List[_File] = []
         for segments in layers:
+            if len(segments) > _MOST_WALLS:
+                continue
             walls = _core.VisibleWalls(segments)
             if walls.cell_count == 0:
                 continue

@@ -1,0 +1,82 @@
+"""Steps of `make_vec` in the office as a user makes them: creation, then steps with resets.
+
+    usage: training.py [--environments 1024] [--steps 1000000] [--runs 3]
+
+Needs Flatland and its extra gym. Each run is a process: first one without the files of visible
+walls (docs/speed.md), then one with them. CPU seconds are less affected by other programs.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from statistics import median
+from typing import Dict
+
+import gymnasium
+import numpy as np
+
+import flatland_gym  # noqa: F401 (registers the environments)
+
+_HELD = 10
+"""Steps with the same random actions."""
+
+
+def measure(environments: int, steps: int) -> Dict[str, float]:
+    """The seconds that creation and steps take, and the processor time of both."""
+    begin, begin_cpu = time.perf_counter(), time.process_time()
+    env = gymnasium.make_vec(
+        "flatland/Navigation-v0", num_envs=environments, world="office", beams=360
+    )
+    env.reset(seed=0)
+    created, created_cpu = time.perf_counter(), time.process_time()
+    rng, space = np.random.default_rng(0), env.action_space
+    for step in range(steps // environments):
+        if step % _HELD == 0:
+            actions = rng.uniform(space.low, space.high)
+        env.step(actions)
+    end, end_cpu = time.perf_counter(), time.process_time()
+    env.close()
+    made = steps // environments * environments
+    return {
+        "creation [s]": created - begin,
+        "env steps/s with creation": made / (end - begin),
+        "env steps/s": made / (end - created),
+        "CPU per env step with creation [us]": (end_cpu - begin_cpu) / made * 1e6,
+        "CPU per env step [us]": (end_cpu - created_cpu) / made * 1e6,
+    }
+
+
+def main() -> None:
+    """Prints the medians."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--environments", type=int, default=1024)
+    parser.add_argument("--steps", type=int, default=1_000_000)
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--one", action="store_true", help="run once, in this process")
+    options = parser.parse_args()
+    if options.one:
+        print(json.dumps(measure(options.environments, options.steps)))
+        return
+    runs: Dict[str, list] = {"first": [], "second": []}
+    for _ in range(options.runs):
+        with tempfile.TemporaryDirectory() as cache:
+            for found in runs.values():
+                output = subprocess.run(
+                    [sys.executable, *sys.argv, "--one"],
+                    env={**os.environ, "XDG_CACHE_HOME": cache},
+                    check=True,
+                    stdout=subprocess.PIPE,
+                ).stdout
+                found.append(json.loads(output))
+    print("| |", " | ".join(runs), "|\n| --- | --- | --- |")
+    for name in runs["first"][0]:
+        values = (f"{median(run[name] for run in found):.4g}" for found in runs.values())
+        print(f"| {name} |", " | ".join(values), "|")
+
+
+if __name__ == "__main__":
+    main()
