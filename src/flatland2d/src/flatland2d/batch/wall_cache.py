@@ -50,12 +50,13 @@ class WallCache:
             self._files.append(file)
             if not file.load() and count >= _LARGE and walls.cell_count <= _MOST_CELLS:
                 _find(walls)
-                file.save()
+                file.write()
 
     def save(self) -> None:
         """Writes what has been found since then."""
         for file in self._files:
-            file.save()
+            if file.is_old:
+                file.write()
 
 
 class _File:
@@ -64,7 +65,7 @@ class _File:
     def __init__(self, walls: _core.VisibleWalls, name: str) -> None:
         self._walls = walls
         self._name = name
-        self._size = 0  # of what is in the file
+        self._size = len(walls.known())  # when the file was read or written
 
     def load(self) -> bool:
         """Takes the file's walls; returns False if it is damaged, or there is none."""
@@ -75,14 +76,19 @@ class _File:
         except (OSError, RuntimeError):  # there is no home folder
             return False
         known = content[32:]
+        if hashlib.sha256(known).digest() != content[:32] or not self._walls.take(known):
+            return False
         self._size = len(known)
-        return hashlib.sha256(known).digest() == content[:32] and self._walls.take(known)
+        return True
 
-    def save(self) -> None:
-        """Writes the file if more is known."""
+    @property
+    def is_old(self) -> bool:
+        """True if more is known since it was read or written."""
+        return len(self._walls.known()) > self._size
+
+    def write(self) -> None:
+        """Writes all that is known."""
         known = self._walls.known()
-        if len(known) <= self._size:
-            return
         self._size = len(known)
         with contextlib.suppress(OSError, RuntimeError):
             folder = _folder()
