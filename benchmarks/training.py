@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 from statistics import median
-from typing import Dict
+from typing import Dict, List
 
 import gymnasium
 import numpy as np
@@ -52,7 +52,7 @@ def measure(environments: int, steps: int) -> Dict[str, float]:
 
 def main() -> None:
     """Prints the medians."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--environments", type=int, default=1024)
     parser.add_argument("--steps", type=int, default=1_000_000)
     parser.add_argument("--runs", type=int, default=3)
@@ -61,7 +61,7 @@ def main() -> None:
     if options.one:
         print(json.dumps(measure(options.environments, options.steps)))
         return
-    runs: Dict[str, list] = {"first": [], "second": []}
+    runs: Dict[str, List[Dict[str, float]]] = {"first": [], "second": []}
     for _ in range(options.runs):
         with tempfile.TemporaryDirectory() as cache:
             for found in runs.values():
