@@ -4,7 +4,8 @@ import math
 from typing import Tuple
 
 import pytest
-from readings import GROUND_TRUTH, pose_of, twist_of, warnings
+from logged import warnings
+from readings import GROUND_TRUTH, pose_of, twist_of
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
 

@@ -4,7 +4,8 @@ import math
 
 import pytest
 from forklift import WHEELBASE, forklift, twist_at
-from readings import FILTERED, GROUND_TRUTH, pose_of, twist_of, warnings
+from logged import warnings
+from readings import FILTERED, GROUND_TRUTH, pose_of, twist_of
 
 from flatland_server.geometry import Pose
 

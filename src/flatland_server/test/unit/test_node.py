@@ -1,10 +1,10 @@
 """A plugin's node: names, topics that are closed with it, and one publisher for each frame."""
 
-import logging
 import sys
 from typing import Any, List
 
 import pytest
+from logged import warnings
 
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.local_transport import LocalTransport
@@ -19,11 +19,6 @@ def transport() -> LocalTransport:
 @pytest.fixture
 def root(transport) -> Node:
     return Node(transport)
-
-
-def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The warnings logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
 @pytest.mark.parametrize(

@@ -163,21 +163,5 @@ WRONG_MODELS: Dict[str, Case] = {
     "a plugin of the world in a model": (MODEL, "type: DiffDrive", "type: RandomWall",
      'robot.model.yaml:42: plugins[0].type: "RandomWall" is not a ModelPlugin: '
      "flatland_plugins.random_wall.RandomWall"),
-    "an unknown body of a plugin": (MODEL, "name: drive\n    body: base",
-     "name: drive\n    body: bsae",
-     'robot.model.yaml:44: plugins[0].body: the model has no body "bsae" (did you '
-     'mean "base"?); it has: base, wheel'),
-    "a negative limit": (MODEL, "{velocity_limit: 1}", "{velocity_limit: -1}",
-     "robot.model.yaml:45: plugins[0].linear_dynamics.velocity_limit: expected a "
-     "number of 0 or more, found -1"),
-    "an increment that never arrives": (MODEL, "increment: 0.1", "increment: -0.1",
-     "robot.model.yaml:50: plugins[1].angle: expected an increment that leads from "
-     "min to max in 1 to 1000000 beams, found -0.1 from -1 to 1"),
-    "a laser on an unknown layer": (MODEL, "range: 10", "range: 10\n    layers: [floors]",
-     'robot.model.yaml:50: plugins[1].layers: no layer is named "floors" (did you '
-     'mean "floor"?); there are: map, walls, lines, floor'),
-    "an endless scan": (MODEL, "increment: 0.1", "increment: 0.0000001",
-     "robot.model.yaml:50: plugins[1].angle: expected an increment that leads from "
-     "min to max in 1 to 1000000 beams, found 1e-07 from -1 to 1"),
 }
 # fmt: on

@@ -3,15 +3,8 @@
 from typing import Any, List
 
 import pytest
-from plugin_manager.recorders import (
-    WorldRecorder,
-    calls,
-    errors,
-    local,
-    step,
-    world_of,
-    write_model,
-)
+from logged import errors
+from plugin_manager.recorders import WorldRecorder, calls, local, step, world_of, write_model
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose
