@@ -20,14 +20,6 @@ def arc(linear: float, angular: float, time: float) -> Tuple[float, float, float
     return radius * math.sin(turned), radius * (1 - math.cos(turned)), heading
 
 
-def test_the_turtlebot_in_the_office_drives_an_arc(office):
-    office.drive(0.5, 0.2)
-
-    for second in range(1, 11):
-        office.run(1.0)
-        assert office.model("turtlebot").pose == pytest.approx(arc(0.5, 0.2, second), abs=1e-3)
-
-
 @pytest.mark.parametrize(
     ("linear", "angular"), [(0.3, 0.0), (0.5, 0.4), (-0.3, 0.3), (0.4, -0.5), (0.0, 2.0)]
 )

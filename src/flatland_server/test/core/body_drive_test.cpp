@@ -137,19 +137,6 @@ TEST_F(DrivenRobot, DrivesStraightFarFromTheOrigin) {
   EXPECT_NEAR(world_.GetPose(robot).x, 58.0, 2e-5);
 }
 
-TEST_F(DrivenRobot, SpeedsUpAlongAStraightLineWithinTheLimits) {
-  const World::Body robot = AddRobot({});
-  const World::Drive drive = world_.AddDrive(robot, {1.0, 0.0, 0.0}, {2.0, 0.0, 0.0});
-  world_.Get(drive).Command({5.0, -5.0, 5.0});
-
-  for (int step = 0; step < 10; ++step) world_.Step(kStep);
-
-  const Twist velocity = world_.Get(drive).velocity();
-  EXPECT_NEAR(velocity.vx, 0.05 * M_SQRT1_2, 1e-12);
-  EXPECT_NEAR(velocity.vy, -0.05 * M_SQRT1_2, 1e-12);
-  EXPECT_NEAR(velocity.omega, 0.1, 1e-12);
-}
-
 // Up to the limit of 0.8 m/s at 0.2 m/s^2, along it, and from 6 s on down and back.
 const Course kSpeed({{0, 0}, {4, 0.8}, {6, 0.8}, {8, 0}, {11, -0.6}});
 const DynamicsLimits kSpeedLimits{0.2, 0.4, 0.8};

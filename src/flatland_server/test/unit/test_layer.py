@@ -80,22 +80,6 @@ def test_a_layer_without_a_map_has_no_walls_but_footprints_may_name_it(files):
     assert left.pose.x < right.pose.x - 0.98
 
 
-@pytest.mark.parametrize(
-    ("segments", "origin"),
-    [
-        pytest.param("0 0 1e6 0", "[0, 0, 0]", id="a wall of 1000 km"),
-        pytest.param("0 0 1e-17 0", "[1, 0, 0]", id="a wall too short to be told from a point"),
-    ],
-)
-def test_a_wall_that_physics_cannot_take_is_an_error_of_its_file(files, segments, origin):
-    files.write("wall.dat", segments)
-    files.write("wall.yaml", LINES.replace("[0, 0, 0]", origin))
-
-    message = files.refusal(world("{name: a, map: wall.yaml}"))
-
-    assert any(name in message for name in ("wall.dat", "wall.yaml", "world.yaml:3: layers[0]"))
-
-
 # Reading
 
 

@@ -8,30 +8,12 @@ from logged import warnings
 from world.parts import EMPTY, spawn, state
 
 from flatland_server import _core
-from flatland_server.exceptions import FlatlandError, ModelError
+from flatland_server.exceptions import ModelError
 from flatland_server.geometry import Pose
 from flatland_server.models.footprint import Circle
 from flatland_server.models.joint import JointConfig
 from flatland_server.models.model import ModelConfig
 from flatland_server.simulation.world_config import ModelEntry
-
-
-def test_a_model_whose_third_plugin_fails_leaves_no_trace(models, simulate, caplog):
-    world = models.load(EMPTY)
-    before = state(world)
-
-    with pytest.raises(FlatlandError) as caught:
-        spawn(models, world, "bad.yaml", "robot")
-
-    message = f'{models.folder}/bad.yaml:11: plugins[2] "c": no luck'
-    assert str(caught.value) == message
-    assert state(world) == before
-    # Its frames are not claimed either: another robot can publish them without a warning.
-    caplog.clear()
-    spawn(models, world, "good.yaml", "heir")
-    simulate(world).run()
-    assert warnings(caplog) == []
-    spawn(models, world, "plain.yaml", "robot")
 
 
 @pytest.mark.parametrize(
@@ -181,26 +163,6 @@ def test_one_configuration_can_be_used_for_several_models(models, simulate, tran
     assert list(world.models.values()) == added
     assert [model.pose.x for model in added] == pytest.approx([1.0, 2.0])
     assert transport.topics == {"/one/chatter", "/two/chatter"}
-
-
-def test_a_model_that_cannot_be_added_leaves_the_world_unchanged(models):
-    world = models.load(EMPTY)
-    good, bad = (
-        ModelConfig.from_file(models.folder / name, world.registry)
-        for name in ("good.yaml", "bad.yaml")
-    )
-    world.add_model(ModelEntry("here", "", Pose(), good))
-    before = state(world)
-
-    for entry, message in (
-        (ModelEntry("here", "", Pose(), good), 'a model named "here" is already there'),
-        (ModelEntry("robot", "", Pose(), bad), "no luck"),
-        (ModelEntry("robot", "", Pose(1e6, 0.0, 0.0), good), "does not fit into the world"),
-    ):
-        with pytest.raises(FlatlandError, match=message):
-            world.add_model(entry)
-
-    assert state(world) == before
 
 
 def test_the_body_of_a_footprint_that_box2d_refuses_is_removed(models):
