@@ -77,7 +77,8 @@ class ClientFiles:
         """
         if "\n" in name:
             raise ModelError(
-                "expected the path of a model file, found a text: /spawn_model_from_string takes one"
+                "expected the path of a model file, found a text: /spawn_model_from_string takes "
+                "one"
             )
         return self._readable(self._world.config.find_model(name), name)
 
