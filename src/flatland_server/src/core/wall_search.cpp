@@ -341,7 +341,7 @@ class WallSearch::Finder {
   const SegmentTree& walls_;
   const Occluders& occluders_;
   const Box from_;
-  std::vector<bool> among_;  // for each occluder, whether it counts; empty if all do
+  std::vector<bool> among_;       // for each occluder, whether it counts; empty if all do
   int effort_ = 0;                // that is left in this portion
   std::vector<Pending> pending_;  // the next one last, as in those below
   std::vector<uint32_t> seen_;

@@ -169,7 +169,7 @@ class VisibleWalls(metaclass=_Metaclass):
     """Which walls are visible from where; see visible_walls.hpp.
 
     Args:
-        segments: walls of a layer, shape (n, 4). All worlds with an equal layer share what is found.
+        segments: walls of a layer, shape (n, 4). Equal layers share what is found.
     """
 
     def __init__(self, segments: Segments) -> None: ...
