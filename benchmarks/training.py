@@ -34,6 +34,8 @@ def measure(environments: int, steps: int) -> Dict[str, float]:
     env.reset(seed=0)
     created, created_cpu = time.perf_counter(), time.process_time()
     rng, space = np.random.default_rng(0), env.action_space
+    assert isinstance(space, gymnasium.spaces.Box)
+    actions = space.sample()
     for step in range(steps // environments):
         if step % _HELD == 0:
             actions = rng.uniform(space.low, space.high)
