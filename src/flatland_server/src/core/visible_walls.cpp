@@ -16,7 +16,7 @@ constexpr double kCellSize = 0.5;  // [m]
 constexpr double kMaxCells = 262144;
 /// With fewer walls, drawing them all is as fast.
 constexpr size_t kMinWalls = 64;
-/// Of all cells together: 8 bytes each.
+/// Of all cells together: 10 to 16 bytes each.
 constexpr size_t kMaxFoundWalls = 4'000'000;
 /// The number of occluders that a scan looks at for the walls of its cell, in about 40 us.
 constexpr int kEffort = 4000;
