@@ -57,18 +57,21 @@ def test_a_collision_between_two_updates_is_told_of_only_with_all(files, publish
     assert robot.model().base.physics_body.velocity[0] == pytest.approx(-3.0, rel=1e-3)
 
 
-def test_without_a_subscriber_it_is_not_called_and_misses_nothing(files, monkeypatch):
+def test_without_a_subscriber_it_is_not_called_and_misses_nothing(
+    files, no_subscribers, monkeypatch
+):
     calls = []
     step = Bumper.after_physics_step
     monkeypatch.setattr(
         Bumper, "after_physics_step", lambda self, time: (calls.append(time), step(self, time))
     )
-    robot = throw(files.robot(BUMPER, layers=wall(files)), 1.0)
+    robot = throw(files.robot(BUMPER, layers=wall(files), transport=no_subscribers), 1.0)
 
     robot.run(1.0)
 
     assert len(calls) == 1  # the first step, from which its rate counts
     [bump] = robot.world.plugins_of("robot")["bumper"].read(robot.timekeeper)
+    no_subscribers.set_subscribed_topics(["/collisions"])
     [collision] = robot.record("/collisions", 0.005)[0].collisions
     assert bump.forces == pytest.approx([0.0], abs=1e-3)
     assert vectors(collision.contact_positions) == list(bump.points)

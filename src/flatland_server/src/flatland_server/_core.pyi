@@ -594,8 +594,8 @@ class BodyGroup(metaclass=_Metaclass):
             For each a number, which increases from one begin to the next; the two fixtures; whether
             one is a sensor; up to two points in the world [m]; the unit vector from the first
             fixture to the second in the world's frame; and the force at each point [N], the
-            mean of the step: 0 while both bodies rest. With a sensor there are no points, and the vector is
-            zero. Solid contacts that are disabled are no collisions.
+            mean of the step: 0 while both bodies rest. With a sensor there are no points, and the
+            vector is zero. Solid contacts that are disabled are no collisions.
         """
     def present_collisions(self) -> list[_Collision]:
         """The recorded collisions that go on, as in `last_collisions`, without forces."""
