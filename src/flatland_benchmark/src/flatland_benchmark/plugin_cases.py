@@ -1,5 +1,6 @@
 """The cost of each built-in plugin in a step: without subscribers, and with one on each topic."""
 
+import math
 import time
 from pathlib import Path
 from typing import Any, Dict
@@ -24,13 +25,13 @@ _PLUGINS: Dict[str, Dict[str, Any]] = {
     "Tween": {"delta": [1, 0, 0], **_BODY},
     "Laser": {"range": 8, "angle": {"min": -2, "max": 2, "increment": 0.0125}, **_BODY},
     "Imu": _BODY,
-    "Gps": _BODY,
-    "PosePublisher": _BODY,
+    "Gps": {"update_rate": math.inf, **_BODY},
+    "PosePublisher": {"update_rate": math.inf, **_BODY},
     "ModelTfPublisher": {},
     "Bumper": {},
     "BoolSensor": _BODY,
 }
-"""The keys of plugins of a robot, by the names of their figures."""
+"""The keys of plugins that are due at each step, by the names of their figures."""
 
 
 def measure_plugins(worlds: Path) -> Figures:
