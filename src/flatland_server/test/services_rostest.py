@@ -149,6 +149,7 @@ class Services(RecordingCase):
         for answer, error, expected in (
             (spawn("/nowhere/robot.yaml", "a"), MODEL, "there is no file /nowhere/robot.yaml"),
             (spawn(str(OFFICE), "a"), MODEL, f"there is no file {OFFICE}"),
+            (spawn("bodies:\n- name: base", "a"), MODEL, "found a text: /spawn_model_from_string"),
             (spawn("", "a"), MODEL, "expected the path of a model file, found an empty string"),
             (spawn(str(OFFICE / "office.png"), "a"), YAML, "is not UTF-8 text"),
             (spawn(str(OFFICE / "office.yaml"), "a"), YAML, '"bodies" is missing'),

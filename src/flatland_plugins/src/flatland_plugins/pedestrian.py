@@ -167,7 +167,7 @@ class Pedestrian(ModelPlugin):
         self._follow(from_odometry(message))
 
     def _on_agent_states(self, message: Any) -> None:
-        for agent in from_agent_states(message, str(self._keys.agent_id)):
+        for agent in from_agent_states(message, self._keys.agent_id):
             self._follow(agent)
 
     def _follow(self, agent: Agent) -> None:

@@ -24,7 +24,7 @@ class PedestrianKeys:
         safety_dist: radius of the circle that is drawn around it [m].
         odom_sub: topic of the Odometry that it follows.
         agent_topic: topic of the AgentStates that it follows; None: it follows none.
-        agent_id: its id in AgentStates, if it follows them.
+        agent_id: its id in AgentStates.
     """
 
     walk: WalkConfig
@@ -34,7 +34,7 @@ class PedestrianKeys:
     safety_dist: float
     odom_sub: str
     agent_topic: Optional[str]
-    agent_id: Optional[str]
+    agent_id: str
 
     @classmethod
     def read(
@@ -81,7 +81,7 @@ class PedestrianKeys:
         walk_ratio = speed * step_time**2
         build = Build(speed, radius, bool(legs), leg_offset=offset / 2.0, walk_ratio=walk_ratio)
         number = re.search(r"\d+$", model.name)
-        keys = cls(
+        return cls(
             walk=walk,
             person=PedestrianConfig(model.name, model.pose, tuple(goals), build, config),
             leg_radius=leg_radius,
@@ -89,11 +89,10 @@ class PedestrianKeys:
             safety_dist=safety_dist,
             odom_sub=config.get_topic("odom_sub", "agent"),
             agent_topic=config.get_topic("agent_topic", None),
-            agent_id=config.get_string("agent_id", str(int(number.group())) if number else None),
+            agent_id=config.get_string(
+                "agent_id", str(int(number.group())) if number else model.name
+            ),
         )
-        if keys.agent_topic is not None and not keys.agent_id:
-            config.problem('the required key "agent_id" is missing')
-        return keys
 
 
 def _radius_of(bodies: Sequence[ModelBody], default: float) -> float:

@@ -249,9 +249,10 @@ def test_what_it_cannot_move_is_refused_at_its_line(files, keys, bodies, message
     assert message in str(caught.value)
 
 
-def test_an_agent_without_an_id_is_refused(files):
-    walker(files)
-    plugin = "{type: Pedestrian, name: walk, agent_topic: agents}"
-    refusal = files.robot_refusal(plugin)
+def test_a_name_without_a_number_is_an_id_of_none(files, agent_states):
+    plugin = "{type: Pedestrian, name: walk, agent_topic: /agents}"
+    simulation = files.robot(plugin)
 
-    assert 'the required key "agent_id" is missing' in refusal
+    simulation.send("/agents", agent_states(a7=(0.5, 0.0, 0.0, 0.0))).run(0.5)
+
+    assert simulation.model("robot").bodies["base"].pose.x == 0.0

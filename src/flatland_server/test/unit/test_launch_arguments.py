@@ -1,5 +1,6 @@
 """Arguments that a launch file does not have, which roslaunch ignores, are refused."""
 
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,17 @@ def test_an_unknown_argument_is_named_with_the_nearest_and_all_known_ones(starte
         "world_path, update_rate, step_size, control_period, show_viz, viz_pub_rate, use_rviz, "
         "models, state_folder, seed, simplify_map, no_return, realtime_priority, map_to_odom"
     )
+
+
+def test_the_documented_arguments_have_their_documented_defaults():
+    """Those of "Launching Flatland Server Node"."""
+    arguments = {
+        each.get("name"): each.get("default") for each in ElementTree.parse(SERVER).iter("arg")
+    }
+
+    assert arguments.pop("world_path") is not None
+    documented = ("update_rate", "step_size", "show_viz", "viz_pub_rate", "use_rviz")
+    assert [arguments[name] for name in documented] == ["200.0", "0.005", "true", "30.0", "false"]
 
 
 @pytest.mark.parametrize("package", ["flatland_benchmark", "flatland_server"])

@@ -13,6 +13,12 @@ from flatland_server.arguments import steps_in
 from flatland_server.exceptions import UsageError
 from flatland_server.geometry import Point, Pose, wrap_angle
 
+OTHER_COLUMNS = ("status", "error", "scenarios", "failed")
+"""The columns of rows and of the summary that are no metrics and do not belong to a scenario."""
+
+ESTIMATE_ENDS = ("_low", "_high", "_count")
+"""The ends of the names of columns beside that of a rate or mean."""
+
 METRICS = (
     "outcome",
     "success",

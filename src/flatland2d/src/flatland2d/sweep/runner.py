@@ -9,7 +9,7 @@ from collections import OrderedDict
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Container, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Set, Tuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from flatland2d.robot import driven_models
 from flatland2d.simulation import Simulation
 from flatland2d.sweep.controllers import arguments_of, find_controller
 from flatland2d.sweep.parameters import SweepWorlds, world_key, world_params
-from flatland2d.sweep.run import RunObserver, RunOver, SweepRun
+from flatland2d.sweep.run import ESTIMATE_ENDS, OTHER_COLUMNS, RunObserver, RunOver, SweepRun
 from flatland2d.sweep.settings import RANDOM, Scenario, SweepSettings, SweepWorld, Task
 from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import FlatlandError, UsageError, shortened
@@ -162,7 +162,7 @@ class ScenarioRunner:
                 os._exit(0)
         run.end()
         row = run.metrics()
-        columns = _checked_columns(returned, {*row, *scenario.columns, "status", "error"})
+        columns = _checked_columns(returned, {*row, *scenario.columns, *OTHER_COLUMNS})
         if "success" in columns:
             row["success"] = columns.pop("success")
         return Result(row, columns)
@@ -184,7 +184,7 @@ def _failed(run: SweepRun, error: BaseException) -> Result:
     return Result(run.metrics(), {}, shortened(reason, _LONGEST_ERROR), text)
 
 
-def _checked_columns(returned: Any, taken: Container[str]) -> Row:
+def _checked_columns(returned: Any, taken: Set[str]) -> Row:
     """The values that a controller has returned, by name.
 
     Args:
@@ -211,7 +211,9 @@ def _checked_columns(returned: Any, taken: Container[str]) -> Row:
                 "expected the controller to return numbers, booleans and strings by name, and "
                 f"success as a boolean, found {name!r}: {shortened(repr(value))}"
             )
-        if name in taken and name != "success":
+        if name != "success" and name in taken | {
+            f"{other}{end}" for other in (*taken, *returned) for end in ESTIMATE_ENDS
+        }:
             raise UsageError(f'the controller returns "{name}", which is a column already')
         if isinstance(value, int) and abs(value) > sys.float_info.max:
             raise UsageError(f"expected numbers below 1.8e308, found a larger one: {name!r}")

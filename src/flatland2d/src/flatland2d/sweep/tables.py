@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from flatland2d.sweep.intervals import mean, rate
-from flatland2d.sweep.run import METRICS
+from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
 from flatland_server.exceptions import FlatlandError
@@ -123,8 +123,9 @@ def _estimate(name: str, values: List[Any]) -> Dict[str, Any]:
     else:
         interval = mean([float(value) for value in values])
     shown = [None if number != number else number for number in interval]
-    found = dict(zip((name, f"{name}_low", f"{name}_high"), shown))
-    return found if name in ("success", "collision") else {**found, f"{name}_count": len(values)}
+    low, high, count = (f"{name}{end}" for end in ESTIMATE_ENDS)
+    found = dict(zip((name, low, high), shown))
+    return found if name in ("success", "collision") else {**found, count: len(values)}
 
 
 def column(name: str, values: Iterable[Any]) -> Column:

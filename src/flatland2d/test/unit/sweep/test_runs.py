@@ -123,6 +123,8 @@ def test_parameters_change_the_world_and_the_controller(folder, settings_of):
         ("return {'a': object()}", "numbers, booleans and strings by name"),
         ("return {'success': 1}", "success as a boolean, found 'success': 1"),
         ("return {'time': 5}", 'returns "time", which is a column already'),
+        ("return {'failed': 5}", 'returns "failed", which is a column already'),
+        ("return {'x': 5, 'x_low': 4}", 'returns "x_low", which is a column already'),
         ("run.robot.command(1)", "UsageError: the drive"),
         ("run.step(0.003)", "to be a multiple of the step_size"),
         ("run.step(float('inf'))", "UsageError: expected the duration as a number of seconds"),

@@ -12,7 +12,14 @@ from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import MAX_YAML, read_input
 from flatland_server.config.packages import package_folders
 from flatland_server.config.yaml_reader import is_text
-from flatland_server.exceptions import FlatlandError, Problem, StateError, YamlError, shortened
+from flatland_server.exceptions import (
+    FlatlandError,
+    ModelError,
+    Problem,
+    StateError,
+    YamlError,
+    shortened,
+)
 from flatland_server.simulation.world import World
 
 _LONGEST = 500  # characters of a line for a client
@@ -68,6 +75,11 @@ class ClientFiles:
         Raises:
             FlatlandError: there is no such file, or it is not in the folders for clients.
         """
+        if "\n" in name:
+            raise ModelError(
+                "expected the path of a model file, found a text: /spawn_model_from_string takes "
+                "one"
+            )
         return self._readable(self._world.config.find_model(name), name)
 
     def _readable(self, path: Path, name: str) -> Path:
