@@ -8,8 +8,8 @@ Plugins import from `flatland_server`, the simulator itself. `flatland2d.sweep` 
 sweep's runs. Other modules are implementation: they may change.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+import importlib as _importlib
+import typing as _typing
 
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.free_space import DistanceGrid, FreeSpace
@@ -42,7 +42,7 @@ from flatland_server import (
 )
 from flatland_server import __version__ as __version__
 
-if TYPE_CHECKING:
+if _typing.TYPE_CHECKING:
     from flatland2d.batch.simulation_batch import SimulationBatch
     from flatland2d.recorder import Recorder
 
@@ -50,10 +50,10 @@ _LATER = {"Recorder": "flatland2d.recorder", "SimulationBatch": "flatland2d.batc
 """Names that are imported when they are first used, and their modules."""
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> _typing.Any:
     if name not in _LATER:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = globals()[name] = getattr(import_module(_LATER[name]), name)
+    value = globals()[name] = getattr(_importlib.import_module(_LATER[name]), name)
     return value
 
 
