@@ -44,9 +44,8 @@ py::array_t<double> Rows(const BodyGroup& group, Read read) {
 /// Those of some collisions that one of the bodies takes part in.
 py::list Select(const BodyGroup& group, const std::vector<Collision>& collisions, double dt) {
   const auto is_own = [&](Fixture fixture) {
-    return std::any_of(group.bodies.begin(), group.bodies.end(), [&](World::Body body) {
-      return IdOf(body) == IdOf(fixture.body);
-    });
+    return std::any_of(group.bodies.begin(), group.bodies.end(),
+                       [&](World::Body body) { return IdOf(body) == IdOf(fixture.body); });
   };
   py::list selected;
   for (const Collision& each : collisions) {
