@@ -1,4 +1,4 @@
-"""The free pixels of a map image, and their connected parts."""
+"""The free pixels of a map image."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -7,7 +7,6 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from flatland2d.free_space import connected
 from flatland_server.arrays import BoolArray, FloatArray
 from flatland_server.maps.wall_outlines import bright_pixels
 
@@ -31,8 +30,3 @@ def read_free_space(map_file: Path) -> FreeSpace:
     with Image.open(map_file.parent / layer["image"]) as image:
         free = bright_pixels(image, layer["occupied_thresh"])[::-1]
     return FreeSpace(free, layer["resolution"], np.array(layer["origin"][:2], np.float64))
-
-
-def reachable(free: BoolArray, row: int, column: int) -> BoolArray:
-    """The free pixels connected with a given one (4-connectivity)."""
-    return connected(free, (row, column))

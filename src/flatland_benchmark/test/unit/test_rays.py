@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from flatland2d.free_space import connected
 from flatland_benchmark import scenes
 from flatland_benchmark.exact_rays import (
     distances_to_circle,
     distances_to_polygon,
     distances_to_segments,
 )
-from flatland_benchmark.free_space import reachable
 from flatland_benchmark.outlines import trace_outlines
 from flatland_benchmark.ray_cases import differences
 from flatland_server._core import BeamFan
@@ -29,21 +29,6 @@ def test_a_shuffled_outline_is_walked_around():
     assert outline.tolist() == [SQUARE[2], SQUARE[3], SQUARE[0], SQUARE[1]]
 
 
-def test_a_segment_that_runs_against_the_others_is_turned():
-    [outline] = trace_outlines(array([[0, 0, 1, 0], [2, 0, 1, 0], [2, 0, 3, 0]]))
-
-    assert outline.tolist() == [[0, 0, 1, 0], [1, 0, 2, 0], [2, 0, 3, 0]]
-
-
-def test_outlines_come_in_the_order_of_their_first_segments():
-    far = array(SQUARE) + 5
-
-    mixed = np.concatenate([[pair[0], pair[1]] for pair in zip(far, array(SQUARE))])
-    outlines = trace_outlines(mixed)
-
-    assert [outline.tolist() for outline in outlines] == [far.tolist(), SQUARE]
-
-
 def test_a_crossing_loses_no_segment():
     crossing = array([[-1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
@@ -55,32 +40,6 @@ def test_a_crossing_loses_no_segment():
     assert both_ways.issuperset(rows)
     for outline in outlines:
         assert outline[1:, :2].tolist() == outline[:-1, 2:].tolist()
-
-
-def test_there_may_be_no_segments():
-    assert np.concatenate(trace_outlines(np.empty((0, 4)))).shape == (0, 4)
-
-
-def along(angle_degrees, origin=(0.0, 0.0)):
-    """One ray."""
-    angle = math.radians(angle_degrees)
-    return array([origin]), array([[math.cos(angle), math.sin(angle)]])
-
-
-@pytest.mark.parametrize(
-    ("angle", "distance"),
-    [(0, 2.0), (45, 2.0 * math.sqrt(2.0)), (46, math.inf), (180, math.inf), (90, math.inf)],
-)
-def test_the_distance_to_a_wall(angle, distance):
-    wall = array([[2, -2, 2, 2]])
-
-    assert distances_to_segments(*along(angle), wall) == pytest.approx([distance])
-
-
-def test_the_nearest_of_several_walls_counts():
-    walls = array([[3, -1, 3, 1], [1, -1, 1, 1], [2, -1, 2, 1], [-1, -1, -1, 1]])
-
-    assert distances_to_segments(*along(0), walls) == [1.0]
 
 
 def test_no_ray_slips_through_where_walls_meet():
@@ -97,16 +56,6 @@ def test_no_ray_slips_through_where_walls_meet():
     assert (distances <= 0.7 + 1e-9).all()
 
 
-def test_a_ray_past_an_end_by_a_micrometre_meets_nothing():
-    wall = array([[2, 0, 2, 1]])
-
-    assert distances_to_segments(*along(0, (0, -1e-6)), wall) == [math.inf]
-
-
-def test_a_ray_along_a_wall_does_not_meet_it():
-    assert distances_to_segments(*along(0), array([[1, 0, 2, 0]])) == [math.inf]
-
-
 def test_many_rays_are_dealt_with_bit_by_bit(monkeypatch):
     angles = np.linspace(-3, 3, 50)
     rays = np.zeros((50, 2)), np.column_stack([np.cos(angles), np.sin(angles)])
@@ -116,29 +65,22 @@ def test_many_rays_are_dealt_with_bit_by_bit(monkeypatch):
     assert distances_to_segments(*rays, array(SQUARE) * 2 - 1).tolist() == at_once.tolist()
 
 
-@pytest.mark.parametrize(
-    ("angle", "distance"),
-    [(0, 2.0), (math.degrees(math.asin(1 / 3)) + 1e-6, math.inf), (180, math.inf)],
-)
-def test_the_distance_to_a_circle(angle, distance):
-    assert distances_to_circle(*along(angle), (3.0, 0.0), 1.0) == pytest.approx([distance])
-
-
 def test_what_is_around_the_lidar_is_not_seen():
     square = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    ahead = array([[1, 0]])
 
-    assert distances_to_circle(*along(0), (0.0, 0.0), 1.0) == [math.inf]
-    assert distances_to_polygon(*along(0), square) == [math.inf]
-    assert distances_to_polygon(*along(0, (-3.0, 0.5)), square) == [2.0]
+    assert distances_to_circle(array([[0, 0]]), ahead, (0.0, 0.0), 1.0) == [math.inf]
+    assert distances_to_polygon(array([[0, 0]]), ahead, square) == [math.inf]
+    assert distances_to_polygon(array([[-3, 0.5]]), ahead, square) == [2.0]
 
 
 def test_what_is_reachable_goes_round_corners_and_not_through_walls():
     rows = ["..#....", ".##.##.", "....#..", "#####.#", ".......", "######."]
     free = np.array([[pixel == "." for pixel in row] for row in rows])
 
-    assert reachable(free, 0, 0).tolist() == [[pixel == "." for pixel in row] for row in rows]
+    assert connected(free, (0, 0)).tolist() == [[pixel == "." for pixel in row] for row in rows]
     free[3, 5] = False
-    assert not reachable(free, 0, 0)[4:].any()
+    assert not connected(free, (0, 0))[4:].any()
 
 
 @pytest.mark.parametrize("build", [scenes.room, scenes.room_with_bodies])

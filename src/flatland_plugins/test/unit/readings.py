@@ -1,11 +1,9 @@
 """Shared readings of tests: odometry, its noise, and the log."""
 
-import logging
 import math
-from typing import Any, List, Sequence, Tuple
+from typing import Any, Sequence, Tuple
 
 import numpy as np
-import pytest
 
 FILTERED, GROUND_TRUTH, TWIST = "/odometry/filtered", "/odometry/ground_truth", "/twist"
 
@@ -47,8 +45,3 @@ def assert_covariance(samples: np.ndarray, covariance: Any) -> None:
     assert np.abs(squares - count).max() < 4 * math.sqrt(2 * count)
     assert np.abs(products - np.diag(squares)).max() < 4 * math.sqrt(count)
     assert np.abs(white.sum(axis=0)).max() < 4 * math.sqrt(count)
-
-
-def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The warnings logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]

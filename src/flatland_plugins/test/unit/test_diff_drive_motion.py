@@ -4,7 +4,8 @@ import math
 from typing import Tuple
 
 import pytest
-from readings import GROUND_TRUTH, pose_of, twist_of, warnings
+from logged import warnings
+from readings import GROUND_TRUTH, pose_of, twist_of
 
 DRIVE = "type: DiffDrive, name: drive, body: base"
 
@@ -17,14 +18,6 @@ def arc(linear: float, angular: float, time: float) -> Tuple[float, float, float
     radius = linear / angular
     heading = math.remainder(turned, math.tau)
     return radius * math.sin(turned), radius * (1 - math.cos(turned)), heading
-
-
-def test_the_turtlebot_in_the_office_drives_an_arc(office):
-    office.drive(0.5, 0.2)
-
-    for second in range(1, 11):
-        office.run(1.0)
-        assert office.model("turtlebot").pose == pytest.approx(arc(0.5, 0.2, second), abs=1e-3)
 
 
 @pytest.mark.parametrize(

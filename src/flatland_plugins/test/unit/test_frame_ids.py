@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Set, Tuple
 
 import pytest
-from readings import warnings
+from logged import warnings
 
 from flatland_server import Pose
 from flatland_server.testing import Harness

@@ -1,20 +1,12 @@
 """Writers of messages: byte for byte the same as the generated code."""
 
-from io import BytesIO
-
 import numpy as np
 import pytest
 
 from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
 from flatland_plugins.scan_writer import ScanWriter
 from flatland_server.geometry import Pose
-
-
-def serialized(message) -> bytes:
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
-
+from flatland_server.testing.observation import serialized
 
 FIELDS = {
     "angle_min": -1.5,

@@ -4,7 +4,7 @@ import math
 from typing import Any, Dict, Tuple
 
 import pytest
-from readings import warnings
+from logged import warnings
 
 TF = "type: ModelTfPublisher, name: tf"
 MODEL = """

@@ -5,7 +5,8 @@ from typing import Tuple
 
 import pytest
 from geometry_msgs.msg import Twist
-from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of, warnings
+from logged import warnings
+from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of
 
 pytestmark = pytest.mark.slow
 

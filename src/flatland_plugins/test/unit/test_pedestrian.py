@@ -4,7 +4,7 @@ import math
 from typing import Any, Tuple
 
 import pytest
-from readings import warnings
+from logged import warnings
 
 from flatland_server import messages
 

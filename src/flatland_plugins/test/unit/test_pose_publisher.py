@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from readings import warnings
+from logged import warnings
 
 from flatland_server import yaw_of
 

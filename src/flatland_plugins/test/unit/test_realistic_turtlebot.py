@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from readings import pose_of, twist_of, warnings
+from logged import warnings
+from readings import pose_of, twist_of
 
 from flatland2d.cli import main
 from flatland_server.geometry import Pose

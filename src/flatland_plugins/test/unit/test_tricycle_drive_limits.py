@@ -5,7 +5,8 @@ from typing import List
 
 import pytest
 from forklift import FIRST_LINE, LINEAR, STEERING, forklift, steer_angle
-from readings import GROUND_TRUTH, twist_of, warnings
+from logged import warnings
+from readings import GROUND_TRUTH, twist_of
 
 
 def test_the_limits_are_those_of_the_speed_and_of_the_steering(files):

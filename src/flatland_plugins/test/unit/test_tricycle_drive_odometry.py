@@ -4,7 +4,8 @@ import math
 
 import pytest
 from forklift import WHEELBASE, forklift, twist_at
-from readings import FILTERED, GROUND_TRUTH, TWIST, pose_of, twist_of, warnings
+from logged import warnings
+from readings import FILTERED, GROUND_TRUTH, pose_of, twist_of
 
 from flatland_server.geometry import Pose
 
@@ -47,21 +48,3 @@ def test_the_transform_is_published_if_it_is_asked_for(files):
     assert parent_of_the_base(robot) == "odom"
     transform = robot.transport.transforms["base"]
     assert tuple(transform.pose) == pytest.approx(pose_of(robot.last(FILTERED)), abs=1e-9)
-
-
-def test_a_body_with_two_parents_is_warned_of(files, caplog):
-    forklift(files, "enable_odom_tf_pub: true", replaced=FROM_THE_WORLD)
-
-    [message] = warnings(caplog)
-    for word in ('"base"', "robot/drive", '"odom"', "robot/tf", '"map"'):
-        assert word in message
-
-
-def test_the_twist_is_published_if_it_is_asked_for(files):
-    robot = forklift(files, "enable_twist_pub: true").drive(0.8, 0.5).run(0.1)
-
-    twist = robot.last(TWIST)
-
-    assert robot.transport.topics == {FILTERED, GROUND_TRUTH, TWIST}
-    assert twist.header.frame_id == "base"
-    assert twist_of(twist) == pytest.approx(twist_at(0.8, 0.5), abs=1e-3)

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 from forklift import forklift
 from geometry_msgs.msg import Twist, TwistWithCovarianceStamped
-from readings import FILTERED, GROUND_TRUTH, TWIST, twist_of, warnings
+from logged import warnings
+from readings import FILTERED, GROUND_TRUTH, TWIST, twist_of
 
 
 @pytest.fixture(params=["DiffDrive", "OmniDrive", "TricycleDrive"])

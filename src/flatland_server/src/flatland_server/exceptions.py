@@ -185,11 +185,11 @@ def shortened(found: str, longest: int = 80) -> str:
     return line if len(line) <= longest else f"{line[: longest - 3]}..."
 
 
-def listed(names: Collection[str], none: str = "none") -> str:
+def listed(names: Collection[str]) -> str:
     """Names for a message, separated by commas: the first 30, and the number of the others."""
     shown = ", ".join(islice(names, _MAX_LISTED))
     rest = len(names) - _MAX_LISTED
-    return f"{shown} and {rest} more" if rest > 0 else shown or none
+    return f"{shown} and {rest} more" if rest > 0 else shown or "none"
 
 
 def counted(count: int, noun: str) -> str:

@@ -1,4 +1,4 @@
-/// Mass, forces and impulses; halting and damping.
+/// Mass, forces and impulses.
 
 #include <gtest/gtest.h>
 
@@ -20,16 +20,6 @@ TEST_F(WorldTest, VelocityIsThatOfTheOrigin) {
 
   ExpectTwist(world_.GetVelocity(body), {1, 0, 2}, 1e-6);
   ExpectTwist(world_.GetLocalVelocity(body), {0, -1, 2}, 1e-6);
-}
-
-TEST_F(WorldTest, ForceSpeedsUpAMass) {
-  const World::Body box = AddBox(world_, {0, 0, 0}, 2.0);
-  EXPECT_NEAR(world_.GetMass(box), 4.0, 1e-5);
-
-  world_.ApplyForce(box, {8, -4});
-  world_.Step(0.01);
-
-  ExpectTwist(world_.GetVelocity(box), {0.02, -0.01, 0}, 1e-6);
 }
 
 // A body with its centre of mass at (0.3, 0.1) in its frame: 2 m by 1 m, 2 kg/m^2, so 4 kg.
@@ -183,48 +173,6 @@ TEST_F(WorldTest, ConvertsPointsAndVectorsBetweenTheBodysFrameAndTheWorlds) {
   ExpectPoint(world_.ToWorldVector(plank, {2, 1}), {-1, 2}, 1e-6);
   ExpectPoint(world_.ToLocalVector(plank, {-1, 2}), {2, 1}, 1e-6);
   ExpectPoint(world_.ToWorldPoint(plank, {0.3, 0.1}), world_.GetCenter(plank), 1e-5);
-}
-
-TEST_F(WorldTest, HaltStopsABody) {
-  const World::Body box = AddBox(world_, {0, 0, 0});
-  const World::Body other = AddBox(world_, {0, 5, 0});
-  world_.SetVelocity(box, {1, 0, 1});
-  world_.SetVelocity(other, {1, 0, 1});
-
-  world_.Halt(box);
-
-  ExpectTwist(world_.GetVelocity(box), {}, 0.0);
-  ExpectTwist(world_.GetVelocity(other), {1, 0, 1}, 1e-6);
-}
-
-TEST_F(WorldTest, HaltStopsABodysDrives) {
-  const World::Body box = AddBox(world_, {0, 0, 0});
-  const World::Body other = AddBox(world_, {0, 5, 0});
-  BodyDrive& drive = world_.Get(world_.AddDrive(box, {1, 1, 0}, {}));
-  drive.Command({1, 0, 1});
-  StepTimes(world_, 100);
-
-  world_.Halt(other);
-  EXPECT_NEAR(drive.velocity().vx, 0.5, 1e-9);
-  world_.Halt(box);
-  const Pose halted = world_.GetPose(box);
-  StepTimes(world_, 100);
-
-  EXPECT_EQ(drive.velocity().vx, 0.0);
-  ExpectPose(world_.GetPose(box), halted, 0.0);
-}
-
-TEST_F(WorldTest, DampingSlowsDown) {
-  BodySettings settings;
-  settings.linear_damping = 2.0;
-  settings.angular_damping = 1.0;
-  const World::Body body = world_.AddBody(settings);
-  world_.AddPolygon(body, Square(1), Solid());
-  world_.SetVelocity(body, {1, 0, 1});
-
-  StepTimes(world_, 100);
-
-  ExpectTwist(world_.GetVelocity(body), {std::exp(-1.0), 0, std::exp(-0.5)}, 0.005);
 }
 
 }  // namespace

@@ -83,25 +83,6 @@ TEST(BodyTween, StandsAtItsStartBeforeTheFirstStep) {
   }
 }
 
-TEST(BodyTween, AddsTheEasedDeltaInTheWorldsFrame) {
-  BodyTween tween = MakeTween(TweenMode::kOnce, 10.0, Easing::kCubicIn);
-
-  // Half of the time, an eighth of the way.
-  for (int step = 0; step < 1000; ++step) tween.Advance(0.005);
-
-  ExpectPose(tween.target(), {10.25, -19.625, 0.6375});
-  EXPECT_DOUBLE_EQ(tween.progress(), 0.5);
-}
-
-TEST(BodyTween, ReturnsItsTargetFromEachStep) {
-  BodyTween tween = MakeTween(TweenMode::kYoyo, 1.0, Easing::kBackInOut);
-
-  for (int step = 0; step < 500; ++step) {
-    const Pose returned = tween.Advance(0.007);
-    ExpectExactly(tween.target(), returned);
-  }
-}
-
 TEST(TweenOnce, IsAtItsTargetAtItsDurationExactlyAndStays) {
   for (const auto& [duration, dt, steps] : kPaces) {
     BodyTween tween = MakeTween(TweenMode::kOnce, duration, Easing::kElasticOut);
@@ -213,13 +194,6 @@ TEST(TweenLoop, StartsAgainInTheMiddleOfAStep) {
   }
 
   EXPECT_EQ(teleports, 6999);  // 7000 s; at the end of the last one it has not jumped yet
-}
-
-TEST(TweenTrigger, WaitsAtItsStart) {
-  BodyTween tween = MakeTween(TweenMode::kTrigger, 1.0);
-
-  for (int step = 0; step < 100; ++step) ExpectExactly(tween.Advance(0.005), kStart);
-  EXPECT_EQ(tween.progress(), 0.0);
 }
 
 TEST(TweenTrigger, GoesToItsTargetAndBackInADurationEach) {

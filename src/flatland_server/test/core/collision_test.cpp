@@ -57,18 +57,6 @@ INSTANTIATE_TEST_SUITE_P(
                     Meeting{"passes_a_sensor", Solid(), Sensor(), false}),
     [](const testing::TestParamInfo<Meeting>& info) { return info.param.name; });
 
-TEST_F(WorldTest, BouncesBackAtItsRestitution) {
-  world_.AddLayer({{{2, -5}, {2, 5}}}, 0xFFFF);
-  FixtureSettings rubber = Solid();
-  rubber.restitution = 0.5;
-  const World::Body box = AddBox(world_, {0, 0, 0}, 1.0, rubber);
-  world_.SetVelocity(box, {4, 0, 0});
-
-  StepTimes(world_, 200);
-
-  ExpectTwist(world_.GetVelocity(box), {-2, 0, 0}, 1e-3);
-}
-
 TEST_F(WorldTest, FrictionSlowsABoxThatSlidesAlongAWall) {
   for (const double friction : {0.0, 1.0}) {
     World world(10, 10);

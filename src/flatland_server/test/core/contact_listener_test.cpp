@@ -90,22 +90,6 @@ TEST_F(Listening, MayLookAtTheWorld) {
   ExpectAllEventsUndisturbed();
 }
 
-TEST_F(Listening, MayPushAndSetVelocities) {
-  recorder_.action = [&](Contact& contact) {
-    if (contact.event != kBeginContact) return;
-    world_.ApplyForce(waiting_, {0, 20});
-    world_.ApplyLinearImpulse(moving_, {0, -0.3});
-    world_.Get(drive_).Command({1, 0, 0});
-  };
-
-  StepTimes(400);
-
-  // 20 N on 1 kg for a step.
-  EXPECT_NEAR(world_.GetVelocity(waiting_).vy, 20 * kStep, 1e-3);
-  EXPECT_NEAR(world_.GetVelocity(moving_).vy, -0.3, 1e-3);
-  EXPECT_GT(world_.Get(drive_).velocity().vx, 0.0);
-}
-
 // Box2D clears all forces at the end of a step; a force applied within it counts for the next.
 TEST_F(Listening, MayPushAtAnyEvent) {
   for (const ContactEvent type : {kBeginContact, kPreSolve, kPostSolve, kEndContact}) {

@@ -31,24 +31,6 @@ TEST(DynamicsLimits, AreFiniteAndNotNegative) {
   }
 }
 
-TEST(Approach, SpeedsUpAtTheAcceleration) {
-  const DynamicsLimits limits{2.0, 5.0, 0.0};
-
-  EXPECT_DOUBLE_EQ(limits.Approach(0.0, 1.0, 0.1), 0.2);
-  EXPECT_DOUBLE_EQ(limits.Approach(0.3, 1.0, 0.1), 0.5);
-  EXPECT_DOUBLE_EQ(limits.Approach(-0.3, -1.0, 0.1), -0.5);
-  EXPECT_DOUBLE_EQ(limits.Approach(0.9, 1.0, 0.1), 1.0);
-}
-
-TEST(Approach, SlowsDownAtTheDeceleration) {
-  const DynamicsLimits limits{2.0, 5.0, 0.0};
-
-  EXPECT_DOUBLE_EQ(limits.Approach(1.0, 0.0, 0.1), 0.5);
-  EXPECT_DOUBLE_EQ(limits.Approach(1.0, 0.2, 0.1), 0.5);
-  EXPECT_DOUBLE_EQ(limits.Approach(-1.0, -0.2, 0.1), -0.5);
-  EXPECT_DOUBLE_EQ(limits.Approach(0.3, 0.2, 0.1), 0.2);
-}
-
 TEST(Approach, StaysAtTheTarget) {
   const DynamicsLimits limits{2.0, 5.0, 1.0};
 
@@ -72,21 +54,6 @@ TEST(Approach, NeverGoesFasterThanTheVelocityLimit) {
   EXPECT_DOUBLE_EQ(limits.Approach(0.45, 3.0, 0.1), 0.5);
   EXPECT_DOUBLE_EQ(limits.Approach(-0.45, -3.0, 0.1), -0.5);
   EXPECT_DOUBLE_EQ(limits.Approach(0.5, 3.0, 0.1), 0.5);
-}
-
-TEST(Approach, SpendsTheRestOfTheStepBeyondZero) {
-  const DynamicsLimits limits{2.0, 5.0, 0.0};
-
-  // 0.04 s to stop from 0.2 m/s; the other 0.06 s speed up the other way.
-  EXPECT_NEAR(limits.Approach(0.2, -1.0, 0.1), -0.12, 1e-12);
-  EXPECT_NEAR(limits.Approach(-0.2, 1.0, 0.1), 0.12, 1e-12);
-}
-
-TEST(Approach, ChangesSignOnlyOnceItHasStopped) {
-  const DynamicsLimits limits{2.0, 5.0, 0.0};
-
-  EXPECT_NEAR(limits.Approach(1.0, -1.0, 0.1), 0.5, 1e-12);
-  EXPECT_NEAR(limits.Approach(0.5, -1.0, 0.1), 0.0, 1e-12);
 }
 
 TEST(Approach, ZeroIsNoLimit) {

@@ -57,20 +57,6 @@ TEST_F(WorldTest, ChangesFrictionAndRestitutionOfAFixture) {
   EXPECT_NEAR(world_.GetVelocity(box).vx, -2.0, 1e-3);
 }
 
-TEST_F(WorldTest, FrictionThatIsSetSlowsABoxDown) {
-  world_.AddLayer({{{-50, 0}, {50, 0}}}, 0xFFFF);
-  const World::Body box = AddBox(world_, {0, 0.51, 0});
-  world_.SetFriction({box, 0}, 1.0);
-  world_.SetVelocity(box, {2, 0, 0});
-
-  for (int step = 0; step < 200; ++step) {
-    world_.ApplyForce(box, {0, -1});
-    world_.Step(kStep);
-  }
-
-  EXPECT_LT(world_.GetVelocity(box).vx, 1.8);
-}
-
 TEST_F(WorldTest, KnowsWhetherAPointIsWithinAFixture) {
   const World::Body body = world_.AddBody(At({5, 6, M_PI / 2}));
   const Fixture circle = world_.AddCircle(body, {2, 0}, 0.5, Solid());

@@ -43,32 +43,6 @@ TEST_F(WorldTest, ALayerCannotBeMovedOrRemoved) {
   EXPECT_LT(world_.GetPose(box).x, 1.6);
 }
 
-TEST_F(WorldTest, WallStopsOnlyItsLayers) {
-  world_.AddLayer({{{2, -5}, {2, 5}}}, 0b10);
-  const World::Body stopped = AddBox(world_, {0, 0, 0}, 1.0, OnLayers(0b10));
-  const World::Body passing = AddBox(world_, {0, 3, 0}, 1.0, OnLayers(0b01));
-  world_.SetVelocity(stopped, {2, 0, 0});
-  world_.SetVelocity(passing, {2, 0, 0});
-
-  StepTimes(world_, 400);
-
-  EXPECT_LT(world_.GetPose(stopped).x, 1.6);
-  EXPECT_NEAR(world_.GetPose(passing).x, 4.0, 1e-4);
-}
-
-TEST_F(WorldTest, WallStopsFromBothSides) {
-  world_.AddLayer({{{0, -5}, {0, 5}}}, 0xFFFF);
-  const World::Body left = AddBox(world_, {-2, 0, 0});
-  const World::Body right = AddBox(world_, {2, 0, 0});
-  world_.SetVelocity(left, {2, 0, 0});
-  world_.SetVelocity(right, {-2, 0, 0});
-
-  StepTimes(world_, 400);
-
-  EXPECT_LT(world_.GetPose(left).x, -0.4);
-  EXPECT_GT(world_.GetPose(right).x, 0.4);
-}
-
 // In a step the box moves by more than its own length.
 TEST_F(WorldTest, FastBoxDoesNotPassThroughAWall) {
   world_.AddLayer({{{3.03, -5}, {3.03, 5}}}, 0xFFFF);

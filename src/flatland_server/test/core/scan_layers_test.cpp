@@ -19,14 +19,6 @@ TEST_F(LidarTest, SeesNoSensors) {
   EXPECT_EQ(LookAhead({}), kInfinity);
 }
 
-TEST_F(LidarTest, SeesNothingInvisible) {
-  FixtureSettings invisible;
-  invisible.visible = false;
-  world_.AddPolygon(AddBody({2.5, 0, 0}), square_, invisible);
-
-  EXPECT_EQ(LookAhead({}), kInfinity);
-}
-
 TEST_F(LidarTest, SeesWhatDoesNotCollide) {
   FixtureSettings ghost;
   ghost.collides = false;

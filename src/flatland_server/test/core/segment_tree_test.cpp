@@ -122,29 +122,6 @@ TEST(SegmentTree, IsExactForRaysAlongTheLinesOfAMap) {
   }
 }
 
-TEST(SegmentTree, SeesFromThePlacesOfARegularGrid) {
-  const std::vector<Segment> walls = PixelWalls(40, 25);
-  const SegmentTree tree(walls);
-  Vec2 low{kFar, kFar}, high{-kFar, -kFar};
-  for (const Segment& wall : walls) {
-    low = {std::min(low.x, wall.a.x), std::min(low.y, wall.a.y)};
-    high = {std::max(high.x, wall.b.x), std::max(high.y, wall.b.y)};
-  }
-  low = low - Vec2{1e-6, 1e-6};
-  high = high + Vec2{1e-6, 1e-6};
-  const double cell = std::sqrt((high.x - low.x) * (high.y - low.y) / walls.size());
-
-  for (int i = 0; low.x + i * cell < high.x; ++i) {
-    for (int j = 0; low.y + j * cell < high.y; ++j) {
-      const Vec2 corner{low.x + i * cell, low.y + j * cell};
-      for (int eighth = 0; eighth < 8; ++eighth) {
-        const Vec2 direction = Towards(eighth * M_PI / 4);
-        ASSERT_NO_FATAL_FAILURE(ExpectAsTryingEveryWall(walls, tree, corner, direction));
-      }
-    }
-  }
-}
-
 TEST(SegmentTree, LetsNoRayOutThroughACorner) {
   std::mt19937 random(11);
   std::vector<Vec2> corners;

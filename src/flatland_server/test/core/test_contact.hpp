@@ -63,12 +63,6 @@ class Recorder : public ContactListener {
     return count;
   }
 
-  double TotalNormalImpulse() const {
-    double total = 0.0;
-    for (const Event& event : events) total += Sum(event.impulse.normal_impulses);
-    return total;
-  }
-
   std::vector<Event> events;
   std::function<void(Contact&)> action;
 };

@@ -55,18 +55,6 @@ void ExpectSame(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   }
 }
 
-TEST(WorldState, ARestoredWorldGoesOnLikeTheSavedOne) {
-  Scene saved;
-  saved.Run(80);
-  const std::string state = saved.world.SaveState();
-
-  Scene restored;
-  restored.world.RestoreState(state);
-
-  EXPECT_EQ(restored.world.Get(restored.tween).progress(), saved.world.Get(saved.tween).progress());
-  ExpectSame(restored.Run(200), saved.Run(200));
-}
-
 TEST(WorldState, BodiesJointsAndDrivesCanBeRemovedAfterwards) {
   Scene scene;
   scene.Run(80);

@@ -40,43 +40,6 @@ TEST_F(WorldTest, RemovedBodyTakesItsJointsAndDrivesWithIt) {
   StepTimes(world_, 10);
 }
 
-TEST_F(WorldTest, EachUseOfARemovedBodyThrows) {
-  const World::Body gone = AddBox(world_, {0, 0, 0});
-  world_.RemoveBody(gone);
-  const World::Body here = AddBox(world_, {0, 0, 0});
-  ASSERT_EQ(here.index, gone.index);
-
-  EXPECT_THROW(world_.RemoveBody(gone), GoneError);
-  EXPECT_THROW(world_.AddCircle(gone, {0, 0}, 1.0, {}), GoneError);
-  EXPECT_THROW(world_.AddPolygon(gone, Square(1), {}), GoneError);
-  EXPECT_THROW(world_.AddRevolute(gone, here, {}), GoneError);
-  EXPECT_THROW(world_.AddWeld(here, gone, {}), GoneError);
-  EXPECT_THROW(world_.AddDrive(gone, {}, {}), GoneError);
-  EXPECT_THROW(world_.GetPose(gone), GoneError);
-  EXPECT_THROW(world_.SetPose(gone, {}), GoneError);
-  EXPECT_THROW(world_.GetVelocity(gone), GoneError);
-  EXPECT_THROW(world_.SetVelocity(gone, {}), GoneError);
-  EXPECT_THROW(world_.GetLocalVelocity(gone), GoneError);
-  EXPECT_THROW(world_.Halt(gone), GoneError);
-  EXPECT_THROW(world_.GetMass(gone), GoneError);
-  EXPECT_THROW(world_.ApplyForce(gone, {1, 0}), GoneError);
-  EXPECT_THROW(world_.ApplyTorque(gone, 1), GoneError);
-  EXPECT_THROW(world_.ApplyLinearImpulse(gone, {1, 0}), GoneError);
-  EXPECT_THROW(world_.ApplyAngularImpulse(gone, 1), GoneError);
-  EXPECT_THROW(world_.GetVelocityAt(gone, {0, 0}), GoneError);
-  EXPECT_THROW(world_.GetInertia(gone), GoneError);
-  EXPECT_THROW(world_.GetCenter(gone), GoneError);
-  EXPECT_THROW(world_.IsAwake(gone), GoneError);
-  EXPECT_THROW(world_.ToWorldPoint(gone, {0, 0}), GoneError);
-  EXPECT_THROW(world_.ToLocalVector(gone, {0, 0}), GoneError);
-  EXPECT_THROW(world_.GetFixtureCount(gone), GoneError);
-  EXPECT_THROW(world_.GetSettings({gone, 0}), GoneError);
-  EXPECT_THROW(world_.SetFriction({gone, 0}, 0.5), GoneError);
-  EXPECT_THROW(world_.TestPoint({gone, 0}, {0, 0}), GoneError);
-  EXPECT_THROW(world_.AddTricycle(gone, {}, {}), GoneError);
-  EXPECT_THROW(world_.contacts().ListenTo(gone, kBeginContact), GoneError);
-}
-
 TEST_F(WorldTest, BodyInTheSlotOfARemovedOneDoesNotGetItsDrive) {
   const World::Body a = AddBox(world_, {0, 0, 0});
   const World::Body b = AddBox(world_, {2, 0, 0});

@@ -178,11 +178,15 @@ def test_a_client_is_told_all_about_files_of_flatland(world, tmp_path):
     assert 'found "wide"' in told(error.value)
 
 
-@pytest.mark.parametrize("name", ["/" + "x" * 1_000_000, "/x" * 500_000, "/" + "x\n" * 500_000])
+@pytest.mark.parametrize(
+    "name",
+    ["/" + "x" * 1_000_000, "/x" * 500_000, "/" + "x\n" * 500_000],
+    ids=["a name", "folders", "lines"],
+)
 def test_a_long_name_makes_a_short_line_at_once(world, tmp_path, name):
     for files in (ClientFiles(world, None), ClientFiles(world, tmp_path)):
         for find in (files.state, files.world_file, files.model_file):
-            with pytest.raises(FlatlandError, match="a path of at most 4096 characters") as error:
+            with pytest.raises(FlatlandError, match=r"of at most 4096|found a text") as error:
                 find(name)
 
             assert len(str(error.value)) < 200

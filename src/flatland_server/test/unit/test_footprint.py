@@ -129,7 +129,3 @@ def test_the_mass_of_crossed_points_is_that_of_the_hull(files):
     world_of_it = files.load(world())
 
     assert world_of_it.models["m"].bodies["base"].physics_body.mass == pytest.approx(6.0)
-
-
-def test_points_in_a_line_have_no_hull(files):
-    assert "area" in refusal(files, "{type: polygon, points: [[0, 0], [2, 2], [1, 1]], density: 1}")

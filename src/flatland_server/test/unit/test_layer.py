@@ -35,27 +35,6 @@ def world(*layers: str) -> str:
     return f"properties: {{}}\nlayers:{entries or ' []'}\n"
 
 
-def test_paths_are_relative_to_the_file_that_names_them(files):
-    (files.folder / "maps").mkdir()
-    (files.folder / "maps" / "data").mkdir()
-    files.write("maps/data/wall.dat", "0 0 0 1")
-    files.write("maps/wall.yaml", LINES.replace("wall.dat", "data/wall.dat"))
-
-    loaded = files.load(world("{name: a, map: maps/wall.yaml}"))
-
-    assert loaded.layers[0].segments.tolist() == [[0, 0, 0, 1]]
-
-
-def test_an_absolute_path_stays_as_it_is(files, tmp_path_factory):
-    elsewhere = tmp_path_factory.mktemp("elsewhere")
-    (elsewhere / "wall.dat").write_text("0 0 0 1")
-    (elsewhere / "wall.yaml").write_text(LINES)
-
-    loaded = files.load(world(f"{{name: a, map: {elsewhere}/wall.yaml}}"))
-
-    assert len(loaded.layers[0].segments) == 1
-
-
 def test_walls_of_a_layer_stand_in_the_physical_world(maps):
     loaded = maps.load(world("{name: a, map: map.yaml}"))
 
@@ -73,18 +52,6 @@ def test_all_names_of_a_layer_are_collision_layers_and_the_first_identifies_it(m
         bits = loaded.registry.bits([name])
         ranges, _ = loaded.physics.scan(_core.BeamFan(0.0, 1.0, 1), down, 5.0, layers=bits)
         assert ranges.tolist() == pytest.approx([seen])
-
-
-def test_sixteen_names_fit_and_seventeen_do_not(files):
-    def named(count: int) -> str:
-        return world("{name: first}", f"{{name: [{', '.join(f'n{i}' for i in range(1, count))}]}}")
-
-    loaded = files.load(named(16))
-
-    assert loaded.registry.bits(["n15"]) == 1 << 15
-    assert files.refusal(named(17)) == (
-        "world.yaml:4: layers[1].name: expected at most 16 layer names in all, found more"
-    )
 
 
 def test_a_layer_without_a_map_has_no_walls_but_footprints_may_name_it(files):
@@ -113,22 +80,6 @@ def test_a_layer_without_a_map_has_no_walls_but_footprints_may_name_it(files):
     assert left.pose.x < right.pose.x - 0.98
 
 
-@pytest.mark.parametrize(
-    ("segments", "origin"),
-    [
-        pytest.param("0 0 1e6 0", "[0, 0, 0]", id="a wall of 1000 km"),
-        pytest.param("0 0 1e-17 0", "[1, 0, 0]", id="a wall too short to be told from a point"),
-    ],
-)
-def test_a_wall_that_physics_cannot_take_is_an_error_of_its_file(files, segments, origin):
-    files.write("wall.dat", segments)
-    files.write("wall.yaml", LINES.replace("[0, 0, 0]", origin))
-
-    message = files.refusal(world("{name: a, map: wall.yaml}"))
-
-    assert any(name in message for name in ("wall.dat", "wall.yaml", "world.yaml:3: layers[0]"))
-
-
 # Reading
 
 
@@ -152,12 +103,3 @@ def test_a_map_of_two_layers_is_read_once(maps):
     first, second = (config.walls_of(layer) for layer in config.layers)
     assert first is second
     assert first.tolist() == [[0, 0, 1, 0]]
-
-
-def test_problems_of_a_layer_and_of_its_map_are_reported_together(maps):
-    maps.write("wall.dat", "0 0 1\n")
-
-    assert maps.refusal(world("{name: a, map: wall.yaml, color: grey}")).splitlines() == [
-        'world.yaml:3: layers[0].color: expected [r, g, b, alpha], found "grey"',
-        'wall.dat:1: expected "x1 y1 x2 y2", found "0 0 1"',
-    ]

@@ -68,22 +68,6 @@ def test_the_origins_yaw_turns_the_map_about_its_corner(maps):
     }
 
 
-def test_line_segments_are_scaled_turned_and_moved(files):
-    files.write("wall.dat", "0    0    1    1\n\n2    3   -1    2\n")
-    path = files.write("wall.yaml", segment_map(scale=0.1, origin="[-1.2, -5, 1.23]"))
-
-    [first, second] = read_map(path).tolist()
-
-    cos, sin = math.cos(1.23), math.sin(1.23)
-    assert first == pytest.approx([-1.2, -5, -1.2 + 0.1 * (cos - sin), -5 + 0.1 * (sin + cos)])
-    assert second[:2] == pytest.approx(
-        [-1.2 + 0.2 * cos - 0.3 * sin, -5 + 0.2 * sin + 0.3 * cos], abs=1e-12
-    )
-    assert second[2:] == pytest.approx(
-        [-1.2 - 0.1 * cos - 0.2 * sin, -5 - 0.1 * sin + 0.2 * cos], abs=1e-12
-    )
-
-
 def test_line_segments_may_begin_with_a_byte_order_mark_and_end_lines_as_on_windows(files):
     (files.folder / "wall.dat").write_bytes(b"\xef\xbb\xbf0 0 1 1\r\n2 3 -1 2\r\n")
     path = files.write("wall.yaml", segment_map())

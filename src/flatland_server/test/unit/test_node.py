@@ -1,10 +1,10 @@
 """A plugin's node: names, topics that are closed with it, and one publisher for each frame."""
 
-import logging
 import sys
 from typing import Any, List
 
 import pytest
+from logged import warnings
 
 from flatland_server.geometry import Pose, Transform
 from flatland_server.transport.local_transport import LocalTransport
@@ -19,11 +19,6 @@ def transport() -> LocalTransport:
 @pytest.fixture
 def root(transport) -> Node:
     return Node(transport)
-
-
-def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The warnings logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
 @pytest.mark.parametrize(
@@ -144,34 +139,6 @@ def test_a_closed_node_releases_its_frames(root, caplog):
     [message] = warnings(caplog)
     assert "robot1/drive" in message
     assert "robot0/drive" not in message
-
-
-def test_an_odometry_frame_of_two_models_is_warned_of_once(root, caplog):
-    drives = [root.scoped("", owner) for owner in ("a/left", "a/right", "b/drive", "c/drive")]
-
-    drives[0].claim_odometry_frame("odom")
-    drives[1].claim_odometry_frame("odom")
-    drives[2].claim_odometry_frame("b_odom")
-    assert warnings(caplog) == []
-    drives[2].claim_odometry_frame("odom")
-    drives[3].claim_odometry_frame("odom")
-
-    [message] = warnings(caplog)
-    for part in ('"odom"', "a/left and b/drive", "odom_frame_id: ~odom"):
-        assert part in message
-
-
-def test_a_closed_node_releases_its_odometry_frame(root, caplog):
-    first, second, third = (root.scoped("", f"robot{i}/drive") for i in range(3))
-    first.claim_odometry_frame("odom")
-
-    first.close()
-    second.claim_odometry_frame("odom")
-    assert warnings(caplog) == []
-
-    third.claim_odometry_frame("odom")
-    [message] = warnings(caplog)
-    assert "robot1/drive and robot2/drive" in message
 
 
 class Stop(BaseException):

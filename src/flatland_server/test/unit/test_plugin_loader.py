@@ -1,11 +1,11 @@
 """Plugins are found by their type in the packages on ROS_PACKAGE_PATH."""
 
-import logging
 import sys
 from pathlib import Path
-from typing import Iterator, List
+from typing import Iterator
 
 import pytest
+from logged import warnings
 
 from flatland_server.exceptions import PluginError
 from flatland_server.plugins.model_plugin import ModelPlugin
@@ -50,11 +50,6 @@ def packages(tmp_path, monkeypatch) -> Iterator[Packages]:
     yield Packages(tmp_path)
     for name in [name for name in sys.modules if name.startswith("loader_")]:
         del sys.modules[name]
-
-
-def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The warnings logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
 
 
 def refusal(type: str, base: type = ModelPlugin) -> str:

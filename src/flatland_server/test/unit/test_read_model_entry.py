@@ -48,22 +48,6 @@ def test_of_two_entries_of_one_name_the_second_is_refused(files):
     assert list(world.models) == ["robot"]
 
 
-@pytest.mark.parametrize(
-    ("name", "namespace", "pose", "reason"),
-    [
-        ("a robot", "", POSE, 'found "a robot"'),
-        ("robot", "a space", POSE, 'found "a space"'),
-        ("robot", "", Pose(float("nan"), 0.0, 0.0), "expected a finite pose"),
-    ],
-)
-def test_an_entry_that_cannot_be_added_is_refused(files, name, namespace, pose, reason):
-    world = files.load(EMPTY_WORLD)
-    path = files.write("model.yaml", MODEL)
-
-    with pytest.raises(ModelError, match=reason):
-        world.read_model_entry(path, name, namespace, pose)
-
-
 def test_plugin_classes_are_imported_by_reading(files, tmp_path, monkeypatch):
     (tmp_path / "imported_late.py").write_text(
         "from flatland_server.plugins.model_plugin import ModelPlugin\n"

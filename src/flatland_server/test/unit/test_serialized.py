@@ -1,7 +1,5 @@
 """Markers and transforms serialized by us, deserialized by ROS's own code."""
 
-from io import BytesIO
-
 import pytest
 from markers_of_worlds import markers_of_a_world
 from std_msgs.msg import ColorRGBA
@@ -11,13 +9,8 @@ from without_ros import run_without_ros
 
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.serialized_markers import MovingMarkers, array_of, serialized
+from flatland_server.testing.observation import serialized as sent
 from flatland_server.transport.serialized_transforms import SerializedFrames, TransformQueue
-
-
-def sent(message) -> bytes:
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
 
 
 def marker(namespace: str, **fields) -> Marker:

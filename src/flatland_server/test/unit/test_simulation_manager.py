@@ -70,71 +70,14 @@ def steps(manager: SimulationManager) -> int:
 
 def test_steps_keep_the_update_rate(make_manager, clock, transport):
     manager = make_manager(100.0)
-
-    manager.run(rounds(101))
-
-    assert steps(manager) == 101
-    assert clock.now - 1000.0 == pytest.approx(1.0)
-    assert transport.waits[1:] == pytest.approx([0.01] * 100)
-
-
-def test_step_periods_are_those_of_the_clock_since_the_last_pause(make_manager, clock):
-    manager = make_manager(100.0)
-
-    def be_slow_once() -> None:
-        if steps(manager) == 5:
-            clock.now += 0.015
-
-    manager.after_step.append(be_slow_once)
-    manager.run(rounds(10))
-
-    late = [0.01] * 4 + [0.015, 0.005] + [0.01] * 3
-    assert manager.step_periods == pytest.approx(late)
-
-    manager.pause()
-    manager.run(rounds(3))
-    manager.resume()
-    manager.run(rounds(3))
-    assert manager.step_periods == pytest.approx([0.01] * 2)
-
-
-def test_a_wait_is_shorter_by_the_time_that_the_step_has_taken(make_manager, clock, transport):
-    manager = make_manager(100.0)
     manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.004))
 
     manager.run(rounds(101))
 
+    assert steps(manager) == 101
+    assert clock.now - 1000.0 == pytest.approx(1.004)
     assert transport.waits[1:] == pytest.approx([0.006] * 100)
-
-
-def test_a_slow_step_is_caught_up(make_manager, clock, transport):
-    manager = make_manager(100.0)
-
-    def be_slow_once() -> None:
-        if steps(manager) == 10:
-            clock.now += 0.095
-
-    manager.after_step.append(be_slow_once)
-    manager.run(rounds(101))
-
-    assert clock.now - 1000.0 == pytest.approx(1.0)
-    assert transport.waits[10:19] == [0.0] * 9
-    assert transport.waits[19] == pytest.approx(0.005)
-
-
-def test_a_long_delay_is_not_caught_up(make_manager, clock, transport):
-    manager = make_manager(100.0)
-
-    def sleep_for_an_hour() -> None:
-        if steps(manager) == 10:
-            clock.now += 3600.0
-
-    manager.after_step.append(sleep_for_an_hour)
-    manager.run(rounds(201))
-
-    in_haste = [wait for wait in transport.waits[10:] if wait == 0.0]
-    assert 10 <= len(in_haste) <= 50
-    assert transport.waits[-100:] == pytest.approx([0.01] * 100)
+    assert manager.step_periods == pytest.approx([0.01] * 100)
 
 
 def test_an_infinite_rate_never_waits(make_manager, clock, transport):
@@ -144,16 +87,6 @@ def test_an_infinite_rate_never_waits(make_manager, clock, transport):
 
     assert steps(manager) == 100
     assert transport.waits == [0.0] * 100
-
-
-def test_a_pause_at_an_infinite_rate_does_not_keep_the_processor_busy(make_manager, transport):
-    manager = make_manager(math.inf)
-    manager.pause()
-
-    manager.run(rounds(10))
-
-    assert steps(manager) == 0
-    assert all(0.001 <= wait <= 0.1 for wait in transport.waits[1:])
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, math.nan])
@@ -217,27 +150,6 @@ def test_ticks_go_on_during_a_pause(make_manager):
     manager.run(rounds(3))
 
     assert happened == ["step", "tick", "step", "tick", "tick", "tick", "tick"]
-
-
-def test_at_full_speed_there_is_a_tick_every_millisecond(make_manager, clock):
-    manager = make_manager(math.inf)
-    happened: List[int] = []
-    manager.after_step.append(lambda: setattr(clock, "now", clock.now + 0.0003))
-    manager.on_tick.append(lambda: happened.append(steps(manager)))
-
-    manager.run(rounds(13))
-
-    assert happened == [1, 5, 9, 13]
-
-
-def test_a_tick_comes_before_each_wait_however_short(make_manager, clock):
-    manager = make_manager(10_000.0)
-    happened: List[int] = []
-    manager.on_tick.append(lambda: happened.append(steps(manager)))
-
-    manager.run(rounds(5))
-
-    assert happened[:3] == [1, 2, 3]
 
 
 def test_one_step_can_be_made_in_a_pause(make_manager):

@@ -19,11 +19,6 @@ BITMAPS = st_numpy.arrays(bool, st.tuples(st.integers(1, 7), st.integers(1, 7)))
 WIDE_BITMAPS = st_numpy.arrays(bool, st.tuples(st.integers(1, 3), st.integers(30, 80)))
 
 
-def bitmap(*rows: str) -> np.ndarray:
-    """Bright pixels from rows of "." (bright) and "#" (dark), the top row first."""
-    return np.array([[pixel == "." for pixel in row] for row in rows])
-
-
 def walls(bright: np.ndarray) -> List[Segment]:
     """The outlines as pairs of points, the lower left one first, sorted."""
     rows = outlines(bright).tolist()
@@ -76,37 +71,6 @@ def test_collinear_walls_that_touch_are_one(bright):
         along = [wall for wall in walls(bright) if wall[0][axis] == wall[1][axis]]
         ends = [end for wall in along for end in wall]
         assert len(ends) == len(set(ends))
-
-
-def test_a_dark_pixel_in_the_middle_has_walls_on_its_own_edges():
-    assert walls(bitmap("...", ".#.", "...")) == [
-        ((1, 1), (1, 2)),
-        ((1, 1), (2, 1)),
-        ((1, 2), (2, 2)),
-        ((2, 1), (2, 2)),
-    ]
-
-
-def test_the_origin_is_the_bottom_left_corner_of_the_image():
-    assert walls(bitmap("...", "...", "##.")) == [
-        ((0, 0), (0, 1)),
-        ((0, 0), (2, 0)),
-        ((0, 1), (2, 1)),
-        ((2, 0), (2, 1)),
-    ]
-
-
-def test_dark_pixels_at_the_border_have_walls_on_the_border():
-    assert walls(bitmap("###", "###")) == [
-        ((0, 0), (0, 2)),
-        ((0, 0), (3, 0)),
-        ((0, 2), (3, 2)),
-        ((3, 0), (3, 2)),
-    ]
-
-
-def test_a_bright_image_has_no_walls():
-    assert outlines(bitmap("...", "...")).shape == (0, 4)
 
 
 def saved_and_opened(image: Image.Image, folder: Path) -> Image.Image:

@@ -1,10 +1,8 @@
 """The documentation's pages about drives: the examples run, and the defaults are as stated."""
 
-import logging
 import math
-from typing import Any, List, NamedTuple, Set, Tuple
+from typing import Any, NamedTuple, Set, Tuple
 
-import numpy as np
 import pytest
 
 from flatland_plugins.dynamics_limits import DynamicsLimits
@@ -62,11 +60,6 @@ def velocity_in(odometry: Any) -> Tuple[float, float, float]:
     return twist.linear.x, twist.linear.y, twist.angular.z
 
 
-def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The warnings logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
-
-
 def test_the_defaults_are_those_of_the_example(documented, drive):
     readers = [documented.reader(plugins, drive.model) for plugins in (drive.least, drive.example)]
 
@@ -122,29 +115,6 @@ def test_a_tricycle_has_no_limits_by_default(documented, tricycle_drive, which, 
     forwards, sideways = 10.0 * math.cos(steering), 10.0 * math.sin(steering)
     turning = sideways / WHEELBASE
     assert velocity_in(odometry) == pytest.approx((forwards, sideways, turning), rel=1e-3)
-
-
-def test_the_tricycle_of_the_example_warns_of_its_deprecated_keys(
-    documented, tricycle_drive, caplog
-):
-    documented.robot(tricycle_drive.example, tricycle_drive.model)
-
-    assert [warning.partition("plugins[0].")[2] for warning in warnings(caplog)] == [
-        "max_angular_velocity: is deprecated; write angular_dynamics.velocity_limit",
-        "max_steer_acceleration: is deprecated; write angular_dynamics.acceleration_limit",
-    ]
-
-
-def test_covariances_have_the_noise_on_their_diagonals_by_default(documented, drive):
-    noise = "odom_pose_noise: [1, 2, 3], odom_twist_noise: [4, 5, 6]"
-
-    config = OdometryConfig.read(documented.reader(f"{drive.least}, {noise}", drive.model))
-
-    pose, twist = (
-        np.reshape(matrix, (6, 6)) for matrix in (config.pose_covariance, config.twist_covariance)
-    )
-    assert (pose == np.diag([1, 2, 0, 0, 0, 3])).all()
-    assert (twist == np.diag([4, 5, 0, 0, 0, 6])).all()
 
 
 @pytest.mark.parametrize("section", ["linear_dynamics", "angular_dynamics"])

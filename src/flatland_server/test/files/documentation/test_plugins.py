@@ -59,21 +59,6 @@ def test_the_bumpers_of_the_example_ignore_the_excluded_bodies(documented):
     assert reported == {("map", "base"), *(("world", name) for name in names)}
 
 
-@pytest.mark.parametrize(
-    ("key", "colliding"), [("", STEPS_PER_SECOND), (", publish_all_collisions: false", 2)]
-)
-def test_a_bumper_publishes_all_collisions_by_default(documented, key, colliding):
-    robot = documented.robot(f"type: Bumper, name: bumper, update_rate: 2{key}")
-
-    # It is 0.8 m to the wall.
-    free = robot.throw(1.0, "base").record("/collisions", 0.5)
-    robot.run(0.5)
-    touching = robot.record("/collisions", 1.0)[-colliding:]
-
-    assert [message.collisions for message in free] == [[]]
-    assert [len(message.collisions) for message in touching] == [1] * colliding
-
-
 # Bool Sensor
 
 
@@ -105,20 +90,6 @@ def test_the_transforms_by_default_and_of_the_example_are_from_the_first_body(do
 
 
 # Tween
-
-
-def test_the_tween_of_the_example_returns_after_twenty_seconds(documented):
-    bodies = documented.discs("some_body")
-    robot = documented.robot(documented.page("tween"), bodies, pose="[2, 0, 0]")
-
-    quarter = robot.run(2.5).pose("some_body")
-    end = robot.run(7.5).pose("some_body")
-    start = robot.run(10.0).pose("some_body")
-
-    eased = 4 * 0.25**3  # cubicInOut, in its first half
-    assert quarter == pytest.approx((2 + 2 * eased, 3 * eased, 1.1 * eased), abs=1e-5)
-    assert end == pytest.approx((4.0, 3.0, 1.1), abs=1e-5)
-    assert start == pytest.approx((2.0, 0.0, 0.0), abs=1e-5)
 
 
 # GPS

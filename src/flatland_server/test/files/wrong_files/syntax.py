@@ -2,7 +2,7 @@
 
 from typing import Dict
 
-from wrong_files.case import MAP, MODEL, WORLD, Case
+from wrong_files.case import WORLD, Case
 
 # fmt: off
 WRONG_SYNTAX: Dict[str, Case] = {
@@ -11,8 +11,6 @@ WRONG_SYNTAX: Dict[str, Case] = {
     "only comments": (WORLD, None, "# nothing\n# at all\n",
      "world.yaml: expected a map, found an empty file"),
     "null": (WORLD, None, "null\n", "world.yaml:1: expected a map, found nothing"),
-    "only the beginning of a document": (WORLD, None, "---\n",
-     "world.yaml:2: expected a map, found nothing"),
     "a list for a world": (WORLD, None, "- properties: {}\n",
      "world.yaml:1: expected a map, found [a map]"),
     "a string for a world": (WORLD, None, "world\n", 'world.yaml:1: expected a map, found "world"'),
@@ -34,31 +32,16 @@ WRONG_SYNTAX: Dict[str, Case] = {
     "a control character": (WORLD, None, b"properties: {}\x07\n",
      "world.yaml: is not valid YAML: unacceptable character #x0007: control "
      "characters are not allowed"),
-    "a zero byte": (WORLD, None, b"properties: {}\x00\n",
-     "world.yaml: is not valid YAML: unacceptable character #x0000: control "
-     "characters are not allowed"),
     "not UTF-8": (WORLD, None, b"properties: {}\nlayers: [{name: caf\xe9}]\n",
      "world.yaml: is not UTF-8 text: byte 34 is wrong"),
-    "UTF-16": (WORLD, None,
-     b"\xff\xfep\x00r\x00o\x00p\x00e\x00r\x00t\x00i\x00e\x00s\x00:\x00 \x00{\x00}\x00\n\x00",
-     "world.yaml: is not UTF-8 text: byte 0 is wrong"),
     "ten thousand brackets": (WORLD, None, "properties: " + "[" * 10_000 + "]" * 10_000,
-     "world.yaml:1: expected at most 100 levels, found more"),
-    "ten thousand open brackets": (WORLD, None, "[" * 10_000,
      "world.yaml:1: expected at most 100 levels, found more"),
     "an anchor that contains itself": (WORLD, None, "properties: {}\nlayers: &all\n  - *all\n",
      "world.yaml:2: contains itself"),
     "a map that contains itself": (WORLD, None, "&world\nproperties: *world\nlayers: []\n",
      "world.yaml:1: contains itself"),
-    "a map merged with itself": (WORLD, None, "&world\nproperties: {}\n<<: *world\n",
-     "world.yaml:1: contains itself"),
     "a merged string": (WORLD, None, "properties: {}\n<<: layers\n",
      "world.yaml:2: expected a map or a list of maps after <<"),
-    "a model that is not YAML": (MODEL, None, "bodies: [\n",
-     "robot.model.yaml:2: is not valid YAML: while parsing a flow node did not find "
-     "expected node content"),
-    "a map that is not UTF-8": (MAP, None, b"image: \xff\n",
-     "map.yaml: is not UTF-8 text: byte 7 is wrong"),
     # Includes and expressions
     "an include that is not there": (WORLD, "[1, 2, 0.5]", "$include pose.yaml",
      "world.yaml:12: there is no file pose.yaml"),
@@ -79,24 +62,14 @@ WRONG_SYNTAX: Dict[str, Case] = {
      'two.yaml:3: layers[3]: unknown key "naem" (did you mean "name"?)'),
     "$[include] where there is no list": (WORLD, "[1, 2, 0.5]", "$[include] two.yaml",
      'world.yaml:12: models[0].pose: expected [x, y, yaw], found "$[include] two.yaml"'),
-    "an include without a file": (WORLD, "[1, 2, 0.5]", "$include",
-     'world.yaml:12: models[0].pose: expected [x, y, yaw], found "$include"'),
     "bad Lua": (WORLD, "[1, 2, 0.5]", "$eval 1 +",
      "world.yaml:12: $eval: unexpected symbol near '1', in: 1 +"),
-    "unfinished Lua": (WORLD, "[1, 2, 0.5]", '"$eval if true then"',
-     "world.yaml:12: $eval: 'end' expected near '<eof>', in: if true then"),
     "Lua that fails": (WORLD, "[1, 2, 0.5]", "\"$eval error('not today')\"",
      "world.yaml:12: $eval: not today, in: error('not today')"),
-    "arithmetic on nothing": (WORLD, "[1, 2, 0.5]", "$eval 1 + nil",
-     "world.yaml:12: $eval: attempt to perform arithmetic on a nil value, in: 1 + nil"),
     "endless Lua": (WORLD, "[1, 2, 0.5]", "$eval while true do end",
      "world.yaml:12: $eval: does not end within 1 s, in: while true do end"),
     "Lua that eats memory": (WORLD, "[1, 2, 0.5]", '$eval ("x"):rep(2^31 - 1)',
      'world.yaml:12: $eval: not enough memory, in: ("x"):rep(2^31 - 1)'),
-    "a function from Lua": (WORLD, "[1, 2, 0.5]", "$eval print",
-     'world.yaml:12: $eval: "print" is not available in $eval, in: print'),
-    "Lua's files": (WORLD, "[1, 2, 0.5]", "$eval io.open('/etc/passwd')",
-     "world.yaml:12: $eval: \"io\" is not available in $eval, in: io.open('/etc/passwd')"),
     "a result of the wrong type": (WORLD, "[1, 2, 0.5]", "$eval 1 + 1",
      "world.yaml:12: models[0].pose: expected [x, y, yaw], found 2"),
     "a table with gaps": (WORLD, "[1, 2, 0.5]", '"$eval {1, 2, nil, 4}"',

@@ -7,14 +7,18 @@ import pytest
 from contacts.room import DT, MASS, RADIUS, SQUARE, actions, called_hooks
 
 
+@pytest.mark.parametrize("is_driven", [False, True])
 @pytest.mark.parametrize("speed", [1.0, 20.0, 100.0])
-def test_a_body_passes_through_a_wall_if_its_contact_is_disabled(room, speed):
+def test_a_body_passes_through_a_wall_if_its_contact_is_disabled(room, speed, is_driven):
     actions["pre_solve"] = lambda _, contact, __: contact.set_enabled(False)
     ball = room.put("ball", (0.85, 0.0, 0.0), (speed, 0.0, 0.0), "Listener")
+    if is_driven:
+        ball.base.physics_body.add_drive().command(speed, 0.0, 0.0)
 
     room.run(0.5)
 
     assert "pre_solve" in called_hooks()
+    assert "post_solve" not in called_hooks()
     assert ball.pose.x == pytest.approx(0.85 + 0.5 * speed, rel=1e-5)
     assert ball.base.physics_body.velocity == pytest.approx((speed, 0.0, 0.0))
 
@@ -169,9 +173,16 @@ def test_a_wall_with_a_tangent_speed_moves_a_body_that_is_pressed_against_it(roo
     assert body.velocity == pytest.approx((0.0, directions[-1] * speed, 0.0), abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ["friction", "restitution", "tangent_speed"])
-@pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_contact_refuses_values_that_are_not_finite(room, name, value):
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *((name, math.nan) for name in ("friction", "restitution", "tangent_speed")),
+        *((name, -math.inf) for name in ("friction", "restitution", "tangent_speed")),
+        ("friction", -0.1),
+        ("restitution", -0.1),
+    ],
+)
+def test_a_contact_refuses_values_that_are_not_finite_or_negative(room, name, value):
     refusals = []
 
     def spoil(_, contact, __):

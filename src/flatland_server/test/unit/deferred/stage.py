@@ -1,8 +1,7 @@
 """Shared by the tests of deferred changes: a world with plugins that do what a test plans."""
 
-import logging
 from collections import Counter
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, Tuple
 
 import numpy as np
 import pytest
@@ -131,11 +130,6 @@ class Stage:
         assert starts - ends == Counter(world.models.keys())
         assert ends - starts == Counter()
         assert world.plugin_failures == []
-
-
-def errors(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The errors logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.ERROR]
 
 
 def refusal(ask: Callable[[], Any], kind=ModelError) -> str:

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from deferred.stage import FAR, ends, errors, plans, refusal
+from deferred.stage import FAR, ends, plans, refusal
+from logged import errors
 
 from flatland_server.exceptions import FlatlandError
 from flatland_server.geometry import Pose

@@ -4,7 +4,8 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from deferred.stage import FAR, HOOKS, ends, errors, plans, refusal, starts
+from deferred.stage import FAR, HOOKS, ends, plans, refusal, starts
+from logged import errors
 
 from flatland_server import Circle, _core
 from flatland_server.exceptions import FlatlandError

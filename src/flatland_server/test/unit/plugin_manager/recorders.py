@@ -1,10 +1,7 @@
 """Shared by the tests of the plugin manager: plugins that record their calls, and worlds."""
 
-import logging
 import math
 from typing import Any, List, Tuple
-
-import pytest
 
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.simulation.run import Run
@@ -130,8 +127,3 @@ def hooks_of(plugin: str) -> List[str]:
 def local(world) -> LocalTransport:
     assert isinstance(world.transport, LocalTransport)
     return world.transport
-
-
-def errors(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The errors logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.ERROR]

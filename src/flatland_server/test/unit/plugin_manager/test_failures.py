@@ -4,11 +4,11 @@ import logging
 from typing import Any
 
 import pytest
+from logged import errors
 from plugin_manager.recorders import (
     Recorder,
     Toucher,
     calls,
-    errors,
     hooks_of,
     local,
     step,

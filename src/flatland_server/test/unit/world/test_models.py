@@ -1,43 +1,19 @@
 """Spawning, moving and deleting models, with their topics and frames; failures leave no trace."""
 
-import logging
 import math
 from dataclasses import replace
-from typing import List
 
 import pytest
+from logged import warnings
 from world.parts import EMPTY, spawn, state
 
 from flatland_server import _core
-from flatland_server.exceptions import FlatlandError, ModelError
+from flatland_server.exceptions import ModelError
 from flatland_server.geometry import Pose
 from flatland_server.models.footprint import Circle
 from flatland_server.models.joint import JointConfig
 from flatland_server.models.model import ModelConfig
 from flatland_server.simulation.world_config import ModelEntry
-
-
-def warnings(caplog: pytest.LogCaptureFixture) -> List[str]:
-    """The warnings logged so far."""
-    return [r.getMessage() for r in caplog.records if r.levelno >= logging.WARNING]
-
-
-def test_a_model_whose_third_plugin_fails_leaves_no_trace(models, simulate, caplog):
-    world = models.load(EMPTY)
-    before = state(world)
-
-    with pytest.raises(FlatlandError) as caught:
-        spawn(models, world, "bad.yaml", "robot")
-
-    message = f'{models.folder}/bad.yaml:11: plugins[2] "c": no luck'
-    assert str(caught.value) == message
-    assert state(world) == before
-    # Its frames are not claimed either: another robot can publish them without a warning.
-    caplog.clear()
-    spawn(models, world, "good.yaml", "heir")
-    simulate(world).run()
-    assert warnings(caplog) == []
-    spawn(models, world, "plain.yaml", "robot")
 
 
 @pytest.mark.parametrize(
@@ -46,31 +22,11 @@ def test_a_model_whose_third_plugin_fails_leaves_no_trace(models, simulate, capl
         pytest.param(
             "good.yaml", {"name": "here"}, 'a model named "here" is already there', id="taken"
         ),
-        pytest.param("good.yaml", {"name": ""}, "expected a name, found an empty one", id="empty"),
-        pytest.param(
-            "good.yaml",
-            {"name": "my robot"},
-            'expected a name of letters, digits and "_" (it names a ROS topic), found "my robot"',
-            id="a space",
-        ),
-        pytest.param(
-            "good.yaml",
-            {"namespace": "my robots"},
-            'expected a namespace of letters, digits and "_", beginning with a letter, '
-            'found "my robots"',
-            id="a namespace with a space",
-        ),
         pytest.param(
             "good.yaml",
             {"pose": Pose(math.nan, 0.0, 0.0)},
             "expected a finite pose, found x=nan y=0.0 theta=0.0",
             id="NaN",
-        ),
-        pytest.param(
-            "good.yaml",
-            {"pose": Pose(0.0, 0.0, math.inf)},
-            "expected a finite pose, found x=0.0 y=0.0 theta=inf",
-            id="an infinite heading",
         ),
         pytest.param("none.yaml", {}, "there is no file {folder}/none.yaml", id="no file"),
         pytest.param(
@@ -207,26 +163,6 @@ def test_one_configuration_can_be_used_for_several_models(models, simulate, tran
     assert list(world.models.values()) == added
     assert [model.pose.x for model in added] == pytest.approx([1.0, 2.0])
     assert transport.topics == {"/one/chatter", "/two/chatter"}
-
-
-def test_a_model_that_cannot_be_added_leaves_the_world_unchanged(models):
-    world = models.load(EMPTY)
-    good, bad = (
-        ModelConfig.from_file(models.folder / name, world.registry)
-        for name in ("good.yaml", "bad.yaml")
-    )
-    world.add_model(ModelEntry("here", "", Pose(), good))
-    before = state(world)
-
-    for entry, message in (
-        (ModelEntry("here", "", Pose(), good), 'a model named "here" is already there'),
-        (ModelEntry("robot", "", Pose(), bad), "no luck"),
-        (ModelEntry("robot", "", Pose(1e6, 0.0, 0.0), good), "does not fit into the world"),
-    ):
-        with pytest.raises(FlatlandError, match=message):
-            world.add_model(entry)
-
-    assert state(world) == before
 
 
 def test_the_body_of_a_footprint_that_box2d_refuses_is_removed(models):

@@ -1,9 +1,9 @@
 """Models that are spawned within walls or other models: accepted, with a warning."""
 
-import logging
 import time
 
 import pytest
+from logged import warnings
 from world.parts import spawn
 
 from flatland_server.geometry import Pose
@@ -34,45 +34,39 @@ def world(files):
     return files.load(WORLD.format("[]"))
 
 
-@pytest.fixture
-def warnings(caplog):
-    """The warnings that were logged so far."""
-    return lambda: [r.getMessage() for r in caplog.records if r.levelno == logging.WARNING]
-
-
-def test_a_free_place_is_no_warning(files, world, warnings):
+def test_a_free_place_is_no_warning(files, world, caplog):
     model = spawn(files, world, "box.yaml", "box", pose=Pose(0.1, 0, 0))
 
     assert model.overlapping() == []
     assert world.overlap_warning(model) == ""
-    assert warnings() == []
+    assert warnings(caplog) == []
 
 
-def test_a_model_within_a_wall_and_another_model_is_there_with_a_warning(files, world, warnings):
+def test_a_model_within_a_wall_and_another_model_is_there_with_a_warning(files, world, caplog):
     first = spawn(files, world, "box.yaml", "first", pose=Pose(0.1, 0, 0))
     second = spawn(files, world, "box.yaml", "second", pose=Pose(-0.5, 0.5, 0))
 
     assert set(second.overlapping()) == {first, world.get_layer("walls")}
-    assert len(warnings()) == 1
-    assert warnings()[0].startswith('the model "second" overlaps the ')
-    assert 'the layer "walls"' in warnings()[0]
-    assert 'the model "first"' in warnings()[0]
+    assert len(warnings(caplog)) == 1
+    assert warnings(caplog)[0].startswith('the model "second" overlaps the ')
+    assert 'the layer "walls"' in warnings(caplog)[0]
+    assert 'the model "first"' in warnings(caplog)[0]
     assert list(world.models) == ["first", "second"]
 
 
 @pytest.mark.parametrize("kind", ["sensor", "ghost", "other_layer", "static"])
-def test_what_is_not_pushed_out_is_no_warning(files, world, warnings, kind):
+def test_what_is_not_pushed_out_is_no_warning(files, world, caplog, kind):
     spawn(files, world, f"{kind}.yaml", "box", pose=Pose(-0.5, 0, 0))
 
-    assert warnings() == []
+    assert warnings(caplog) == []
 
 
-def test_a_models_own_bodies_do_not_count(models, warnings):
+def test_a_models_own_bodies_do_not_count(models, caplog):
     world = models.load("{properties: {}, layers: []}")
 
     spawn(models, world, "plain.yaml", "two_bodies_in_one_place")
 
-    assert warnings() == []
+    assert warnings(caplog) == []
 
 
 def test_the_check_is_cheap_among_many_walls(files):

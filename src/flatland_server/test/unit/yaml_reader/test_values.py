@@ -1,10 +1,13 @@
-"""YamlReader: the getter decides about the type; an error for a wrong value has file and line."""
+"""YamlReader: the getter decides about the type; an error for a wrong value has file and line.
+
+Most wrong values and documents are in `files/wrong_files/`: they are read as worlds.
+"""
 
 import math
 from typing import Any, Dict
 
 import pytest
-from yaml_reader.reading import SHAPES, nothing, read, refusal
+from yaml_reader.reading import nothing, read, refusal
 
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import YamlError
@@ -15,40 +18,15 @@ TYPES = ["static", "kinematic", "dynamic"]
 
 WRONG_VALUES: Dict[str, Any] = {
     # mistake: text of the file, getter, message after "<file>:"
-    "a word for a number": (
-        "mass: heavy",
-        lambda r: r.get_float("mass"),
-        '1: mass: expected a number, found "heavy"',
-    ),
-    "a list for a number": (
-        "mass: [1, a]",
-        lambda r: r.get_float("mass"),
-        '1: mass: expected a number, found [1, "a"]',
-    ),
-    "a map for a number": (
-        "mass: {kg: 1}",
-        lambda r: r.get_float("mass"),
-        "1: mass: expected a number, found a map",
-    ),
     "true for a number": (
         "mass: true",
         lambda r: r.get_float("mass"),
         "1: mass: expected a number, found true",
     ),
-    "NaN in YAML's spelling": (
-        "mass: .nan",
-        lambda r: r.get_float("mass"),
-        "1: mass: expected a number, found .nan",
-    ),
     "NaN in Python's spelling": (
         "mass: nan",
         lambda r: r.get_float("mass", allow_infinity=True),
         '1: mass: expected a number, found "nan"',
-    ),
-    "infinity": (
-        "mass: .inf",
-        lambda r: r.get_float("mass"),
-        "1: mass: expected a finite number, found .inf",
     ),
     "minus infinity": (
         "mass: -.inf",
@@ -60,60 +38,10 @@ WRONG_VALUES: Dict[str, Any] = {
         lambda r: r.get_float("mass"),
         "1: mass: expected a finite number, found 1.0e+999",
     ),
-    "a negative number": (
-        "mass: -1",
-        lambda r: r.get_float("mass", minimum=0.0),
-        "1: mass: expected a number of 0 or more, found -1",
-    ),
-    "zero": (
-        "radius: 0",
-        lambda r: r.get_float("radius", above=0.0),
-        "1: radius: expected a number above 0, found 0",
-    ),
     "a rate of zero": (
         "rate: 0.0",
         lambda r: r.get_rate("rate"),
         "1: rate: expected a number above 0, found 0.0",
-    ),
-    "a rate of minus infinity": (
-        "rate: -.inf",
-        lambda r: r.get_rate("rate"),
-        "1: rate: expected a number above 0, found -.inf",
-    ),
-    "a fraction for a whole number": (
-        "count: 1.5",
-        lambda r: r.get_int("count"),
-        "1: count: expected a whole number, found 1.5",
-    ),
-    "too small a whole number": (
-        "count: 0",
-        lambda r: r.get_int("count", minimum=1),
-        "1: count: expected a whole number of 1 or more, found 0",
-    ),
-    "a number for yes or no": (
-        "sensor: 1",
-        lambda r: r.get_bool("sensor"),
-        "1: sensor: expected true or false, found 1",
-    ),
-    "a list for a string": (
-        "name: [a, b]",
-        lambda r: r.get_string("name"),
-        '1: name: expected a string, found ["a", "b"]',
-    ),
-    "none of the choices": (
-        "type: wobbly",
-        lambda r: r.get_choice("type", TYPES),
-        '1: type: expected static, kinematic or dynamic, found "wobbly"',
-    ),
-    "nearly one of the choices": (
-        "type: circel",
-        lambda r: r.get_choice("type", SHAPES),
-        '1: type: expected circle or polygon (did you mean "circle"?), found "circel"',
-    ),
-    "too short a list": (
-        "noise: [0, 1]",
-        lambda r: r.get_floats("noise", 3),
-        "1: noise: expected a list of 3 numbers, found [0, 1]",
     ),
     "a list with a word": (
         "noise: [0, much, 1]",
@@ -125,55 +53,10 @@ WRONG_VALUES: Dict[str, Any] = {
         lambda r: r.get_floats("noise", 3, minimum=0.0),
         "1: noise: expected a list of 3 numbers of 0 or more, found [0, -1, 0]",
     ),
-    "a word for a pose": (
-        "pose: foo",
-        lambda r: r.get_pose("pose"),
-        '1: pose: expected [x, y, yaw], found "foo"',
-    ),
-    "an infinite pose": (
-        "pose: [0, .inf, 0]",
-        lambda r: r.get_pose("pose"),
-        "1: pose: expected [x, y, yaw], found [0, .inf, 0]",
-    ),
-    "three coordinates for a point": (
-        "center: [0, 0, 0]",
-        lambda r: r.get_point("center"),
-        "1: center: expected [x, y], found [0, 0, 0]",
-    ),
-    "two corners": (
-        "points: [[0, 0], [1, 0]]",
-        lambda r: r.get_points("points", 3, 8),
-        "1: points: expected a list of 3 to 8 points [x, y], found [[0, 0], [1, 0]]",
-    ),
     "a number for corners": (
         "points: 3",
         lambda r: r.get_points("points", 3, 8),
         "1: points: expected a list of 3 to 8 points [x, y], found 3",
-    ),
-    "too bright a colour": (
-        "color: [0, 0, 0, 255]",
-        lambda r: r.get_color("color"),
-        "1: color: expected [r, g, b, alpha], found [0, 0, 0, 255]",
-    ),
-    "a map for strings": (
-        "layers: {a: b}",
-        lambda r: r.get_strings("layers"),
-        "1: layers: expected a string, found a map",
-    ),
-    "a list for a section": (
-        "angle:\n  [1, 2]",
-        lambda r: r.get_section("angle").get_float("min"),
-        "2: angle: expected a map, found [1, 2]",
-    ),
-    "a map for a list": (
-        "models: {name: a}",
-        lambda r: r.get_sections("models", nothing),
-        "1: models: expected a list, found a map",
-    ),
-    "a word for an entry": (
-        "models:\n  - name: a\n  - robot",
-        lambda r: r.get_sections("models", nothing),
-        '3: models[1]: expected a map, found "robot"',
     ),
     "nothing for an entry": (
         "models: [~]",
@@ -185,61 +68,10 @@ WRONG_VALUES: Dict[str, Any] = {
         lambda r: r.get_float("mass"),
         f'1: mass: expected a number, found "{"x" * 56}...',
     ),
-    "a missing key": (
-        "mass: 1",
-        lambda r: r.get_string("name"),
-        '1: the required key "name" is missing',
-    ),
     "a required key with nothing": (
         "mass:",
         lambda r: r.get_float("mass"),
         '1: the required key "mass" is missing',
-    ),
-    "a missing key of an entry": (
-        "models:\n  - name: a\n  - {name: b, model: b}",
-        lambda r: r.get_sections("models", lambda m: (m.get_string("model"), m.raise_problems())),
-        '2: models[0] "a": the required key "model" is missing',
-    ),
-    "a missing section": (
-        "a: 1",
-        lambda r: r.get_section("angle", required=True).get_float("min"),
-        '1: the required key "angle" is missing',
-    ),
-    "a missing list": (
-        "a: 1",
-        lambda r: r.get_sections("layers", nothing, required=True),
-        '1: the required key "layers" is missing',
-    ),
-    "an unknown key": (
-        "name: a\nweight: 1",
-        lambda r: (r.get_string("name"), r.finish()),
-        '2: unknown key "weight"',
-    ),
-    "a key nearly known": (
-        "plugins:\n  - type: Laser\n    name: laser\n    raneg: 5",
-        lambda r: r.get_sections(
-            "plugins",
-            lambda p: (
-                p.get_string("type"),
-                p.get_string("name"),
-                p.get_rate("range", 1),
-                p.finish(),
-            ),
-        ),
-        '4: plugins[0] "laser": unknown key "raneg" (did you mean "range"?)',
-    ),
-    "an unknown key of a section": (
-        "debug: {min_z: 1, max: 2}",
-        lambda r: [
-            (s.get_float("min_z"), s.get_float("max_z", 0.0), s.finish())
-            for s in [r.get_section("debug")]
-        ],
-        '1: debug: unknown key "max" (did you mean "max_z"?)',
-    ),
-    "a pose deep within": (
-        "layers: []\nmodels:\n  - name: a\n    model: a.yaml\n    pose: foo",
-        lambda r: r.get_sections("models", lambda m: (m.get_pose("pose"), m.raise_problems())),
-        '5: models[0].pose: expected [x, y, yaw], found "foo"',
     ),
 }
 
@@ -314,3 +146,17 @@ def test_the_getter_decides_about_the_type_of_a_value(tmp_path, text):
     getter, expected = READINGS[text]
 
     assert getter(read(tmp_path, f"v: {text}\n")) == expected
+
+
+def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(tmp_path):
+    (tmp_path / "file.yaml").write_bytes(b"\xef\xbb\xbfa: 1\r\nb: two\r\n")
+
+    reader = YamlReader.from_file(tmp_path / "file.yaml")
+
+    assert (reader.get_int("a"), reader.get_string("b")) == (1, "two")
+
+
+def test_an_alias_stands_for_its_anchor(tmp_path):
+    reader = read(tmp_path, "a: &start [1, 2, 3]\nb: *start")
+
+    assert tuple(reader.get_pose("b")) == (1.0, 2.0, 3.0)
