@@ -8,11 +8,12 @@ Plugins import from `flatland_server`, the simulator itself. `flatland2d.sweep` 
 sweep's runs. Other modules are implementation: they may change.
 """
 
+import importlib as _importlib
+import typing as _typing
+
 from flatland2d.batch.observation import BatchObservation
-from flatland2d.batch.simulation_batch import SimulationBatch
 from flatland2d.free_space import DistanceGrid, FreeSpace
 from flatland2d.handles import DriveHandle, ModelHandle, SensorHandle
-from flatland2d.recorder import Recorder
 from flatland2d.robot import find_robot
 from flatland2d.simulation import Simulation
 from flatland2d.touch import Touch
@@ -40,6 +41,21 @@ from flatland_server import (
     messages,
 )
 from flatland_server import __version__ as __version__
+
+if _typing.TYPE_CHECKING:
+    from flatland2d.batch.simulation_batch import SimulationBatch
+    from flatland2d.recorder import Recorder
+
+_LATER = {"Recorder": "flatland2d.recorder", "SimulationBatch": "flatland2d.batch.simulation_batch"}
+"""Names that are imported when they are first used, and their modules."""
+
+
+def __getattr__(name: str) -> _typing.Any:
+    if name not in _LATER:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = globals()[name] = getattr(_importlib.import_module(_LATER[name]), name)
+    return value
+
 
 __all__ = [
     "BatchObservation",

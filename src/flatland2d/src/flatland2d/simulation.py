@@ -2,13 +2,21 @@
 
 import os
 from pathlib import Path
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 from flatland2d.catalog import Catalog
 from flatland2d.handles import ModelHandle
-from flatland2d.recorder import Recorder
-from flatland2d.rendering.plot import plot
-from flatland2d.rendering.renderer import Renderer, save, to_array, to_png
 from flatland2d.simulated_topics import SimulatedTopics
 from flatland2d.touch import Touch, touches
 from flatland2d.world_source import WorldSource, open_world
@@ -20,6 +28,10 @@ from flatland_server.models.model import Model
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
+
+if TYPE_CHECKING:  # imported when something is recorded or drawn
+    from flatland2d.recorder import Recorder
+    from flatland2d.rendering.renderer import Renderer
 
 
 class Simulation(SimulatedTopics):
@@ -82,7 +94,7 @@ class Simulation(SimulatedTopics):
         super().__init__(opened, timekeeper, raise_failures=raise_failures)
         self.subscribe(*([topics] if isinstance(topics, str) else several(topics, "topics")))
         self._recorders: List[Recorder] = []
-        self._renderer = Renderer(opened, self.timekeeper)
+        self._renderer: Optional[Renderer] = None
         self._handles: Dict[str, ModelHandle] = {}
         self._group_models: Tuple[Model, ...] = ()
         self._group = _core.BodyGroup([])
@@ -177,7 +189,7 @@ class Simulation(SimulatedTopics):
 
     def record(
         self, path: Union[str, "os.PathLike[str]"], topics: Optional[Iterable[str]] = None
-    ) -> Recorder:
+    ) -> "Recorder":
         """Begins to record topics, the time and the transforms into a file.
 
             with sim.record("run.bag", topics=["/scan"]):
@@ -195,6 +207,8 @@ class Simulation(SimulatedTopics):
         Raises:
             RecordingError: the file cannot be written, or something else than a recording is there.
         """
+        from flatland2d.recorder import Recorder
+
         self.require_open()
         recorder = Recorder(
             self.transport, self.timekeeper, path, topics, lambda: self.world.odometry_frames
@@ -226,8 +240,11 @@ class Simulation(SimulatedTopics):
         Raises:
             FlatlandError: there is no such model, or the size or the width is not usable.
         """
-        view = self._renderer.view(size, follow=follow, width=width)
-        return to_array(self._renderer.image(view, sensors=sensors, names=names))
+        from flatland2d.rendering.renderer import to_array
+
+        renderer = self._get_renderer()
+        view = renderer.view(size, follow=follow, width=width)
+        return to_array(renderer.image(view, sensors=sensors, names=names))
 
     def save_picture(
         self,
@@ -252,8 +269,11 @@ class Simulation(SimulatedTopics):
         Raises:
             FlatlandError: as for `render`; or the file cannot be written, or its kind is not known.
         """
-        view = self._renderer.view(size, follow=follow, width=width)
-        save(Path(path), self._renderer, view, sensors=sensors, names=names)
+        from flatland2d.rendering.renderer import save
+
+        renderer = self._get_renderer()
+        view = renderer.view(size, follow=follow, width=width)
+        save(Path(path), renderer, view, sensors=sensors, names=names)
 
     def plot(
         self,
@@ -276,12 +296,25 @@ class Simulation(SimulatedTopics):
         Raises:
             FlatlandError: as for `render`; or Matplotlib is not installed.
         """
-        view = self._renderer.view(follow=follow, width=width)
-        return plot(self._renderer, ax, view, sensors=sensors, names=names)
+        from flatland2d.rendering.plot import plot
+
+        renderer = self._get_renderer()
+        view = renderer.view(follow=follow, width=width)
+        return plot(renderer, ax, view, sensors=sensors, names=names)
 
     def _repr_png_(self) -> bytes:
         """The picture that a notebook shows of a simulation."""
-        return to_png(self._renderer.image(self._renderer.view()))
+        from flatland2d.rendering.renderer import to_png
+
+        renderer = self._get_renderer()
+        return to_png(renderer.image(renderer.view()))
+
+    def _get_renderer(self) -> "Renderer":
+        from flatland2d.rendering.renderer import Renderer
+
+        if self._renderer is None:
+            self._renderer = Renderer(self.world, self.timekeeper)
+        return self._renderer
 
     def _write_recordings(self) -> None:
         """Writes the step to the recordings that are open."""

@@ -8,6 +8,7 @@ from flatland_benchmark.contact_cases import CONTACT_CASES
 from flatland_benchmark.drive_cases import DRIVE_CASES
 from flatland_benchmark.library_cases import LIBRARY_CASES
 from flatland_benchmark.map_cases import MAP_CASES
+from flatland_benchmark.plugin_cases import PLUGIN_CASES
 from flatland_benchmark.ray_cases import RAY_CASES
 from flatland_benchmark.robot_cases import ROBOT_CASES
 from flatland_benchmark.server_cases import SERVER_CASES
@@ -24,6 +25,7 @@ CASES: Dict[str, Case] = {
         *SERVER_CASES,
         *WINDOW_CASES,
         *CONTACT_CASES,
+        *PLUGIN_CASES,
         *MAP_CASES,
     )
 }

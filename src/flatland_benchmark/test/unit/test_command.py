@@ -255,7 +255,7 @@ def test_pictures_of_a_report(written, tmp_path):
 
 def test_the_page_has_all_cases_and_no_others():
     cells = re.findall(r"^\| (`.*?) \|", PAGE.read_text(), flags=re.MULTILINE)
-    names = [name for cell in cells for name in re.findall(r"`(\w+_\w+|spawn)`", cell)]
+    names = [name for cell in cells for name in re.findall(r"`(\w+_\w+|spawn|plugins)`", cell)]
 
     assert sorted(names) == sorted(CASES)
 

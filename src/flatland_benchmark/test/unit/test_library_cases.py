@@ -1,11 +1,11 @@
-"""The cases of robots in a Python program, run with few steps."""
+"""The cases of robots and plugins in a Python program, run with few steps."""
 
 import math
 from pathlib import Path
 
 import pytest
 
-from flatland_benchmark import drive_cases, library_cases
+from flatland_benchmark import drive_cases, library_cases, plugin_cases
 
 WORLDS = Path(__file__).resolve().parents[3] / "flatland_server" / "worlds"
 
@@ -16,6 +16,15 @@ def test_figures_of_the_library(monkeypatch, case):
         monkeypatch.setattr(library_cases, name, value)
 
     assert all(value > 0 for value in case.run(WORLDS).values())
+
+
+def test_plugins_without_subscribers_cost_less_than_with_them(monkeypatch):
+    monkeypatch.setattr(plugin_cases, "_BLOCKS", 2)
+
+    figures = plugin_cases.measure_plugins(WORLDS)
+
+    for name in ("Laser", "Imu", "Bumper", "BoolSensor"):
+        assert figures[f"{name} idle [us]"] < figures[f"{name} heard [us]"] / 2
 
 
 def test_the_office_is_the_one_that_is_shipped_with_other_beams():

@@ -1,14 +1,10 @@
 """Bumper: what the bodies of a model collide with, and how hard."""
 
 import math
-from dataclasses import dataclass, field
-from itertools import zip_longest
-from typing import Any, Dict, List, NamedTuple, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from flatland_server import (
     BatchRole,
-    Contact,
-    ContactImpulse,
     ContactSides,
     Fixture,
     ModelPlugin,
@@ -24,30 +20,6 @@ Collisions = messages.get("flatland_msgs/Collisions")
 Vector2 = messages.get("flatland_msgs/Vector2")
 
 Point = Tuple[float, float]
-
-
-@dataclass
-class Touch:
-    """A contact from the model's side: the normal points from the model to the other entity."""
-
-    sides: ContactSides
-    has_sensor: bool = False
-    """True if one of the two fixtures is a sensor, which the other passes through."""
-    points: List[Point] = field(default_factory=list)
-    normal: Point = (0.0, 0.0)
-    impulses: List[float] = field(default_factory=list)
-    """At each point, of this step [N s]; none if the solver did not see the contact."""
-
-    def is_collision(self) -> bool:
-        """True if the contact is to be reported: unless it is solid and a plugin has disabled it.
-
-        The solver sees all solid contacts but those of sleeping bodies.
-        """
-        if self.has_sensor:
-            return True
-        bodies = (self.sides.this_fixture.body, self.sides.other_fixture.body)
-        rests = not any(body.type == "dynamic" and body.awake for body in bodies)
-        return bool(self.impulses) or rests
 
 
 class Bump(NamedTuple):
@@ -84,96 +56,86 @@ class Bumper(ModelPlugin):
         config.finish()
         self._timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, "flatland_msgs/Collisions")
-        self._touches: Dict[Tuple[Fixture, Fixture], Touch] = {}
-        self._over: List[Touch] = []
-        self._last: List[Tuple[Touch, List[float], float]] = []  # impulses, and the step's length
-        self._restored: List[Bump] = []  # those of `_last` when the state was saved
+        self._bodies = self.model.record_collisions()
+        self._restored: List[Bump] = []  # the value of `read` when the state was saved
+        self._has_stepped = False  # since the start, or since a state was restored
 
-    def begin_contact(self, contact: Contact) -> None:
-        """Records a contact with a sensor; the solver does not see those."""
-        if not (contact.fixture_a.sensor or contact.fixture_b.sensor):
-            return
-        sides = self.filter_contact(contact)
-        if sides is not None and not self._is_excluded(sides):
-            self._touches[_fixtures(contact)] = Touch(sides, has_sensor=True)
-
-    def post_solve(self, contact: Contact, impulse: ContactImpulse) -> None:
-        """Records a contact's points and impulses; a step may solve it more than once."""
-        key = _fixtures(contact)
-        touch = self._touches.get(key)
-        if touch is None:
-            sides = self.filter_contact(contact)
-            if sides is None or self._is_excluded(sides):
-                return
-            touch = self._touches[key] = Touch(sides)
-        flip = 1.0 if touch.sides.this_fixture == contact.fixture_a else -1.0
-        x, y = contact.normal
-        touch.points, touch.normal = contact.points, (flip * x, flip * y)
-        summed = zip_longest(touch.impulses, impulse.normal_impulses, fillvalue=0.0)
-        touch.impulses = [a + b for a, b in summed][: len(touch.points)]
-
-    def end_contact(self, contact: Contact) -> None:
-        """Forgets a contact; one that was solved in this step is still to be reported."""
-        touch = self._touches.pop(_fixtures(contact), None)
-        if touch is not None and touch.impulses:
-            self._over.append(touch)
+    def has_work(self) -> bool:
+        """True if the topic has a subscriber; and in the first step, from which the rate counts."""
+        return not self._has_stepped or self._publisher.has_subscribers
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the collisions at the end of the step."""
-        # Contacts that were disabled are no collisions until the solver sees them again.
-        self._touches = {key: touch for key, touch in self._touches.items() if touch.is_collision()}
-        touches = [*self._touches.values(), *self._over]
-        step_size = timekeeper.step_size
-        self._last = [(touch, touch.impulses, step_size) for touch in touches]
-        self._restored = []
+        if not self._has_stepped:
+            self._has_stepped, self._restored = True, []
+            self.update_timer = None  # `has_work` is called again
         is_due = self._timer.check_update(timekeeper)
-        if (is_due or (self._publish_all and touches)) and self._publisher.has_subscribers:
-            self.publish_now(timekeeper)
-        self._over.clear()
-        for touch in self._touches.values():
-            touch.impulses = []
+        if self._publisher.has_subscribers:
+            bumps = self._bumps()
+            if is_due or (self._publish_all and bumps):
+                self._publish(timekeeper, bumps)
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        collisions = Collisions(header=header(timekeeper.nanoseconds, self._frame))
-        collisions.collisions = [self._collision(bump) for bump in self.read(timekeeper)]
-        self._publisher.publish(collisions)
+        self._publish(timekeeper, self._bumps())
 
     def read(self, timekeeper: Timekeeper) -> List[Bump]:
         """The collisions of the last step; without those of bodies that have been deleted since."""
         return self._bumps()
 
     def get_state(self) -> Dict[str, Any]:
-        """The present touches, without impulses, and the value of `read`."""
+        """The present collisions, without impulses, and the value of `read`."""
         describe = self.model.entities.describe
         touches = [
             {
+                "number": number,
                 "fixtures": [describe(a), describe(b)],
-                "is_a": touch.sides.this_fixture == a,
-                "has_sensor": touch.has_sensor,
-                "points": touch.points,
-                "normal": touch.normal,
+                "has_sensor": has_sensor,
+                "points": points,
+                "normal": normal,
             }
-            for (a, b), touch in self._touches.items()
+            for number, a, b, has_sensor, points, normal, _ in self._bodies.present_collisions()
         ]
         bumps = [list(bump) for bump in self._bumps()]
         return {"touches": touches, "timer": self._timer.get_state(), "bumps": bumps}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        entities = self.model.entities
         self._timer.set_state(state["timer"])
-        self._touches.clear()
+        self._has_stepped = False
         for each in state["touches"]:
-            a, b = (entities.fixture(description) for description in each["fixtures"])
-            this, other = (a, b) if each["is_a"] else (b, a)
-            sides = ContactSides(entities.owner(other.body.id), this, other)
+            a, b = (self.model.entities.fixture(each) for each in each["fixtures"])
             points = [(x, y) for x, y in each["points"]]
-            touch = Touch(sides, each["has_sensor"], points, tuple(each["normal"]))
-            self._touches[a, b] = touch
-        self._last = []
+            x, y = each["normal"]
+            self._bodies.restore_collision(each["number"], a, b, each["has_sensor"], points, (x, y))
         self._restored = [
             Bump(body, model, other, tuple(map(tuple, points)), tuple(normal), tuple(forces))
             for body, model, other, points, normal, forces in state["bumps"]
         ]
+
+    def _bumps(self) -> List[Bump]:
+        return [*self._restored, *self._last_bumps()]
+
+    def _last_bumps(self) -> Iterator[Bump]:
+        for _, a, b, has_sensor, points, (x, y), forces in self._bodies.last_collisions():
+            sides = self._sides(a, b)
+            if sides is None or self._is_excluded(sides):
+                continue
+            entity, this_fixture, other_fixture = sides
+            flip = 1.0 if this_fixture == a or has_sensor else -1.0
+            yield Bump(
+                self.model.body_name(this_fixture),
+                entity.name,
+                entity.body_name(other_fixture),
+                tuple(points),
+                (flip * x, flip * y),
+                tuple(forces),
+            )
+
+    def _sides(self, a: Fixture, b: Fixture) -> Optional[ContactSides]:
+        """The sides of a collision; None with a body that is gone, or of no model or layer."""
+        owner_a, owner_b = (self.model.entities.find(each.body.id) for each in (a, b))
+        if owner_a is None or owner_b is None:
+            return None
+        return ContactSides(owner_b, a, b) if owner_a is self.model else ContactSides(owner_a, b, a)
 
     def _is_excluded(self, sides: ContactSides) -> bool:
         """True if an excluded body takes part; between bodies of the model, on either side."""
@@ -182,20 +144,10 @@ class Bumper(ModelPlugin):
             fixtures.append(sides.other_fixture)
         return any(self.model.body_name(fixture) in self._excluded for fixture in fixtures)
 
-    def _bumps(self) -> List[Bump]:
-        alive = [each for each in self._last if each[0].sides.other_fixture.body.alive]
-        return [*self._restored, *(self._bump(*each) for each in alive)]
-
-    def _bump(self, touch: Touch, impulses: List[float], step_size: float) -> Bump:
-        entity, this_fixture, other_fixture = touch.sides
-        return Bump(
-            self.model.body_name(this_fixture),
-            entity.name,
-            entity.body_name(other_fixture),
-            tuple(touch.points),
-            touch.normal,
-            tuple(each / step_size for each in impulses or [0.0] * len(touch.points)),
-        )
+    def _publish(self, timekeeper: Timekeeper, bumps: List[Bump]) -> None:
+        collisions = Collisions(header=header(timekeeper.nanoseconds, self._frame))
+        collisions.collisions = [self._collision(bump) for bump in bumps]
+        self._publisher.publish(collisions)
 
     def _collision(self, bump: Bump) -> Any:
         return Collision(
@@ -207,8 +159,3 @@ class Bumper(ModelPlugin):
             contact_positions=[Vector2(x, y) for x, y in bump.points],
             contact_normals=[Vector2(*bump.normal) for _ in bump.points],
         )
-
-
-def _fixtures(contact: Contact) -> Tuple[Fixture, Fixture]:
-    """The fixtures of a contact, which identify it even after a state was loaded."""
-    return contact.fixture_a, contact.fixture_b

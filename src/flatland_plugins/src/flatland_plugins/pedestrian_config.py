@@ -89,9 +89,8 @@ class PedestrianKeys:
             safety_dist=safety_dist,
             odom_sub=config.get_topic("odom_sub", "agent"),
             agent_topic=config.get_topic("agent_topic", None),
-            agent_id=config.get_string(
-                "agent_id", str(int(number.group())) if number else model.name
-            ),
+            agent_id=config.get_string("agent_id", str(int(number.group())) if number else None)
+            or model.name,
         )
 
 

@@ -5,6 +5,7 @@ from typing import Any, List, Tuple
 import pytest
 from std_msgs.msg import Bool
 
+from flatland_plugins.bool_sensor import BoolSensor
 from flatland_server.geometry import Pose
 
 SENSOR = "type: BoolSensor, name: sensor"
@@ -194,6 +195,26 @@ def test_what_passes_is_noticed_for_as_long_as_it_is_over_the_area(files, speed)
     touched = sum(is_touched for _, is_touched in spoken) * STEP_NS * 1e-9
     assert touched == pytest.approx(0.8 / speed, abs=0.006)
     assert [spoken[0][1], spoken[-1][1]] == [False, False]
+
+
+def test_without_a_subscriber_it_is_not_called_and_measures_the_same(
+    files, no_subscribers, monkeypatch
+):
+    calls = []
+    step = BoolSensor.after_physics_step
+    monkeypatch.setattr(
+        BoolSensor, "after_physics_step", lambda self, time: (calls.append(time), step(self, time))
+    )
+    heard, unheard = (with_ball(files, transport=each) for each in (None, no_subscribers))
+    sensor = unheard.world.plugins_of("robot")["sensor"]
+    for world in (heard, unheard):
+        world.model("ball").base.physics_body.velocity = (-100.0, 0.0, 0.0)  # 2 steps over the area
+
+    measured = [unheard.run() and sensor.read(unheard.timekeeper) for _ in range(10)]
+
+    assert measured == [said(heard.run()) for _ in range(10)]
+    assert 0 < sum(measured) < 5
+    assert len(calls) == 1 + 10  # the unheard one in its first step alone
 
 
 # Latching

@@ -1,7 +1,9 @@
 """Bumper: the times of its messages."""
 
 import pytest
-from bumping import BUMPER, RADIUS, SKIN, record, throw, wall
+from bumping import BUMPER, RADIUS, SKIN, record, throw, vectors, wall
+
+from flatland_plugins.bumper import Bumper
 
 
 def test_by_default_it_publishes_at_every_step_colliding_or_not(files):
@@ -53,3 +55,23 @@ def test_a_collision_between_two_updates_is_told_of_only_with_all(files, publish
     # At 3 m/s it is at the wall half way between two updates.
     assert bool(record(throw(robot, 3.0), 0.5)) == is_told
     assert robot.model().base.physics_body.velocity[0] == pytest.approx(-3.0, rel=1e-3)
+
+
+def test_without_a_subscriber_it_is_not_called_and_misses_nothing(
+    files, no_subscribers, monkeypatch
+):
+    calls = []
+    step = Bumper.after_physics_step
+    monkeypatch.setattr(
+        Bumper, "after_physics_step", lambda self, time: (calls.append(time), step(self, time))
+    )
+    robot = throw(files.robot(BUMPER, layers=wall(files), transport=no_subscribers), 1.0)
+
+    robot.run(1.0)
+
+    assert len(calls) == 1  # the first step, from which its rate counts
+    [bump] = robot.world.plugins_of("robot")["bumper"].read(robot.timekeeper)
+    no_subscribers.set_subscribed_topics(["/collisions"])
+    [collision] = robot.record("/collisions", 0.005)[0].collisions
+    assert bump.forces == pytest.approx([0.0], abs=1e-3)
+    assert vectors(collision.contact_positions) == list(bump.points)

@@ -39,6 +39,7 @@ struct BodyRecord {
   int large_layer = -1;  // its number among the large layers, or -1
   bool may_move = true;  // false: it stays where it is, unless World::SetPose moves it
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
+  bool is_recorded = false;                         // its collisions are recorded
   std::vector<FixtureRecord> fixtures;  // by Fixture::index; a large layer has none here
   MassSum mass;                         // of the fixtures, for a dynamic body
   Nearby nearby;

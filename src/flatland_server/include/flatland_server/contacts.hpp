@@ -13,6 +13,7 @@
 
 #include "flatland_server/access.hpp"
 #include "flatland_server/bodies.hpp"
+#include "flatland_server/collisions.hpp"
 #include "flatland_server/contact.hpp"
 
 namespace flatland {
@@ -21,7 +22,7 @@ class Contacts : private b2ContactListener {
  public:
   /// The world's access, bodies and Box2D's world must live as long.
   Contacts(Access& access, Bodies& bodies, const std::unique_ptr<b2World>& world)
-      : access_(access), bodies_(bodies), world_(world) {}
+      : access_(access), bodies_(bodies), world_(world), collisions_(bodies) {}
   Contacts(const Contacts&) = delete;
   Contacts& operator=(const Contacts&) = delete;
 
@@ -32,6 +33,12 @@ class Contacts : private b2ContactListener {
   /// Chooses the events of a body's contacts that the listener receives; none at first. A contact's
   /// event is reported if either of its two bodies has chosen it.
   void ListenTo(Bodies::Body body, ContactEvents events);
+  /// Records the collisions of a body from now on.
+  void Record(Bodies::Body body);
+  Collisions& collisions() {
+    access_.RequireAccess();
+    return collisions_;
+  }
   /// Number of events that the listener has received.
   uint64_t event_count() const { return event_count_; }
   /// The fixtures that touch, as the last step has found them, ordered by their bodies and indices.
@@ -45,8 +52,10 @@ class Contacts : private b2ContactListener {
   void Defer(Bodies::Body body, std::function<void(b2Body&)> action) {
     deferred_.emplace_back(body, std::move(action));
   }
+  /// To be called at the end of each step [s].
+  void EndStep(double dt);
   void RunDeferred();
-  /// Makes Box2D report contacts if a body has chosen an event.
+  /// Makes Box2D report contacts if a body has chosen an event, or its collisions are recorded.
   void ChooseReports();
 
  private:
@@ -56,6 +65,7 @@ class Contacts : private b2ContactListener {
   void PostSolve(b2Contact* contact, const b2ContactImpulse* impulse) override;
   /// True if there is a listener and one of the two bodies has chosen the event.
   bool IsListenedTo(b2Contact& contact, ContactEvent event) const;
+  bool IsRecorded(b2Contact& contact) const;
   Contact MakeContact(b2Contact& contact, ContactEvent event) const;
   void CallListener(Contact& contact);
 
@@ -64,6 +74,7 @@ class Contacts : private b2ContactListener {
   const std::unique_ptr<b2World>& world_;
   ContactListener* listener_ = nullptr;
   uint64_t event_count_ = 0;
+  Collisions collisions_;
   std::vector<std::pair<Bodies::Body, std::function<void(b2Body&)>>> deferred_;
 };
 

@@ -16,10 +16,16 @@ void Contacts::ListenTo(Bodies::Body body, ContactEvents events) {
   ChooseReports();
 }
 
+void Contacts::Record(Bodies::Body body) {
+  access_.RequireAccess();
+  bodies_.Get(body).is_recorded = true;
+  ChooseReports();
+}
+
 void Contacts::ChooseReports() {
   bool is_any_chosen = false;
   bodies_.ForEach([&](auto, const BodyRecord& record) {
-    is_any_chosen |= record.contact_events != kNoContactEvents;
+    is_any_chosen |= record.contact_events != kNoContactEvents || record.is_recorded;
   });
   world_->SetContactListener(is_any_chosen ? this : nullptr);
 }
@@ -30,6 +36,11 @@ bool Contacts::IsListenedTo(b2Contact& contact, ContactEvent event) const {
     return bodies_.RecordOf(*fixture->GetBody()).contact_events;
   };
   return ((events(contact.GetFixtureA()) | events(contact.GetFixtureB())) & event) != 0;
+}
+
+bool Contacts::IsRecorded(b2Contact& contact) const {
+  return bodies_.RecordOf(*contact.GetFixtureA()->GetBody()).is_recorded ||
+         bodies_.RecordOf(*contact.GetFixtureB()->GetBody()).is_recorded;
 }
 
 Contact Contacts::MakeContact(b2Contact& contact, ContactEvent event) const {
@@ -76,6 +87,11 @@ bool Contacts::Touches(const std::vector<Bodies::Body>& bodies) const {
   return false;
 }
 
+void Contacts::EndStep(double dt) {
+  RunDeferred();
+  collisions_.EndStep(dt);
+}
+
 void Contacts::RunDeferred() {
   for (const auto& [body, action] : deferred_) {
     if (bodies_.Contains(body)) action(*bodies_.Get(body).body);
@@ -89,12 +105,21 @@ void Contacts::CallListener(Contact& contact) {
 }
 
 void Contacts::BeginContact(b2Contact* contact) {
+  if (IsRecorded(*contact)) {
+    const bool has_sensor =
+        contact->GetFixtureA()->IsSensor() || contact->GetFixtureB()->IsSensor();
+    collisions_.Begin(MakeContact(*contact, kBeginContact), has_sensor);
+  }
   if (!IsListenedTo(*contact, kBeginContact)) return;
   Contact reported = MakeContact(*contact, kBeginContact);
   CallListener(reported);
 }
 
 void Contacts::EndContact(b2Contact* contact) {
+  if (IsRecorded(*contact)) {
+    const Contact ended = MakeContact(*contact, kEndContact);
+    collisions_.End(ended.a, ended.b);
+  }
   if (!IsListenedTo(*contact, kEndContact)) return;
   Contact reported = MakeContact(*contact, kEndContact);
   CallListener(reported);
@@ -113,6 +138,9 @@ void Contacts::PreSolve(b2Contact* contact, const b2Manifold* old_manifold) {
 }
 
 void Contacts::PostSolve(b2Contact* contact, const b2ContactImpulse* impulse) {
+  if (IsRecorded(*contact)) {
+    collisions_.Solve(MakeContact(*contact, kPostSolve), *impulse);
+  }
   if (!IsListenedTo(*contact, kPostSolve)) return;
   Contact reported = MakeContact(*contact, kPostSolve);
   const float* normal = impulse->normalImpulses;

@@ -63,7 +63,7 @@ void World::Step(double dt, const AccessGuard&) {
   for_each([](auto& mechanism, b2Body& body) { mechanism.EndStep(body); });
   for (const BodyRecord* record : bodies_.Moving())
     Unwind(*record->body);  // what stays is not wound
-  contacts_.RunDeferred();
+  contacts_.EndStep(dt);
 }
 
 int World::StepUntilContact(double dt, int count) {

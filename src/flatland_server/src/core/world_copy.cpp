@@ -36,6 +36,7 @@ std::unique_ptr<World> World::Copy() const {
     b2BodyDef definition = box2d::DefinitionOf(*record.body);
     record.body = copy->world_->CreateBody(&definition);
     record.contact_events = kNoContactEvents;
+    record.is_recorded = false;
     bool has_mass = false;
     record.nearby = {};
     if (const NearbyWalls* large = layers_->LargeLayerOf(record)) {

@@ -24,6 +24,7 @@ _Pair = tuple[float, float]
 _Triple = tuple[float, float, float]
 _PairLike = Numbers
 _TripleLike = Numbers
+_Collision = tuple[int, Fixture, Fixture, bool, list[_Pair], _Pair, list[float]]
 
 class _Metaclass(type):
     """The metaclass of pybind11."""
@@ -614,6 +615,30 @@ class BodyGroup(metaclass=_Metaclass):
         Args:
             limit: range of the search, and the result if nothing is nearer [m].
         """
+    def record_collisions(self) -> None:
+        """Records the collisions of the bodies from now on."""
+    def last_collisions(self) -> list[_Collision]:
+        """The recorded collisions of the last step, also those that ended in it.
+
+        Returns:
+            For each a number, which increases from one begin to the next; the two fixtures; whether
+            one is a sensor; up to two points in the world [m]; the unit vector from the first
+            fixture to the second in the world's frame; and the force at each point [N], the
+            mean of the step: 0 while both bodies rest. With a sensor there are no points, and the
+            vector is zero. Solid contacts that are disabled are no collisions.
+        """
+    def present_collisions(self) -> list[_Collision]:
+        """The recorded collisions that go on, as in `last_collisions`, without forces."""
+    def restore_collision(
+        self,
+        number: int,
+        fixture_a: Fixture,
+        fixture_b: Fixture,
+        has_sensor: bool,
+        points: Sequence[_Pair],
+        normal: _Pair,
+    ) -> None:
+        """Restores one of `present_collisions`; `restore_state` does not."""
 
 class Fixture(_WithoutConstructor):
     """A handle of a body's shape or a layer's wall. Handles of the same one are equal."""

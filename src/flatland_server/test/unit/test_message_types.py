@@ -107,7 +107,7 @@ def test_defaults_are_those_of_ros(name):
 def test_messages_are_serialized_as_by_ros(name):
     for seed in range(3):
         ours = RandomValues(OURS, f"{name}{seed}").message(name)
-        ros = RandomValues(message_types._TYPES, f"{name}{seed}").message(name)
+        ros = RandomValues(message_types.TYPES, f"{name}{seed}").message(name)
 
         data = serialized(ros)
         assert serialized(ours) == data

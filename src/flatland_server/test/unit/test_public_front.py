@@ -48,7 +48,7 @@ def test_nothing_public_is_imported_besides_all(front):
     module = ast.parse((SRC / name / "src" / name / "__init__.py").read_text())
     imported = {
         alias.name
-        for node in module.body
+        for node in ast.walk(module)
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
         if not alias.name.startswith("_")

@@ -8,11 +8,13 @@ import json
 import math
 import os
 import select
-import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional
+
+if TYPE_CHECKING:
+    import subprocess
 
 TIME_LIMIT = 1.0  # s of processor time for all expressions of a file together
 _ANSWER_LIMIT = 30.0  # s of real time until the worker answers, on a busy machine
@@ -103,6 +105,8 @@ class LuaEvaluator:
         return f"{message} together with the expressions before it in the file"
 
     def _start(self) -> None:
+        import subprocess  # takes 10 ms
+
         self._unread = b""
         # Started by its file, so that it does not import the package and its dependencies. Isolated
         # (-I), so that it imports nothing from the working directory or from PYTHONPATH.

@@ -6,10 +6,9 @@ An image layer compares grey values with a threshold alone; here map_server's pa
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Optional
+from typing import TYPE_CHECKING, Optional
 
 import numpy as np
-from PIL import Image
 
 from flatland_server.arrays import BoolArray, Segments
 from flatland_server.config.yaml_reader import YamlReader
@@ -17,6 +16,9 @@ from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
 from flatland_server.maps.map_reader import place, read_image
 from flatland_server.maps.simplify_outlines import simplify
+
+if TYPE_CHECKING:  # Pillow is imported when an image is read
+    from PIL import Image
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class ServerMap:
         reader.finish()
         return cls(path, image, resolution, origin, occupied_thresh, negate)
 
-    def is_bright(self, image: Image.Image) -> BoolArray:
+    def is_bright(self, image: "Image.Image") -> BoolArray:
         """The mask of free and unknown pixels: shape (height, width), the top row first."""
         if image.mode.startswith(("I", "F")):
             raise YamlError(self.image, "expected 8 bits per channel, as map_server does")

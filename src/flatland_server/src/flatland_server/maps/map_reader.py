@@ -7,10 +7,9 @@ import warnings
 from array import array
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Optional, Tuple
+from typing import TYPE_CHECKING, Callable, Optional, Tuple
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
 
 from flatland_server.arrays import BoolArray, IntArray, Segments
 from flatland_server.config.input_files import MAX_IMAGE, MAX_LINE_SEGMENTS, read_input
@@ -22,6 +21,9 @@ from flatland_server.geometry import Pose
 from flatland_server.maps.simplify_outlines import TOLERANCES, simplify
 from flatland_server.maps.slow_log import log_if_slow
 from flatland_server.maps.wall_outlines import bright_pixels, outlines
+
+if TYPE_CHECKING:  # Pillow is imported when an image is read
+    from PIL import Image
 
 logger = logging.getLogger(__name__)
 
@@ -122,7 +124,7 @@ def read_map(
     return segments
 
 
-def read_image(path: Path, is_bright: Callable[[Image.Image], BoolArray]) -> Segments:
+def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> Segments:
     """The outlines of an image, in pixels from its bottom left corner.
 
     Args:
@@ -135,6 +137,8 @@ def read_image(path: Path, is_bright: Callable[[Image.Image], BoolArray]) -> Seg
     Raises:
         YamlError: it cannot be read.
     """
+    from PIL import Image, UnidentifiedImageError
+
     content = io.BytesIO(read_input(path, MAX_IMAGE))
     try:
         with warnings.catch_warnings():

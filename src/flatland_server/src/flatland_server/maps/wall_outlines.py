@@ -5,15 +5,17 @@ bright and a dark pixel; collinear edges that touch are one segment. The bottom 
 image is the origin of the layer.
 """
 
-from typing import Tuple
+from typing import TYPE_CHECKING, Tuple
 
 import numpy as np
-from PIL import Image
 
 from flatland_server.arrays import BoolArray, Int32Array, IntArray, Segments
 
+if TYPE_CHECKING:  # Pillow is imported when an image is read
+    from PIL import Image
 
-def bright_pixels(image: Image.Image, occupied_thresh: float) -> BoolArray:
+
+def bright_pixels(image: "Image.Image", occupied_thresh: float) -> BoolArray:
     """The mask of pixels brighter than a threshold.
 
     Args:

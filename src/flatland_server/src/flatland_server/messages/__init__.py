@@ -6,8 +6,14 @@ Twist = messages.get("geometry_msgs/Twist")
 Load = messages.add("my_plugins/Load", "float64 mass")
 """
 
+from typing import TYPE_CHECKING, Any
+
+from flatland_server.messages import message_types
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
-from flatland_server.messages.message_types import Duration, Time, add, get
+from flatland_server.messages.message_types import add, get
+
+if TYPE_CHECKING:
+    from flatland_server.messages.message_types import Duration, Time
 
 __all__ = [
     "Duration",
@@ -20,3 +26,9 @@ __all__ = [
     "ros_time",
     "yaw_of",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("Duration", "Time"):
+        return getattr(message_types, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

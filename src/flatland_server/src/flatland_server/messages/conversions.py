@@ -4,10 +4,7 @@ import math
 from typing import Any
 
 from flatland_server.geometry import Pose, quaternion
-from flatland_server.messages import message_types
-
-_Header = message_types.get("std_msgs/Header")
-_Time = message_types.Time
+from flatland_server.messages.message_types import TYPES
 
 
 def ros_time(nanoseconds: int) -> Any:
@@ -16,7 +13,7 @@ def ros_time(nanoseconds: int) -> Any:
     Args:
         nanoseconds: simulated time [ns].
     """
-    return _Time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
+    return TYPES.Time(nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000)
 
 
 def header(nanoseconds: int, frame_id: str) -> Any:
@@ -26,7 +23,7 @@ def header(nanoseconds: int, frame_id: str) -> Any:
         nanoseconds: simulated time [ns].
         frame_id: name of the frame.
     """
-    return _Header(stamp=ros_time(nanoseconds), frame_id=frame_id)
+    return TYPES.get("std_msgs/Header")(stamp=ros_time(nanoseconds), frame_id=frame_id)
 
 
 def fill_pose(message: Any, pose: Pose) -> None:

@@ -9,7 +9,7 @@ So a plugin that never imports a ROS package runs with ROS and without.
 
 import importlib
 import importlib.util
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from threading import RLock
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set, Tuple
@@ -44,19 +44,29 @@ class MessageTypes:
     """
 
     def __init__(self, use_ros: bool = True) -> None:
-        genpy = _import("genpy") if use_ros else None
-        self._has_ros = genpy is not None
-        self._bases = base_classes(genpy.Message if genpy else None)
-        times_module = genpy or times
-        self.Time: Callable[..., Any] = times_module.Time
-        """The class of times in messages."""
-        self.Duration: Callable[..., Any] = times_module.Duration
-        """The class of durations in messages."""
+        self._use_ros = use_ros
         self._lock = RLock()
         self._added: Set[str] = set()
         self._definitions: Dict[str, Definition] = {}
         self._classes: Dict[str, Any] = {}
         self._wire_forms: Dict[str, WireForm] = {}
+
+    @cached_property
+    def _genpy(self) -> Any:
+        """ROS's module, imported when it is needed: that takes 20 ms. None if there is no ROS."""
+        return _import("genpy") if self._use_ros else None
+
+    @cached_property
+    def Time(self) -> Callable[..., Any]:  # noqa: N802 (ROS's name)
+        """The class of times in messages."""
+        time_class: Callable[..., Any] = (self._genpy or times).Time
+        return time_class
+
+    @cached_property
+    def Duration(self) -> Callable[..., Any]:  # noqa: N802 (ROS's name)
+        """The class of durations in messages."""
+        duration_class: Callable[..., Any] = (self._genpy or times).Duration
+        return duration_class
 
     def get(self, name: str) -> Any:
         """The class of a message type.
@@ -112,7 +122,7 @@ class MessageTypes:
 
     def _ros_class(self, name: str) -> Any:
         """ROS's class; None if there is no ROS or its package is not there."""
-        if not self._has_ros or name in self._added:
+        if self._genpy is None or name in self._added:
             return None
         package, _, bare = name.partition("/")
         cls = getattr(_import(f"{package}.msg"), bare, None)
@@ -123,7 +133,7 @@ class MessageTypes:
         used = self._all_used(name)
         return make_class(
             definition,
-            self._bases,
+            base_classes(self._genpy.Message if self._genpy else None),
             self._factory,
             self._wire_form(name),
             restore,
@@ -230,12 +240,16 @@ def _import(module: str) -> Any:
         return None
 
 
-_TYPES = MessageTypes()
+TYPES = MessageTypes()
 
-get = _TYPES.get
-add = _TYPES.add
-Time = _TYPES.Time
-Duration = _TYPES.Duration
+get = TYPES.get
+add = TYPES.add
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("Time", "Duration"):
+        return getattr(TYPES, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def restore(name: str, *values: Any) -> Any:

@@ -287,6 +287,12 @@ class Model(Entity):
                     found[owner] = None
         return list(found)
 
+    def record_collisions(self) -> _core.BodyGroup:
+        """Records the collisions of its bodies from now on; see `BodyGroup.last_collisions`."""
+        group = _core.BodyGroup(self.physics_bodies)
+        group.record_collisions()
+        return group
+
     def move(self, pose: Pose) -> None:
         """Moves it as a rigid whole, and stops it.
 
