@@ -19,8 +19,7 @@
 /// the cell of a metre around it are known, as only these and their chains matter. So that no step
 /// is late, a scan from a cell that waits for its walls makes a part of the first search that waits
 /// (wall_search.hpp). Searches take much memory, so only as many are begun as there are threads.
-/// Batches search all cells of a metre when they are made, on all cores, and keep what is known in
-/// a file (wall_cache.py).
+/// Batches keep what is known in a file (wall_cache.py).
 
 #include <atomic>
 #include <cstddef>
@@ -59,8 +58,6 @@ class VisibleWalls {
 
   /// The number of cells of a metre; 0 with few walls.
   int cell_count() const { return grids_.empty() ? 0 : grids_[1].columns * grids_[1].rows; }
-  /// Finds the walls of cells of a metre, from one number to before another, on all cores.
-  void Find(int begin, int end) const;
   /// All that is known, as numbers: for each cell kUnknown, kAllWalls, or the number of its walls
   /// and their indices.
   std::vector<uint32_t> GetKnown() const;

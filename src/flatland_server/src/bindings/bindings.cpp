@@ -77,13 +77,6 @@ void BindVisibleWalls(py::module_& m) {
            py::arg("segments"))
       .def_property_readonly("cell_count",
                              [](const Shared& self) { return self.walls->cell_count(); })
-      .def(
-          "find",
-          [](const Shared& self, int begin, int end) {
-            const py::gil_scoped_release release;
-            self.walls->Find(begin, end);
-          },
-          py::arg("begin"), py::arg("end"))
       .def("known",
            [](const Shared& self) {
              const std::vector<uint32_t> known = self.walls->GetKnown();

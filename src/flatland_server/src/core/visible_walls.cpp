@@ -5,7 +5,6 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "flatland_server/parallel.hpp"
 #include "occluders.hpp"
 #include "wall_search.hpp"
 
@@ -170,20 +169,6 @@ void VisibleWalls::KeepLocked(const Grid& grid, int index, std::vector<uint32_t>
   const WallList list(walls_->segments(), indices, 0.5 * (box.low + box.high));
   found_.push_back(std::make_unique<const Found>(Found{std::move(indices), list}));
   cell.seen.store(found_.back().get(), std::memory_order_release);
-}
-
-void VisibleWalls::Find(int begin, int end) const {
-  if (!(0 <= begin && begin < end && end <= cell_count())) return;
-  Prepare();
-  const Grid& grid = grids_[1];
-  ForEachInParallel(end - begin, [&](int i) noexcept {
-    const int cell = begin + i;
-    if (grid.cells[cell].seen != nullptr || grid.cells[cell].scans == kGivenUp) return;
-    const std::unique_ptr<WallSearch> search = Begin(grid, cell);
-    search->Continue(INT_MAX);
-    const std::lock_guard lock(mutex_);
-    KeepLocked(grid, cell, search->seen());
-  });
 }
 
 std::vector<uint32_t> VisibleWalls::GetKnown() const {

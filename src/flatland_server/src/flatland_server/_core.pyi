@@ -177,13 +177,6 @@ class VisibleWalls(metaclass=_Metaclass):
     @property
     def cell_count(self) -> int:
         """Number of cells of a metre; 0 if there are only a few walls."""
-    def find(self, begin: int, end: int) -> None:
-        """Finds the walls visible from cells of a metre, on all cores; releases the GIL.
-
-        Args:
-            begin: number of the first cell.
-            end: number behind that of the last one.
-        """
     def known(self) -> bytes:
         """All that is known, for `take`: on this machine, as numbers of 32 bits."""
     def take(self, known: bytes) -> bool:

@@ -143,7 +143,7 @@ class SimulationBatch:
         self._noise = BatchNoise(self._robot, self._num_envs)
         self._spaces = FreeSpaces(self._world, self._robot)
         config = self._world.config
-        self._walls = WallCache([config.walls_of(each) for each in config.layers], self._num_envs)
+        self._walls = WallCache([config.walls_of(each) for each in config.layers])
 
     # Facts
 

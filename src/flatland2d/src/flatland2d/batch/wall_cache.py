@@ -1,4 +1,4 @@
-"""Visible walls for batches: found when a large batch is made, and kept in files for later ones.
+"""The visible walls that the scans of a batch have found, in files for later batches.
 
 Scans are the same without them, only slower. So everything that goes wrong with a file is ignored.
 """
@@ -7,6 +7,7 @@ import contextlib
 import hashlib
 import os
 import tempfile
+import weakref
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Iterator, List, Sequence
@@ -14,14 +15,8 @@ from typing import Any, Iterator, List, Sequence
 from flatland_server import _core
 from flatland_server.arrays import Segments
 
-_LARGE = 256
-"""With fewer environments, walls are found where many scans are made."""
-_MOST_CELLS = 4096
-"""Larger maps are left to the scans: finding all their walls would take minutes."""
 _MOST_WALLS = 100_000
 """Of a layer; hashing more takes long."""
-_AT_ONCE = 64
-"""Cells between two updates of the progress bar."""
 _LARGEST_FILE = 2**26
 _MOST_BYTES = 2**28
 """Of all files together: the oldest ones are deleted."""
@@ -33,13 +28,14 @@ class WallCache:
     The files are in `flatland2d/visible_walls` below `$XDG_CACHE_HOME`, or `~/.cache`. Their names
     are hashes of the walls and of the core; each begins with the hash of the rest.
 
+    What scans have found is written when the batch is closed or freed, or when the program ends.
+
     Args:
         layers: the walls of each layer.
-        count: the number of environments.
     """
 
-    def __init__(self, layers: Sequence[Segments], count: int) -> None:
-        self._files: List[_File] = []
+    def __init__(self, layers: Sequence[Segments]) -> None:
+        files: List[_File] = []
         for segments in layers:
             if len(segments) > _MOST_WALLS:
                 continue
@@ -47,16 +43,18 @@ class WallCache:
             if walls.cell_count == 0:
                 continue
             file = _File(walls, hashlib.sha256(_core_hash() + segments.tobytes()).hexdigest())
-            self._files.append(file)
-            if not file.load() and count >= _LARGE and walls.cell_count <= _MOST_CELLS:
-                _find(walls)
-                file.write()
+            file.load()
+            files.append(file)
+        self._save = weakref.finalize(self, _save, files)
 
     def save(self) -> None:
-        """Writes what has been found since then."""
-        for file in self._files:
-            if file.is_old:
-                file.write()
+        """Writes what has been found, once."""
+        self._save()
+
+
+def _save(files: Sequence["_File"]) -> None:
+    for file in files:
+        file.save()
 
 
 class _File:
@@ -65,31 +63,25 @@ class _File:
     def __init__(self, walls: _core.VisibleWalls, name: str) -> None:
         self._walls = walls
         self._name = name
-        self._size = len(walls.known())  # when the file was read or written
+        self._size = len(walls.known())  # when it was read
 
-    def load(self) -> bool:
-        """Takes the file's walls; returns False if it is damaged, or there is none."""
+    def load(self) -> None:
+        """Takes the file's walls, if there is one; a damaged one is to be replaced."""
         try:
             path = _folder() / self._name
             content = path.read_bytes() if path.stat().st_size <= _LARGEST_FILE else b""
             os.utime(path)
         except (OSError, RuntimeError):  # there is no home folder
-            return False
+            return
         known = content[32:]
-        if hashlib.sha256(known).digest() != content[:32] or not self._walls.take(known):
-            return False
-        self._size = len(known)
-        return True
+        is_sound = hashlib.sha256(known).digest() == content[:32] and self._walls.take(known)
+        self._size = len(known) if is_sound else 0
 
-    @property
-    def is_old(self) -> bool:
-        """True if more is known since it was read or written."""
-        return len(self._walls.known()) > self._size
-
-    def write(self) -> None:
-        """Writes all that is known."""
+    def save(self) -> None:
+        """Writes all that is known, if that is more than was read."""
         known = self._walls.known()
-        self._size = len(known)
+        if len(known) <= self._size:
+            return
         with contextlib.suppress(OSError, RuntimeError):
             folder = _folder()
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -97,17 +89,6 @@ class _File:
                 file.write(hashlib.sha256(known).digest() + known)
             os.replace(file.name, folder / self._name)
             _delete_oldest(folder)
-
-
-def _find(walls: _core.VisibleWalls) -> None:
-    """Finds all, with a progress bar on a terminal if it takes over a second."""
-    steps: Any = range(0, walls.cell_count, _AT_ONCE)
-    with contextlib.suppress(ImportError):
-        import tqdm
-
-        steps = tqdm.tqdm(steps, "visible walls", delay=1.0, leave=False, disable=None)
-    for begin in steps:
-        walls.find(begin, min(begin + _AT_ONCE, walls.cell_count))
 
 
 def _folder() -> Path:
