@@ -66,7 +66,9 @@ class Bumper(ModelPlugin):
 
     def after_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the collisions at the end of the step."""
-        if not self._has_stepped:
+        if self._has_stepped:  # perhaps it was idle until now, while updates were due
+            self._timer.check_update_at(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
+        else:
             self._has_stepped, self._restored = True, []
             self.update_timer = None  # `has_work` is called again
         is_due = self._timer.check_update(timekeeper)

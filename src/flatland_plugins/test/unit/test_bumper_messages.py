@@ -75,3 +75,15 @@ def test_without_a_subscriber_it_is_not_called_and_misses_nothing(
     [collision] = robot.record("/collisions", 0.005)[0].collisions
     assert bump.forces == pytest.approx([0.0], abs=1e-3)
     assert vectors(collision.contact_positions) == list(bump.points)
+
+
+def test_a_later_subscriber_gets_messages_at_the_times_of_the_rate(files, no_subscribers):
+    bumper = f"{BUMPER}, update_rate: 10, publish_all_collisions: false"
+    robot = files.robot(bumper, transport=no_subscribers).run(0.75)
+
+    no_subscribers.set_subscribed_topics(["/collisions"])
+    messages = robot.record("/collisions", 0.4)
+
+    assert [m.header.stamp.to_nsec() for m in messages] == [
+        5_000_000 + 100_000_000 * i for i in range(8, 12)
+    ]
