@@ -49,7 +49,7 @@ class Chunk(NamedTuple):
     counts: Dict[int, int]
     """The number of messages of each channel."""
     entry: bytes
-    """What the index has of it."""
+    """Its record in the index."""
 
 
 class Format(ABC):

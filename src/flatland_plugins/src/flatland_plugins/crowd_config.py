@@ -76,7 +76,7 @@ class PedestrianConfig:
 
 @dataclass(frozen=True)
 class WalkConfig:
-    """How people walk.
+    """The motion of people, and what they avoid.
 
     Attributes:
         layers: their collision layers; they avoid the walls of these.

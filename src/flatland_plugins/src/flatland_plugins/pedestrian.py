@@ -133,7 +133,7 @@ class Pedestrian(ModelPlugin):
         return (agent.x - here.x) / dt, (agent.y - here.y) / dt
 
     def _phase(self) -> float:
-        """How high a foot is lifted, 0 to 1; negative for the right one."""
+        """The height of the lifted foot, 0 to 1; negative for the right one."""
         walks = math.hypot(*self._body.physics_body.velocity[:2]) > LEAST_SPEED
         return math.sin(math.tau * self._motion.progress.strides[0, 0]) if walks else 0.0
 

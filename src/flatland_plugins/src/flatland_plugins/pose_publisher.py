@@ -1,7 +1,6 @@
 """PosePublisher: the true pose of a body."""
 
 import logging
-from typing import Any
 
 from flatland_plugins.other_names import given_name
 from flatland_server import (
@@ -42,24 +41,21 @@ class PosePublisher(ModelPlugin):
         self._publisher = self.node.advertise(topic, "geometry_msgs/PoseStamped")
 
     def has_work(self) -> bool:
-        """Whether the topic has a subscriber."""
+        """True if the topic has a subscriber."""
         return self._publisher.has_subscribers
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the pose at the start of the step."""
-        self._publisher.publish(self._message(timekeeper.nanoseconds))
+        self.publish_now(timekeeper)
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        self._publisher.publish(self._message(timekeeper.nanoseconds))
+        message = PoseStamped(header=header(timekeeper.nanoseconds, self._frame_id))
+        fill_pose(message.pose, self._body.pose)
+        self._publisher.publish(message)
 
     def read(self, timekeeper: Timekeeper) -> Pose:
         """The pose of the body in the world [m, m, rad]."""
         return self._body.pose
-
-    def _message(self, nanoseconds: int) -> Any:
-        message = PoseStamped(header=header(nanoseconds, self._frame_id))
-        fill_pose(message.pose, self._body.pose)
-        return message
 
     def get_state(self) -> None:
         """Nothing: a pose depends on the present alone."""

@@ -31,7 +31,7 @@ def test_an_unknown_argument_is_named_with_the_nearest_and_all_known_ones(starte
 
 
 def test_the_documented_arguments_have_their_documented_defaults():
-    """Those of "Launching Flatland Server Node"."""
+    """The documentation lists them under "Launching Flatland Server Node"."""
     arguments = {
         each.get("name"): each.get("default") for each in ElementTree.parse(SERVER).iter("arg")
     }

@@ -6,14 +6,14 @@ Scans are the same without them, only slower. So everything that goes wrong with
 import contextlib
 import hashlib
 import os
-import tempfile
 import weakref
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Iterator, List, Sequence
+from typing import List, Sequence
 
 from flatland_server import _core
 from flatland_server.arrays import Segments
+from flatland_server.config.input_files import replacing
 
 _MOST_WALLS = 100_000
 """Of a layer; hashing more takes long."""
@@ -85,9 +85,8 @@ class _File:
         with contextlib.suppress(OSError, RuntimeError):
             folder = _folder()
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
-                file.write(hashlib.sha256(known).digest() + known)
-            os.replace(file.name, folder / self._name)
+            with replacing(folder / self._name) as partial:
+                partial.write_bytes(hashlib.sha256(known).digest() + known)
             _delete_oldest(folder)
 
 
@@ -105,13 +104,7 @@ def _core_hash() -> bytes:
 def _delete_oldest(folder: Path) -> None:
     """Deletes the files that were used least recently, beyond the limit of all."""
     total = 0
-    for path, size in _newest_first(folder):
-        total += size
+    for path in sorted(folder.iterdir(), key=lambda each: -each.stat().st_mtime):
+        total += path.stat().st_size
         if total > _MOST_BYTES:
             path.unlink()
-
-
-def _newest_first(folder: Path) -> Iterator[Any]:
-    found = [(path, path.stat()) for path in folder.iterdir()]
-    for path, status in sorted(found, key=lambda each: -each[1].st_mtime):
-        yield path, status.st_size

@@ -15,7 +15,7 @@ def add_parser(commands: Subparsers) -> None:
         "recover",
         help="finish a recording of a process that was killed",
         description="Copy the messages of a recording of Flatland into a new one, up to its last "
-        "complete chunk: of one whose process was killed, or from .bag to .mcap and back.",
+        "complete chunk: after its process was killed, or from .bag to .mcap and back.",
     )
     parser.add_argument("recording", type=Path, metavar="FILE", help="such as run.bag.active")
     parser.add_argument(

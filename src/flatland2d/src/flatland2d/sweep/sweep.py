@@ -42,7 +42,7 @@ JOURNAL = "journal.jsonl"
 
 _HEADER = b'{"format": "flatland sweep 1"}\n'
 _CHECKSUM = b', "crc32": '
-"""What follows the content of a line, before the CRC-32 of that content."""
+"""Separates the content of a line from its CRC-32."""
 
 T = TypeVar("T")
 

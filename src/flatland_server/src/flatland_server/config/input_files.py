@@ -8,8 +8,10 @@ take ten.
 import errno
 import os
 import stat
+import uuid
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Iterator
 
 from flatland_server.exceptions import FlatlandError, YamlError
 
@@ -72,6 +74,23 @@ def require_free(path: Path, magic: bytes, kind: str, refusal: Callable[[str], E
     except FileNotFoundError:
         return
     raise refusal(f"{path}: expected a new file or {kind}, found something else")
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A context to write a file completely, or not at all.
+
+    Its value is a path beside the file. What is written there replaces the file at the end, and is
+    deleted after an error.
+    """
+    partial = path.parent / f".{uuid.uuid4().hex}.partial"
+    try:
+        yield partial
+        partial.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            partial.unlink()
+        raise
 
 
 def is_file(path: Path) -> bool:

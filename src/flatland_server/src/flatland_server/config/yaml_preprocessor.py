@@ -59,8 +59,8 @@ class YamlPreprocessor:
     def read_text(self, text: str, name: Path) -> yaml.Node:
         """The root node of a text, which must consist of one document.
 
-        A text may come from a client, who is not to learn what is in files and in the environment:
-        it includes no files, and its expressions read no environment variables.
+        A text may come from a client, to which the content of files and the environment stay
+        hidden: it includes no files, and its expressions read no environment variables.
 
         Args:
             text: YAML.

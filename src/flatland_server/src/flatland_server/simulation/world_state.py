@@ -4,14 +4,12 @@ It does not include the world's files: loading a state rebuilds the world from i
 additions and deletions made since, and then sets the values that have changed.
 """
 
-import uuid
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
 
 from flatland_server import plain_data
-from flatland_server.config.input_files import MAX_STATE, read_input, require_free
+from flatland_server.config.input_files import MAX_STATE, read_input, replacing, require_free
 from flatland_server.exceptions import StateError
 from flatland_server.simulation.plugin_state import PluginState
 
@@ -143,18 +141,12 @@ def write_state(path: Path, state: bytes) -> None:
     Raises:
         StateError: it cannot be written, or another file is there.
     """
-    partial = path.parent / f".{uuid.uuid4().hex}.partial"
     try:
         require_free(path, _BEGINNING, "a saved state", StateError)
-        try:
+        with replacing(path) as partial:
             with partial.open("xb") as file:
                 file.write(state)
             require_free(path, _BEGINNING, "a saved state", StateError)  # still
-            partial.replace(path)
-        except BaseException:
-            with suppress(OSError):
-                partial.unlink()
-            raise
     except (OSError, ValueError) as error:  # ValueError: the name contains a zero byte
         reason = error.strerror if isinstance(error, OSError) else error
         raise StateError(f"cannot write {path}: {reason}") from None
