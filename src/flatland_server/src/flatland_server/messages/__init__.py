@@ -6,14 +6,14 @@ Twist = messages.get("geometry_msgs/Twist")
 Load = messages.add("my_plugins/Load", "float64 mass")
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Callable
 
-from flatland_server.messages import message_types
 from flatland_server.messages.conversions import fill_pose, fill_twist, header, ros_time, yaw_of
-from flatland_server.messages.message_types import add, get
+from flatland_server.messages.message_types import TYPES, add, get
 
 if TYPE_CHECKING:
-    from flatland_server.messages.message_types import Duration, Time
+    Duration: Callable[..., Any]
+    Time: Callable[..., Any]
 
 __all__ = [
     "Duration",
@@ -30,5 +30,5 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in ("Duration", "Time"):
-        return getattr(message_types, name)
+        return getattr(TYPES, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

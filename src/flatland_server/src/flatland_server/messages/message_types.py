@@ -246,12 +246,6 @@ get = TYPES.get
 add = TYPES.add
 
 
-def __getattr__(name: str) -> Any:
-    if name in ("Time", "Duration"):
-        return getattr(TYPES, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
 def restore(name: str, *values: Any) -> Any:
     """A message of a type and the values of its fields: for pickle and copy."""
     return get(name)(*values)
