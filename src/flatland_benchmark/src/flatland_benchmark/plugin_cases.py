@@ -73,8 +73,8 @@ def measure_plugins(worlds: Path) -> Figures:
 
 def _spinning_robot(
     worlds: Path,
-    plugin: Mapping[str, Any] = {},  # noqa: B006 (only read)
-    world_plugin: Mapping[str, Any] = {},  # noqa: B006 (only read)
+    plugin: Mapping[str, Any] = {},
+    world_plugin: Mapping[str, Any] = {},
     *,
     rolls: bool = False,
 ) -> Simulation:

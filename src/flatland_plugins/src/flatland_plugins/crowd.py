@@ -1,6 +1,6 @@
 """Crowd: people that walk between goals and give way to walls, robots and each other."""
 
-from typing import Any, List
+from typing import List
 
 from flatland_plugins.crowd_config import CrowdConfig
 from flatland_plugins.people import Person, model_of

@@ -46,9 +46,6 @@ class Pedestrian(ModelPlugin):
 
         self._shape(config)
         self._stand()
-        self._crowd = self.model.physics.add_crowd(draw_key(self.rng), **keys.walk.settings)
-        person = Person(keys.person, self.model, self._body, self._legs, self._circle)
-        person.join(self._crowd, (keys.leg_radius, keys.swing_radius))
         self._is_ignoring = False
         self.node.subscribe(keys.odom_sub, "nav_msgs/Odometry", self._on_odometry)
         if keys.agent_topic is not None:
@@ -58,6 +55,10 @@ class Pedestrian(ModelPlugin):
                 )
             except MessageError as error:
                 logger.warning("%s: agent_topic has no effect: %s", self.node.owner, error)
+        # Last, since a crowd outlives a plugin that fails to start.
+        self._crowd = self.model.physics.add_crowd(draw_key(self.rng), **keys.walk.settings)
+        person = Person(keys.person, self.model, self._body, self._legs, self._circle)
+        person.join(self._crowd, (keys.leg_radius, keys.swing_radius))
 
     def _get_part(self, config: YamlReader, key: str, default: str) -> Optional[ModelBody]:
         """The body named by a key, or the one of the default name, if there is one."""

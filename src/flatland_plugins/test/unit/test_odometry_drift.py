@@ -64,7 +64,7 @@ def errors(
         for robot in robots:
             robot.velocity = ((there.x - here.x) / dt, (there.y - here.y) / dt, turn / dt)
         world.step(dt)
-    truth = path(length)
+    truth = Pose(*robots[0].pose)
     x, y, yaw = np.array([drift.pose for drift in drifts]).T
     turn = np.remainder(yaw - truth.yaw + math.pi, math.tau) - math.pi
     return np.array([x - truth.x, y - truth.y, turn]).T

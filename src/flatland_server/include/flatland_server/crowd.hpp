@@ -132,13 +132,20 @@ class Crowd {
     Vec2 velocity;
   };
 
+  /// Sums of accelerations [m/s^2].
+  struct Forces {
+    Vec2 repulsion, evasion;
+  };
+
   static Motion MotionOf(const b2Body& body);
   void Update(Bodies& bodies, const Layers& layers, double dt);
   /// Finds the other bodies again, if any have been added or removed.
   void FindOthers(const Bodies& bodies);
   /// The desired direction, of length 1 at full speed; goes on to the next goal.
   Vec2 WayOf(size_t person);
-  Vec2 ForcedVelocity(size_t person, const Layers& layers, Vec2 noise, double dt);
+  /// The forces of all that is around each person.
+  void SumForces(const Layers& layers);
+  Vec2 ForcedVelocity(size_t person, Vec2 noise, double dt);
   /// The velocity that leads to the agent in `dt` [s]; if that is far, jumps there.
   Vec2 FollowingVelocity(size_t person, Bodies& bodies, double dt);
   void JumpTo(const PersonSettings& person, Vec2 point, Bodies& bodies) const;
@@ -157,6 +164,7 @@ class Crowd {
   std::vector<Outline> others_;
   std::vector<Motion> motions_, motions_of_others_;
   std::vector<Rotation> headings_of_others_;
+  std::vector<Forces> forces_;
   std::vector<Obstacle> found_, walls_;
   std::vector<Vec2> new_velocities_;
 };

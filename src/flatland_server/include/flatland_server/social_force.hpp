@@ -18,6 +18,8 @@
 /// measured there: people turn away in time, to a preferred side, and slow down a little. Here too,
 /// distances are gaps.
 
+#include <cmath>
+
 #include "flatland_server/geometry.hpp"
 
 namespace flatland {
@@ -50,7 +52,7 @@ struct SocialForce {
   ///     f = -A exp(-gap / b) (exp(-(n' b theta)^2) t + sign(theta) exp(-(n b theta)^2) l)
   ///
   /// where the preference epsilon b is added to theta beforehand. `velocity` is the person's own
-  /// less that of the other [m/s].
+  /// less that of the other [m/s]. Forces below 1e-6 m/s^2 count as none.
   Vec2 Evade(const Obstacle& other, Vec2 velocity) const;
   /// The velocity [m/s] after `dt` [s] of the driving force and a constant acceleration: the exact
   /// solution of dv/dt = (desired - v) / tau + acceleration.
@@ -60,8 +62,6 @@ struct SocialForce {
   double ScatterAfter(double dt) const;
 };
 
-/// The vector shortened to length 1; none stays as it is.
-Vec2 DirectionOf(Vec2 vector);
-double LengthOf(Vec2 vector);
+inline double LengthOf(Vec2 vector) { return std::sqrt(Dot(vector, vector)); }
 
 }  // namespace flatland

@@ -58,7 +58,9 @@ Crowd::Crowd(const CrowdSettings& settings, uint64_t key) : settings_(settings) 
 
 void Crowd::Add(const PersonSettings& person) {
   Require(!person.goals.empty(), "a person needs a goal");
-  for (const Vec2& goal : person.goals) RequirePosition(goal);
+  for (const Vec2& goal : person.goals) {
+    Require(std::isfinite(goal.x) && std::isfinite(goal.y), "a goal must be finite");
+  }
   Require(person.legs.empty() || person.legs.size() == 2, "a person has two legs or none");
   for (const double each : {person.radius, person.speed, person.leg_offset, person.walk_ratio,
                             person.leg_radius, person.swing_radius}) {
@@ -125,13 +127,14 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
     motions_of_others_.push_back(MotionOf(*each.body));
     headings_of_others_.emplace_back(motions_of_others_.back().yaw);
   }
+  SumForces(layers);
   new_velocities_.clear();
   const double scatter = settings_.force.ScatterAfter(dt);
   for (size_t i = 0; i < people_.size(); ++i) {
     const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // whether needed or not
     new_velocities_.push_back(progress_[i].agent.is_followed
                                   ? FollowingVelocity(i, bodies, dt)
-                                  : ForcedVelocity(i, layers, {scatter * x, scatter * y}, dt));
+                                  : ForcedVelocity(i, {scatter * x, scatter * y}, dt));
   }
   for (size_t i = 0; i < people_.size(); ++i) Walk(i, new_velocities_[i], bodies, dt);
 }
@@ -171,39 +174,51 @@ Vec2 Crowd::WayOf(size_t index) {
   return (1.0 / std::max(LengthOf(left), slow_down)) * left;
 }
 
-Vec2 Crowd::ForcedVelocity(size_t index, const Layers& layers, Vec2 noise, double dt) {
+/// Two people avoid each other with opposite accelerations: gap, direction and relative velocity
+/// are the same for both, but for their signs, and with these the forces change theirs.
+void Crowd::SumForces(const Layers& layers) {
   const SocialForce& force = settings_.force;
-  const PersonSettings& person = people_[index];
-  const Motion& own = motions_[index];
+  forces_.assign(people_.size(), {});
+  for (size_t i = 0; i < people_.size(); ++i) {
+    const Motion& own = motions_[i];
+    const double radius = people_[i].radius;
+    Forces& sum = forces_[i];
+    for (size_t j = i + 1; j < people_.size(); ++j) {
+      const Vec2 away = own.point - motions_[j].point;
+      const double distance = LengthOf(away);
+      const Obstacle other{distance - radius - people_[j].radius,
+                           distance > 0.0 ? (1.0 / distance) * away : away};
+      const Vec2 push = force.Repel(other);
+      const Vec2 evasion = force.Evade(other, own.velocity - motions_[j].velocity);
+      sum.repulsion = sum.repulsion + push;
+      sum.evasion = sum.evasion + evasion;
+      forces_[j].repulsion = forces_[j].repulsion - push;
+      forces_[j].evasion = forces_[j].evasion - evasion;
+    }
+    for (size_t k = 0; k < others_.size(); ++k) {
+      const Motion& other = motions_of_others_[k];
+      Obstacle seen = others_[k].SeenFrom(own.point, other.point, headings_of_others_[k]);
+      seen.gap -= radius;
+      sum.repulsion = sum.repulsion + force.Repel(seen);
+      sum.evasion = sum.evasion + force.Evade(seen, own.velocity - other.velocity);
+    }
+    SeeWalls(layers, settings_.layers, own.point, ReachOf(people_[i]), found_, walls_);
+    for (Obstacle& wall : walls_) {
+      wall.gap -= radius;
+      sum.repulsion = sum.repulsion + force.Repel(wall);
+    }
+  }
+}
+
+Vec2 Crowd::ForcedVelocity(size_t index, Vec2 noise, double dt) {
+  const SocialForce& force = settings_.force;
+  const double desired = people_[index].speed;
   const Vec2 way = WayOf(index);
   const double will = LengthOf(way);  // a person that stands neither evades nor sways
-  Vec2 repulsion, evasion;
-  const auto avoid = [&](const Obstacle& other, Vec2 velocity) {
-    repulsion = repulsion + force.Repel(other);
-    evasion = evasion + force.Evade(other, own.velocity - velocity);
-  };
-  for (size_t i = 0; i < people_.size(); ++i) {
-    if (i == index) continue;
-    const Vec2 away = own.point - motions_[i].point;
-    const double distance = LengthOf(away);
-    avoid({distance - person.radius - people_[i].radius,
-           distance > 0.0 ? (1.0 / distance) * away : away},
-          motions_[i].velocity);
-  }
-  for (size_t i = 0; i < others_.size(); ++i) {
-    const Motion& other = motions_of_others_[i];
-    Obstacle seen = others_[i].SeenFrom(own.point, other.point, headings_of_others_[i]);
-    seen.gap -= person.radius;
-    avoid(seen, other.velocity);
-  }
-  SeeWalls(layers, settings_.layers, own.point, ReachOf(person), found_, walls_);
-  for (Obstacle& wall : walls_) {
-    wall.gap -= person.radius;
-    repulsion = repulsion + force.Repel(wall);
-  }
+  const Vec2 acceleration = forces_[index].repulsion + will * forces_[index].evasion;
   const Vec2 velocity =
-      force.Relax(own.velocity, person.speed * way, repulsion + will * evasion, dt) + will * noise;
-  const double speed = LengthOf(velocity), most = kMostSpeed * person.speed;
+      force.Relax(motions_[index].velocity, desired * way, acceleration, dt) + will * noise;
+  const double speed = LengthOf(velocity), most = kMostSpeed * desired;
   return speed > most ? (most / speed) * velocity : velocity;
 }
 

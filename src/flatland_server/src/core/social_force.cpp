@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kVelocityWeight = 2.0;  // lambda [s/m]: of the velocity against the direction
 constexpr double kReaction = 0.35;       // gamma [m]: range of the evasion, per length of D
+constexpr double kLeastForce = 1e-6;     // [m/s^2]
 // n and n' [1/m]: narrowness of the range of angles in which the other is evaded.
 constexpr double kNarrownessOfTurning = 2.0;
 constexpr double kNarrownessOfSlowing = 3.0;
@@ -41,12 +42,13 @@ Vec2 SocialForce::Evade(const Obstacle& other, Vec2 velocity) const {
   const Vec2 interaction = kVelocityWeight * velocity + towards;
   const double length = LengthOf(interaction);
   if (length == 0.0) return {};
+  const double reach = std::max(kReaction * length, 1e-9);
+  const double strength = evasion * std::exp(-std::max(other.gap, 0.0) / reach);
+  if (strength < kLeastForce) return {};
   const Vec2 course = (1.0 / length) * interaction;
   const Vec2 left{-course.y, course.x};
-  const double reach = std::max(kReaction * length, 1e-9);
   const double angle =
       std::atan2(Dot(left, towards), Dot(course, towards)) + side_preference * reach;
-  const double strength = evasion * std::exp(-std::max(other.gap, 0.0) / reach);
   const double slow_down = strength * Bell(kNarrownessOfSlowing * reach, angle);
   double turn = strength * Bell(kNarrownessOfTurning * reach, angle);
   if (angle <= 0.0) turn = angle < 0.0 ? -turn : 0.0;
@@ -60,13 +62,6 @@ Vec2 SocialForce::Relax(Vec2 velocity, Vec2 desired, Vec2 acceleration, double d
 
 double SocialForce::ScatterAfter(double dt) const {
   return noise * std::sqrt(1.0 - std::exp(-2.0 * dt / relaxation_time));
-}
-
-double LengthOf(Vec2 vector) { return std::sqrt(Dot(vector, vector)); }
-
-Vec2 DirectionOf(Vec2 vector) {
-  const double length = LengthOf(vector);
-  return length > 0.0 ? (1.0 / length) * vector : vector;
 }
 
 }  // namespace flatland

@@ -62,9 +62,7 @@ class BatchPlugins:
                 steps[is_other] = 0
                 self.begin(core, is_other, seeds)
 
-    def begin(
-        self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray
-    ) -> None:
+    def begin(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
         """Begins environments that the core has reset, with their seeds (n,)."""
         if not self._crowds and not self._motions:
             return

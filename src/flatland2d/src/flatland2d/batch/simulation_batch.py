@@ -58,7 +58,8 @@ class SimulationBatch:
 
     Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars, tweens and
     crowds work, and plugins that only observe are left out. Those that set velocities of bodies at
-    their updates do so in all environments at once (`BatchMotion`). The lidar has its noise; poses and velocities are the true ones, whatever the noise of odometry.
+    their updates do so in all environments at once (`BatchMotion`). The lidar has its noise; poses
+    and velocities are the true ones, whatever the noise of odometry.
 
     The arrays of an observation are new ones in each call, unless the caller passes some as `out`.
     The batch keeps no reference to them and never writes to them later. A batch is used by one
