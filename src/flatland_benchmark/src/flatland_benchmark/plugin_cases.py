@@ -34,7 +34,7 @@ _PLUGINS: Dict[str, Dict[str, Any]] = {
     "ModelTfPublisher": {},
     "Bumper": {},
     "BoolSensor": _BODY,
-    "Pedestrian": {"goals": [[6, 0], [0, 0]], **_BODY},
+    "Pedestrian": {"goals": [[0.6, 0], [-0.6, 0]], **_BODY},
     "DummyModelPlugin": {},
 }
 """The keys of plugins that are due at each step, by the names of their figures."""
@@ -42,7 +42,7 @@ _PLUGINS: Dict[str, Dict[str, Any]] = {
 _WORLD_PLUGINS: Dict[str, Dict[str, Any]] = {
     "Crowd of two": {
         "type": "Crowd",
-        "pedestrians": [{"pose": [x, 2, 0], "goals": [[6, 2], [0, 2]]} for x in (2, 4)],
+        "pedestrians": [{"pose": [x, 0.4, 0], "goals": [[1.2, 0.4], [-1.2, 0.4]]} for x in (1, -1)],
     },
     "RandomWall": {"layer": "map", "robot_name": "robot", "num_of_walls": 3},
     "DummyWorldPlugin": {},
@@ -97,10 +97,13 @@ def _spinning_robot(
     handle = sim.models["robot"]
     handle.model.base.physics_body.velocity = (0.0, 0.0, 0.5)
     if len(handle.drives):
-        handle.command(0.0, 0.5)
+        handle.command(*_COMMANDS.get(plugin["type"], (0.0, 0.5)))
     sim.step(_STEPS)
     return sim
 
+
+_COMMANDS = {"OmniDrive": (0.0, 0.0, 0.5), "TricycleDrive": (0.15, math.pi / 2)}
+"""Of drives that are not told (speed, yaw rate): each turns by 0.5 rad/s."""
 
 _WHEELS = {
     "front": ("revolute", [0.0, 0.0]),
