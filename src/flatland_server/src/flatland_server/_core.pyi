@@ -533,6 +533,13 @@ class Body(_WithoutConstructor):
     @property
     def local_velocity(self) -> _Triple:
         """Velocity of its origin, in its own frame [m/s, m/s, rad/s]."""
+    def read_motion(self, pose: FloatArray, local_velocity: FloatArray) -> None:
+        """Writes the pose, with its yaw in [-pi, pi], and the local velocity into arrays.
+
+        Args:
+            pose: x, y [m] and yaw [rad] in the world, shape (3,).
+            local_velocity: see `local_velocity`, shape (3,).
+        """
     def velocity_at(self, point: _PairLike) -> _Pair:
         """Velocity of the body at a point, in the world's frame [m/s].
 
@@ -913,6 +920,31 @@ class Drift(_WithoutConstructor):
     @property
     def pose(self) -> _Triple:
         """The present estimate in the world [m, m, rad], the yaw within [-pi, pi]."""
+
+class GoalObserver(metaclass=_Metaclass):
+    """Makes observations of robots that drive to goals; docs/learning.md describes them.
+
+    Args:
+        beams: of the lidar.
+        max_range: of the lidar [m].
+        velocity_limits: by which the velocities forwards, to the left and turning are divided;
+            0 leaves the part out.
+    """
+
+    def __init__(self, beams: int, max_range: float, velocity_limits: Sequence[float]) -> None: ...
+    def observe(
+        self, ranges: Float32Array, poses: FloatArray, velocities: FloatArray, goals: FloatArray
+    ) -> Float32Array:
+        """Flat observations: a new array of shape (n, beams + 3 + parts of the velocity).
+
+        A row does not depend on the other rows. Releases the GIL.
+
+        Args:
+            ranges: [m], shape (n, beams); +inf for no return.
+            poses: x, y [m] and yaw [rad], shape (n, 3).
+            velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.
+            goals: x, y [m], shape (n, 2).
+        """
 
 class RangeNoise(metaclass=_Metaclass):
     """Gaussian noise of a lidar's ranges, different at each time.
