@@ -69,7 +69,7 @@ class VisibleWalls {
 
   /// As many scans are made from a cell of a metre before the search for its walls begins, and as
   /// many from one of half a metre. In an office about a hundred more complete it.
-  static constexpr int kScansBefore = 128;
+  static constexpr int kScansBefore = 64;
   static constexpr int kScansBeforeHalf = 384;
 
  private:
