@@ -44,7 +44,9 @@ bool Layers::BeginWith(const std::vector<Layer>& layers) const {
 
 void Layers::TakeFrom(Layers& other, std::size_t count) {
   other.all_.resize(count);
-  const auto is_large = [&](const Layer& each) { return each.walls->all().segment_count() > large_; };
+  const auto is_large = [&](const Layer& each) {
+    return each.walls->all().segment_count() > large_;
+  };
   other.large_layers_.resize(
       static_cast<std::size_t>(std::count_if(other.all_.begin(), other.all_.end(), is_large)));
   for (const auto& large : other.large_layers_) {

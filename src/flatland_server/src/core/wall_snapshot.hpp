@@ -6,10 +6,11 @@
 /// took half of a reset: 1.3 ms, nearly all of it for putting them into the tree one by one.
 ///
 /// Method. A world that is replaced keeps its walls for the one after the next. Everything else is
-/// removed from it, and the tree becomes that of the snapshot: the same nodes, and free nodes in the
-/// same order as in a new tree. Box2D finds contacts in the order of the tree and of the numbers of
-/// its nodes, never in that of addresses, so that steps are the same bit for bit. Leaves of walls
-/// keep their nodes while a world exists, so that a snapshot serves all worlds of the same layers.
+/// removed from it, and the tree becomes that of the snapshot: the same nodes, and free nodes in
+/// the same order as in a new tree. Box2D finds contacts in the order of the tree and of the
+/// numbers of its nodes, never in that of addresses, so that steps are the same bit for bit. Leaves
+/// of walls keep their nodes while a world exists, so that a snapshot serves all worlds of the same
+/// layers.
 
 #include <box2d/box2d.h>
 

@@ -21,6 +21,7 @@ BodyRecord AsNew(BodyRecord record) {
   layer.large_layer = record.large_layer;
   layer.may_move = false;
   layer.fixtures = std::move(record.fixtures);
+  if (!record.has_changed_material) return layer;
   for (const BodyRecord::FixtureRecord& each : layer.fixtures) {
     each.fixture->SetFriction(kDefaultMaterial.friction);
     each.fixture->SetRestitution(kDefaultMaterial.restitution);
