@@ -265,7 +265,9 @@ def collide(models, simulate):
     """Loads a room of discs, and lets them bounce about; returns where they have been."""
     walls = "\n".join(f"{-4 + i % 9} {i // 9} {-3.5 + i % 9} {i // 9 + 0.2}" for i in range(40))
     models.write("disc.yaml", PUSHES)
-    text = f"properties: {{}}\nlayers: [{{name: map, map: {models.walls('map', walls)}}}]\nmodels:\n"
+    text = (
+        f"properties: {{}}\nlayers: [{{name: map, map: {models.walls('map', walls)}}}]\nmodels:\n"
+    )
     text += "".join(
         f"  - {{name: disc{i}, model: disc.yaml, pose: [{i - 3.7}, {0.3 * i}, 0]}}\n"
         for i in range(7)
