@@ -201,7 +201,7 @@ class SimulationBatch:
     def step(
         self,
         actions: ArrayLike,
-        substeps: int = 20,
+        substeps: int = 1,
         out: Optional[BatchObservation] = None,
         mask: Optional[ArrayLike] = None,
     ) -> BatchObservation:
