@@ -15,7 +15,7 @@ from flatland_gym.episodes import EpisodeSampler
 from flatland_gym.fleet import Fleet, RobotSimulation, make_fleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import as_dict, bounds, goal_distances, observe
-from flatland_gym.pictures import RENDER_MODES, picture, status_line
+from flatland_gym.pictures import RENDER_MODES, picture, status_line, usable
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
 from flatland_gym.robot import Robot
@@ -66,7 +66,7 @@ class Navigation:
     ) -> None:
         self.settings = settings
         self.metadata: Dict[str, Any] = {
-            "render_modes": list(RENDER_MODES),
+            "render_modes": usable(RENDER_MODES),
             "render_fps": round(1.0 / settings.period, 3),
         }
         self._worlds = [

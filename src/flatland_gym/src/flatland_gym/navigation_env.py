@@ -38,7 +38,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         self.metadata = self.navigation.metadata
         self.action_space: spaces.Box = self.navigation.action_space
         self.observation_space = self.navigation.observation_space
-        self._window: Optional[Window] = None
+        self._window = Window("Flatland", self.navigation.settings.period)
         self._is_running = False
 
     def reset(
@@ -95,8 +95,6 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         frame = self.navigation.picture(0)
         if self.render_mode == "rgb_array":
             return frame
-        if self._window is None:
-            self._window = Window("Flatland", self.navigation.settings.period)
         self._window.show(frame)
         return None
 
@@ -104,9 +102,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         """Ends the simulation, and closes the window."""
         self._is_running = False
         self.navigation.close()
-        if self._window is not None:
-            self._window.close()
-            self._window = None
+        self._window.close()
 
     def _observation(self) -> Any:
         return self.navigation.formed(self.navigation.observe()[0])
