@@ -379,3 +379,14 @@ def test_a_video_is_recorded(tmp_path):
         pass
     env.close()
     assert [file.stat().st_size > 1000 for file in tmp_path.glob("*.mp4")] == [True]
+
+
+@pytest.mark.filterwarnings("ignore:.*Overriding environment")
+def test_a_single_environment_runs_with_an_older_gymnasium(monkeypatch):
+    monkeypatch.delitem(sys.modules, "flatland_gym")
+    monkeypatch.delattr(gym.vector, "AutoresetMode")
+    env = gym.make(f"flatland_gym:{ID}", world="empty_room")  # imports it anew, as 0.29 would
+    env.reset(seed=1)
+    env.close()
+    with pytest.raises(MissingPackageError, match=r"NavigationVectorEnv needs Gymnasium 1\.1"):
+        sys.modules["flatland_gym"].NavigationVectorEnv  # noqa: B018
