@@ -1,6 +1,6 @@
 """`flatland/Navigation-v0` for one robot: Gymnasium's Env."""
 
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 import gymnasium
 import numpy as np
@@ -41,6 +41,19 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         self._window = Window("Flatland", self.navigation.settings.period)
         self._is_running = False
 
+    @property
+    def reset_options(self) -> Dict[str, Any]:
+        """Options of all resets from now on, also of automatic ones: a curriculum's.
+
+        Those that are given to `reset` come first. Setting them raises a UsageError if one is wrong,
+        and changes nothing then.
+        """
+        return self.navigation.options
+
+    @reset_options.setter
+    def reset_options(self, options: Optional[Mapping[str, Any]]) -> None:
+        self.navigation.options = options
+
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
     ) -> Tuple[Any, Dict[str, Any]]:
@@ -48,8 +61,9 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
-            options: `start` ([x, y] or [x, y, yaw]), `goal` ([x, y]) and `world` (one of those of
-                the argument), which are otherwise drawn.
+            options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn;
+                `world`, `goal_distance`, `obstacles` and `robot_scales` in place of the arguments,
+                within what these allow.
 
         Raises:
             UsageError: an option is wrong, such as a goal in a wall. The environment is as before.

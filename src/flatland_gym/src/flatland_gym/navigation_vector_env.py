@@ -79,6 +79,19 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._ended = np.zeros(self.num_envs, dtype=bool)
         self._is_running = False
 
+    @property
+    def reset_options(self) -> Dict[str, Any]:
+        """Options of all resets from now on, also of automatic ones: a curriculum's.
+
+        Those that are given to `reset` come first. Setting them raises a UsageError if one is wrong,
+        and changes nothing then.
+        """
+        return self.navigation.options
+
+    @reset_options.setter
+    def reset_options(self, options: Optional[Mapping[str, Any]]) -> None:
+        self.navigation.options = options
+
     def reset(
         self, *, seed: Seeds = None, options: Optional[Mapping[str, Any]] = None
     ) -> Tuple[Any, Dict[str, Any]]:

@@ -322,6 +322,25 @@ class SimulationBatch:
         seed = int(self._seeds[index])
         return self._view.show(seed, nanoseconds, poses[index], velocities[index])
 
+    @property
+    def models(self) -> Tuple[str, ...]:
+        """The names of all models in the world, also of the robot."""
+        return tuple(self._world.models)
+
+    def model_motions(self) -> Tuple[FloatArray, FloatArray]:
+        """The poses and velocities of all models, in the order of `models`: new arrays (n, m, 3).
+
+        x, y [m] and yaw [rad] of each model's first body, and its vx, vy [m/s] and omega [rad/s],
+        in the world's frame.
+
+        Raises:
+            UsageError: the batch is closed.
+        """
+        core = self._require_open()
+        self._plugins.load(core, None, self._seeds, self._steps)
+        bodies = [model.base.physics_body for model in self._world.models.values()]
+        return core.motions(bodies, None)
+
     # Places
 
     def added_walls(self, index: int) -> FloatArray:

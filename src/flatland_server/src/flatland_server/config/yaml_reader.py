@@ -398,7 +398,7 @@ class YamlReader(YamlMap):
         return _Section(empty, path, self._root, problems)
 
     def get_sections(
-        self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False
+        self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False, word: str = ""
     ) -> List[T]:
         """Reads each map of a list; an empty list if it is not given.
 
@@ -408,11 +408,15 @@ class YamlReader(YamlMap):
             key: of the list.
             read: reads an entry.
             required: whether the list must be given.
+            word: the key that an entry of one word is short for; empty: entries must be maps.
         """
         entries: List[T] = []
         path = self._path_of(key)
         nodes = self._get(key, REQUIRED if required else [], to_items, [])
         for index, node in enumerate(nodes):
+            if word and isinstance(node, yaml.ScalarNode):
+                name = yaml.ScalarNode("tag:yaml.org,2002:str", word, node.start_mark)
+                node = yaml.MappingNode("tag:yaml.org,2002:map", [(name, node)], node.start_mark)
             with self._problems.part() as problems:
                 entries.append(read(YamlReader(node, f"{path}[{index}]", self._root, problems)))
         return entries
