@@ -1,6 +1,7 @@
 """The single environment: Gymnasium's checks, rewards, ends, pictures, and wrong calls."""
 
 import importlib.util
+import io
 import math
 import sys
 import warnings
@@ -8,9 +9,10 @@ import warnings
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import ID, assert_same, make
+from environments import ID, assert_same, make, make_vector
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
+from PIL import Image
 
 import flatland_gym
 from flatland2d import FlatlandError, MissingPackageError, UsageError, world_content
@@ -358,6 +360,21 @@ def test_without_pygame_there_is_no_window(monkeypatch):
     with pytest.raises(MissingPackageError, match="needs pygame"):
         env.reset(seed=1)
     env.close()
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_a_notebook_shows_environments(count):
+    env = make_vector(count, world="discs").unwrapped if count else make(world="discs")
+    assert env._repr_png_() is None
+    env.reset(seed=1)
+    picture = Image.open(io.BytesIO(env._repr_png_()))
+    assert picture.size == (480, 480)
+    assert np.array_equal(np.array(picture)[:240, :240], _first_picture(env, 2 if count else 1))
+    env.close()
+
+
+def _first_picture(env, step):
+    return env.navigation.picture(0)[::step, ::step][:240, :240]
 
 
 def test_a_window(monkeypatch):

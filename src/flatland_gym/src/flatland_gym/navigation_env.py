@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland2d import UsageError
+from flatland2d.rendering.film import side_by_side
 from flatland_gym.navigation import Navigation, row_of
 from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode
 from flatland_gym.settings import NavigationSettings, require_seed
@@ -111,6 +112,10 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
             return frame
         self._window.show(frame)
         return None
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """The picture that a notebook shows of an environment; None before the first reset."""
+        return side_by_side([self.navigation.picture(0)]) if self._is_running else None
 
     def close(self) -> None:
         """Ends the simulation, and closes the window."""

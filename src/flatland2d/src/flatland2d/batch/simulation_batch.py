@@ -40,6 +40,8 @@ from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
 _MOST_STEPS = 2**31 - 1
+_SHOWN = 9
+"""The number of environments in the picture of a notebook."""
 
 
 class SimulationBatch:
@@ -340,6 +342,13 @@ class SimulationBatch:
         self._plugins.load(core, None, self._seeds, self._steps)
         bodies = [model.base.physics_body for model in self._world.models.values()]
         return core.motions(bodies, None)
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows of a batch: its first environments."""
+        from flatland2d.rendering.film import side_by_side
+
+        shown = range(min(self._num_envs, _SHOWN))
+        return side_by_side([self.view(index).render((240, 180)) for index in shown])
 
     # Places
 
