@@ -5,8 +5,8 @@ from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
 
 from flatland2d.catalog import Catalog
 from flatland2d.robot import plugins_with
-from flatland_server.arrays import FloatArray
 from flatland_server.arguments import finite, shown
+from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import (
     ModelError,
     PluginError,

@@ -28,8 +28,8 @@ def world_content(
         with Simulation(content) as sim: ...
 
     Includes and expressions are resolved, and models and maps are dicts within it: a map has its
-    `segments`, or the `grid` of its image, as an array. Entries with `enabled: false` are left out of `models`. Other values are
-    checked when the world is loaded.
+    `segments`, or the `grid` of its image, as an array. Entries with `enabled: false` are left out
+    of `models`. Other values are checked when the world is loaded.
 
     Args:
         world: the name of a shipped world, the path of a world file, or the content of one.

@@ -152,7 +152,7 @@ class EpisodeSampler:
         """The indices of the worlds that options leave."""
         names = [world.name for world in self._worlds]
         sizes = [float(world.scale) for world in self._worlds]
-        found = range(len(self._worlds))
+        found = list(range(len(self._worlds)))
         for option, values in (("world", names), ("robot_scales", sizes)):
             if option not in options:
                 continue
@@ -165,7 +165,7 @@ class EpisodeSampler:
                         f"expected the option {option} to be one of: {known}; found {each!r}"
                     )
             found = [index for index in found if values[index] in wanted]
-        return list(found)
+        return found
 
     def _ends(
         self,

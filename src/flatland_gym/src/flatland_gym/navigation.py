@@ -122,9 +122,9 @@ class Navigation:
         Raises:
             UsageError: an option is wrong. The environments are as before.
         """
-        chosen = {**self._options, **options_of(options)}
-        choice = self._sampler.choice(chosen)
-        states = [generator.bit_generator.state for generator in generators] if chosen else []
+        merged = {**self._options, **options_of(options)}
+        choice = self._sampler.choice(merged)
+        states = [generator.bit_generator.state for generator in generators] if merged else []
         try:
             episodes = [self._sampler.draw(generator, choice) for generator in generators]
         except UsageError:

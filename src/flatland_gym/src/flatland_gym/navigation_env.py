@@ -46,8 +46,8 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     def reset_options(self) -> Dict[str, Any]:
         """Options of all resets from now on, also of automatic ones: a curriculum's.
 
-        Those that are given to `reset` come first. Setting them raises a UsageError if one is wrong,
-        and changes nothing then.
+        Those that are given to `reset` come first. Setting a wrong one raises a UsageError, and
+        changes nothing.
         """
         return self.navigation.options
 

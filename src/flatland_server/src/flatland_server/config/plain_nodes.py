@@ -22,7 +22,7 @@ NO_LINE = -2
 """The line number of a mark without a file."""
 
 
-class ArrayNode(yaml.SequenceNode):  # type: ignore[misc] # PyYAML has no types
+class ArrayNode(yaml.SequenceNode):
     """A list of rows of numbers as an array: a map of a million cells takes no million nodes.
 
     Args:

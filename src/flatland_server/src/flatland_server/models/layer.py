@@ -17,7 +17,6 @@ from flatland_server.config.yaml_reader import Color, YamlReader
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
 
-
 MapSource = Union[Path, str]
 """A map file, or the place of a map in a world file, such as "layers[0].map"."""
 
