@@ -173,7 +173,7 @@ def _report_regressions(options: argparse.Namespace, sweep: Sweep) -> bool:
     if options.baseline is None:
         return False
     rows = read_rows(sweep.folder)
-    found = verdicts(rows, options.baseline, options.tolerance)
+    found = verdicts(rows, options.baseline, options.tolerance, sweep.groups)
     write_file(sweep.folder / "regressions.xml", junit(options.file.name, found))
     worse = [each for each in found if each.is_regression]
     for each in worse:

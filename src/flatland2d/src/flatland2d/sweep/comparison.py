@@ -122,8 +122,14 @@ def holm(p_values: Sequence[float]) -> List[float]:
     return adjusted
 
 
-def runs_of(rows: Sequence[TextRow]) -> Dict[Task, Dict[str, Runs]]:
+def runs_of(
+    rows: Sequence[TextRow], worlds: Mapping[str, str] = {}
+) -> Dict[Task, Dict[str, Runs]]:
     """The runs of a table by world and parameters, and by controller; without failed ones.
+
+    Args:
+        rows: of results.csv.
+        worlds: the groups of worlds that are compared as one, by their names.
 
     Raises:
         FlatlandError: a value is of another kind than its column's.
@@ -131,10 +137,10 @@ def runs_of(rows: Sequence[TextRow]) -> Dict[Task, Dict[str, Runs]]:
     found: Dict[Task, Dict[str, Runs]] = {}
     for row in rows:
         if row["status"] == "done":
-            group = tuple(_comparable(row[name]) for name in group_names(row))
+            task = tuple(_comparable(row[name]) for name in (*group_names(row), "seed"))
+            group = (worlds.get(row["world"], task[0]), *task[1:-1])
             runs = found.setdefault(group, {}).setdefault(row["controller"], {})
-            values = {name: _value(row, name) for name in SUMMARISED}
-            runs[(*group, _comparable(row["seed"]))] = values
+            runs[task] = {name: _value(row, name) for name in SUMMARISED}
     return found
 
 
@@ -144,14 +150,18 @@ def group_names(row: TextRow) -> List[str]:
     return ["world", *names[names.index("controller") + 1 : names.index("seed")]]
 
 
-def comparison_rows(rows: Sequence[TextRow]) -> List[Dict[str, Any]]:
+def comparison_rows(rows: Sequence[TextRow], worlds: Mapping[str, str]) -> List[Dict[str, Any]]:
     """A row for each two controllers and each metric, by world and parameters.
+
+    Args:
+        rows: of results.csv.
+        worlds: see `runs_of`.
 
     Raises:
         MissingPackageError: SciPy is missing.
     """
     found: List[Dict[str, Any]] = []
-    for group, controllers in runs_of(rows).items():
+    for group, controllers in runs_of(rows, worlds).items():
         for first, second in combinations(controllers, 2):
             for name in SUMMARISED:
                 result = compare(controllers[first], controllers[second], name)

@@ -32,6 +32,7 @@ SUMMARISED: Dict[str, Metric] = {
     "time_to_goal": Metric("time to goal [s]", -1, is_gated=True),
     "path_length": Metric("path length [m]", -1),
     "spl": Metric("SPL", 1),
+    "barn_score": Metric("BARN score", 1),
     "min_clearance": Metric("least clearance [m]", 1),
     "stalled_time": Metric("stalled time [s]", -1),
     "heading_change": Metric("heading change [rad]", -1),
@@ -40,21 +41,35 @@ SUMMARISED: Dict[str, Metric] = {
 """The metrics that are summarised, by the names of their columns."""
 
 
-def spl(success: bool, shortest: Optional[float], length: float) -> Optional[float]:
+def spl(success: bool, shortest: float, length: float) -> float:
     """Success weighted by path length: shortest / max(length, shortest) with success, else 0.
 
     P. Anderson et al., "On Evaluation of Embodied Navigation Agents" (2018).
 
     Args:
         success: of the run.
-        shortest: length of the shortest path [m]; None if it is not known.
+        shortest: length of the shortest path [m].
         length: of the path driven [m].
     """
     if not success:
         return 0.0
-    if shortest is None:
-        return None
     return shortest / max(length, shortest) if shortest > 0.0 else 1.0
+
+
+def barn_score(success: bool, shortest: float, time: float, top_speed: float) -> float:
+    """T / clip(time, 2 T, 8 T) with success, else 0; T is the time of the path at top speed.
+
+    The metric of the BARN Challenge (X. Xiao et al., "Autonomous Ground Navigation in Highly
+    Constrained Spaces", 2022), with the factors of its run.py of 2026: at most 0.5.
+
+    Args:
+        success: of the run.
+        shortest: length of the shortest path [m], above 0.
+        time: until the goal was reached [s].
+        top_speed: of the robot [m/s]; 2 in the challenge.
+    """
+    best = shortest / top_speed
+    return best / min(max(time, 2.0 * best), 8.0 * best) if success and best > 0.0 else 0.0
 
 
 def motion_metrics(times: Sequence[float], poses: Sequence[Pose]) -> Dict[str, Optional[float]]:

@@ -2,7 +2,7 @@
 
 import csv
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Sequence
+from typing import Dict, List, Mapping, NamedTuple, Sequence
 from xml.etree import ElementTree
 
 from flatland2d.sweep.comparison import Comparison, TextRow, compare, holm, runs_of
@@ -65,7 +65,10 @@ def read_rows(path: Path) -> List[Dict[str, str]]:
 
 
 def verdicts(
-    rows: Sequence[TextRow], baseline: Sequence[TextRow], tolerance: float
+    rows: Sequence[TextRow],
+    baseline: Sequence[TextRow],
+    tolerance: float,
+    worlds: Mapping[str, str] = {},
 ) -> List[Verdict]:
     """Compares the runs of a sweep with those of the same tasks in a former one.
 
@@ -74,14 +77,15 @@ def verdicts(
         baseline: of the former sweep.
         tolerance: changes of a mean up to this fraction of the former one are none; of a rate, up
             to this difference.
+        worlds: see `runs_of`.
 
     Raises:
         FlatlandError: SciPy is missing, a value is wrong, or no task is in both.
     """
-    before = runs_of(baseline)
+    before = runs_of(baseline, worlds)
     found = [
         (", ".join((*group, controller)), name, compare(runs, others, name, worse=True))
-        for group, controllers in runs_of(rows).items()
+        for group, controllers in runs_of(rows, worlds).items()
         for controller, runs in controllers.items()
         for others in [before.get(group, {}).get(controller, {})]
         for name in _GATED

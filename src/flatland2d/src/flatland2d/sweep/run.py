@@ -7,7 +7,7 @@ import numpy as np
 
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
-from flatland2d.sweep.metrics import motion_metrics, spl
+from flatland2d.sweep.metrics import barn_score, motion_metrics, spl
 from flatland2d.sweep.settings import SweepSettings, Task
 from flatland_server import _core
 from flatland_server.arguments import steps_in
@@ -30,6 +30,7 @@ METRICS = (
     "path_length",
     "shortest_path",
     "spl",
+    "barn_score",
     "min_clearance",
     "stalled_time",
     "heading_change",
@@ -132,6 +133,7 @@ class SweepRun:
         self._times: List[float] = []
         self._poses: List[Pose] = []
         self._shortest = shortest
+        self._top_speed = task.top_speed
         if robot is not None:
             self._body = robot.model.base.physics_body
             self._start = robot.pose
@@ -230,7 +232,11 @@ class SweepRun:
             found["goal_distance"] = math.dist(self._place, self.goal)
             found["time_to_goal"] = self.simulation.time if self._has_arrived else None
             found["shortest_path"] = self._shortest
-            found["spl"] = spl(self._has_arrived, self._shortest, self._length)
+            if self._shortest is not None:
+                done = self._has_arrived, self._shortest
+                found["spl"] = spl(*done, self._length)
+                if self._top_speed is not None:
+                    found["barn_score"] = barn_score(*done, self.time, self._top_speed)
         return found
 
     def _measure(self) -> None:

@@ -134,7 +134,8 @@ class ScenarioRunner:
             start, goal = _draw_start_and_goal(simulation, robot, task, scenario.seed)
             if task.start is not None:
                 simulation.move(robot.name, start)
-            if goal is not None:
+            shortest = task.shortest_path
+            if goal is not None and shortest is None:
                 shortest = shortest_path(simulation, robot, goal, task.goal_radius)
         return SweepRun(
             simulation,

@@ -30,14 +30,19 @@ def shortest_path(
     Returns:
         The length up to that distance [m]; None if the disc does not get there, or the world has no walls.
     """
-    obstacles = [layer.segments for layer in simulation.world.layers]
-    obstacles += [_standing(model) for model in simulation.models.values() if model is not robot]
-    walls = np.ascontiguousarray(np.concatenate([np.empty((0, 4)), *obstacles]), np.float64)
+    walls = obstacles(simulation, robot).tobytes()
     try:
-        path = plan(_grid(walls.tobytes(), robot.model.radius), robot.pose[:2], goal)
+        path = plan(_grid(walls, robot.model.radius), robot.pose[:2], goal)
     except (PlanningError, ValueError):
         return None
     return max(0.0, float(np.hypot(*np.diff(path, axis=0).T).sum()) - goal_radius)
+
+
+def obstacles(simulation: Simulation, robot: ModelHandle) -> FloatArray:
+    """The walls, and the outlines of other models' static bodies: shape (n, 4) [m]."""
+    walls = [layer.segments for layer in simulation.world.layers]
+    others = [each for each in simulation.models.values() if each.name != robot.name]
+    return np.concatenate([np.empty((0, 4)), *walls, *map(_standing, others)])
 
 
 def _standing(model: ModelHandle) -> FloatArray:

@@ -130,6 +130,11 @@ class Sweep:
         """Number of results in the folder of scenarios that are not, or no longer, in the sweep."""
         return len(set(self._journal.entries) - set(self._fingerprints.values()))
 
+    @property
+    def groups(self) -> Dict[str, str]:
+        """The groups of worlds, by the names of those that belong to one."""
+        return {each.name: each.group for each in self.settings.worlds if each.group}
+
     def run(self, scenarios: Iterable[Scenario], pool: Pool) -> Iterator[Result]:
         """Runs scenarios; each result is in the journal before it is yielded."""
         for done in pool.map(ScenarioRunner.run, scenarios):
@@ -180,7 +185,7 @@ class Sweep:
         return Written(summary, len(failed), example, list(filter(None, problems)))
 
     def _comparisons(self) -> bytes:
-        return csv_bytes(table_of(comparison_rows(read_rows(self.folder))))
+        return csv_bytes(table_of(comparison_rows(read_rows(self.folder), self.groups)))
 
     def _write_if_possible(self, name: str, content: Callable[[], bytes]) -> str:
         """Writes a file that needs a package. Returns why it is not there; empty if it is.
