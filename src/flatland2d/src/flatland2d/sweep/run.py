@@ -8,6 +8,7 @@ import numpy as np
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
 from flatland2d.sweep.metrics import barn_score, motion_metrics, spl
+from flatland2d.sweep.people import PeopleMetrics
 from flatland2d.sweep.settings import SweepSettings, Task
 from flatland_server import _core
 from flatland_server.arguments import steps_in
@@ -32,6 +33,11 @@ METRICS = (
     "spl",
     "barn_score",
     "min_clearance",
+    "people_distance",
+    "mean_people_distance",
+    "intimate_time",
+    "personal_time",
+    "social_time",
     "stalled_time",
     "heading_change",
     "mean_jerk",
@@ -138,6 +144,7 @@ class SweepRun:
             self._body = robot.model.base.physics_body
             self._start = robot.pose
             self._place = self._start[:2]
+            self._people = PeopleMetrics(simulation.world, robot.model)
             self._note_pose()
             self._bodies = _core.BodyGroup(robot.model.physics_bodies)
             self._measure_clearance()
@@ -225,6 +232,7 @@ class SweepRun:
         found["collision_with"] = self._collided_with or None
         found["path_length"] = self._length
         found.update(motion_metrics(self._times, self._poses))
+        found.update(self._people.values())
         if math.isfinite(self._clearance):
             found["min_clearance"] = self._clearance
         if self.goal is not None:
@@ -267,6 +275,8 @@ class SweepRun:
     def _note_pose(self) -> None:
         """Keeps the robot's pose after a control step."""
         self.path.append(self._place)
+        if self._times:
+            self._people.measure(self.simulation.time - self._times[-1])
         self._times.append(self.simulation.time)
         self._poses.append(self.robot.pose)
 
