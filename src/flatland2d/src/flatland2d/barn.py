@@ -1,9 +1,9 @@
 """Reads the worlds of BARN, the Benchmark for Autonomous Robot Navigation, into ours.
 
-BARN has 300 worlds of cylinders for Gazebo, each with the path that its authors computed on the grid
-of 0.15 m that the cylinders stand on (D. Perille, A. Truong, X. Xiao, P. Stone, "Benchmarking Metric
-Ground Navigation", 2020). Its challenge drives a Jackal through them: start, goal, limits and score
-are those of the challenge's run.py.
+BARN has 300 worlds of cylinders for Gazebo, each with the path that its authors computed on the
+grid of 0.15 m that the cylinders stand on (D. Perille et al., "Benchmarking Metric Ground
+Navigation", 2020). Its challenge drives a Jackal through them: start, goal, limits and score are
+those of the challenge's run.py.
 """
 
 import io

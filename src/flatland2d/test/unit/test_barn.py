@@ -24,7 +24,10 @@ CYLINDER = """
     </visual>
   </link>
 </model>"""
-PLANE = "<model name='ground_plane'><link name='link'><collision name='c'><geometry><plane/></geometry></collision></link></model>"
+PLANE = """
+<model name='ground_plane'>
+  <link name='link'><collision name='c'><geometry><plane/></geometry></collision></link>
+</model>"""
 PLACES = [(-0.075, 5.075), (-4.575, 5.075), (-2.25, 14.0)]
 CELLS = np.array([[14, 0], [14, 28]])  # straight on, 0.075 m beside the start
 
@@ -92,7 +95,9 @@ def test_a_robot_drives_past_the_cylinders(tmp_path, controller):
 
     assert (result.error, result.row["success"]) == ("", True)
     best = result.row["shortest_path"] / 2.0
-    assert result.row["barn_score"] == pytest.approx(best / np.clip(result.row["time"], 2 * best, 8 * best))
+    assert result.row["barn_score"] == pytest.approx(
+        best / np.clip(result.row["time"], 2 * best, 8 * best)
+    )
 
 
 @pytest.mark.parametrize(

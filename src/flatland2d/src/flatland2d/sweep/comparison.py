@@ -122,9 +122,7 @@ def holm(p_values: Sequence[float]) -> List[float]:
     return adjusted
 
 
-def runs_of(
-    rows: Sequence[TextRow], worlds: Mapping[str, str] = {}
-) -> Dict[Task, Dict[str, Runs]]:
+def runs_of(rows: Sequence[TextRow], worlds: Mapping[str, str] = {}) -> Dict[Task, Dict[str, Runs]]:
     """The runs of a table by world and parameters, and by controller; without failed ones.
 
     Args:

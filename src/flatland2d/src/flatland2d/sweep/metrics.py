@@ -80,11 +80,11 @@ def barn_score(success: bool, shortest: float, time: float, top_speed: float) ->
 def motion_metrics(times: Sequence[float], poses: Sequence[Pose]) -> Dict[str, Optional[float]]:
     """How steadily a robot has driven, from its poses at control steps.
 
-    - `stalled_time`: the time of control steps in which it moved by less than 0.01 m/s and turned by
-      less than 0.01 rad/s.
+    - `stalled_time`: the time of control steps in which it moved by less than 0.01 m/s and turned
+      by less than 0.01 rad/s.
     - `heading_change`: the sum of |yaw[k+1] - yaw[k]|, each wrapped to pi at most.
-    - `mean_jerk`: the mean of |p[k+3] - 3 p[k+2] + 3 p[k+1] - p[k]| / dt^3, over four poses at equal
-      intervals dt.
+    - `mean_jerk`: the mean of |p[k+3] - 3 p[k+2] + 3 p[k+1] - p[k]| / dt^3, over four poses at
+      equal intervals dt.
 
     A. Francis et al., "Principles and Guidelines for Evaluating Social Robot Navigation Algorithms"
     (2023); N. Perez-Higueras et al., "HuNavSim" (2023).

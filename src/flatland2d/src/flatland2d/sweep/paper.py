@@ -117,7 +117,9 @@ def _labelled(summary: Summary) -> Tuple[List[str], List[List[str]]]:
     """The heads of the summary with units, and its cells; without a column of no failures."""
     heads, cells = summary_cells(summary)
     shown = [
-        i for i, name in enumerate(heads) if name != "failed" or any(row["failed"] for row in summary)
+        i
+        for i, name in enumerate(heads)
+        if name != "failed" or any(row["failed"] for row in summary)
     ]
     labels = [SUMMARISED[name].label if name in SUMMARISED else name for name in heads]
     return [labels[i] for i in shown], [[row[i] for i in shown] for row in cells]

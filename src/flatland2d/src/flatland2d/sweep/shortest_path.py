@@ -28,7 +28,8 @@ def shortest_path(
         goal_radius: distance at which the goal is reached [m].
 
     Returns:
-        The length up to that distance [m]; None if the disc does not get there, or the world has no walls.
+        The length up to that distance [m]; None if the disc does not get there, or there is neither
+        a wall nor a static body.
     """
     walls = obstacles(simulation, robot).tobytes()
     try:
