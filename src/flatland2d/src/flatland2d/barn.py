@@ -25,7 +25,8 @@ _CELL = 0.15  # m
 _CORNER = (-0.075 - 30 * _CELL, 0.075 + 5.0)  # of the grid's first cell [m]
 
 _ROBOT = """\
-# The Jackal of BARN: its footprint in move_base's configuration there, a lidar as Hokuyo's UST-10
+# The Jackal of BARN: its footprint in move_base's configuration there, a lidar as Hokuyo's UST-10, in
+# its middle
 bodies:
   - name: base
     footprints:
@@ -41,7 +42,6 @@ plugins:
   - type: Laser
     name: laser
     body: base
-    origin: [-0.065, 0, 0]
     range: 10
     angle: {min: -2.356, max: 2.356, increment: 0.00655}
     update_rate: 20

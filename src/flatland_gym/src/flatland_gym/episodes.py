@@ -6,7 +6,7 @@ robot fits through; one that finds no place takes no part in the episode.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
@@ -19,7 +19,9 @@ from flatland_server import Segments, from_segments
 _TRIES = 500
 _TRIES_OF_MODELS = 60
 
-OPTIONS = ("start", "goal", "world")
+_PLACES = {"start": (2, 3), "goal": (2,)}
+_DRAWN = ("world", "goal_distance", "obstacles", "robot_scales")
+OPTIONS = (*_PLACES, *_DRAWN)
 """The keys of `reset(options=...)`."""
 
 Circles = List[Tuple[float, float, float]]
@@ -53,6 +55,23 @@ class Episode:
         return bool(np.hypot(away[..., 0], away[..., 1]).min() < distance)
 
 
+@dataclass(frozen=True)
+class Choice:
+    """What episodes are drawn from.
+
+    Attributes:
+        worlds: the indices of the worlds.
+        settings: those of the environment, with the options in place of arguments.
+        start: [x, y] or [x, y, yaw]; None is drawn.
+        goal: [x, y]; None is drawn.
+    """
+
+    worlds: Tuple[int, ...]
+    settings: NavigationSettings
+    start: Optional[Sequence[float]] = None
+    goal: Optional[Sequence[float]] = None
+
+
 class EpisodeSampler:
     """Draws episodes.
 
@@ -65,22 +84,50 @@ class EpisodeSampler:
         self._worlds = worlds
         self._settings = settings
 
-    def draw(
-        self, rng: np.random.Generator, options: Optional[Mapping[str, Any]] = None
-    ) -> Episode:
+    def choice(self, options: Mapping[str, Any]) -> Choice:
+        """The choice that options leave.
+
+        Args:
+            options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn;
+                and `world`, `goal_distance`, `obstacles` and `robot_scales`, in place of the
+                environment's arguments, within what these have made: some of the worlds and sizes,
+                and as many obstacles at most.
+
+        Raises:
+            UsageError: an option is unknown or wrong.
+        """
+        settings = self._settings
+        for name in options:
+            if name not in OPTIONS:
+                raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")
+        given = {name: options[name] for name in _DRAWN if options.get(name) is not None}
+        if given:
+            settings = replace(settings, **given)
+            most = self._settings.obstacle_counts[1]
+            if settings.obstacle_counts[1] > most:
+                raise UsageError(
+                    f"expected the option obstacles of at most {most}, the environment's largest "
+                    f"number, found {settings.obstacles!r}"
+                )
+        return Choice(
+            tuple(self._indices(given)),
+            settings,
+            *(_place_of(name, options.get(name), sizes) for name, sizes in _PLACES.items()),
+        )
+
+    def draw(self, rng: np.random.Generator, choice: Choice) -> Episode:
         """An episode.
 
         Args:
             rng: the environment's random numbers.
-            options: `start` ([x, y] or [x, y, yaw]), `goal` ([x, y]) and `world` (a name), which
-                are otherwise drawn.
+            choice: of `choice`.
 
         Raises:
-            UsageError: an option is wrong, such as a goal in a wall; or there is no room. The
-                random numbers may have advanced, but nothing else has changed.
+            UsageError: a place is wrong, such as a goal in a wall; or there is no room. The random
+                numbers may have advanced, but nothing else has changed.
         """
-        chosen = _checked(options)
-        index = self._world(rng, chosen.get("world"))
+        count = len(choice.worlds)
+        index = choice.worlds[int(rng.integers(count)) if count > 1 else 0]
         world = self._worlds[index]
         seed = int(rng.integers(2**31))
         if world.space.free_space(world.radius + self._settings.margin).area == 0.0:
@@ -93,26 +140,37 @@ class EpisodeSampler:
         starts: List[Pose] = []
         goals: List[Point] = []
         for _ in world.robots:
-            start, goal = self._ends(world, chosen, near_starts, near_goals, rng)
+            start, goal = self._ends(world, choice, near_starts, near_goals, rng)
             starts.append(start)
             goals.append(goal)
             near_starts.append((start.x, start.y, world.radius))
             near_goals.append((*goal, world.radius))
-        places = self._places(world, near_starts + near_goals, rng)
+        places = self._places(world, choice.settings, near_starts + near_goals, rng)
         return Episode(index, seed, tuple(starts), tuple(goals), places)
 
-    def _world(self, rng: np.random.Generator, name: Any) -> int:
-        """The index of a random world, of this name if it is not None."""
-        indices = [i for i, world in enumerate(self._worlds) if name in (None, world.name)]
-        if not indices:
-            known = ", ".join(dict.fromkeys(world.name for world in self._worlds))
-            raise UsageError(f"expected the option world to be one of: {known}; found {name!r}")
-        return indices[int(rng.integers(len(indices)))] if len(indices) > 1 else indices[0]
+    def _indices(self, options: Mapping[str, Any]) -> List[int]:
+        """The indices of the worlds that options leave."""
+        names = [world.name for world in self._worlds]
+        sizes = [float(world.scale) for world in self._worlds]
+        found = range(len(self._worlds))
+        for option, values in (("world", names), ("robot_scales", sizes)):
+            if option not in options:
+                continue
+            given = options[option]
+            wanted = given if isinstance(given, (list, tuple, np.ndarray)) else [given]
+            for each in wanted:
+                if each not in values:
+                    known = ", ".join(map(str, dict.fromkeys(values)))
+                    raise UsageError(
+                        f"expected the option {option} to be one of: {known}; found {each!r}"
+                    )
+            found = [index for index in found if values[index] in wanted]
+        return list(found)
 
     def _ends(
         self,
         world: NavigationWorld,
-        chosen: Mapping[str, Any],
+        choice: Choice,
         starts: Circles,
         goals: Circles,
         rng: np.random.Generator,
@@ -124,7 +182,7 @@ class EpisodeSampler:
         def fits(place: Sequence[float], others: Circles) -> bool:
             return space.contains_point(*place[:2]) and _is_clear(place[:2], room, others)
 
-        given_start, given_goal = chosen.get("start"), chosen.get("goal")
+        given_start, given_goal = choice.start, choice.goal
         if given_start is not None:
             _require_free(world, "start", given_start[:2], starts)
         if given_goal is not None:
@@ -132,34 +190,42 @@ class EpisodeSampler:
         for _ in range(_TRIES):
             yaw = _heading(rng)
             start = given_start or (
-                self._around(world, given_goal, rng) if given_goal else space.point(rng)
+                self._around(world, choice, given_goal, rng) if given_goal else space.point(rng)
             )
-            goal = given_goal or self._around(world, start, rng)
+            goal = given_goal or self._around(world, choice, start, rng)
             if (given_start or fits(start, starts)) and (given_goal or fits(goal, goals)):
                 if given_start and len(given_start) > 2:
                     yaw = given_start[2]
                 return Pose(start[0], start[1], yaw), (goal[0], goal[1])
-        least, largest = self._settings.goal_distance
+        least, largest = choice.settings.goal_distance
         raise UsageError(
             f'the world "{world.name}" has no free start and goal {least:g} to {largest:g} m apart '
             f"(tried {_TRIES} times)"
         )
 
     def _around(
-        self, world: NavigationWorld, middle: Sequence[float], rng: np.random.Generator
+        self,
+        world: NavigationWorld,
+        choice: Choice,
+        middle: Sequence[float],
+        rng: np.random.Generator,
     ) -> Point:
         """A place within the limits of `goal_distance` from `middle`, uniform over the area."""
-        least, largest = self._settings.goal_distance
+        least, largest = choice.settings.goal_distance
         largest = max(least, min(largest, world.space.diagonal))
         distance = math.sqrt(least**2 + float(rng.random()) * (largest**2 - least**2))
         bearing = math.tau * float(rng.random())
         return middle[0] + distance * math.cos(bearing), middle[1] + distance * math.sin(bearing)
 
     def _places(
-        self, world: NavigationWorld, taken: Circles, rng: np.random.Generator
+        self,
+        world: NavigationWorld,
+        settings: NavigationSettings,
+        taken: Circles,
+        rng: np.random.Generator,
     ) -> Dict[str, Pose]:
         """Poses of the scattered models and of the obstacles."""
-        low, high = self._settings.obstacle_counts
+        low, high = settings.obstacle_counts
         count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
         places: Dict[str, Pose] = {}
         for number, disc in enumerate((*world.scattered, *world.obstacles)):
@@ -224,26 +290,19 @@ def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
     return all(math.hypot(x - a, y - b) > radius + r for a, b, r in discs)
 
 
-def _checked(options: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
-    """Options with lists of finite floats for `start` and `goal`.
+def _place_of(name: str, value: Any, sizes: Tuple[int, ...]) -> Optional[List[float]]:
+    """The place of the option `start` or `goal`: so many finite floats, or None.
 
     Raises:
-        UsageError: one is unknown or wrong.
+        UsageError: it is wrong.
     """
-    chosen = options_of(options)
-    for name in chosen:
-        if name not in OPTIONS:
-            raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")
-    for name, sizes in (("start", (2, 3)), ("goal", (2,))):
-        value = chosen.get(name)
-        if value is None:
-            continue
-        try:
-            numbers = [float(number) for number in value]
-        except (TypeError, ValueError):
-            numbers = []
-        if len(numbers) not in sizes or not all(map(math.isfinite, numbers)):
-            form = "[x, y] or [x, y, yaw]" if name == "start" else "[x, y]"
-            raise UsageError(f"expected the option {name} as {form}, found {value!r}")
-        chosen[name] = numbers
-    return chosen
+    if value is None:
+        return None
+    try:
+        numbers = [float(number) for number in value]
+    except (TypeError, ValueError):
+        numbers = []
+    if len(numbers) not in sizes or not all(map(math.isfinite, numbers)):
+        form = "[x, y] or [x, y, yaw]" if name == "start" else "[x, y]"
+        raise UsageError(f"expected the option {name} as {form}, found {value!r}")
+    return numbers

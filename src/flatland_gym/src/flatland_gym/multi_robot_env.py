@@ -8,7 +8,7 @@ from gymnasium.utils import seeding
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.navigation import Navigation, row_of
 from flatland_gym.navigation_world import parking_place
-from flatland_gym.pictures import check_render_mode
+from flatland_gym.pictures import Window, check_render_mode, usable
 from flatland_gym.settings import NavigationSettings, is_whole, require_seed
 from flatland_server import FloatArray, IntArray
 
@@ -20,6 +20,9 @@ except ImportError:
     ) from None
 
 
+_RENDER_MODES = ("human", "rgb_array")
+
+
 class MultiRobotEnv(ParallelEnv[str, Any, Any]):
     """Robots in one world that each drive to a goal of their own, past each other.
 
@@ -29,7 +32,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
 
     Args:
         robots: how many there are, two at least: each one like the world's robot.
-        render_mode: None, or "rgb_array": the surroundings of the first robot that is there.
+        render_mode: None, or the surroundings of the first robot that is there: "rgb_array", or
+            "human" (a window).
         arguments: the attributes of `NavigationSettings`.
 
     Raises:
@@ -41,7 +45,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
     ) -> None:
         if not (is_whole(robots) and robots >= 2):
             raise UsageError(f"expected robots to be a whole number of 2 or more, found {robots!r}")
-        check_render_mode(render_mode, ("rgb_array",))
+        check_render_mode(render_mode, _RENDER_MODES)
         settings = NavigationSettings.of(arguments)
         if len(settings.worlds) != 1 or len(settings.robot_scales) != 1:
             raise UsageError("expected one world and one of robot_scales, found several")
@@ -49,10 +53,11 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         self.metadata = {
             **navigation.metadata,
             "name": "flatland_navigation_v0",
-            "render_modes": ["rgb_array"],
+            "render_modes": usable(_RENDER_MODES),
             "is_parallelizable": True,
         }
         self.render_mode = render_mode
+        self._window = Window("Flatland", settings.period)
         self.possible_agents = list(navigation.robot_names)
         self.agents: List[str] = []
         self._rng: Optional[np.random.Generator] = None
@@ -87,6 +92,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
             self._rng, _ = seeding.np_random(number)
         self._navigation.reset(np.array([0]), [self._rng])
         self.agents = list(self.possible_agents)
+        if self.render_mode == "human":
+            self.render()
         return self._observations(), self._infos()
 
     def step(
@@ -108,18 +115,25 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
             if terminated[agent] or truncated[agent]:
                 self.agents.remove(agent)
                 self._remove(agent, row)
+        if self.render_mode == "human":
+            self.render()
         return observations, rewards, terminated, truncated, infos
 
     def render(self) -> Any:
-        """A picture: uint8, shape (480, 480, 3); None without a render mode."""
+        """A picture: uint8, shape (480, 480, 3); None without one, or if a window shows it."""
         if self.render_mode is None or not self.agents:
             return None
-        return self._navigation.picture(int(self._rows()[0]))
+        frame = self._navigation.picture(int(self._rows()[0]))
+        if self.render_mode == "rgb_array":
+            return frame
+        self._window.show(frame)
+        return None
 
     def close(self) -> None:
-        """Ends the simulation."""
+        """Ends the simulation, and closes the window."""
         self.agents = []
         self._navigation.close()
+        self._window.close()
 
     def _rows(self) -> IntArray:
         """The rows of the robots that are there."""

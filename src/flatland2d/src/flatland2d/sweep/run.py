@@ -223,7 +223,7 @@ class SweepRun:
         """The measured values so far, by the names in METRICS; docs/sweeps.md explains them."""
         found: Dict[str, Any] = dict.fromkeys(METRICS)
         found["outcome"] = self.outcome
-        found["time"] = self.simulation.time
+        found["time"] = now = round(self.simulation.time, 9)  # not 2.0300000000000002
         found.update(zip(("goal_x", "goal_y"), self.goal or ()))
         if self._robot is None:
             return found
@@ -238,13 +238,13 @@ class SweepRun:
         if self.goal is not None:
             found["success"] = self._has_arrived
             found["goal_distance"] = math.dist(self._place, self.goal)
-            found["time_to_goal"] = self.simulation.time if self._has_arrived else None
+            found["time_to_goal"] = now if self._has_arrived else None
             found["shortest_path"] = self._shortest
             if self._shortest is not None:
                 done = self._has_arrived, self._shortest
                 found["spl"] = spl(*done, self._length)
                 if self._top_speed is not None:
-                    found["barn_score"] = barn_score(*done, self.time, self._top_speed)
+                    found["barn_score"] = barn_score(*done, now, self._top_speed)
         return found
 
     def _measure(self) -> None:

@@ -100,7 +100,7 @@ def _place(
 
 
 def _worlds(reader: YamlReader, task: Task, group: str) -> Tuple[SweepWorld, ...]:
-    """The entries of `worlds`: names, files, or maps."""
+    """The entries of `worlds`: names, files, and maps, which may be mixed."""
     if _is_list_of_maps(reader, "worlds"):
 
         def read(entry: YamlReader) -> SweepWorld:
@@ -112,7 +112,7 @@ def _worlds(reader: YamlReader, task: Task, group: str) -> Tuple[SweepWorld, ...
             entry.finish()
             return world
 
-        return _named(reader, "worlds", reader.get_sections("worlds", read, required=True))
+        return _named(reader, "worlds", reader.get_sections("worlds", read, required=True, word="world"))
     sources = reader.get_strings("worlds")
     for source in sources:
         _check_world(reader, "worlds", source)

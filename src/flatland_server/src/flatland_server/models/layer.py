@@ -6,7 +6,7 @@ A layer without a map has no walls: it is a collision layer for footprints.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import Color, YamlReader
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
+
+
+MapSource = Union[Path, str]
+"""A map file, or the place of a map in a world file, such as "layers[0].map"."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,7 @@ class LayerConfig:
         color: of its walls.
         min_z: lower edge of its upright walls in rviz [m].
         max_z: upper edge of its upright walls in rviz [m].
-        map: its map file, if it has one.
+        map: its map file, or the place of the map in the world file; None without one.
     """
 
     names: Tuple[str, ...]
@@ -36,7 +40,7 @@ class LayerConfig:
     color: Color
     min_z: float
     max_z: float
-    map: Optional[Path]
+    map: Optional[MapSource]
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "LayerConfig":
@@ -66,13 +70,15 @@ class LayerConfig:
         max_z = debug.get_float("max_z", 1.0)
         debug.finish()
         properties.finish()
-        map_file = cls.read_map_path(reader)
+        source = cls.read_map_source(reader)
         reader.finish()
-        return cls(names, bits, color, min_z, max_z, map_file)
+        return cls(names, bits, color, min_z, max_z, source)
 
     @staticmethod
-    def read_map_path(reader: YamlReader) -> Optional[Path]:
-        """The map file that an entry names, if any; other problems of the entry are ignored."""
+    def read_map_source(reader: YamlReader) -> Optional[MapSource]:
+        """The map of an entry, if any; other problems of the entry are ignored."""
+        if reader.is_map("map"):
+            return reader.get_section("map").path
         reader.get_string("map", "")
         return reader.get_path("map") if reader.has("map") else None
 
