@@ -50,8 +50,7 @@ plugins:
 _RULES = "# The worlds of BARN by the rules of its challenge: 1 m from the goal within 100 s\n"
 _SETTINGS = {
     "controllers": [
-        {"name": name, "call": f"flatland_navigation.controllers:{name}"}
-        for name in ("gaps", "planner")
+        {"name": name, "call": f"flatland2d.sweep.drivers:{name}"} for name in ("gaps", "planner")
     ],
     "group": "BARN",
     "goal": list(GOAL),

@@ -47,7 +47,9 @@ class Animation:
         """
         is_picture = isinstance(picture, np.ndarray) and picture.dtype == np.uint8
         if not is_picture or picture.ndim != 3 or picture.shape[2] != 3 or not picture.size:
-            raise UsageError(f"expected a picture as uint8 of shape (h, w, 3), found {picture!r:.60}")
+            raise UsageError(
+                f"expected a picture as uint8 of shape (h, w, 3), found {picture!r:.60}"
+            )
         image = Image.fromarray(picture)
         if self._pictures and image.size != self._pictures[0].size:
             raise UsageError(

@@ -6,17 +6,16 @@ from typing import Any, Dict
 import numpy as np
 
 from flatland2d.sweep.run import SweepRun
-from flatland2d.sweep.shortest_path import obstacles
+from flatland2d.sweep.shortest_path import framed, obstacles
 from flatland_navigation.follower import FollowerConfig
 from flatland_navigation.grid import Grid
-from flatland_navigation.navigator import Navigator, NavigatorConfig
+from flatland_navigation.navigator import Navigator, NavigatorConfig, Status
 from flatland_navigation.obstacles import scan_points
 from flatland_server.arrays import FloatArray
 from flatland_server.geometry import Pose
 
 _MAX_DIRECTIONS = 128
 _MARGIN = 0.07  # m, of planned paths
-_ROOM = 5.0  # m, around start and goal, where a planner without a map may plan
 
 
 def gaps(
@@ -58,7 +57,7 @@ def gaps(
 def planner(
     run: SweepRun, sensor: str = "laser", speed: float = 0.5, has_map: bool = True
 ) -> Dict[str, Any]:
-    """Plans a path, stops for what its lidar sees, and plans a way around it.
+    """Plans a path, stops for what its lidar sees, and plans a way around it; may give up.
 
     Args:
         run: with a goal.
@@ -75,14 +74,11 @@ def planner(
     config = NavigatorConfig(robot_radius=radius, stuck_after=20.0, follower=follower)
     goal = Pose(*run.goal) if run.goal is not None else run.robot.pose
     walls = obstacles(run.simulation, run.robot) if has_map else np.empty((0, 4))
-    start = run.robot.pose[:2]
-    if not len(walls):
-        low, high = np.minimum(start, goal[:2]) - _ROOM, np.maximum(start, goal[:2]) + _ROOM
-        walls = np.array([[*low, low[0], high[1]], [*high, high[0], low[1]]])
+    walls = framed(walls, run.robot.pose[:2], goal[:2])
     navigator = Navigator(Grid.from_walls(walls, radius + _MARGIN), config)
     navigator.set_goal(goal)
     increment = (lidar.angles[-1] - lidar.angles[0]) / max(1, len(lidar.angles) - 1)
-    while run.is_running:
+    while run.is_running and navigator.status is Status.ACTIVE:
         pose = run.robot.pose
         seen = scan_points(lidar.read(), lidar.angles[0], increment, lidar.range_max, pose)
         navigator.observe(seen, run.time)

@@ -112,7 +112,9 @@ def _worlds(reader: YamlReader, task: Task, group: str) -> Tuple[SweepWorld, ...
             entry.finish()
             return world
 
-        return _named(reader, "worlds", reader.get_sections("worlds", read, required=True, word="world"))
+        return _named(
+            reader, "worlds", reader.get_sections("worlds", read, required=True, word="world")
+        )
     sources = reader.get_strings("worlds")
     for source in sources:
         _check_world(reader, "worlds", source)

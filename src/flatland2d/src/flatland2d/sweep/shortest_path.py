@@ -12,6 +12,8 @@ from flatland_navigation.planner import PlanningError, plan
 from flatland_server.arrays import FloatArray
 from flatland_server.geometry import Point
 
+_ROOM = 5.0  # m, around start and goal, where a path may lead without walls
+
 
 def shortest_path(
     simulation: Simulation, robot: ModelHandle, goal: Point, goal_radius: float
@@ -28,12 +30,12 @@ def shortest_path(
         goal_radius: distance at which the goal is reached [m].
 
     Returns:
-        The length up to that distance [m]; None if the disc does not get there, or there is neither
-        a wall nor a static body.
+        The length up to that distance [m]; None if the disc does not get there.
     """
-    walls = obstacles(simulation, robot).tobytes()
+    start = robot.pose[:2]
+    walls = framed(obstacles(simulation, robot), start, goal)
     try:
-        path = plan(_grid(walls, robot.model.radius), robot.pose[:2], goal)
+        path = plan(_grid(walls.tobytes(), robot.model.radius), start, goal)
     except (PlanningError, ValueError):
         return None
     return max(0.0, float(np.hypot(*np.diff(path, axis=0).T).sum()) - goal_radius)
@@ -44,6 +46,12 @@ def obstacles(simulation: Simulation, robot: ModelHandle) -> FloatArray:
     walls = [layer.segments for layer in simulation.world.layers]
     others = [each for each in simulation.models.values() if each.name != robot.name]
     return np.concatenate([np.empty((0, 4)), *walls, *map(_standing, others)])
+
+
+def framed(walls: FloatArray, start: Point, goal: Point) -> FloatArray:
+    """Walls with two points beyond start and goal, so that a grid reaches there: shape (n, 4)."""
+    low, high = np.minimum(start, goal) - _ROOM, np.maximum(start, goal) + _ROOM
+    return np.vstack([walls, [[*low, *low]], [[*high, *high]]])
 
 
 def _standing(model: ModelHandle) -> FloatArray:

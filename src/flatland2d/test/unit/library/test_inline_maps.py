@@ -46,9 +46,7 @@ def scan(source):
 
 def test_shapes_are_walls():
     triangle = [[1, 1], [2, 1], [1, 2]]
-    found = walls(
-        {"segments": [[-4, -4, 4, -4]], "polygons": [triangle], "circles": [[0, 3, 0.5]]}
-    )
+    found = walls({"segments": [[-4, -4, 4, -4]], "polygons": [triangle], "circles": [[0, 3, 0.5]]})
 
     assert found[:4].tolist() == [[-4, -4, 4, -4], [1, 1, 2, 1], [2, 1, 1, 2], [1, 2, 1, 1]]
     assert np.hypot(found[4:, 0], found[4:, 1] - 3) == pytest.approx(np.full(36, 0.5))
@@ -79,9 +77,10 @@ def test_a_grid_has_the_walls_of_its_picture(tmp_path, kind):
 def test_a_grid_may_have_probabilities_and_unknown_cells():
     grid = np.array([[-1, 0, 40], [100, 0, 60]])
     assert len(walls({"grid": grid, "resolution": 1})) == 8
-    assert walls({"grid": grid, "resolution": 1, "occupied_thresh": 50}).tolist() == walls(
-        {"grid": [[0, 0, 0], [1, 0, 1]], "resolution": 1}
-    ).tolist()
+    assert (
+        walls({"grid": grid, "resolution": 1, "occupied_thresh": 50}).tolist()
+        == walls({"grid": [[0, 0, 0], [1, 0, 1]], "resolution": 1}).tolist()
+    )
 
 
 def test_the_content_of_a_world_has_its_maps(tmp_path):
@@ -96,7 +95,9 @@ def test_the_content_of_a_world_has_its_maps(tmp_path):
 
 def test_files_may_have_such_maps_and_every_front_takes_them(tmp_path):
     files = WorldFiles(tmp_path)
-    files.write("room.yaml", "segments: [[-2, -2, 2, -2], [2, -2, 2, 2]]\ncircles: [[-2, 0, 0.3]]\n")
+    files.write(
+        "room.yaml", "segments: [[-2, -2, 2, -2], [2, -2, 2, 2]]\ncircles: [[-2, 0, 0.3]]\n"
+    )
     content = world({"segments": [[-2, -2, 2, -2], [2, -2, 2, 2]], "circles": [[-2, 0, 0.3]]})
     inside, outside = (
         files.write(f"{name}.yaml", {**content, "layers": [{"name": "map", "map": map}]})
@@ -127,7 +128,10 @@ def test_files_may_have_such_maps_and_every_front_takes_them(tmp_path):
         ({"segments": [[1, 1, 1, 1]]}, r"a micrometre or more, found a shorter one: \[1.0, 1.0"),
         ({"polygons": [[[0, 0], [1, 1]]]}, r"polygons\[0\]: expected a list of 3 or more points"),
         ({"circles": [[0, 0, 1], [0, 0, 0]]}, r"expected a radius above 0 in circles\[1\]"),
-        ({"circles": [[0, 0, 1e7]]}, r"layers\[0\].map: expected walls within 100 km of the origin"),
+        (
+            {"circles": [[0, 0, 1e7]]},
+            r"layers\[0\].map: expected walls within 100 km of the origin",
+        ),
         ({"grid": np.zeros((2, 2))}, 'the required key "resolution" is missing'),
         ({"grid": [[1, 0], [1]], "resolution": 1}, "expected rows of the same length"),
         ({"grid": [["a"]], "resolution": 1}, "expected rows of numbers"),
@@ -142,7 +146,9 @@ def test_wrong_maps_are_refused_with_their_place(tmp_path, map, message):
 
 
 def test_an_error_in_a_file_has_its_line(tmp_path):
-    yaml = "properties: {}\nlayers:\n- name: map\n  map:\n    segments:\n    - [0, 0, 1, 1]\n    - 3\n"
+    yaml = (
+        "properties: {}\nlayers:\n- name: map\n  map:\n    segments:\n    - [0, 0, 1, 1]\n    - 3\n"
+    )
     path = WorldFiles(tmp_path).write("world.yaml", yaml)
     with pytest.raises(FlatlandError, match=r"world.yaml:7(:\d+)?: layers\[0\].map.segments\[1\]"):
         Simulation(path)
