@@ -25,8 +25,7 @@ _CELL = 0.15  # m
 _CORNER = (-0.075 - 30 * _CELL, 0.075 + 5.0)  # of the grid's first cell [m]
 
 _ROBOT = """\
-# The Jackal of BARN: its footprint in move_base's configuration there, a lidar as Hokuyo's UST-10, in
-# its middle
+# The Jackal of BARN: the footprint of its configuration of move_base, a lidar as Hokuyo's UST-10
 bodies:
   - name: base
     footprints:

@@ -13,6 +13,7 @@ Runs are paired by world, parameters and seed, so that both of a pair had the sa
   multiple test procedure", 1979): its level is the probability of any false finding in the table.
 """
 
+import math
 from itertools import combinations
 from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
@@ -85,7 +86,7 @@ def compare(first: Runs, second: Runs, name: str, worse: bool = False) -> Compar
     pairs = [(first[task].get(name), second[task].get(name)) for task in first if task in second]
     values = [(a, b) for a, b in pairs if a is not None and b is not None]
     if not values:
-        return Comparison(0, *[float("nan")] * 4, 1.0)
+        return Comparison(0, math.nan, math.nan, math.nan, math.nan, 1.0)
     array = np.array(values, dtype=float)
     differences = array[:, 0] - array[:, 1]
     changed = differences[differences != 0]

@@ -90,4 +90,4 @@ def planner(
 
 def _apart(directions: FloatArray, other: Any) -> FloatArray:
     """The angles between directions [rad]."""
-    return np.abs((directions - other + math.pi) % math.tau - math.pi)
+    return np.asarray(np.abs((directions - other + math.pi) % math.tau - math.pi))

@@ -95,7 +95,8 @@ def plugin_rng(seed: int, model_name: str, plugin_name: str) -> np.random.Genera
         model_name: of its model; empty for a plugin of the world.
         plugin_name: its own.
     """
-    return np.random.Generator(np.random.PCG64(_Seeds(seed, _stream(model_name, plugin_name))))
+    seeds: Any = _Seeds(seed, _stream(model_name, plugin_name))
+    return np.random.Generator(np.random.PCG64(seeds))
 
 
 class _Seeds(ISpawnableSeedSequence):
