@@ -1,13 +1,13 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from typing import Any, Dict, NamedTuple, Optional
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from flatland_plugins.odometry_config import OdometryConfig
 from flatland_plugins.odometry_drift import OdometryDrift
-from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
+from flatland_plugins.odometry_writer import BodyWriter, OdometryWriter, Twist, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise, draw_key
 from flatland_server import (
     Frames,
@@ -15,6 +15,7 @@ from flatland_server import (
     ModelPlugin,
     Pose,
     Publisher,
+    RelativePoses,
     Timekeeper,
     Velocity,
     YamlReader,
@@ -62,6 +63,7 @@ class OdometryPlugin(ModelPlugin):
         base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
+        self._is_exact = self._drift is None and not self._is_noisy
         self._odom: Optional[Publisher] = None
         self._ground_truth: Optional[Publisher] = None
         self._twist: Optional[Publisher] = None
@@ -73,16 +75,30 @@ class OdometryPlugin(ModelPlugin):
                 config.twist_pub, "geometry_msgs/TwistWithCovarianceStamped"
             )
         covariances = config.pose_covariance, config.twist_covariance
-        self._odom_writer, self._ground_truth_writer = (
+        self._odom_writer, ground_truth_writer = (
             OdometryWriter(frame, base_frame, *covariances)
             for frame in (self._odom_frame, self._ground_truth_frame)
         )
         self._twist_writer = TwistWriter(base_frame, config.twist_covariance)
+        self._exact_pose = RelativePoses(None, [body.physics_body])
+        self._exact_odom_writer, self._ground_truth_writer = (
+            BodyWriter(
+                writer,
+                self._exact_pose,
+                lambda: self._message_values(self._truth()),
+                twist_in_local_frame=config.twist_in_local_frame,
+            )
+            for writer in (self._odom_writer, ground_truth_writer)
+        )
+        self._exact_twist_writer = BodyWriter(
+            self._twist_writer, self._exact_pose, lambda: (self._truth().velocity,)
+        )
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
             self._frame = self.node.open_frames((self._odom_frame, base_frame))
             if self._odom_frame != self._ground_truth_frame:  # all models share the world's frame
                 self.node.claim_odometry_frame(self._odom_frame)
+        self._find_subscribers()
 
     def has_work(self) -> bool:
         """True if the odometry has a subscriber, or drifts."""
@@ -90,20 +106,32 @@ class OdometryPlugin(ModelPlugin):
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry on the topics that have subscribers; drift accumulates anyway."""
-        now, pose = timekeeper.nanoseconds, self._body.pose
+        now = timekeeper.nanoseconds
+        if self._subscriber_revision != self.node.subscriber_revision:
+            self._find_subscribers()
+        if self._is_exact:
+            self._publish_exact(now)
+            if self._heard_frame is not None:
+                self._heard_frame.send(now, self._exact_pose)
+            return
+        pose = self._body.pose
         if self._drift is not None:
             has_jumped = self._has_jumped()
             self._move_revision = self.model.move_revision
             self._drift.advance(now, pose, has_jumped=has_jumped)
-            if not self._has_subscribers():
+            if not (self._heard or self._heard_frame):
                 return
             pose = self._drift.pose
         estimate = self._publish(now, pose)
-        if self._frame is not None and self.node.transforms_have_subscribers:
-            self._frame.send(now, [estimate.pose])
+        if self._heard_frame is not None:
+            self._heard_frame.send(now, [estimate.pose])
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
         """Publishes the present pose and velocity; does not advance the drift."""
+        self._find_subscribers()
+        if self._is_exact:
+            self._publish_exact(timekeeper.nanoseconds)
+            return
         self._publish(timekeeper.nanoseconds, self._drifted(timekeeper.nanoseconds))
 
     def read(self, timekeeper: Timekeeper) -> Odometry:
@@ -124,16 +152,37 @@ class OdometryPlugin(ModelPlugin):
         if self._drift is not None:
             self._drift.set_state(state["drift"])
 
+    def _publish_exact(self, nanoseconds: int) -> None:
+        """Publishes the true pose and velocity on the topics that have subscribers."""
+        for publisher, writer in self._heard:
+            publisher.write(writer, nanoseconds)
+
     def _publish(self, nanoseconds: int, drifted: Pose) -> Odometry:
         """Publishes on the topics that have subscribers, and returns the odometry with errors."""
         estimate = self._measured(nanoseconds, drifted)
-        if self._twist is not None and self._twist.has_subscribers:
-            self._twist.write(self._twist_writer, nanoseconds, estimate.velocity)
-        if self._odom is not None and self._odom.has_subscribers:
-            self._write(self._odom, self._odom_writer, nanoseconds, estimate)
-        if self._ground_truth is not None and self._ground_truth.has_subscribers:
-            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, self._truth())
+        for publisher, writer in self._heard:
+            if publisher is self._twist:
+                publisher.write(self._twist_writer, nanoseconds, estimate.velocity)
+            elif publisher is self._odom:
+                publisher.write(self._odom_writer, nanoseconds, *self._message_values(estimate))
+            else:
+                publisher.write(writer, nanoseconds)
         return estimate
+
+    def _find_subscribers(self) -> None:
+        """Finds the topics that have subscribers; to be called when these have changed."""
+        self._subscriber_revision = self.node.subscriber_revision
+        outputs = (
+            (self._twist, self._exact_twist_writer),
+            (self._odom, self._exact_odom_writer),
+            (self._ground_truth, self._ground_truth_writer),
+        )
+        self._heard: List[Tuple[Publisher, BodyWriter]] = [
+            (publisher, writer)
+            for publisher, writer in outputs
+            if publisher is not None and publisher.has_subscribers
+        ]
+        self._heard_frame = self._frame if self.node.transforms_have_subscribers else None
 
     def _measured(self, nanoseconds: int, drifted: Pose) -> Odometry:
         """The odometry of a pose that has drifted, with the noise of a time [ns]."""
@@ -160,21 +209,14 @@ class OdometryPlugin(ModelPlugin):
         return self.model.move_revision != self._move_revision
 
     def _has_subscribers(self) -> bool:
-        if self._frame is not None and self.node.transforms_have_subscribers:
-            return True
-        publishers = (self._twist, self._odom, self._ground_truth)
-        return any(publisher is not None and publisher.has_subscribers for publisher in publishers)
+        self._find_subscribers()
+        return bool(self._heard or self._heard_frame)
 
-    def _write(
-        self,
-        publisher: Publisher,
-        writer: OdometryWriter,
-        nanoseconds: int,
-        odometry: Odometry,
-    ) -> None:
-        pose, twist = odometry.pose, tuple(odometry.velocity)
-        if not self._odometry_config.twist_in_local_frame:
-            vx, vy, omega = twist
-            cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-            twist = (cos * vx - sin * vy, sin * vx + cos * vy, omega)
-        publisher.write(writer, nanoseconds, pose, twist)
+    def _message_values(self, odometry: Odometry) -> Tuple[Pose, Twist]:
+        """The pose and the twist of a message."""
+        pose, twist = odometry
+        if self._odometry_config.twist_in_local_frame:
+            return pose, twist
+        vx, vy, omega = twist
+        cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+        return pose, (cos * vx - sin * vy, sin * vx + cos * vy, omega)

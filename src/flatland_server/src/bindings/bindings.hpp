@@ -99,6 +99,7 @@ void BindDrive(py::module_& m);
 void BindDrivesOf(py::class_<PyBody>& body);
 void BindBody(py::class_<PyBody>& body);
 void BindBodyGroup(py::module_& m);
+void BindMessages(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindFixturesOf(py::class_<PyBody>& body);
 void BindFixtureChecker(py::module_& m);

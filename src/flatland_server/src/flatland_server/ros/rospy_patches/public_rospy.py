@@ -3,7 +3,7 @@
 import struct
 from abc import ABC, abstractmethod
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Callable, ContextManager, Optional, Type
 
 import rospy
@@ -54,6 +54,26 @@ def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
         publisher.publish(_SerializedMessage(data))
 
 
+class Outbox:
+    """Holds messages back, so that many of a connection are sent in one call.
+
+    This one holds nothing: rospy hands each message to a thread of the connection.
+
+    Attributes:
+        is_open: whether messages that are published now wait for `send`.
+    """
+
+    is_open = False
+
+    @property
+    def is_due(self) -> bool:
+        """True if messages have waited long enough, or there are many."""
+        return False
+
+    def send(self) -> None:
+        """Sends the messages that wait."""
+
+
 def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
     """Publishes serialized messages, each preceded by its length."""
     begin = 0
@@ -71,6 +91,7 @@ class RospyCalls:
     Attributes:
         send_bytes: publishes a serialized message; not for latched topics.
         send_framed: publishes one or more serialized messages, each preceded by its length.
+        outbox: holds the messages of connections back, if it can.
         batch_registration: within this context, topics and services may be registered with the
             master later, together, at its end.
         wait_until_registered: waits until the master knows of all topics and services, at most
@@ -84,6 +105,7 @@ class RospyCalls:
 
     send_bytes: Callable[[rospy.Publisher, bytes], None] = send_bytes
     send_framed: Callable[[rospy.Publisher, bytes], None] = send_framed
+    outbox: Outbox = field(default_factory=Outbox, compare=False)
     batch_registration: Callable[[], ContextManager[None]] = nullcontext
     wait_until_registered: Callable[[float], bool] = lambda limit: True
     take_over_time: Callable[[], Optional[LocalTime]] = lambda: None
