@@ -102,13 +102,12 @@ class OdometryPlugin(ModelPlugin):
 
     def has_work(self) -> bool:
         """True if the odometry has a subscriber, or drifts."""
-        return self._drift is not None or self._has_subscribers()
+        self._find_subscribers()
+        return bool(self._drift is not None or self._heard or self._heard_frame)
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry on the topics that have subscribers; drift accumulates anyway."""
         now = timekeeper.nanoseconds
-        if self._subscriber_revision != self.node.subscriber_revision:
-            self._find_subscribers()
         if self._is_exact:
             self._publish_exact(now)
             if self._heard_frame is not None:
@@ -170,8 +169,7 @@ class OdometryPlugin(ModelPlugin):
         return estimate
 
     def _find_subscribers(self) -> None:
-        """Finds the topics that have subscribers; to be called when these have changed."""
-        self._subscriber_revision = self.node.subscriber_revision
+        """Finds the topics that have subscribers; `has_work` is called when these change."""
         outputs = (
             (self._twist, self._exact_twist_writer),
             (self._odom, self._exact_odom_writer),
@@ -207,10 +205,6 @@ class OdometryPlugin(ModelPlugin):
     def _has_jumped(self) -> bool:
         """True if the model was moved since the last odometry."""
         return self.model.move_revision != self._move_revision
-
-    def _has_subscribers(self) -> bool:
-        self._find_subscribers()
-        return bool(self._heard or self._heard_frame)
 
     def _message_values(self, odometry: Odometry) -> Tuple[Pose, Twist]:
         """The pose and the twist of a message."""

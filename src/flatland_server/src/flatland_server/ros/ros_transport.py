@@ -101,7 +101,7 @@ class RosTransport(Transport):
 
     @property
     def transforms_have_subscribers(self) -> bool:
-        return self._tf.get_num_connections() > 0
+        return self.rospy_calls.is_connected(self._tf)
 
     @property
     def subscriber_revision(self) -> object:
@@ -184,7 +184,8 @@ class RosTransport(Transport):
         self.arrivals.next_step()
         message = self._transforms.take()
         if message:
-            self.prepare_to_send()
+            if not self._outbox.is_open:
+                self.before_sending()
             self.rospy_calls.send_bytes(self._tf, message)
         if self._outbox.is_open:
             self._outbox.is_open = False
@@ -192,17 +193,12 @@ class RosTransport(Transport):
                 self.release()
 
     def hold(self) -> None:
-        self._outbox.is_open = True
+        self._outbox.open()
 
     def release(self) -> None:
         self._outbox.is_open = False
         self.before_sending()
         self._outbox.send()
-
-    def prepare_to_send(self) -> None:
-        """To be called before each message, on the simulation's thread."""
-        if not self._outbox.is_open:
-            self.before_sending()
 
     def _run_callbacks(self) -> None:
         self.release()
@@ -232,19 +228,23 @@ class _RosPublisher(Publisher):
         self._transport = transport
         self._publisher = publisher
         self._name = name
+        self._outbox = transport.rospy_calls.outbox
+        self._is_connected = transport.rospy_calls.is_connected
         self._send_bytes = transport.rospy_calls.send_bytes
 
     @property
     def has_subscribers(self) -> bool:
-        return self._publisher.get_num_connections() > 0
+        return self._is_connected(self._publisher)
 
     def publish(self, message: Any) -> None:
-        self._transport.prepare_to_send()
+        if not self._outbox.is_open:
+            self._transport.before_sending()
         self._publisher.publish(message)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
-        if self.has_subscribers:
-            self._transport.prepare_to_send()
+        if self._is_connected(self._publisher):
+            if not self._outbox.is_open:
+                self._transport.before_sending()
             self._send_bytes(self._publisher, writer.data(*values))
 
     def close(self) -> None:

@@ -81,6 +81,9 @@ class HeldMessages(Outbox):
         self._connections: List[NonblockingConnection] = []
         self._due = math.inf  # real time [s]
 
+    def open(self) -> None:
+        self.is_open = True
+
     def add(self, connection: "NonblockingConnection") -> None:
         """Notes a connection that has got its first message; ROS's threads may call it, too."""
         if not self._connections:
