@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "flatland_server/geometry.hpp"
 
@@ -19,10 +20,6 @@ namespace flatland {
 
 class MessageBytes {
  public:
-  static constexpr std::size_t kHeaderSize = 3 * sizeof(uint32_t);
-  static constexpr std::size_t kPoseSize = 7 * sizeof(double);
-  static constexpr std::size_t kTwistSize = 6 * sizeof(double);
-
   explicit MessageBytes(std::string data) : data_(std::move(data)) {}
 
   const std::string& data() const { return data_; }
@@ -31,6 +28,8 @@ class MessageBytes {
   void SetHeader(std::size_t at, uint32_t sequence, int64_t nanoseconds);
   void SetPose(std::size_t at, const Pose& pose);
   void SetTwist(std::size_t at, const Twist& twist);
+  /// The same with a twist in the frame of a body, turned into the frame in which its yaw is given.
+  void SetTurnedTwist(std::size_t at, const Twist& twist, double yaw);
 
  private:
   template <class Number, std::size_t kCount>

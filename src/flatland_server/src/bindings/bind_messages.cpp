@@ -1,8 +1,8 @@
 /// RelativePoses, and BodyMessage: the bytes of messages with poses and velocities of bodies.
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "bindings.hpp"
@@ -85,12 +85,12 @@ class BodyMessage {
     bytes_.SetHeader(fields.header, sequence, nanoseconds);
     if (fields.pose) bytes_.SetPose(*fields.pose, pose);
     if (!fields.twist) return;
-    Twist twist = poses_.world->GetLocalVelocity(body);
-    if (!twist_in_local_frame_) {
-      const Vec2 turned = Rotation(pose.yaw).Apply({twist.vx, twist.vy});
-      twist = {turned.x, turned.y, twist.omega};
+    const Twist twist = poses_.world->GetLocalVelocity(body);
+    if (twist_in_local_frame_) {
+      bytes_.SetTwist(*fields.twist, twist);
+    } else {
+      bytes_.SetTurnedTwist(*fields.twist, twist, pose.yaw);
     }
-    bytes_.SetTwist(*fields.twist, twist);
   }
 
   MessageBytes bytes_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
+#include <string>
 
 namespace flatland {
 
@@ -30,6 +31,11 @@ void MessageBytes::SetPose(std::size_t at, const Pose& pose) {
 
 void MessageBytes::SetTwist(std::size_t at, const Twist& twist) {
   Set<double, 6>(at, {twist.vx, twist.vy, 0.0, 0.0, 0.0, twist.omega});
+}
+
+void MessageBytes::SetTurnedTwist(std::size_t at, const Twist& twist, double yaw) {
+  const Vec2 turned = Rotation(yaw).Apply({twist.vx, twist.vy});
+  SetTwist(at, {turned.x, turned.y, twist.omega});
 }
 
 }  // namespace flatland

@@ -8,7 +8,13 @@ from types import SimpleNamespace
 import pytest
 from rospy.exceptions import TransportTerminated
 
-from flatland_server.ros.rospy_patches.nonblocking_connection import NonblockingConnection
+from flatland_server.ros.rospy_patches import nonblocking_connection
+from flatland_server.ros.rospy_patches.nonblocking_connection import (
+    MOST,
+    PERIOD,
+    HeldMessages,
+    NonblockingConnection,
+)
 from flatland_server.ros.rospy_patches.raw_publishing import send_bytes
 
 LIMIT = 10.0  # s
@@ -104,6 +110,130 @@ def test_a_closed_connection_is_reported(subscriber):
     with pytest.raises(TransportTerminated):
         connection.write_data(b"hello")
 
+    assert transport.done
+
+
+@pytest.fixture
+def outbox(monkeypatch):
+    """An open outbox, at a time that the test sets."""
+    outbox = HeldMessages()
+    outbox.now = 1000.0
+    monkeypatch.setattr(nonblocking_connection, "outbox", outbox)
+    monkeypatch.setattr(
+        nonblocking_connection, "time", SimpleNamespace(monotonic=lambda: outbox.now)
+    )
+    outbox.open()
+    return outbox
+
+
+def waiting(end: socket.socket) -> bytes:
+    """All that a subscriber can receive now."""
+    end.setblocking(False)
+    try:
+        return end.recv(1_000_000)
+    except BlockingIOError:
+        return b""
+
+
+class CountingSocket:
+    """Counts the calls of `send`."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end = end
+        self.calls = 0
+
+    def send(self, data: bytes, flags: int) -> int:
+        self.calls += 1
+        return self._end.send(data, flags)
+
+    def close(self) -> None:
+        self._end.close()
+
+
+def test_messages_that_are_held_back_are_sent_together_in_their_order(subscriber, outbox):
+    theirs, transport, connection = subscriber
+    transport.socket = CountingSocket(transport.socket)
+
+    for message in (b"one", b"two", b"three"):
+        connection.write_data(message)
+    assert waiting(theirs) == b""
+    outbox.send()
+
+    assert waiting(theirs) == b"onetwothree"
+    assert transport.socket.calls == 1
+    assert (transport.stat_num_msg, transport.stat_bytes) == (3, 11)
+    outbox.send()
+    assert transport.socket.calls == 1
+
+
+def test_a_message_that_may_not_wait_comes_after_those_that_do(subscriber, outbox):
+    theirs, _, connection = subscriber
+    connection.write_data(b"held")
+
+    outbox.is_open = False
+    connection.write_data(b"now")
+
+    assert waiting(theirs) == b"heldnow"
+    outbox.send()
+    assert waiting(theirs) == b""
+
+
+def test_messages_are_due_after_a_time_from_the_first_one(subscriber, outbox):
+    _, _, connection = subscriber
+    assert not outbox.is_due
+
+    connection.write_data(b"first")
+    outbox.now += 0.9 * PERIOD
+    connection.write_data(b"second")
+    assert not outbox.is_due
+    outbox.now += 0.2 * PERIOD
+    assert outbox.is_due
+
+    outbox.send()
+    assert not outbox.is_due
+
+
+def test_messages_are_due_if_a_connection_has_many(subscriber, outbox):
+    _, _, connection = subscriber
+    for _ in range(MOST - 1):
+        connection.write_data(b"message")
+    assert not outbox.is_due
+
+    connection.write_data(b"message")
+    assert outbox.is_due
+
+    outbox.send()
+    assert not outbox.is_due
+
+
+def test_of_messages_sent_together_a_full_queue_loses_whole_ones(subscriber, outbox):
+    theirs, _, connection = subscriber
+    messages = [bytes([i]) * 9000 for i in range(100)]
+
+    for begin in range(0, 100, 10):
+        for message in messages[begin : begin + 10]:
+            connection.write_data(message)
+        outbox.send()
+
+    got = []
+    while not got or got[-1] != messages[-1]:
+        got.append(receive(theirs, 9000))
+    numbers = [message[0] for message in got]
+    assert all(message == bytes([message[0]]) * 9000 for message in got)
+    assert numbers == sorted(set(numbers))
+    assert numbers[-3:] == [97, 98, 99]  # the queue has room for three
+    assert len(got) < 30
+
+
+def test_a_connection_found_closed_is_reported_by_the_next_message(subscriber, outbox):
+    theirs, transport, connection = subscriber
+    theirs.close()
+    connection.write_data(b"hello")
+
+    outbox.send()
+
+    with pytest.raises(TransportTerminated):
+        connection.write_data(b"hello")
     assert transport.done
 
 

@@ -77,10 +77,11 @@ class SerializedFrames(Frames):
         self._message: Optional[BodyMessage] = None  # with these poses
 
     def send(self, nanoseconds: int, poses: Iterable[Tuple[float, float, float]]) -> None:
-        if isinstance(poses, RelativePoses):
-            if self._message is None or self._poses is not poses:
-                fields = [(stamp, pose, None) for stamp, pose in self._offsets]
-                self._poses, self._message = poses, BodyMessage(bytes(self._data), poses, fields)
+        if poses is not self._poses and isinstance(poses, RelativePoses):
+            fields = [(stamp, pose, None) for stamp, pose in self._offsets]
+            self._message = BodyMessage(bytes(self._data), poses, fields)
+            self._poses = poses
+        if poses is self._poses and self._message is not None:
             self._queue.add_bytes(len(self._offsets), self._message.data(0, nanoseconds))
             return
         seconds, rest = divmod(nanoseconds, 1_000_000_000)

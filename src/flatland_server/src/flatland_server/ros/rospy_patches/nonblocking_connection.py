@@ -19,7 +19,8 @@ treated one by one as above.
 import math
 import socket
 import time
-from typing import Any, Dict, List
+from collections import deque
+from typing import Any, Deque, Dict, List
 
 import rospy.topics
 from rospy.exceptions import TransportTerminated
@@ -78,7 +79,7 @@ class HeldMessages(Outbox):
 
     def __init__(self) -> None:
         self.is_full = False
-        self._connections: List[NonblockingConnection] = []
+        self._connections: Deque[NonblockingConnection] = deque()
         self._due = math.inf  # real time [s]
 
     def open(self) -> None:
@@ -95,10 +96,9 @@ class HeldMessages(Outbox):
         return self.is_full or (bool(self._connections) and time.monotonic() >= self._due)
 
     def send(self) -> None:
-        connections, self._connections = self._connections, []
         self.is_full = False
-        for connection in connections:
-            connection.send_held()
+        while self._connections:
+            self._connections.popleft().send_held()
 
 
 outbox = HeldMessages()
