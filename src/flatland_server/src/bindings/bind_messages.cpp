@@ -108,10 +108,9 @@ void BindMessages(py::module_& m) {
       .def("__iter__", [](const RelativePoses& self) { return py::iter(py::cast(self.Read())); })
       .def("read", &RelativePoses::Read);
   py::class_<BodyMessage> message(m, "BodyMessage");
-  message.def(py::init<const py::bytes&, RelativePoses, const std::vector<BodyMessage::Offsets>&,
-                       bool>(),
-              py::arg("data"), py::arg("poses"), py::arg("fields"),
-              py::arg("twist_in_local_frame") = true);
+  message.def(
+      py::init<const py::bytes&, RelativePoses, const std::vector<BodyMessage::Offsets>&, bool>(),
+      py::arg("data"), py::arg("poses"), py::arg("fields"), py::arg("twist_in_local_frame") = true);
   DefineFast<&BodyMessage::Data>(message, "data", "sequence", "nanoseconds");
 }
 

@@ -13,8 +13,8 @@ template <class Number, std::size_t kCount>
 void MessageBytes::Set(std::size_t at, const Number (&numbers)[kCount]) {
   if (at > data_.size() || sizeof(numbers) > data_.size() - at) {
     throw std::out_of_range("expected " + std::to_string(at) + " + " +
-                            std::to_string(sizeof(numbers)) + " bytes of a message or more, found " +
-                            std::to_string(data_.size()));
+                            std::to_string(sizeof(numbers)) +
+                            " bytes of a message or more, found " + std::to_string(data_.size()));
   }
   std::memcpy(data_.data() + at, numbers, sizeof(numbers));
 }

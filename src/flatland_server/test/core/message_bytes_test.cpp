@@ -29,8 +29,7 @@ TEST(MessageBytes, OnlyFieldsChange) {
   EXPECT_EQ(NumbersAt<uint32_t>(data, 1, 3), (std::vector<uint32_t>{7, 3, 5}));
   EXPECT_EQ(NumbersAt<double>(data, 20, 7),
             (std::vector<double>{1.5, -2.5, 0.0, 0.0, 0.0, std::sin(0.35), std::cos(0.35)}));
-  EXPECT_EQ(NumbersAt<double>(data, 100, 6),
-            (std::vector<double>{0.25, 0.5, 0.0, 0.0, 0.0, -3.0}));
+  EXPECT_EQ(NumbersAt<double>(data, 100, 6), (std::vector<double>{0.25, 0.5, 0.0, 0.0, 0.0, -3.0}));
   std::string rest = data;
   rest.replace(100, 48, "").replace(20, 56, "").replace(1, 12, "");
   EXPECT_EQ(rest, std::string(200 - 48 - 56 - 12, 'x'));
