@@ -20,22 +20,37 @@ from flatland_server.ros.rospy_patches.raw_publishing import send_bytes
 LIMIT = 10.0  # s
 
 
+class Socket:
+    """A socket that notes its calls, and the threads that make them."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end = end
+        self.calls = 0
+        self.threads = set()
+
+    def sendmsg(self, *arguments) -> int:
+        self.calls += 1
+        self.threads.add(threading.current_thread())
+        return self._end.sendmsg(*arguments)
+
+    def fileno(self) -> int:
+        return self._end.fileno()
+
+    def close(self) -> None:
+        self._end.close()
+
+
 class Transport:
     """The publisher's end of a socket, in place of rospy's TCPROSTransport."""
 
     def __init__(self, end: socket.socket) -> None:
-        self.socket = end
+        self.socket = Socket(end)
         self.done = False
         self.stat_bytes = self.stat_num_msg = 0
-        self.threads = set()
         self._cleanup = None
 
     def set_cleanup_callback(self, callback) -> None:
         self._cleanup = callback
-
-    def write_data(self, data: bytes) -> None:
-        self.threads.add(threading.current_thread())
-        self.socket.sendall(data)
 
     def close(self) -> None:
         self.done = True
@@ -70,7 +85,7 @@ def test_the_publishing_thread_itself_sends_to_a_subscriber_that_keeps_up(subscr
         connection.write_data(b"message %03d" % i)
         assert receive(theirs, 11) == b"message %03d" % i
 
-    assert transport.threads == set()
+    assert transport.socket.threads == {threading.current_thread()}
     assert transport.stat_num_msg == 100
 
 
@@ -93,7 +108,7 @@ def test_a_subscriber_that_does_not_read_loses_whole_messages_and_blocks_nothing
 
 
 def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
-    theirs, _, connection = subscriber
+    theirs, transport, connection = subscriber
     large = bytes(range(256)) * 4000
 
     connection.write_data(large)
@@ -101,6 +116,8 @@ def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
 
     assert receive(theirs, len(large)) == large
     assert receive(theirs, 5) == b"after"
+    with connection._lock:  # the thread has counted what it has sent
+        assert (transport.stat_num_msg, transport.stat_bytes) == (2, len(large) + 5)
 
 
 def test_a_closed_connection_is_reported(subscriber):
@@ -135,24 +152,8 @@ def waiting(end: socket.socket) -> bytes:
         return b""
 
 
-class CountingSocket:
-    """Counts the calls of `send`."""
-
-    def __init__(self, end: socket.socket) -> None:
-        self._end = end
-        self.calls = 0
-
-    def send(self, data: bytes, flags: int) -> int:
-        self.calls += 1
-        return self._end.send(data, flags)
-
-    def close(self) -> None:
-        self._end.close()
-
-
 def test_messages_that_are_held_back_are_sent_together_in_their_order(subscriber, outbox):
     theirs, transport, connection = subscriber
-    transport.socket = CountingSocket(transport.socket)
 
     for message in (b"one", b"two", b"three"):
         connection.write_data(message)

@@ -1,22 +1,23 @@
-"""Sends a message at once if the subscriber's socket has room for it.
+"""Sends messages at once if the subscriber's socket has room for them.
 
 rospy hands every message to a thread of the connection. This costs two thread switches under
 Python's global lock: more than the rest of the work for a small message, hundreds of times a
 second. Here the publishing thread writes to the socket itself, as long as that does not block. A
-subscriber that does not keep up receives what follows from rospy's thread, and loses the oldest
-messages of a full queue, as with rospy alone: it never delays the simulation.
+subscriber that does not keep up receives the rest later, as soon as its socket has room: from the
+publishing thread with the next message, or from rospy's thread. It loses the oldest messages of a
+full queue, as with rospy alone: it never delays the simulation.
 
 A call of the system takes as long as several steps of a small world. So while steps follow each
 other without a wait, the outbox is open: messages wait at their connections, in their order, until
 `HeldMessages.send`. The loop calls it when the first of them has waited for `PERIOD`, when a
 connection has `MOST` messages, before it waits, runs callbacks or answers a request for steps, and
 when it ends. These calls come at the ends of steps: a step that takes longer than `PERIOD` delays
-them. At real time the loop waits after each step, and no message is held back. `send` gives a
-socket all that waits for it in one call; a message that does not fit, and those after it, are
-treated one by one as above.
+them. At real time the loop waits after each step, and no message is held back. A socket gets all
+that waits for it in one call.
 """
 
 import math
+import select
 import socket
 import time
 from collections import deque
@@ -37,6 +38,12 @@ MOST = 10
 
 Subscribers with shorter queues may lose some of them, as they may when steps follow fast anyway.
 """
+
+_MOST_BUFFERS = 500
+"""Messages in one call; Linux takes 1,024 pieces."""
+
+_CHECK_PERIOD = 1000
+"""Time between two checks whether a connection with a full socket is closed [ms]."""
 
 _CONNECTION = "rospy.impl.tcpros_pubsub:QueuedConnection"
 
@@ -110,11 +117,11 @@ class NonblockingConnection(QueuedConnection):
 
     def __init__(self, connection: Any, queue_size: int) -> None:
         self._held: List[bytes] = []  # messages that wait for the outbox
-        self._unsent = b""  # data that the thread is sending, or must send first
+        self._unsent = b""  # the rest of a message that is sent in part
         super().__init__(connection, queue_size)
 
     def write_data(self, data: bytes) -> bool:
-        """Sends a message, holds it back, or queues it for the thread if the socket is full.
+        """Sends a message, holds it back, or queues it if the socket is full.
 
         Raises:
             TransportTerminated: the connection is closed.
@@ -143,39 +150,41 @@ class NonblockingConnection(QueuedConnection):
             try:
                 self._send_or_queue()
             except (OSError, TransportTerminated) as error:
-                self._error = error
+                self._fail(error)
 
     def _send_or_queue(self) -> None:
-        messages, self._held = self._held, []
-        if not messages:
-            return
-        if not self._unsent and not self._queue:
-            messages = self._send_now(messages)
-            if not messages:
-                return
-            self._unsent = messages.pop(0)
-        for data in messages:
-            if 0 < self._queue_size == len(self._queue):
-                del self._queue[0]
-            self._queue.append(data)
-        self._cond_data_available.notify()
+        held, self._held = self._held, []
+        self._queue += held
+        self._send_queue()
+        if self._queue_size > 0:
+            del self._queue[: -self._queue_size]
+        if self._unsent or self._queue:
+            self._cond_data_available.notify()
 
-    def _send_now(self, messages: List[bytes]) -> List[bytes]:
-        """Sends as much as the socket takes without blocking; returns the rest."""
+    def _send_queue(self) -> None:
+        """Sends what is queued, as far as the socket takes it without blocking."""
+        waiting = [self._unsent, *self._queue] if self._unsent else self._queue
+        if not waiting:
+            return
         connection = self._connection
         if connection.socket is None:
             raise TransportTerminated("connection closed")
         try:
-            sent: int = connection.socket.send(b"".join(messages), socket.MSG_DONTWAIT)
+            sent: int = connection.socket.sendmsg(waiting[:_MOST_BUFFERS], (), socket.MSG_DONTWAIT)
         except BlockingIOError:
-            return messages
+            return
         connection.stat_bytes += sent
-        for i, data in enumerate(messages):
-            if sent < len(data):
-                return [data[sent:], *messages[i + 1 :]]
-            sent -= len(data)
-            connection.stat_num_msg += 1
-        return []
+        count = 0
+        while count < len(waiting) and sent >= len(waiting[count]):
+            sent -= len(waiting[count])
+            count += 1
+        connection.stat_num_msg += count
+        self._unsent = waiting[count][sent:] if sent else b""
+        self._queue = waiting[count + 1 if sent else count :]
+
+    def _fail(self, error: Exception) -> None:
+        """Drops what is queued; the next `write_data` raises the error."""
+        self._error, self._unsent, self._queue = error, b"", []
 
     def _run(self) -> None:
         connection = self._connection
@@ -183,13 +192,17 @@ class NonblockingConnection(QueuedConnection):
             with self._lock:
                 while not self._unsent and not self._queue and not connection.done:
                     self._cond_data_available.wait()
-                if not self._unsent and self._queue:
-                    self._unsent = self._queue.pop(0)
-            if self._unsent:
+            self._wait_for_room()
+            with self._lock:
                 try:
-                    connection.write_data(self._unsent)
-                except Exception as error:
-                    with self._lock:
-                        self._error = error
-                with self._lock:
-                    self._unsent = b""
+                    self._send_queue()
+                except (OSError, TransportTerminated) as error:
+                    self._fail(error)
+
+    def _wait_for_room(self) -> None:
+        """Waits until the socket takes more, or has failed, but not for long."""
+        end = self._connection.socket
+        if end is not None and end.fileno() >= 0:
+            poll = select.poll()
+            poll.register(end, select.POLLOUT)
+            poll.poll(_CHECK_PERIOD)
