@@ -1,12 +1,11 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from flatland_plugins.odometry_config import OdometryConfig
-from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_plugins.odometry_writer import BodyWriter, OdometryWriter, Twist, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise, draw_key
 from flatland_server import (
@@ -56,10 +55,7 @@ class OdometryPlugin(ModelPlugin):
         self._odometry_config = config
         self._body = body
         self._noise = TimedNoise(self.rng)
-        self._drift: Optional[OdometryDrift] = None
-        self._move_revision = self.model.move_revision
-        if config.drift:
-            self._drift = OdometryDrift(config.drift, draw_key(self.rng))
+        self._drift = config.drift.add_to(body, draw_key(self.rng)) if config.drift else None
         base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
@@ -101,64 +97,49 @@ class OdometryPlugin(ModelPlugin):
         self._find_subscribers()
 
     def has_work(self) -> bool:
-        """True if the odometry has a subscriber, or drifts."""
+        """True if the odometry has a subscriber."""
         self._find_subscribers()
-        return bool(self._drift is not None or self._heard or self._heard_frame)
+        return bool(self._heard or self._heard_frame)
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes odometry on the topics that have subscribers; drift accumulates anyway."""
+        """Publishes odometry on the topics that have subscribers."""
         now = timekeeper.nanoseconds
         if self._is_exact:
             self._publish_exact(now)
             if self._heard_frame is not None:
                 self._heard_frame.send(now, self._exact_pose)
             return
-        pose = self._body.pose
-        if self._drift is not None:
-            has_jumped = self._has_jumped()
-            self._move_revision = self.model.move_revision
-            self._drift.advance(now, pose, has_jumped=has_jumped)
-            if not (self._heard or self._heard_frame):
-                return
-            pose = self._drift.pose
-        estimate = self._publish(now, pose)
+        estimate = self._publish(now)
         if self._heard_frame is not None:
             self._heard_frame.send(now, [estimate.pose])
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes the present pose and velocity; does not advance the drift."""
+        """Publishes the present pose and velocity."""
         self._find_subscribers()
         if self._is_exact:
             self._publish_exact(timekeeper.nanoseconds)
-            return
-        self._publish(timekeeper.nanoseconds, self._drifted(timekeeper.nanoseconds))
+        else:
+            self._publish(timekeeper.nanoseconds)
 
     def read(self, timekeeper: Timekeeper) -> Odometry:
         """The present odometry, with its noise and drift: pose and velocity."""
-        return self._measured(timekeeper.nanoseconds, self._drifted(timekeeper.nanoseconds))
+        return self._measured(timekeeper.nanoseconds)
 
     def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
         """The true pose in the world, and the true velocity."""
         return self._truth()
 
-    def get_state(self) -> Dict[str, Any]:
-        """The drift and the number of the last move; the core saves commands and velocities."""
-        drift = self._drift.get_state() if self._drift is not None else None
-        return {"drift": drift, "move_revision": self._move_revision}
-
-    def set_state(self, state: Dict[str, Any]) -> None:
-        self._move_revision = state["move_revision"]
-        if self._drift is not None:
-            self._drift.set_state(state["drift"])
+    def get_state(self) -> None:
+        """Nothing: the core saves commands, velocities and the drift."""
 
     def _publish_exact(self, nanoseconds: int) -> None:
         """Publishes the true pose and velocity on the topics that have subscribers."""
         for publisher, writer in self._heard:
             publisher.write(writer, nanoseconds)
 
-    def _publish(self, nanoseconds: int, drifted: Pose) -> Odometry:
+    def _publish(self, nanoseconds: int) -> Odometry:
         """Publishes on the topics that have subscribers, and returns the odometry with errors."""
-        estimate = self._measured(nanoseconds, drifted)
+        estimate = self._measured(nanoseconds)
         for publisher, writer in self._heard:
             if publisher is self._twist:
                 publisher.write(self._twist_writer, nanoseconds, estimate.velocity)
@@ -182,8 +163,9 @@ class OdometryPlugin(ModelPlugin):
         ]
         self._heard_frame = self._frame if self.node.transforms_have_subscribers else None
 
-    def _measured(self, nanoseconds: int, drifted: Pose) -> Odometry:
-        """The odometry of a pose that has drifted, with the noise of a time [ns]."""
+    def _measured(self, nanoseconds: int) -> Odometry:
+        """The odometry with its drift, and with the noise of a time [ns]."""
+        drifted = self._body.pose if self._drift is None else Pose(*self._drift.pose)
         velocity = Velocity(*self._body.physics_body.local_velocity)
         if not self._is_noisy:
             return Odometry(drifted, velocity)
@@ -192,19 +174,8 @@ class OdometryPlugin(ModelPlugin):
         vx, vy, omega = (value + error for value, error in zip(velocity, noise[3:]))
         return Odometry(Pose(x, y, wrap_angle(yaw)), Velocity(vx, vy, omega))
 
-    def _drifted(self, nanoseconds: int) -> Pose:
-        """The estimated pose at the present time [ns]; does not advance the drift."""
-        pose = self._body.pose
-        if self._drift is None:
-            return pose
-        return self._drift.preview(nanoseconds, pose, has_jumped=self._has_jumped())
-
     def _truth(self) -> Odometry:
         return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
-
-    def _has_jumped(self) -> bool:
-        """True if the model was moved since the last odometry."""
-        return self.model.move_revision != self._move_revision
 
     def _message_values(self, odometry: Odometry) -> Tuple[Pose, Twist]:
         """The pose and the twist of a message."""

@@ -137,6 +137,7 @@ void BindWorld(py::module_& m) {
       .def_property_readonly("joint_count",
                              [](const PyWorld& self) { return self.world->joint_count(); });
   BindScansOf(world);
+  BindCrowdsOf(world);
 }
 
 }  // namespace
@@ -168,6 +169,7 @@ PYBIND11_MODULE(_core, m) {
   py::class_<PyFixture> fixture(m, "Fixture");
   BindJoint(m);
   BindDrive(m);
+  BindCrowd(m);
   BindBody(body);
   BindFixture(fixture);
   BindFixtureChecker(m);

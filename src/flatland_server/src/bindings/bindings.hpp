@@ -81,6 +81,8 @@ using PyJoint = Owned<World::Joint>;
 using PyDrive = Owned<World::Drive>;
 using PyTricycle = Owned<World::Tricycle>;
 using PyTween = Owned<World::Tween>;
+using PyDrift = Owned<World::Drift>;
+using PyCrowd = Owned<World::CrowdHandle>;
 using PyLidar = Owned<World::LidarHandle>;
 
 /// A number that no other body of a world has or had.
@@ -97,6 +99,8 @@ void BindJoint(py::module_& m);
 void BindJointsOf(py::class_<PyBody>& body);
 void BindDrive(py::module_& m);
 void BindDrivesOf(py::class_<PyBody>& body);
+void BindCrowd(py::module_& m);
+void BindCrowdsOf(py::class_<PyWorld>& world);
 void BindBody(py::class_<PyBody>& body);
 void BindBodyGroup(py::module_& m);
 void BindMessages(py::module_& m);
