@@ -1,15 +1,15 @@
-// flatland_message_sender: sends the same messages again and again to subscribers that are connected
-// already. It does nothing else: the speed that it reaches is the limit of a simulator with these
-// subscribers on this machine. `flatland_benchmark.message_sender` starts it.
+// flatland_message_sender: sends the same messages again and again to subscribers that are
+// connected already. It does nothing else: the speed that it reaches is the limit of a simulator
+// with these subscribers on this machine. `flatland_benchmark.message_sender` starts it.
 //
 //   flatland_message_sender STEP_SIZE STEPS
 //
 //   STEP_SIZE   simulated time of a step [s]
 //   STEPS       messages of this many steps go to a subscriber in one call
 //
-// Each line of standard input is a socket: its descriptor, the number of steps between its messages,
-// and a file with the message as it is sent. With 0 steps the message is the simulation's state: it
-// is sent five times a second, with the simulated time of the last step in it.
+// Each line of standard input is a socket: its descriptor, the number of steps between its
+// messages, and a file with the message as it is sent. With 0 steps the message is the simulation's
+// state: it is sent five times a second, with the simulated time of the last step in it.
 
 #include <sys/socket.h>
 
