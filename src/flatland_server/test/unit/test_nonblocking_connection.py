@@ -4,6 +4,7 @@ import socket
 import threading
 import time
 from types import SimpleNamespace
+from typing import List
 
 import pytest
 from rospy.exceptions import TransportTerminated
@@ -78,6 +79,17 @@ def receive(end: socket.socket, count: int) -> bytes:
     return received
 
 
+def receive_numbers(end: socket.socket, last: bytes) -> List[int]:
+    """The first bytes of the messages up to the last one: whole ones, in their order."""
+    got: List[bytes] = []
+    while not got or got[-1] != last:
+        got.append(receive(end, 9000))
+    numbers = [message[0] for message in got]
+    assert all(message == bytes([message[0]]) * 9000 for message in got)
+    assert numbers == sorted(set(numbers))
+    return numbers
+
+
 def test_the_publishing_thread_itself_sends_to_a_subscriber_that_keeps_up(subscriber):
     theirs, transport, connection = subscriber
 
@@ -98,13 +110,8 @@ def test_a_subscriber_that_does_not_read_loses_whole_messages_and_blocks_nothing
         connection.write_data(message)
     assert time.monotonic() - begin < LIMIT
 
-    got = []
-    while not got or got[-1] != messages[-1]:
-        got.append(receive(theirs, 9000))
-    numbers = [message[0] for message in got]
-    assert all(message == bytes([message[0]]) * 9000 for message in got)
-    assert numbers == sorted(set(numbers))
-    assert len(got) < len(messages)
+    numbers = receive_numbers(theirs, messages[-1])
+    assert len(numbers) < len(messages)
 
 
 def test_a_message_larger_than_the_socket_arrives_whole(subscriber):
@@ -216,14 +223,9 @@ def test_of_messages_sent_together_a_full_queue_loses_whole_ones(subscriber, out
             connection.write_data(message)
         outbox.send()
 
-    got = []
-    while not got or got[-1] != messages[-1]:
-        got.append(receive(theirs, 9000))
-    numbers = [message[0] for message in got]
-    assert all(message == bytes([message[0]]) * 9000 for message in got)
-    assert numbers == sorted(set(numbers))
+    numbers = receive_numbers(theirs, messages[-1])
     assert numbers[-3:] == [97, 98, 99]  # the queue has room for three
-    assert len(got) < 30
+    assert len(numbers) < 30
 
 
 def test_a_connection_found_closed_is_reported_by_the_next_message(subscriber, outbox):
