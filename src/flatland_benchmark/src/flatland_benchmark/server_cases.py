@@ -19,6 +19,8 @@ from flatland_benchmark.server_process import CountingSubscriber, Interval, Serv
 ROBOTS_ALONE = (1, 10, 100)
 ROBOTS_SUBSCRIBED_TO = (1, 10, 100)
 
+STEPS_PER_CALL = (1, 10)
+
 MEASURING = 5.0
 """Duration of a measurement in most cases [s of real time]."""
 
@@ -81,12 +83,33 @@ def serve(worlds: Path, robots: int, rosout: bool = True) -> Figures:
 def serve_with_subscriber(worlds: Path, robots: int) -> Figures:
     """One subscriber to all robots' topics; reports the share of the messages that it receives."""
     with _robots(worlds, robots) as server:
-        subscriber = _connected(server)
-        server.settle(SETTLING)
-        before = subscriber.next_reading()
-        interval = server.measure(MEASURING)
-        after = subscriber.next_reading()
-        figures = _figures(interval, server)
+        return _subscriber_figures(server, robots)
+
+
+class _MessageSender(ServerProcess):
+    """In the server's place, a program that only sends; see `flatland_benchmark.message_sender`."""
+
+    def __init__(self, robots: int, steps: int) -> None:
+        super().__init__(Path())
+        self._numbers = [str(robots), str(steps)]
+
+    def _command(self) -> List[str]:
+        return [sys.executable, "-m", "flatland_benchmark.message_sender", *self._numbers]
+
+
+def send_with_subscriber(_: Path, robots: int, steps: int) -> Figures:
+    """The same with a program that only sends."""
+    with _MessageSender(robots, steps) as sender:
+        return _subscriber_figures(sender, robots)
+
+
+def _subscriber_figures(server: ServerProcess, robots: int) -> Figures:
+    subscriber = _connected(server)
+    server.settle(SETTLING)
+    before = subscriber.next_reading()
+    interval = server.measure(MEASURING)
+    after = subscriber.next_reading()
+    figures = _figures(interval, server)
     seconds = after.simulated - before.simulated
     for name, (figure, each, together) in _SENT.items():
         received = after.messages[name] - before.messages[name]
@@ -244,6 +267,16 @@ SERVER_CASES: Tuple[Case, ...] = (
             partial(serve_with_subscriber, robots=n),
         )
         for n in ROBOTS_SUBSCRIBED_TO
+    ),
+    *(
+        Case(
+            f"limit_{n}_{steps}",
+            f"a program that only sends the messages of {in_words(n)} to the same subscriber, "
+            f"steps in one call: {steps}",
+            partial(send_with_subscriber, robots=n, steps=steps),
+        )
+        for n in ROBOTS_SUBSCRIBED_TO
+        for steps in STEPS_PER_CALL
     ),
     Case("serve_stalled", "10 robots, and a subscriber that stops reading", stalled_subscriber),
     Case("serve_grow", "memory of 100 robots with a subscriber, over time", grow),

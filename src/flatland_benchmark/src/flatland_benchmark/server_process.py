@@ -169,19 +169,19 @@ class ServerProcess:
         if self._rosout:
             self.start("rosout", [executable("rosout", "rosout")])
             self.wait_until(lambda: "/rosout" in self.subscribers("/clock"), "rosout")
-        self.server = self.start(
-            "flatland_server",
-            [
-                *(executable("flatland_server", "flatland_server"), "__name:=flatland_server"),
-                f"_world_path:={self._world_file}",
-                f"_update_rate:={self._update_rate}",
-                f"_step_size:={self.STEP_SIZE}",
-                *self._parameters,
-            ],
-        )
+        self.server = self.start("flatland_server", self._command())
         started = time.monotonic()
         self.observer = self.subscribe("observer")
         self.seconds_to_start = self.observer.next_reading().real - started
+
+    def _command(self) -> List[str]:
+        return [
+            *(executable("flatland_server", "flatland_server"), "__name:=flatland_server"),
+            f"_world_path:={self._world_file}",
+            f"_update_rate:={self._update_rate}",
+            f"_step_size:={self.STEP_SIZE}",
+            *self._parameters,
+        ]
 
     def start(self, name: str, command: List[str], **environment: str) -> Process:
         """Starts a program with our master; leaving the context ends it."""

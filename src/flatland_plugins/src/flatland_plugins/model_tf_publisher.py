@@ -35,6 +35,7 @@ class ModelTfPublisher(ModelPlugin):
         self._world_frame = None
         if publish_tf_world and self._reference.name not in excluded:
             self._world_frame = self.node.open_frames((world_frame_id, frame))
+        self._world_pose = RelativePoses(None, [self._reference.physics_body])
         self._frames = self.node.open_frames(
             *((frame, self.name_space_tf(body.name)) for body in self._bodies)
         )
@@ -50,9 +51,9 @@ class ModelTfPublisher(ModelPlugin):
         """Publishes the transforms at the start of the step."""
         now = timekeeper.nanoseconds
         if self._world_frame is not None:
-            self._world_frame.send(now, [self._reference.pose])
+            self._world_frame.send(now, self._world_pose)
         if self._bodies:
-            self._frames.send(now, self._poses.read())
+            self._frames.send(now, self._poses)
 
     def get_state(self) -> None:
         """Nothing: transforms depend on the present alone."""

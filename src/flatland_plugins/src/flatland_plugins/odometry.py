@@ -1,12 +1,12 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from typing import NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from flatland_plugins.odometry_config import OdometryConfig
-from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
+from flatland_plugins.odometry_writer import BodyWriter, OdometryWriter, Twist, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise, draw_key
 from flatland_server import (
     Frames,
@@ -14,6 +14,7 @@ from flatland_server import (
     ModelPlugin,
     Pose,
     Publisher,
+    RelativePoses,
     Timekeeper,
     Velocity,
     YamlReader,
@@ -58,6 +59,7 @@ class OdometryPlugin(ModelPlugin):
         base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
+        self._is_exact = self._drift is None and not self._is_noisy
         self._odom: Optional[Publisher] = None
         self._ground_truth: Optional[Publisher] = None
         self._twist: Optional[Publisher] = None
@@ -69,34 +71,55 @@ class OdometryPlugin(ModelPlugin):
                 config.twist_pub, "geometry_msgs/TwistWithCovarianceStamped"
             )
         covariances = config.pose_covariance, config.twist_covariance
-        self._odom_writer, self._ground_truth_writer = (
+        self._odom_writer, ground_truth_writer = (
             OdometryWriter(frame, base_frame, *covariances)
             for frame in (self._odom_frame, self._ground_truth_frame)
         )
         self._twist_writer = TwistWriter(base_frame, config.twist_covariance)
+        self._exact_pose = RelativePoses(None, [body.physics_body])
+        self._exact_odom_writer, self._ground_truth_writer = (
+            BodyWriter(
+                writer,
+                self._exact_pose,
+                lambda: self._message_values(self._truth()),
+                twist_in_local_frame=config.twist_in_local_frame,
+            )
+            for writer in (self._odom_writer, ground_truth_writer)
+        )
+        self._exact_twist_writer = BodyWriter(
+            self._twist_writer, self._exact_pose, lambda: (self._truth().velocity,)
+        )
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
             self._frame = self.node.open_frames((self._odom_frame, base_frame))
             if self._odom_frame != self._ground_truth_frame:  # all models share the world's frame
                 self.node.claim_odometry_frame(self._odom_frame)
+        self._find_subscribers()
 
     def has_work(self) -> bool:
         """True if the odometry has a subscriber."""
-        if self._frame is not None and self.node.transforms_have_subscribers:
-            return True
-        publishers = (self._twist, self._odom, self._ground_truth)
-        return any(publisher is not None and publisher.has_subscribers for publisher in publishers)
+        self._find_subscribers()
+        return bool(self._heard or self._heard_frame)
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes odometry on the topics that have subscribers."""
         now = timekeeper.nanoseconds
+        if self._is_exact:
+            self._publish_exact(now)
+            if self._heard_frame is not None:
+                self._heard_frame.send(now, self._exact_pose)
+            return
         estimate = self._publish(now)
-        if self._frame is not None and self.node.transforms_have_subscribers:
-            self._frame.send(now, [estimate.pose])
+        if self._heard_frame is not None:
+            self._heard_frame.send(now, [estimate.pose])
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
         """Publishes the present pose and velocity."""
-        self._publish(timekeeper.nanoseconds)
+        self._find_subscribers()
+        if self._is_exact:
+            self._publish_exact(timekeeper.nanoseconds)
+        else:
+            self._publish(timekeeper.nanoseconds)
 
     def read(self, timekeeper: Timekeeper) -> Odometry:
         """The present odometry, with its noise and drift: pose and velocity."""
@@ -109,16 +132,36 @@ class OdometryPlugin(ModelPlugin):
     def get_state(self) -> None:
         """Nothing: the core saves commands, velocities and the drift."""
 
+    def _publish_exact(self, nanoseconds: int) -> None:
+        """Publishes the true pose and velocity on the topics that have subscribers."""
+        for publisher, writer in self._heard:
+            publisher.write(writer, nanoseconds)
+
     def _publish(self, nanoseconds: int) -> Odometry:
         """Publishes on the topics that have subscribers, and returns the odometry with errors."""
         estimate = self._measured(nanoseconds)
-        if self._twist is not None and self._twist.has_subscribers:
-            self._twist.write(self._twist_writer, nanoseconds, estimate.velocity)
-        if self._odom is not None and self._odom.has_subscribers:
-            self._write(self._odom, self._odom_writer, nanoseconds, estimate)
-        if self._ground_truth is not None and self._ground_truth.has_subscribers:
-            self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, self._truth())
+        for publisher, writer in self._heard:
+            if publisher is self._twist:
+                publisher.write(self._twist_writer, nanoseconds, estimate.velocity)
+            elif publisher is self._odom:
+                publisher.write(self._odom_writer, nanoseconds, *self._message_values(estimate))
+            else:
+                publisher.write(writer, nanoseconds)
         return estimate
+
+    def _find_subscribers(self) -> None:
+        """Finds the topics that have subscribers; `has_work` is called when these change."""
+        outputs = (
+            (self._twist, self._exact_twist_writer),
+            (self._odom, self._exact_odom_writer),
+            (self._ground_truth, self._ground_truth_writer),
+        )
+        self._heard: List[Tuple[Publisher, BodyWriter]] = [
+            (publisher, writer)
+            for publisher, writer in outputs
+            if publisher is not None and publisher.has_subscribers
+        ]
+        self._heard_frame = self._frame if self.node.transforms_have_subscribers else None
 
     def _measured(self, nanoseconds: int) -> Odometry:
         """The odometry with its drift, and with the noise of a time [ns]."""
@@ -134,16 +177,11 @@ class OdometryPlugin(ModelPlugin):
     def _truth(self) -> Odometry:
         return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
 
-    def _write(
-        self,
-        publisher: Publisher,
-        writer: OdometryWriter,
-        nanoseconds: int,
-        odometry: Odometry,
-    ) -> None:
-        pose, twist = odometry.pose, tuple(odometry.velocity)
-        if not self._odometry_config.twist_in_local_frame:
-            vx, vy, omega = twist
-            cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-            twist = (cos * vx - sin * vy, sin * vx + cos * vy, omega)
-        publisher.write(writer, nanoseconds, pose, twist)
+    def _message_values(self, odometry: Odometry) -> Tuple[Pose, Twist]:
+        """The pose and the twist of a message."""
+        pose, twist = odometry
+        if self._odometry_config.twist_in_local_frame:
+            return pose, twist
+        vx, vy, omega = twist
+        cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+        return pose, (cos * vx - sin * vy, sin * vx + cos * vy, omega)

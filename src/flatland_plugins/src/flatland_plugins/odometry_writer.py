@@ -2,9 +2,19 @@
 
 import struct
 from io import BytesIO
-from typing import Any, Sequence, Tuple
+from typing import Any, Callable, Optional, Sequence, Tuple, Union
 
-from flatland_server import MessageWriter, Pose, fill_pose, fill_twist, header, messages, quaternion
+from flatland_server import (
+    BodyMessage,
+    MessageWriter,
+    Pose,
+    RelativePoses,
+    fill_pose,
+    fill_twist,
+    header,
+    messages,
+    quaternion,
+)
 
 Odometry = messages.get("nav_msgs/Odometry")
 TwistWithCovarianceStamped = messages.get("geometry_msgs/TwistWithCovarianceStamped")
@@ -44,6 +54,8 @@ class OdometryWriter(MessageWriter):
         names = len(frame_id.encode()) + len(child_frame_id.encode())
         self._pose_at = _HEADER.size + 4 + 4 + names
         self._twist_at = self._pose_at + _POSE.size + _COVARIANCE
+        self.fields = (0, self._pose_at, self._twist_at)
+        """The offsets of the header, the pose and the twist."""
 
     def message(self, nanoseconds: int, pose: Pose, twist: Twist) -> Any:
         """The message as an object."""
@@ -83,6 +95,8 @@ class TwistWriter(MessageWriter):
         self._sequence = 0
         self._data = bytearray()  # of the last message
         self._twist_at = _HEADER.size + 4 + len(frame_id.encode())
+        self.fields = (0, None, self._twist_at)
+        """The offsets of the header, the pose (none) and the twist."""
 
     def message(self, nanoseconds: int, twist: Twist) -> Any:
         """The message as an object."""
@@ -101,6 +115,44 @@ class TwistWriter(MessageWriter):
         vx, vy, omega = twist
         _TWIST.pack_into(data, self._twist_at, vx, vy, 0.0, 0.0, 0.0, omega)
         return bytes(data)
+
+
+class BodyWriter(MessageWriter):
+    """Makes the messages of another writer, with values that the core reads from a body.
+
+    Args:
+        writer: makes the same messages from values.
+        pose: of the body, in the world.
+        values: returns the present values, for messages as objects.
+        twist_in_local_frame: whether the twist is in the frame of the body.
+    """
+
+    def __init__(
+        self,
+        writer: Union[OdometryWriter, TwistWriter],
+        pose: RelativePoses,
+        values: Callable[[], Tuple[Any, ...]],
+        twist_in_local_frame: bool = True,
+    ) -> None:
+        self._writer = writer
+        self._pose = pose
+        self._values = values
+        self._twist_in_local_frame = twist_in_local_frame
+        self._sequence = 0
+        self._message: Optional[BodyMessage] = None
+
+    def message(self, nanoseconds: int) -> Any:
+        """The message as an object."""
+        return self._writer.message(nanoseconds, *self._values())
+
+    def data(self, nanoseconds: int) -> bytes:
+        """The message as bytes."""
+        if self._message is None:  # most are never written
+            constant = _serialized(self.message(nanoseconds))
+            fields = [self._writer.fields]
+            self._message = BodyMessage(constant, self._pose, fields, self._twist_in_local_frame)
+        self._sequence += 1
+        return self._message.data(self._sequence, nanoseconds)
 
 
 def _serialized(message: Any) -> bytes:

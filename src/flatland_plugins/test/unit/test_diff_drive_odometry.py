@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 from readings import FILTERED, GROUND_TRUTH, assert_white, pose_of, twist_of
 
+from flatland_server import LocalTransport, MessageWriter, Publisher
+from flatland_server.testing.observation import serialized
+
 DRIVE = "type: DiffDrive, name: drive, body: base"
 
 
@@ -62,3 +65,44 @@ def test_the_transform_is_the_filtered_odometry(files):
     assert tuple(transform.pose) == pytest.approx(pose_of(odometry), abs=1e-9)
     assert (transform.parent, transform.roll) == (odometry.header.frame_id, 0.0)
     assert transform.nanoseconds == odometry.header.stamp.to_nsec()
+
+
+class BothForms(LocalTransport):
+    """Keeps each message that a writer makes as an object and as bytes."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.written = []
+
+    def advertise(self, topic: str, message_type, *, latch: bool, queue_size: int) -> Publisher:
+        publisher = super().advertise(topic, message_type, latch=latch, queue_size=queue_size)
+
+        def write(writer: MessageWriter, *values) -> None:
+            self.written.append((topic, writer.message(*values), writer.data(*values)))
+
+        publisher.write = write
+        return publisher
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        "odom_frame_id: odöm",
+        "twist_in_local_frame: false",
+        "twist_in_local_frame: false, odom_twist_noise: [4, 5, 6]",
+        "odom_drift: [1, 1, 1]",
+    ],
+)
+def test_its_bytes_are_those_of_the_messages(files, keys):
+    transport = BothForms()
+    robot = files.robot(f"{DRIVE}, {keys}", pose="[3, -2, 9]", transport=transport)
+
+    robot.drive(1.0, 2.0).run(1.0)
+
+    for topic in (FILTERED, GROUND_TRUTH, "/twist"):
+        made = [each[1:] for each in transport.written if each[0].strip("/") == topic.strip("/")]
+        assert len(made) == 200
+        for sequence, (message, data) in enumerate(made, 1):
+            message.header.seq = sequence
+            assert serialized(message) == data
+        assert len({data for _, data in made}) == 200

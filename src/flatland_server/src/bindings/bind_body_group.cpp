@@ -1,4 +1,4 @@
-/// BodyGroup and RelativePoses: the poses of many bodies in one call.
+/// BodyGroup: the poses of many bodies in one call.
 
 #include <algorithm>
 #include <cmath>
@@ -68,29 +68,6 @@ void RestoreCollision(BodyGroup& group, uint64_t number, const PyFixture& a, con
   group.world->contacts().collisions().Restore(std::move(collision));
 }
 
-/// Bodies of one world, and the body in the frame of which their poses are read.
-struct RelativePoses {
-  RelativePoses(const PyBody& reference, const std::vector<PyBody>& bodies)
-      : world(reference.world), reference(reference.handle) {
-    for (const PyBody& body : bodies) {
-      if (body.world != world) throw std::invalid_argument("the bodies must be of the same world");
-      this->bodies.push_back(body.handle);
-    }
-  }
-
-  std::vector<Triple> Read() const {
-    std::vector<Triple> poses;
-    for (const World::Body& body : bodies) {
-      poses.push_back(ToTuple(world->GetPoseIn(reference, body)));
-    }
-    return poses;
-  }
-
-  std::shared_ptr<World> world;
-  World::Body reference;
-  std::vector<World::Body> bodies;
-};
-
 }  // namespace
 
 void BindBodyGroup(py::module_& m) {
@@ -134,10 +111,6 @@ void BindBodyGroup(py::module_& m) {
            })
       .def("restore_collision", &RestoreCollision, py::arg("number"), py::arg("fixture_a"),
            py::arg("fixture_b"), py::arg("has_sensor"), py::arg("points"), py::arg("normal"));
-  py::class_<RelativePoses>(m, "RelativePoses")
-      .def(py::init<const PyBody&, const std::vector<PyBody>&>(), py::arg("reference"),
-           py::arg("bodies"))
-      .def("read", &RelativePoses::Read);
 }
 
 }  // namespace flatland

@@ -189,6 +189,7 @@ PYBIND11_MODULE(_core, m) {
   BindFixture(fixture);
   BindFixtureChecker(m);
   BindBodyGroup(m);
+  BindMessages(m);
   BindContacts(m);
   BindWorld(m);
   BindVisibleWalls(m);

@@ -103,6 +103,7 @@ void BindCrowd(py::module_& m);
 void BindCrowdsOf(py::class_<PyWorld>& world);
 void BindBody(py::class_<PyBody>& body);
 void BindBodyGroup(py::module_& m);
+void BindMessages(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindFixturesOf(py::class_<PyBody>& body);
 void BindFixtureChecker(py::module_& m);

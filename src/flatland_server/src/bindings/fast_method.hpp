@@ -41,6 +41,13 @@ inline int ToNumber<int>(PyObject* object) {
   return static_cast<int>(value);
 }
 
+template <>
+inline int64_t ToNumber<int64_t>(PyObject* object) {
+  const long long value = PyLong_AsLongLong(object);
+  if (value == -1 && PyErr_Occurred() != nullptr) throw py::error_already_set();
+  return value;
+}
+
 /// Sets Python's error to what pybind11 translates an exception to.
 inline void SetError(const std::exception_ptr& exception) {
   try {

@@ -13,7 +13,7 @@ properties raise, unless it is said otherwise:
         something.
 """
 
-from typing import Any, Callable, NoReturn, Sequence
+from typing import Any, Callable, Iterator, NoReturn, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -642,16 +642,59 @@ class Body(_WithoutConstructor):
         """
 
 class RelativePoses(metaclass=_Metaclass):
-    """Reads the poses of bodies in the frame of another body, all in one call.
+    """Reads the poses of bodies in the frame of another body, or in the world, all in one call.
 
     Args:
-        reference: the body that has the frame.
+        reference: the body that has the frame; None: the world.
         bodies: n bodies of the same world.
     """
 
-    def __init__(self, reference: Body, bodies: Sequence[Body]) -> None: ...
+    def __init__(self, reference: Body | None, bodies: Sequence[Body]) -> None: ...
+    def __iter__(self) -> Iterator[_Triple]:
+        """Iterates over the poses of `read`."""
+
     def read(self) -> list[_Triple]:
-        """Returns n poses [m, m, rad]. Each yaw is the difference of two yaws in [-pi, pi]."""
+        """Returns n poses [m, m, rad].
+
+        A yaw in the world is in [-pi, pi]; one in the frame of a body is the difference of two
+        such yaws.
+        """
+
+class BodyMessage(metaclass=_Metaclass):
+    """The bytes of a message with present poses and velocities of bodies among constants.
+
+    Numbers are little-endian, as ROS sends them. A header begins with its sequence number, seconds
+    and nanoseconds (uint32). A pose is a position and a quaternion, a twist the linear and the
+    angular velocity (double).
+
+    Args:
+        data: the message with any numbers.
+        poses: of n bodies.
+        fields: of each body, the offsets of its header, pose and twist; the last two may be None.
+        twist_in_local_frame: whether twists are in the frame of the body instead of the world.
+
+    Raises:
+        IndexError: a field is not within the data.
+        ValueError: there are not n fields.
+    """
+
+    def __init__(
+        self,
+        data: bytes,
+        poses: RelativePoses,
+        fields: Sequence[tuple[int, int | None, int | None]],
+        twist_in_local_frame: bool = True,
+    ) -> None: ...
+    def data(self, sequence: int, nanoseconds: int) -> bytes:
+        """The message of a time.
+
+        Args:
+            sequence: number of the message, in each header.
+            nanoseconds: simulated time [ns].
+
+        Raises:
+            GoneError: a body was removed.
+        """
 
 class BodyGroup(metaclass=_Metaclass):
     """Reads the poses and velocities of bodies, all in one call.

@@ -9,7 +9,10 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 
 from flatland_server.exceptions import TopicError
+from flatland_server.geometry import Pose, Transform
 from flatland_server.ros.ros_transport import RosTransport
+from flatland_server.ros.rospy_patches import RospyCalls
+from flatland_server.ros.rospy_patches.public_rospy import Outbox
 from flatland_server.transport.node import Node
 
 
@@ -111,3 +114,68 @@ def test_topics_are_compared_as_rospy_resolves_them(monkeypatch):
 
     with pytest.raises(TopicError, match='the topic "/clock" is the server\'s own'):
         node.advertise("scan", LaserScan)
+
+
+class RecordedOutbox(Outbox):
+    """Notes when it is told to send."""
+
+    is_due = False
+
+    def __init__(self) -> None:
+        self.events = []
+
+    def open(self) -> None:
+        self.is_open = True
+
+    def send(self) -> None:
+        self.events.append("outbox")
+
+
+@pytest.fixture
+def holding():
+    """A transport that has sent a transform in a step in which messages may be held back."""
+    outbox = RecordedOutbox()
+    events = outbox.events
+    transport = RosTransport(
+        RospyCalls(outbox=outbox, send_bytes=lambda _, data: events.append("message"))
+    )
+    transport.before_sending = lambda: events.append("clock")
+    transport.hold()
+    transport.send_transform(Transform(7, "map", "odom", Pose()))
+    transport.events, transport.outbox = events, outbox
+    return transport
+
+
+def test_after_a_step_messages_may_wait_and_those_that_follow_may_not(holding):
+    holding.flush()
+    holding.process(0.0)
+    assert holding.events == ["message"]
+
+    holding.send_transform(Transform(7, "map", "odom", Pose()))
+    holding.flush()
+    assert holding.events == ["message", "clock", "message"]
+
+
+def test_messages_are_sent_at_the_end_of_a_step_if_they_are_due(holding):
+    holding.outbox.is_due = True
+
+    holding.flush()
+
+    assert holding.events == ["message", "clock", "outbox"]
+
+
+def test_messages_are_sent_before_a_wait(holding):
+    holding.flush()
+
+    holding.process(0.001)
+
+    assert holding.events[:3] == ["message", "clock", "outbox"]
+
+
+def test_messages_are_sent_before_callbacks(holding):
+    holding.flush()
+    holding.post(lambda: holding.events.append("callback"))
+
+    holding.process(0.0)
+
+    assert holding.events == ["message", "clock", "outbox", "callback"]

@@ -28,7 +28,8 @@ REQUIREMENTS = [
     for requirement in importlib.import_module(f"{rospy_patches.__name__}.{name}").REQUIREMENTS
 ]
 REPLACED = {
-    "raw_publishing": ["send_bytes", "send_framed"],
+    "raw_publishing": ["is_connected", "send_bytes", "send_framed"],
+    "nonblocking_connection": ["outbox"],
     "registration": ["batch_registration", "wait_until_registered"],
     "local_time": ["take_over_time"],
     "latched_topics": ["forget_latched"],

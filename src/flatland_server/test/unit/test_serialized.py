@@ -7,6 +7,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 from without_ros import run_without_ros
 
+from flatland_server import _core
 from flatland_server.geometry import Pose, Transform, quaternion
 from flatland_server.messages.serialized_markers import MovingMarkers, array_of, serialized
 from flatland_server.testing.observation import serialized as sent
@@ -79,6 +80,50 @@ def test_open_frames_send_the_same_as_single_transforms():
         plain.add(Transform(nanoseconds, "odom", "other", Pose()))
 
         assert quick.take() == plain.take()
+
+
+def test_poses_that_the_core_reads_are_sent_as_those_that_are_given():
+    world = _core.World()
+    base, wheel, sensor = (
+        world.add_body("dynamic", pose) for pose in [(1.0, -2.0, 9.5), (0.5, 0, -1), (3, 4, 2)]
+    )
+    for reference, bodies in ((None, [base]), (base, [wheel, sensor]), (None, [])):
+        poses = _core.RelativePoses(reference, bodies)
+        queue, plain = TransformQueue(), TransformQueue()
+        names = [("bäse", f"frame_{i}") for i in range(len(bodies))]
+        frames, plain_frames = SerializedFrames(queue, names), SerializedFrames(plain, names)
+        for nanoseconds in (7, 3_000_000_005):
+            base.velocity = (1.0, 0.5, 2.0)
+            world.step(0.1)
+            frames.send(nanoseconds, poses)
+            plain_frames.send(nanoseconds, poses.read())
+
+            assert queue.take() == plain.take()
+
+
+def test_poses_of_another_number_of_bodies_are_refused():
+    body = _core.World().add_body("dynamic", (0, 0, 0))
+    frames = SerializedFrames(TransformQueue(), [("map", "a"), ("map", "b")])
+
+    with pytest.raises(ValueError, match="expected the offsets of 1 bodies, found 2"):
+        frames.send(7, _core.RelativePoses(None, [body]))
+
+
+def test_fields_beyond_the_end_of_a_message_are_refused():
+    poses = _core.RelativePoses(None, [_core.World().add_body("dynamic", (0, 0, 0))])
+
+    for fields in ((0, 13, None), (0, None, 30), (60, None, None)):
+        with pytest.raises(IndexError, match="bytes of a message or more, found 68"):
+            _core.BodyMessage(bytes(68), poses, [fields])
+
+
+def test_a_message_of_a_body_that_is_gone_is_refused():
+    body = _core.World().add_body("dynamic", (0, 0, 0))
+    message = _core.BodyMessage(bytes(68), _core.RelativePoses(None, [body]), [(0, 12, None)])
+    body.remove()
+
+    with pytest.raises(_core.GoneError):
+        message.data(1, 7)
 
 
 MARKERS = """

@@ -19,6 +19,14 @@ class WaitingTransport(LocalTransport):
         self.round = 0
         self.to_come = {}
 
+        self.calls = []
+
+    def hold(self):
+        self.calls.append("hold")
+
+    def release(self):
+        self.calls.append("release")
+
     def process(self, timeout=0.0):
         self.now += timeout
         self.round += 1
@@ -67,6 +75,20 @@ def test_requested_steps_are_made_without_a_wait_and_then_reported(manager, tran
     run(manager, 5)
     assert steps(manager) == 100
     assert manager.is_paused
+
+
+def test_messages_are_held_back_in_steps_without_a_wait_and_sent_before_the_report(
+    manager, transport
+):
+    manager.after_step.append(lambda: transport.calls.append("step"))
+    done = manager.request_steps(3)
+    done.add_done_callback(lambda _: transport.calls.append("report"))
+
+    run(manager, 10)
+
+    assert transport.calls[:7] == ["hold", "step", "hold", "step", "hold", "step", "release"]
+    assert transport.calls[7] == "report"
+    assert "hold" not in transport.calls[8:]
 
 
 def test_each_request_makes_its_steps(manager):

@@ -57,6 +57,7 @@ class RosTransport(Transport):
         self.is_ending = False
         self.before_sending: Callable[[], None] = lambda: None
         """Called before messages are sent and callbacks are run, to send what must arrive first."""
+        self._outbox = rospy_calls.outbox
         self._waiting: Deque[Callable[[], None]] = deque()
         self._arrival = threading.Event()
         self._transforms = TransformQueue()
@@ -100,7 +101,7 @@ class RosTransport(Transport):
 
     @property
     def transforms_have_subscribers(self) -> bool:
-        return self._tf.get_num_connections() > 0
+        return self.rospy_calls.is_connected(self._tf)
 
     @property
     def subscriber_revision(self) -> object:
@@ -123,6 +124,7 @@ class RosTransport(Transport):
             self._run_callbacks()
         if timeout <= 0.0:
             return  # at full speed, this is called at each step
+        self.release()
         deadline = time.monotonic() + timeout
         remaining = timeout
         while remaining > 0.0 and not self.is_ending:
@@ -182,11 +184,24 @@ class RosTransport(Transport):
         self.arrivals.next_step()
         message = self._transforms.take()
         if message:
-            self.before_sending()
+            if not self._outbox.is_open:
+                self.before_sending()
             self.rospy_calls.send_bytes(self._tf, message)
+        if self._outbox.is_open:
+            self._outbox.is_open = False
+            if self._outbox.is_due:
+                self.release()
+
+    def hold(self) -> None:
+        self._outbox.open()
+
+    def release(self) -> None:
+        self._outbox.is_open = False
+        self.before_sending()
+        self._outbox.send()
 
     def _run_callbacks(self) -> None:
-        self.before_sending()
+        self.release()
         while self._waiting and not self.is_ending:
             try:
                 self._waiting.popleft()()
@@ -213,19 +228,23 @@ class _RosPublisher(Publisher):
         self._transport = transport
         self._publisher = publisher
         self._name = name
+        self._outbox = transport.rospy_calls.outbox
+        self._is_connected = transport.rospy_calls.is_connected
         self._send_bytes = transport.rospy_calls.send_bytes
 
     @property
     def has_subscribers(self) -> bool:
-        return self._publisher.get_num_connections() > 0
+        return self._is_connected(self._publisher)
 
     def publish(self, message: Any) -> None:
-        self._transport.before_sending()
+        if not self._outbox.is_open:
+            self._transport.before_sending()
         self._publisher.publish(message)
 
     def write(self, writer: MessageWriter, *values: Any) -> None:
-        if self.has_subscribers:
-            self._transport.before_sending()
+        if self._is_connected(self._publisher):
+            if not self._outbox.is_open:
+                self._transport.before_sending()
             self._send_bytes(self._publisher, writer.data(*values))
 
     def close(self) -> None:

@@ -48,6 +48,7 @@ class SimulationManager(Run):
         self._pacer = Pacer(clock)
         self.after_jump.append(lambda: self._pacer.start(self.timekeeper.seconds))
         self._request: Optional[StepRequest] = None
+        self._follows_at_once = False  # the loop has not waited before the present step
 
     @property
     def rate(self) -> float:
@@ -140,9 +141,11 @@ class SimulationManager(Run):
         is_hurrying = ends_request = False  # is making the steps of a request; has made the last
         try:
             while goes_on():
-                transport.process(0.0 if is_hurrying else pacer.wait_time)
+                wait_time = 0.0 if is_hurrying else pacer.wait_time
+                transport.process(wait_time)
                 if not goes_on():
                     return
+                self._follows_at_once = wait_time <= 0.0
                 is_due = pacer.begin_step(self.is_paused or self.is_held)
                 if self._request is not None:
                     is_hurrying = self._serve(self._request)
@@ -159,9 +162,11 @@ class SimulationManager(Run):
                         callback()
                     pacer.end_tick(self.timekeeper.seconds)
                 if ends_request:
+                    transport.release()
                     self._end_request()
                     ends_request = False
         finally:
+            transport.release()
             if self._request is not None:
                 self._request.fail("the simulation has ended")
                 self._end_request()
@@ -184,6 +189,8 @@ class SimulationManager(Run):
             request.finish(self.timekeeper.nanoseconds)
 
     def _step(self) -> None:
+        if self._follows_at_once:
+            self.transport.hold()
         self._step_up_to(1)
         for callback in self.after_step:
             callback()

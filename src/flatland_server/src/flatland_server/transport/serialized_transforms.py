@@ -2,8 +2,9 @@
 
 import math
 import struct
-from typing import Dict, Iterable, List, Sequence, Tuple
+from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
+from flatland_server._core import BodyMessage, RelativePoses
 from flatland_server.geometry import Transform, quaternion
 from flatland_server.transport.node import Frames
 
@@ -72,8 +73,17 @@ class SerializedFrames(Frames):
             begin = len(self._data)
             self._offsets.append((begin, begin + _HEADER.size + len(serialized_names)))
             self._data += bytes(_HEADER.size) + serialized_names + bytes(_POSE.size)
+        self._poses: Optional[RelativePoses] = None
+        self._message: Optional[BodyMessage] = None  # with these poses
 
     def send(self, nanoseconds: int, poses: Iterable[Tuple[float, float, float]]) -> None:
+        if poses is not self._poses and isinstance(poses, RelativePoses):
+            fields = [(stamp, pose, None) for stamp, pose in self._offsets]
+            self._message = BodyMessage(bytes(self._data), poses, fields)
+            self._poses = poses
+        if poses is self._poses and self._message is not None:
+            self._queue.add_bytes(len(self._offsets), self._message.data(0, nanoseconds))
+            return
         seconds, rest = divmod(nanoseconds, 1_000_000_000)
         data = self._data
         for (stamp, pose), (x, y, yaw) in zip(self._offsets, poses):

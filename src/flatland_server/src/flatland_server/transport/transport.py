@@ -71,7 +71,8 @@ class Frames:
 
         Args:
             nanoseconds: the simulated time [ns].
-            poses: of each frame in its parent: x, y [m] and yaw [rad].
+            poses: of each frame in its parent: x, y [m] and yaw [rad]. Those of `RelativePoses` are
+                read and written by the core, at a fifth of the cost.
         """
         for (parent, child), pose in zip(self._names, poses):
             self._transport.send_transform(Transform(nanoseconds, parent, child, Pose(*pose)))
@@ -186,6 +187,15 @@ class Transport(ABC):
     @abstractmethod
     def flush(self) -> None:
         """Sends what was collected during the step, and resets the count of arrivals."""
+
+    def hold(self) -> None:  # noqa: B027 (nothing to do if messages are not sent)
+        """Allows holding back the messages until the end of the next step, and a little longer.
+
+        To be called before a step that nothing waits for.
+        """
+
+    def release(self) -> None:  # noqa: B027 (the same)
+        """Sends the messages that were held back."""
 
     def discard(self) -> None:  # noqa: B027 (nothing to do if subscriptions drop them)
         """Drops the remains of the former world, such as messages that are not delivered yet."""

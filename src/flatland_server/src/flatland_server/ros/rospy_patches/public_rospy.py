@@ -39,6 +39,11 @@ class MarkerServer(InteractiveMarkerServer):  # type: ignore[misc]
         """
 
 
+def is_connected(publisher: rospy.Publisher) -> bool:
+    """True if a topic has a subscriber."""
+    return bool(publisher.get_num_connections())
+
+
 class _SerializedMessage(rospy.AnyMsg):  # type: ignore[misc]
     def __init__(self, data: bytes) -> None:
         super().__init__()
@@ -54,6 +59,29 @@ def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
         publisher.publish(_SerializedMessage(data))
 
 
+class Outbox:
+    """Holds messages back, so that many of a connection are sent in one call.
+
+    This one holds nothing: rospy hands each message to a thread of the connection.
+
+    Attributes:
+        is_open: whether messages that are published now wait for `send`. May be set to False.
+    """
+
+    is_open = False
+
+    def open(self) -> None:
+        """Sets `is_open`, if messages can be held back."""
+
+    @property
+    def is_due(self) -> bool:
+        """True if messages have waited long enough, or there are many."""
+        return False
+
+    def send(self) -> None:
+        """Sends the messages that wait."""
+
+
 def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
     """Publishes serialized messages, each preceded by its length."""
     begin = 0
@@ -64,13 +92,18 @@ def send_framed(publisher: rospy.Publisher, framed: bytes) -> None:
         begin += length
 
 
+_NO_OUTBOX = Outbox()
+
+
 @dataclass(frozen=True)
 class RospyCalls:
     """The operations of rospy that the server uses; by default, without any patch.
 
     Attributes:
+        is_connected: returns whether a topic has a subscriber.
         send_bytes: publishes a serialized message; not for latched topics.
         send_framed: publishes one or more serialized messages, each preceded by its length.
+        outbox: holds the messages of connections back, if it can.
         batch_registration: within this context, topics and services may be registered with the
             master later, together, at its end.
         wait_until_registered: waits until the master knows of all topics and services, at most
@@ -82,8 +115,10 @@ class RospyCalls:
             not get it. None: rospy cannot; a topic that needs it is not latched.
     """
 
+    is_connected: Callable[[rospy.Publisher], bool] = is_connected
     send_bytes: Callable[[rospy.Publisher, bytes], None] = send_bytes
     send_framed: Callable[[rospy.Publisher, bytes], None] = send_framed
+    outbox: Outbox = _NO_OUTBOX
     batch_registration: Callable[[], ContextManager[None]] = nullcontext
     wait_until_registered: Callable[[float], bool] = lambda limit: True
     take_over_time: Callable[[], Optional[LocalTime]] = lambda: None

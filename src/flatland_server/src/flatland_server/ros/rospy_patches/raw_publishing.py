@@ -21,7 +21,13 @@ REQUIREMENTS = (
 def install() -> Dict[str, Any]:
     """Checks the requirements. Returns the calls that this replaces."""
     check_all(REQUIREMENTS)
-    return {"send_bytes": send_bytes, "send_framed": send_framed}
+    return {"is_connected": is_connected, "send_bytes": send_bytes, "send_framed": send_framed}
+
+
+def is_connected(publisher: rospy.Publisher) -> bool:
+    """True if a topic has a subscriber; without rospy's lock."""
+    topic = publisher.impl
+    return topic is not None and bool(topic.connections)
 
 
 def send_bytes(publisher: rospy.Publisher, data: bytes) -> None:
