@@ -7,7 +7,7 @@ robot fits through; one that finds no place takes no part in the episode.
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -73,13 +73,15 @@ class EpisodeSampler:
         Args:
             rng: the environment's random numbers.
             options: `start` ([x, y] or [x, y, yaw]), `goal` ([x, y]) and `world` (a name), which
-                are otherwise drawn.
+                are otherwise drawn. With several robots, `start` and `goal` are dicts of these by
+                the robot's name, for all or some of them.
 
         Raises:
             UsageError: an option is wrong, such as a goal in a wall; or there is no room. The
                 random numbers may have advanced, but nothing else has changed.
         """
-        chosen = _checked(options)
+        chosen = options_of(options)
+        given = _given_ends(chosen, self._worlds[0].robots)
         index = self._world(rng, chosen.get("world"))
         world = self._worlds[index]
         seed = int(rng.integers(2**31))
@@ -92,8 +94,14 @@ class EpisodeSampler:
         near_starts, near_goals = list(standing), list(standing)
         starts: List[Pose] = []
         goals: List[Point] = []
-        for _ in world.robots:
-            start, goal = self._ends(world, chosen, near_starts, near_goals, rng)
+        for number, ends in enumerate(given, 1):
+            later_starts = [
+                (*each.start[:2], world.radius) for each in given[number:] if each.start
+            ]
+            later_goals = [(*each.goal, world.radius) for each in given[number:] if each.goal]
+            start, goal = self._ends(
+                world, ends, near_starts + later_starts, near_goals + later_goals, rng
+            )
             starts.append(start)
             goals.append(goal)
             near_starts.append((start.x, start.y, world.radius))
@@ -112,7 +120,7 @@ class EpisodeSampler:
     def _ends(
         self,
         world: NavigationWorld,
-        chosen: Mapping[str, Any],
+        given: "_Ends",
         starts: Circles,
         goals: Circles,
         rng: np.random.Generator,
@@ -124,11 +132,11 @@ class EpisodeSampler:
         def fits(place: Sequence[float], others: Circles) -> bool:
             return space.contains_point(*place[:2]) and _is_clear(place[:2], room, others)
 
-        given_start, given_goal = chosen.get("start"), chosen.get("goal")
-        if given_start is not None:
-            _require_free(world, "start", given_start[:2], starts)
-        if given_goal is not None:
-            _require_free(world, "goal", given_goal, goals)
+        given_start, given_goal = given.start, given.goal
+        if given_start:
+            _require_free(world, f"start{given.of}", given_start[:2], starts)
+        if given_goal:
+            _require_free(world, f"goal{given.of}", given_goal, goals)
         for _ in range(_TRIES):
             yaw = _heading(rng)
             start = given_start or (
@@ -224,26 +232,59 @@ def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
     return all(math.hypot(x - a, y - b) > radius + r for a, b, r in discs)
 
 
-def _checked(options: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
-    """Options with lists of finite floats for `start` and `goal`.
+class _Ends(NamedTuple):
+    """The ends that options give to a robot; empty if they are drawn."""
+
+    start: List[float]
+    goal: List[float]
+    of: str
+    """Continues "start" or "goal" in messages, where there are several robots."""
+
+
+def _given_ends(options: Mapping[str, Any], robots: Sequence[str]) -> List[_Ends]:
+    """The ends of each robot in checked options.
 
     Raises:
-        UsageError: one is unknown or wrong.
+        UsageError: an option is unknown or wrong.
     """
-    chosen = options_of(options)
-    for name in chosen:
+    for name in options:
         if name not in OPTIONS:
             raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")
-    for name, sizes in (("start", (2, 3)), ("goal", (2,))):
-        value = chosen.get(name)
-        if value is None:
-            continue
-        try:
-            numbers = [float(number) for number in value]
-        except (TypeError, ValueError):
-            numbers = []
-        if len(numbers) not in sizes or not all(map(math.isfinite, numbers)):
-            form = "[x, y] or [x, y, yaw]" if name == "start" else "[x, y]"
-            raise UsageError(f"expected the option {name} as {form}, found {value!r}")
-        chosen[name] = numbers
-    return chosen
+    start, goal = options.get("start"), options.get("goal")
+    if len(robots) == 1:
+        return [_Ends(_numbers("start", start), _numbers("goal", goal), "")]
+    starts, goals = _by_robot("start", start, robots), _by_robot("goal", goal, robots)
+    return [
+        _Ends(
+            _numbers(f"start of {robot}", starts.get(robot)),
+            _numbers(f"goal of {robot}", goals.get(robot)),
+            f" of {robot}",
+        )
+        for robot in robots
+    ]
+
+
+def _by_robot(name: str, value: Any, robots: Sequence[str]) -> Mapping[str, Any]:
+    """An option with an entry for some of several robots."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping) or not set(value) <= set(robots):
+        found = f"{value!r:.80}"
+        raise UsageError(
+            f"expected the option {name} as a dict by agent, of: {', '.join(robots)}; found {found}"
+        )
+    return value
+
+
+def _numbers(name: str, value: Any) -> List[float]:
+    """An end as a list of finite floats; an empty one for None."""
+    if value is None:
+        return []
+    try:
+        numbers = [float(number) for number in value]
+    except (TypeError, ValueError):
+        numbers = []
+    sizes, form = ((2, 3), "[x, y] or [x, y, yaw]") if "start" in name else ((2,), "[x, y]")
+    if len(numbers) not in sizes or not all(map(math.isfinite, numbers)):
+        raise UsageError(f"expected the option {name} as {form}, found {value!r}")
+    return numbers
