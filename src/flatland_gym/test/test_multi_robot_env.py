@@ -110,8 +110,8 @@ def test_starts_and_goals_can_be_given():
     for seed in range(20):  # robots that are drawn first keep away from those that are given
         starts = {"robot_1": [-3, 0], "robot_2": np.array([0.0, -3.0, 1.5])}
         _, infos = env.reset(seed=seed, options={"start": starts, "goal": goals})
-        assert infos["robot_1"]["pose"][:2].tolist() == [-3, 0]
-        assert infos["robot_2"]["pose"] == pytest.approx([0, -3, 1.5])
+        assert infos["robot_1"]["pose"][:2] == pytest.approx([-3, 0], abs=1e-6)
+        assert infos["robot_2"]["pose"] == pytest.approx([0, -3, 1.5], abs=1e-6)
         assert infos["robot_0"]["goal"].tolist() == [3, 0]
         assert infos["robot_2"]["goal"].tolist() == [0, 3]
         poses = np.array([info["pose"][:2] for info in infos.values()])
@@ -174,7 +174,7 @@ def test_a_robot_can_stay_at_its_goal():
     forwards = {"robot_1": np.float32([0.5, 0])}
     seen = []
     while env.agents:
-        observations, _, terminated, _, infos = env.step(forwards)
+        observations, *_, infos = env.step(forwards)
         seen.append(observations["robot_1"]["ranges"][32] * 10)
     assert 2 < seen[0] < 3  # robot 0, not the wall at 8 m
     assert infos["robot_1"]["collision"]  # with robot 0

@@ -97,7 +97,7 @@ def test_environments_equal_single_ones_to_the_bit(arguments):
             ended += 1
         gone += (~infos["present"]).sum()
     assert ended > 3
-    assert gone > 10
+    assert gone > 10 or not arguments.get("collision_ends", True)
     envs.close()
     singles.close()
 
