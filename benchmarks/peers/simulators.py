@@ -123,8 +123,4 @@ class Target(NamedTuple):
     times: float
 
 
-TARGETS = (
-    Target("ir-sim", ("room",), 200.0),
-    Target("irsim-x", ("batch",), 3.0),
-    Target("VMAS", ("team",), 5.0),
-)
+TARGETS = (Target("ir-sim", ("room",), 200.0), Target("irsim-x", ("batch",), 3.0))
