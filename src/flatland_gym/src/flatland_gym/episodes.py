@@ -95,12 +95,15 @@ class EpisodeSampler:
         starts: List[Pose] = []
         goals: List[Point] = []
         for number, ends in enumerate(given, 1):
+            later = given[number:]
             later_starts = [
-                (*each.start[:2], world.radius) for each in given[number:] if each.start
+                (each.start[0], each.start[1], world.radius) for each in later if each.start
             ]
-            later_goals = [(*each.goal, world.radius) for each in given[number:] if each.goal]
+            later_goals = [
+                (each.goal[0], each.goal[1], world.radius) for each in later if each.goal
+            ]
             start, goal = self._ends(
-                world, ends, near_starts + later_starts, near_goals + later_goals, rng
+                world, ends, [*near_starts, *later_starts], [*near_goals, *later_goals], rng
             )
             starts.append(start)
             goals.append(goal)

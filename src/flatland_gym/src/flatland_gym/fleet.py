@@ -268,8 +268,8 @@ class BatchFleet(Fleet):
             step_size=settings.step_size,
             params=settings.params,
         )
-        shaped = (each.reshape(count, team, *each.shape[1:]) for each in rows[:5])
-        self._out = BatchObservation(*shaped, np.empty(count))  # writes to the rows
+        shaped = [each.reshape(count, team, *each.shape[1:]) for each in rows[:5]]
+        self._out = BatchObservation._make([*shaped, np.empty(count)])  # writes to the rows
         parking = [parking_place(-1 - number) for number in range(team)]
         self._parking = np.broadcast_to(parking, self._out.poses.shape)
         self._places = np.zeros((count, len(self._moved), 3))

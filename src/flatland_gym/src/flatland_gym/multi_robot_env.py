@@ -31,11 +31,11 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
 
     Args:
         robots: how many there are, two at least: each one like the world's robot.
+        render_mode: None, or "rgb_array": the surroundings of the first robot that is there.
         at_goal: "leave", or "stay": a robot that has reached its goal stops and stays in the world,
             where others see and hit it. Its episode has ended, too.
         shared_rewards: the part of each reward that is replaced by the mean of the rewards of all
             robots that acted in the step: 0 for rewards of their own, 1 for the same ones.
-        render_mode: None, or "rgb_array": the surroundings of the first robot that is there.
         arguments: the attributes of `NavigationSettings`.
 
     Raises:

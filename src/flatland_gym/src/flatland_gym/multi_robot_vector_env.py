@@ -3,6 +3,7 @@
 from typing import Any, Dict, Mapping, Tuple
 
 import numpy as np
+from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
@@ -79,10 +80,11 @@ class MultiRobotVectorEnv(NavigationVectorEnv):
         check_team(*self._rules, settings)
         return Navigation(settings, self.num_envs, threads, robots=int(self._rules[0]))
 
-    def _spaces(self) -> Tuple[Any, Any]:
+    def _spaces(self) -> Tuple[spaces.Box, Any]:
         robots = len(self.navigation.robot_names)
-        action, observation = super()._spaces()
-        return batch_space(action, robots), batch_space(observation, robots)
+        action, observation = (batch_space(space, robots) for space in super()._spaces())
+        assert isinstance(action, spaces.Box)
+        return action, observation
 
     def _begin(self, indices: Any, options: Mapping[str, Any]) -> None:
         super()._begin(indices, options)

@@ -8,6 +8,7 @@ import sys
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
+from gymnasium import spaces
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
@@ -69,6 +70,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._shown = min(int(shown), self.num_envs)
         self.navigation = self._make_navigation(settings, int(threads))
         self.metadata = {**self.navigation.metadata, "autoreset_mode": self.autoreset_mode}
+        self.single_action_space: spaces.Box
         self.single_action_space, self.single_observation_space = self._spaces()
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -170,7 +172,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     def _make_navigation(self, settings: NavigationSettings, threads: int) -> Navigation:
         return Navigation(settings, self.num_envs, threads)
 
-    def _spaces(self) -> Tuple[Any, Any]:
+    def _spaces(self) -> Tuple[spaces.Box, Any]:
         """The spaces of the actions and observations of an environment."""
         return self.navigation.action_space, self.navigation.observation_space
 

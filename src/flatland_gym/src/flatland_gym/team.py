@@ -56,9 +56,10 @@ class Team:
         """
         navigation, shape = self._navigation, self.present.shape
         acting = self.present.copy()
-        results = navigation.step(actions, np.flatnonzero(acting))
-        rewards, terminated, truncated = (values.reshape(shape) for values in results)
-        truncated |= acting & (navigation.steps.reshape(shape) >= self._most_steps)
+        rewards, terminated, truncated = navigation.step(actions, np.flatnonzero(acting))
+        rewards, terminated = rewards.reshape(shape), terminated.reshape(shape)
+        is_long = navigation.steps.reshape(shape) >= self._most_steps
+        truncated = truncated.reshape(shape) | (acting & is_long)
         ended = terminated | truncated
         self.present &= ~ended
         # An environment without robots is not stepped before it is reset.

@@ -85,8 +85,8 @@ class WorldBatch {
     Advance(mask, actions, substeps, dt, nullptr, goes_on);
   }
   /// Puts the environments that `mask` (count; null: all) chooses back to the beginning, moves
-  /// their robots to `poses` (count x robots x 3: x, y [m], yaw [rad]; null: they stay) and then the
-  /// models to `model_poses` (count x models x 3; null: they stay), and writes their rows.
+  /// their robots to `poses` (count x robots x 3: x, y [m], yaw [rad]; null: they stay) and then
+  /// the models to `model_poses` (count x models x 3; null: they stay), and writes their rows.
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
   void Reset(const bool* mask, const double* poses, const BatchRows& rows,
              const double* model_poses = nullptr);

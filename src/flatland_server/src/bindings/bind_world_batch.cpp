@@ -203,8 +203,8 @@ void BindWorldBatch(py::module_& m) {
              return std::unique_ptr<PyWorldBatch>(
                  new PyWorldBatch{{*world.world, converted, count, threads, ToModels(models)}});
            }),
-           py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"),
-           py::arg("threads"), py::arg("models"))
+           py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
+           py::arg("models"))
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
            py::arg("mask").noconvert().none(true))

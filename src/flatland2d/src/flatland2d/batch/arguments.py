@@ -79,7 +79,8 @@ def mask_of(value: Any, count: int, robots: Optional[int] = None) -> BoolArray:
     Raises:
         UsageError: it has another shape or type.
     """
-    form, shape = f"shape ({count},) of bool", (count,)
+    form = f"shape ({count},) of bool"
+    shape: Tuple[int, ...] = (count,)
     if robots is not None:
         form = f"shape ({count},) or ({count}, {robots}) of bool"
         shape = (count, robots) if np.ndim(value) > 1 else shape
