@@ -21,7 +21,7 @@
 namespace flatland {
 namespace {
 
-constexpr uint32_t kFormat = 1;
+constexpr uint32_t kFormat = 2;
 
 // ---- Reading the state of Box2D's objects ----
 
@@ -125,7 +125,7 @@ void SerializeMounted(Archive& archive, Map& map, const std::vector<uint32_t>& o
                       const char* what) {
   archive.Same(static_cast<uint32_t>(map.size()), what);
   map.ForEach([&](auto, auto& mounted) {
-    archive.Same(order[mounted.body.index], "the body of a drive or tween");
+    archive.Same(order[mounted.body.index], "the body of a drive, tween or drift");
     archive(mounted.mechanism);
   });
 }
@@ -157,6 +157,7 @@ WorldState WorldState::Of(const World& world) {
                               c->GetTangentSpeed(), has_points ? *c->GetManifold() : b2Manifold{}});
   }
   state.mechanisms = world.mechanisms_;
+  state.crowds = world.crowds_;
   return state;
 }
 
@@ -217,6 +218,15 @@ void WorldState::Serialize(Archive& archive, const World& world) {
   SerializeMounted(archive, mechanisms.drives, order, "the number of drives");
   SerializeMounted(archive, mechanisms.tricycles, order, "the number of tricycle drives");
   SerializeMounted(archive, mechanisms.tweens, order, "the number of tweens");
+  SerializeMounted(archive, mechanisms.drifts, order, "the number of drifts");
+  archive.Same(static_cast<uint32_t>(crowds.size()), "the number of crowds");
+  crowds.ForEach([&](auto, Crowd& crowd) {
+    archive.Same(static_cast<uint32_t>(crowd.size()), "the number of people of a crowd");
+    crowd.ForEachPart([&](auto& part) { archive(part); });
+    if constexpr (Archive::kIsReader) {
+      if (!crowd.IsValid()) Archive::Fail();
+    }
+  });
 }
 
 std::string World::SaveState() {
@@ -289,6 +299,8 @@ void WorldState::Restore(World& world) const {
   world.contacts_.ChooseReports();
   world.bodies_.ForEach(
       [](auto, BodyRecord& record) { record.may_move = record.may_move || IsWound(*record.body); });
+  world.crowds_ = crowds;
+  world.crowds_.ForEach([&](auto, Crowd& crowd) { crowd.Restore(world.bodies_); });
   world.bodies_.ChangeStructure();
 }
 

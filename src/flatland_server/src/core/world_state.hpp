@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "flatland_server/crowd.hpp"
 #include "flatland_server/mechanisms.hpp"
 
 namespace flatland {
@@ -108,6 +109,7 @@ struct WorldState {
   std::vector<std::array<float, 5>> joints;  // the solver's impulses
   std::vector<ContactState> contacts;        // in Box2D's order: the newest first
   Mechanisms mechanisms;
+  SlotMap<Crowd> crowds{"crowd"};
 };
 
 }  // namespace flatland

@@ -4,6 +4,7 @@ from typing import Any, Callable, Optional, Sequence, Tuple
 
 import numpy as np
 
+from flatland2d.batch.crowds import BatchCrowds
 from flatland2d.batch.motions import BatchMotions
 from flatland2d.batch.robot import PluginRole
 from flatland2d.batch.worlds import BatchWorlds
@@ -36,6 +37,7 @@ class BatchPlugins:
         self._count = count
         self._step = step_nanoseconds
         self._worlds = BatchWorlds(roles, count, open)
+        self._crowds = BatchCrowds(roles, count)
         self._motions = BatchMotions(roles, count, step_nanoseconds)
 
     def load(
@@ -58,14 +60,16 @@ class BatchPlugins:
             is_other = self._worlds.load(core, every if chosen is None else chosen, seeds)
             if is_other.any():
                 steps[is_other] = 0
-                self.begin(is_other, seeds)
+                self.begin(core, is_other, seeds)
 
-    def begin(self, chosen: Optional[BoolArray], seeds: IntArray) -> None:
-        """Resets environments, with their seeds (n,)."""
-        if self._motions:
-            every = range(self._count)
-            for k in every if chosen is None else np.flatnonzero(chosen).tolist():
-                self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
+    def begin(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
+        """Begins environments that the core has reset, with their seeds (n,)."""
+        if not self._crowds and not self._motions:
+            return
+        every = list(range(self._count)) if chosen is None else np.flatnonzero(chosen).tolist()
+        self._crowds.begin(core, every, seeds)
+        for k in every if self._motions else ():
+            self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
 
     def step(
         self,
