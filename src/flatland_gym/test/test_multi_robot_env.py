@@ -5,7 +5,8 @@ import warnings
 import numpy as np
 import pytest
 from environments import assert_same
-from pettingzoo.test import parallel_api_test, parallel_seed_test
+from pettingzoo.test import parallel_api_test, parallel_seed_test, render_test
+from pettingzoo.utils import parallel_to_aec
 
 from flatland2d import UsageError
 from flatland_gym.multi_robot_env import MultiRobotEnv
@@ -26,6 +27,17 @@ def test_it_passes_pettingzoos_tests(world):
         warnings.simplefilter("error")
         parallel_api_test(make(), num_cycles=300)
         parallel_seed_test(make, num_cycles=60)
+
+
+def test_it_passes_pettingzoos_test_of_rendering_without_a_screen(without_screen):
+    modes = []
+
+    def make(render_mode):
+        modes.append(render_mode)
+        return parallel_to_aec(MultiRobotEnv(world="empty_room", render_mode=render_mode))
+
+    render_test(make)
+    assert modes == ["human", "human", "rgb_array"]
 
 
 def test_robots_see_and_hit_each_other():
@@ -90,7 +102,7 @@ def test_wrong_calls_change_nothing():
     for arguments in (
         {"robots": 1},
         {"world": ("discs", "doors")},
-        {"render_mode": "human"},
+        {"render_mode": "ansi"},
         {"world": None},
     ):
         with pytest.raises(UsageError):

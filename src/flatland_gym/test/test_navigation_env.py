@@ -1,18 +1,21 @@
 """The single environment: Gymnasium's checks, rewards, ends, pictures, and wrong calls."""
 
 import importlib.util
+import io
 import math
+import sys
 import warnings
 
 import gymnasium as gym
 import numpy as np
 import pytest
-from environments import ID, assert_same, make
+from environments import ID, assert_same, make, make_vector
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils.env_checker import check_env
+from PIL import Image
 
 import flatland_gym
-from flatland2d import FlatlandError, UsageError, world_content
+from flatland2d import FlatlandError, MissingPackageError, UsageError, world_content
 from flatland_gym import RewardWeights
 
 pytestmark = pytest.mark.slow
@@ -25,13 +28,13 @@ FORWARDS = np.float32([0.8, 0.0])
     [{"world": "discs"}, {"world": "office", "beams": 36, "flatten": False}],
     ids=["discs", "office, dicts"],
 )
-def test_it_passes_gymnasiums_check(arguments):
+def test_it_passes_gymnasiums_check_without_a_screen(arguments, without_screen):
     with warnings.catch_warnings():
         warnings.filterwarnings("error")
         # The actions have units: a policy drives a robot as it is. RescaleAction takes them away.
         warnings.filterwarnings("ignore", message=".*symmetric and normalized space.*")
         env = make(**arguments)
-        check_env(env, skip_render_check=True)
+        check_env(env)
 
 
 def test_the_registered_environment_has_gymnasiums_wrappers():
@@ -340,14 +343,38 @@ def test_a_line_of_text():
     env.close()
 
 
-def test_a_window_needs_a_screen(monkeypatch):
-    pytest.importorskip("pygame")
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
-        monkeypatch.delenv(name, raising=False)
+def test_without_a_screen_a_window_is_a_warning(without_screen, caplog):
     env = make(world="empty_room", render_mode="human")
-    with pytest.raises(FlatlandError, match="the window cannot be opened"):
+    for _ in range(2):
         env.reset(seed=1)
     env.close()
+    [message] = caplog.messages
+    assert message.startswith("the window cannot be opened: ")
+
+
+def test_without_pygame_there_is_no_window(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pygame", None)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    env = make(world="empty_room", render_mode="human")
+    assert env.metadata["render_modes"] == ["rgb_array", "ansi"]
+    with pytest.raises(MissingPackageError, match="needs pygame"):
+        env.reset(seed=1)
+    env.close()
+
+
+@pytest.mark.parametrize("count", [0, 3])
+def test_a_notebook_shows_environments(count):
+    env = make_vector(count, world="discs").unwrapped if count else make(world="discs")
+    assert env._repr_png_() is None
+    env.reset(seed=1)
+    picture = Image.open(io.BytesIO(env._repr_png_()))
+    assert picture.size == (480, 480)
+    assert np.array_equal(np.array(picture)[:240, :240], _first_picture(env, 2 if count else 1))
+    env.close()
+
+
+def _first_picture(env, step):
+    return env.navigation.picture(0)[::step, ::step][:240, :240]
 
 
 def test_a_window(monkeypatch):
@@ -369,3 +396,14 @@ def test_a_video_is_recorded(tmp_path):
         pass
     env.close()
     assert [file.stat().st_size > 1000 for file in tmp_path.glob("*.mp4")] == [True]
+
+
+@pytest.mark.filterwarnings("ignore:.*Overriding environment")
+def test_a_single_environment_runs_with_an_older_gymnasium(monkeypatch):
+    monkeypatch.delitem(sys.modules, "flatland_gym")
+    monkeypatch.delattr(gym.vector, "AutoresetMode")
+    env = gym.make(f"flatland_gym:{ID}", world="empty_room")  # imports it anew, as 0.29 would
+    env.reset(seed=1)
+    env.close()
+    with pytest.raises(MissingPackageError, match=r"NavigationVectorEnv needs Gymnasium 1\.1"):
+        sys.modules["flatland_gym"].NavigationVectorEnv  # noqa: B018

@@ -6,6 +6,7 @@ from environments import assert_same, make
 
 from flatland2d import UsageError
 
+# src/flatland2d/test/pip runs this file in an environment with the extra `sb3`.
 pytest.importorskip("stable_baselines3")
 
 import torch

@@ -176,6 +176,16 @@ def test_equal_seeds_train_equal_policies():
     assert all((x == y).all() for x, y in zip(a.weights, b.weights))
 
 
+def test_a_bar_shows_the_progress(capsys):
+    pytest.importorskip("tqdm")
+    env = NavigationVectorEnv(8, autoreset_mode="SameStep", **{**SETTINGS, "beams": 8})
+    Ppo(env, seed=3).train(steps=1000, progress_bar=True)
+    env.close()
+    shown = capsys.readouterr().err
+    assert "1000/1000 steps" in shown
+    assert "1024 steps, success " in shown
+
+
 def test_gradients_are_those_of_differences():
     rng = np.random.default_rng(1)
     network = Network((5, 7, 6, 3), 1.0, rng)

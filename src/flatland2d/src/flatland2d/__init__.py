@@ -45,8 +45,13 @@ from flatland_server import __version__ as __version__
 if _typing.TYPE_CHECKING:
     from flatland2d.batch.simulation_batch import SimulationBatch
     from flatland2d.recorder import Recorder
+    from flatland2d.rendering.film import Animation
 
-_LATER = {"Recorder": "flatland2d.recorder", "SimulationBatch": "flatland2d.batch.simulation_batch"}
+_LATER = {
+    "Animation": "flatland2d.rendering.film",
+    "Recorder": "flatland2d.recorder",
+    "SimulationBatch": "flatland2d.batch.simulation_batch",
+}
 """Names that are imported when they are first used, and their modules."""
 
 
@@ -58,6 +63,7 @@ def __getattr__(name: str) -> _typing.Any:
 
 
 __all__ = [
+    "Animation",
     "BatchObservation",
     "DistanceGrid",
     "DriveHandle",

@@ -6,6 +6,7 @@ from typing import Any, Callable, Dict, Generic, List, Tuple, TypeVar, overload
 from flatland2d.catalog import Catalog
 from flatland2d.robot import plugins_with
 from flatland_server.arguments import finite, shown
+from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import (
     ModelError,
     PluginError,
@@ -207,6 +208,31 @@ class SensorHandle(Generic[Reading]):
         """The quantities that `read` can return besides its default one."""
         return self._model.plugin(self.name).quantities
 
+    @property
+    def angles(self) -> FloatArray:
+        """The directions of a lidar's beams in its frame, as in its messages [rad], (n,).
+
+        These properties raise a UsageError if the sensor has no such thing.
+        """
+        angles: FloatArray = self._fact("angles")
+        return angles
+
+    @property
+    def range_max(self) -> float:
+        """The largest distance that a lidar measures [m]."""
+        return float(self._fact("range_max"))
+
+    @property
+    def frame_id(self) -> str:
+        """The frame of its messages."""
+        return str(self._fact("frame_id"))
+
+    @property
+    def period(self) -> float:
+        """The time between two messages [s]; 0 if there is one at each step."""
+        timer = self._fact("update_timer")
+        return 0.0 if timer is None else float(timer.period)
+
     @overload
     def read(self) -> Reading: ...
 
@@ -240,6 +266,13 @@ class SensorHandle(Generic[Reading]):
                 f"{suggestion(quantity, known)}; besides what read() gives: {listed(known)}"
             )
         return getattr(plugin, f"read_{quantity}")(self._timekeeper)
+
+    def _fact(self, name: str) -> Any:
+        """An attribute of the plugin."""
+        plugin = self._model.plugin(self.name)
+        if not hasattr(plugin, name):
+            raise UsageError(f'the sensor "{plugin.node.owner}", a {plugin.type}, has no {name}')
+        return getattr(plugin, name)
 
     def __repr__(self) -> str:
         return f'<sensor "{self._model.name}/{self.name}">'

@@ -10,6 +10,7 @@ from flatland_server.config.shipped_worlds import find_world
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import UsageError, shortened
+from flatland_server.maps.map_reader import MapConfig
 from flatland_server.models.layer import LayerConfig
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -26,9 +27,9 @@ def world_content(
         content["models"][0]["pose"] = [2, 0, 0]
         with Simulation(content) as sim: ...
 
-    Includes and expressions are resolved, the models are dicts within it, and the paths of maps are
-    absolute. Entries with `enabled: false` are left out of `models`. Other values are
-    checked when the world is loaded.
+    Includes and expressions are resolved, and models and maps are dicts within it: a map has its
+    `segments`, or the `grid` of its image, as an array. Entries with `enabled: false` are left out
+    of `models`. Other values are checked when the world is loaded.
 
     Args:
         world: the name of a shipped world, the path of a world file, or the content of one.
@@ -36,7 +37,7 @@ def world_content(
         model_folders: where model files are looked up that are not beside the world file.
 
     Returns:
-        A new dict of lists, dicts, strings, numbers and booleans.
+        A new dict of lists, dicts, strings, numbers, booleans and arrays.
 
     Raises:
         FlatlandError: there is no such world, or a file is missing or no YAML.
@@ -44,7 +45,11 @@ def world_content(
     transport = LocalTransport(params_of(params), ())
     folders = [folder.absolute() for folder in folders_of(model_folders)]
     with closing(YamlPreprocessor(transport.get_param)) as preprocessor:
-        return read_world_content(world, preprocessor, folders)
+        content = read_world_content(world, preprocessor, folders)
+        for layer in content.get("layers") or ():
+            if isinstance(layer.get("map"), str):
+                layer["map"] = MapConfig.from_file(Path(layer["map"]), preprocessor).content()
+        return content
 
 
 def read_world_content(
@@ -52,11 +57,11 @@ def read_world_content(
     preprocessor: YamlPreprocessor,
     folders: Sequence[Path] = (),
 ) -> Dict[str, Any]:
-    """Like `world_content`, with the parameters and expressions of a preprocessor.
+    """Like `world_content`, but with the absolute paths of maps in files.
 
     Args:
         world: as for `world_content`.
-        preprocessor: has the parameters.
+        preprocessor: has the parameters and evaluates expressions.
         folders: where model files are looked up that are not beside the world file.
 
     Raises:
@@ -77,11 +82,11 @@ def read_world_content(
         return _model_entry(section, preprocessor, folders)
 
     content = reader.content()
-    maps = reader.get_sections("layers", LayerConfig.read_map_path)
+    maps = reader.get_sections("layers", LayerConfig.read_map_source)
     models = reader.get_sections("models", model)
     reader.raise_problems()
     for layer, path in zip(content.get("layers") or (), maps):
-        if path is not None:
+        if isinstance(path, Path):
             layer["map"] = os.path.abspath(path)
     content["models"] = [entry for entry in models if entry is not None]
     return content

@@ -7,6 +7,7 @@ asks for, and keeps them for the next run.
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -141,6 +142,16 @@ def library_with_ray(wheel):
         pytest.skip(f"Ray cannot be installed: {error}")
 
 
+@pytest.fixture(scope="session")
+def library_with_sb3(wheel):
+    """The same with the extra `sb3` and torch for CPUs; skips where it cannot be installed."""
+    torch = ("--extra-index-url=https://download.pytorch.org/whl/cpu", "torch==2.13.0+cpu")
+    try:
+        return with_wheel("sb3", wheel, *torch, "pytest==9.0.2", extra="sb3")
+    except pytest.fail.Exception as error:
+        pytest.skip(f"Stable-Baselines3 cannot be installed: {error}")
+
+
 class Reader:
     """A Python with the wheel, in which ROS is blocked, for a reader who has the library by pip.
 
@@ -184,12 +195,14 @@ def reader(wheel, tmp_path_factory):
         yield Reader(forks, command, variables)
 
 
-def with_wheel(name, wheel, *more):
-    """An environment with a wheel, its requirements, and more."""
+def with_wheel(name, wheel, *more, extra=""):
+    """An environment with a wheel, its requirements and those of an extra, and more."""
     with zipfile.ZipFile(wheel) as archive:
         [metadata] = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
         required = BytesParser().parsebytes(archive.read(metadata)).get_all("Requires-Dist")
-    required = [requirement for requirement in required if "extra ==" not in requirement]
+    marker = re.compile(rf"""extra == ['"]{extra}['"]""")
+    required = [each for each in required if "extra ==" not in each or marker.search(each)]
+    required = [each.partition(";")[0] for each in required]
     library = Environment(name, [*required, *more])
     library.pip("install", "--no-deps", "--no-index", "--force-reinstall", wheel)
     return library

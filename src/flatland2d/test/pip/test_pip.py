@@ -273,6 +273,15 @@ def test_a_sweep_is_the_same_to_the_bit_in_processes_and_on_ray(library_with_ray
     } <= set(fields)
 
 
+def test_stable_baselines3_is_an_extra_that_learns(library_with_sb3):
+    tests = ROOT / "src" / "flatland_gym" / "test" / "test_sb3.py"
+    options = ("-q", "-x", "--noconftest", "-c", os.devnull, "-p", "no:cacheprovider")
+
+    output = library_with_sb3.run("-m", "pytest", *options, tests, OMP_NUM_THREADS=1)
+
+    assert re.search(r"^\d+ passed", output, re.MULTILINE), output
+
+
 # Requirements of pages and examples
 
 PAGES = [

@@ -35,17 +35,20 @@ if TYPE_CHECKING or importlib.util.find_spec("gymnasium") is not None:
     import gymnasium
 
     from flatland_gym.navigation_env import NavigationEnv
-    from flatland_gym.navigation_vector_env import NavigationVectorEnv
+
+    if TYPE_CHECKING or hasattr(gymnasium.vector, "AutoresetMode"):  # Gymnasium 1.1 and later
+        from flatland_gym.navigation_vector_env import NavigationVectorEnv
 
     gymnasium.register(
         id="flatland/Navigation-v0",
         entry_point="flatland_gym.navigation_env:NavigationEnv",
         vector_entry_point="flatland_gym.navigation_vector_env:NavigationVectorEnv",
     )
-else:
 
-    def __getattr__(name: str) -> Any:
-        """Raises the error for environments if Gymnasium is missing."""
-        if name in __all__:
-            raise MissingPackageError(f"{name} needs Gymnasium: pip install 'flatland2d[gym]'")
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+def __getattr__(name: str) -> Any:
+    """Raises the error for environments if Gymnasium is missing or too old."""
+    if name in __all__:
+        wanted = "Gymnasium 1.1" if "NavigationEnv" in globals() else "Gymnasium"
+        raise MissingPackageError(f"{name} needs {wanted}: pip install 'flatland2d[gym]'")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -6,7 +6,7 @@ robot fits through; one that finds no place takes no part in the episode.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
@@ -19,7 +19,8 @@ from flatland_server import Segments, from_segments
 _TRIES = 500
 _TRIES_OF_MODELS = 60
 
-OPTIONS = ("start", "goal", "world")
+_DRAWN = ("world", "goal_distance", "obstacles", "robot_scales")
+OPTIONS = ("start", "goal", *_DRAWN)
 """The keys of `reset(options=...)`."""
 
 Circles = List[Tuple[float, float, float]]
@@ -53,6 +54,21 @@ class Episode:
         return bool(np.hypot(away[..., 0], away[..., 1]).min() < distance)
 
 
+@dataclass(frozen=True)
+class Choice:
+    """What episodes are drawn from.
+
+    Attributes:
+        worlds: the indices of the worlds.
+        settings: those of the environment, with the options in place of arguments.
+        ends: start and goal of each robot, where options give them.
+    """
+
+    worlds: Tuple[int, ...]
+    settings: NavigationSettings
+    ends: Sequence["_Ends"]
+
+
 class EpisodeSampler:
     """Draws episodes.
 
@@ -65,24 +81,51 @@ class EpisodeSampler:
         self._worlds = worlds
         self._settings = settings
 
-    def draw(
-        self, rng: np.random.Generator, options: Optional[Mapping[str, Any]] = None
-    ) -> Episode:
+    def choice(self, options: Mapping[str, Any]) -> Choice:
+        """The choice that options leave.
+
+        Args:
+            options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn,
+                or with several robots dicts of these by the robot's name, for all or some of them;
+                and `world`, `goal_distance`, `obstacles` and `robot_scales`, in place of the
+                environment's arguments, within what these have made: some of the worlds and sizes,
+                and as many obstacles at most.
+
+        Raises:
+            UsageError: an option is unknown or wrong.
+        """
+        settings = self._settings
+        for name in options:
+            if name not in OPTIONS:
+                raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")
+        given = {name: options[name] for name in _DRAWN if options.get(name) is not None}
+        if given:
+            settings = replace(settings, **given)
+            most = self._settings.obstacle_counts[1]
+            if settings.obstacle_counts[1] > most:
+                raise UsageError(
+                    f"expected the option obstacles of at most {most}, the environment's largest "
+                    f"number, found {settings.obstacles!r}"
+                )
+        return Choice(
+            tuple(self._indices(given)),
+            settings,
+            _given_ends(options, self._worlds[0].robots),
+        )
+
+    def draw(self, rng: np.random.Generator, choice: Choice) -> Episode:
         """An episode.
 
         Args:
             rng: the environment's random numbers.
-            options: `start` ([x, y] or [x, y, yaw]), `goal` ([x, y]) and `world` (a name), which
-                are otherwise drawn. With several robots, `start` and `goal` are dicts of these by
-                the robot's name, for all or some of them.
+            choice: of `choice`.
 
         Raises:
-            UsageError: an option is wrong, such as a goal in a wall; or there is no room. The
-                random numbers may have advanced, but nothing else has changed.
+            UsageError: a place is wrong, such as a goal in a wall; or there is no room. The random
+                numbers may have advanced, but nothing else has changed.
         """
-        chosen = options_of(options)
-        given = _given_ends(chosen, self._worlds[0].robots)
-        index = self._world(rng, chosen.get("world"))
+        count = len(choice.worlds)
+        index = choice.worlds[int(rng.integers(count)) if count > 1 else 0]
         world = self._worlds[index]
         seed = int(rng.integers(2**31))
         if world.space.free_space(world.radius + self._settings.margin).area == 0.0:
@@ -94,35 +137,46 @@ class EpisodeSampler:
         near_starts, near_goals = list(standing), list(standing)
         starts: List[Pose] = []
         goals: List[Point] = []
-        for number, ends in enumerate(given, 1):
-            later = given[number:]
+        for number, ends in enumerate(choice.ends, 1):
+            later = choice.ends[number:]
             later_starts = [
                 (each.start[0], each.start[1], world.radius) for each in later if each.start
             ]
             later_goals = [
                 (each.goal[0], each.goal[1], world.radius) for each in later if each.goal
             ]
-            start, goal = self._ends(
-                world, ends, [*near_starts, *later_starts], [*near_goals, *later_goals], rng
-            )
+            circles = [*near_starts, *later_starts], [*near_goals, *later_goals]
+            start, goal = self._ends(world, choice, ends, *circles, rng)
             starts.append(start)
             goals.append(goal)
             near_starts.append((start.x, start.y, world.radius))
             near_goals.append((*goal, world.radius))
-        places = self._places(world, near_starts + near_goals, rng)
+        places = self._places(world, choice.settings, near_starts + near_goals, rng)
         return Episode(index, seed, tuple(starts), tuple(goals), places)
 
-    def _world(self, rng: np.random.Generator, name: Any) -> int:
-        """The index of a random world, of this name if it is not None."""
-        indices = [i for i, world in enumerate(self._worlds) if name in (None, world.name)]
-        if not indices:
-            known = ", ".join(dict.fromkeys(world.name for world in self._worlds))
-            raise UsageError(f"expected the option world to be one of: {known}; found {name!r}")
-        return indices[int(rng.integers(len(indices)))] if len(indices) > 1 else indices[0]
+    def _indices(self, options: Mapping[str, Any]) -> List[int]:
+        """The indices of the worlds that options leave."""
+        names = [world.name for world in self._worlds]
+        sizes = [float(world.scale) for world in self._worlds]
+        found = list(range(len(self._worlds)))
+        for option, values in (("world", names), ("robot_scales", sizes)):
+            if option not in options:
+                continue
+            given = options[option]
+            wanted = given if isinstance(given, (list, tuple, np.ndarray)) else [given]
+            for each in wanted:
+                if each not in values:
+                    known = ", ".join(map(str, dict.fromkeys(values)))
+                    raise UsageError(
+                        f"expected the option {option} to be one of: {known}; found {each!r}"
+                    )
+            found = [index for index in found if values[index] in wanted]
+        return found
 
     def _ends(
         self,
         world: NavigationWorld,
+        choice: Choice,
         given: "_Ends",
         starts: Circles,
         goals: Circles,
@@ -143,34 +197,42 @@ class EpisodeSampler:
         for _ in range(_TRIES):
             yaw = _heading(rng)
             start = given_start or (
-                self._around(world, given_goal, rng) if given_goal else space.point(rng)
+                self._around(world, choice, given_goal, rng) if given_goal else space.point(rng)
             )
-            goal = given_goal or self._around(world, start, rng)
+            goal = given_goal or self._around(world, choice, start, rng)
             if (given_start or fits(start, starts)) and (given_goal or fits(goal, goals)):
                 if given_start and len(given_start) > 2:
                     yaw = given_start[2]
                 return Pose(start[0], start[1], yaw), (goal[0], goal[1])
-        least, largest = self._settings.goal_distance
+        least, largest = choice.settings.goal_distance
         raise UsageError(
             f'the world "{world.name}" has no free start and goal {least:g} to {largest:g} m apart '
             f"(tried {_TRIES} times)"
         )
 
     def _around(
-        self, world: NavigationWorld, middle: Sequence[float], rng: np.random.Generator
+        self,
+        world: NavigationWorld,
+        choice: Choice,
+        middle: Sequence[float],
+        rng: np.random.Generator,
     ) -> Point:
         """A place within the limits of `goal_distance` from `middle`, uniform over the area."""
-        least, largest = self._settings.goal_distance
+        least, largest = choice.settings.goal_distance
         largest = max(least, min(largest, world.space.diagonal))
         distance = math.sqrt(least**2 + float(rng.random()) * (largest**2 - least**2))
         bearing = math.tau * float(rng.random())
         return middle[0] + distance * math.cos(bearing), middle[1] + distance * math.sin(bearing)
 
     def _places(
-        self, world: NavigationWorld, taken: Circles, rng: np.random.Generator
+        self,
+        world: NavigationWorld,
+        settings: NavigationSettings,
+        taken: Circles,
+        rng: np.random.Generator,
     ) -> Dict[str, Pose]:
         """Poses of the scattered models and of the obstacles."""
-        low, high = self._settings.obstacle_counts
+        low, high = settings.obstacle_counts
         count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
         places: Dict[str, Pose] = {}
         for number, disc in enumerate((*world.scattered, *world.obstacles)):
@@ -245,14 +307,11 @@ class _Ends(NamedTuple):
 
 
 def _given_ends(options: Mapping[str, Any], robots: Sequence[str]) -> List[_Ends]:
-    """The ends of each robot in checked options.
+    """The ends of each robot in options.
 
     Raises:
-        UsageError: an option is unknown or wrong.
+        UsageError: one is wrong.
     """
-    for name in options:
-        if name not in OPTIONS:
-            raise UsageError(f"unknown option {name!r}; there are: {', '.join(OPTIONS)}")
     start, goal = options.get("start"), options.get("goal")
     if len(robots) == 1:
         return [_Ends(_numbers("start", start), _numbers("goal", goal), "")]

@@ -6,7 +6,7 @@ into the arrays of a `BatchObservation`, which fleets of several worlds share.
 
 from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
-from typing import Callable, Dict, List, Optional, Sequence
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from flatland_gym.settings import NavigationSettings
 from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin
 
 _ONLY = np.array([0])
+
+Motions = Tuple[FloatArray, FloatArray]
+"""Poses and velocities."""
 
 
 class Fleet(ABC):
@@ -67,6 +70,10 @@ class Fleet(ABC):
     @abstractmethod
     def simulation(self, index: int) -> Simulation:
         """The simulation at a place, for pictures."""
+
+    @abstractmethod
+    def motions(self, indices: IntArray) -> Motions:
+        """Poses and velocities of the world's `others`, for these robots' rows: (k, m, 3) each."""
 
     @abstractmethod
     def close(self) -> None:
@@ -149,6 +156,16 @@ class RobotSimulation(Fleet):
         assert self._simulation is not None  # there is one from the first episode on
         return self._simulation
 
+    def motions(self, indices: IntArray) -> Motions:
+        simulation = self.simulation(0)
+        names = list(simulation.models)
+        columns = [names.index(name) for name in self._world.others]
+        poses, velocities = (
+            np.repeat(rows[None, columns], len(indices), axis=0)
+            for rows in (simulation.poses, simulation.velocities)
+        )
+        return poses, velocities
+
     def close(self) -> None:
         if self._simulation is not None:
             self._simulation.close()
@@ -209,6 +226,12 @@ class SimulationFleet(Fleet):
 
     def simulation(self, index: int) -> Simulation:
         return self._places[index].simulation(0)
+
+    def motions(self, indices: IntArray) -> Motions:
+        places = (indices // self._team).tolist()
+        found = [self._places[place].motions(_ONLY) for place in places]
+        poses, velocities = (np.concatenate(arrays) for arrays in zip(*found))
+        return poses, velocities
 
     def close(self) -> None:
         for place in self._places.values():
@@ -317,6 +340,12 @@ class BatchFleet(Fleet):
     def simulation(self, index: int) -> Simulation:
         """A simulation that shows the place: the same one for all places."""
         return self._batch.view(index)
+
+    def motions(self, indices: IntArray) -> Motions:
+        columns = [self._batch.models.index(name) for name in self._world.others]
+        poses, velocities = self._batch.model_motions()
+        rows = (indices // self._team)[:, None]
+        return poses[rows, columns], velocities[rows, columns]
 
     def close(self) -> None:
         self._batch.close()

@@ -9,7 +9,7 @@ from gymnasium.utils import seeding
 from flatland2d import MissingPackageError, UsageError
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation, row_of
-from flatland_gym.pictures import check_render_mode
+from flatland_gym.pictures import Window, check_render_mode, usable
 from flatland_gym.settings import NavigationSettings, require_seed
 from flatland_gym.team import STATE_SIZE, Team, check_team
 from flatland_server import FloatArray, IntArray
@@ -22,6 +22,9 @@ except ImportError:
     ) from None
 
 
+_RENDER_MODES = ("human", "rgb_array")
+
+
 class MultiRobotEnv(ParallelEnv[str, Any, Any]):
     """Robots in one world that each drive to a goal of their own, past each other.
 
@@ -31,7 +34,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
 
     Args:
         robots: how many there are, two at least: each one like the world's robot.
-        render_mode: None, or "rgb_array": the surroundings of the first robot that is there.
+        render_mode: None, or the surroundings of the first robot that is there: "rgb_array", or
+            "human" (a window).
         at_goal: "leave", or "stay": a robot that has reached its goal stops and stays in the world,
             where others see and hit it. Its episode has ended, too.
         shared_rewards: the part of each reward that is replaced by the mean of the rewards of all
@@ -50,19 +54,20 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         shared_rewards: float = 0.0,
         **arguments: Any,
     ) -> None:
-        check_render_mode(render_mode, ("rgb_array",))
+        check_render_mode(render_mode, _RENDER_MODES)
         settings = NavigationSettings.of(arguments)
         check_team(robots, at_goal, shared_rewards, settings)
         navigation = self._navigation = Navigation(settings, robots=int(robots))
         self.metadata = {
             **navigation.metadata,
             "name": "flatland_navigation_v0",
-            "render_modes": ["rgb_array"],
+            "render_modes": usable(_RENDER_MODES),
             "is_parallelizable": True,
         }
         self._team = Team(navigation, at_goal, shared_rewards)
         self.state_space = spaces.Box(-np.inf, np.inf, (STATE_SIZE * int(robots),), np.float32)
         self.render_mode = render_mode
+        self._window = Window("Flatland", settings.period)
         self.possible_agents = list(navigation.robot_names)
         self.agents: List[str] = []
         self._rng: Optional[np.random.Generator] = None
@@ -88,7 +93,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
             options: `start` and `goal`, dicts by agent of [x, y] or [x, y, yaw], and of [x, y];
-                ends that they do not have are drawn.
+                ends that they do not have are drawn. And the other options of `NavigationEnv.reset`.
 
         Raises:
             UsageError: the seed or an option is wrong, or there is no room for all robots. The
@@ -103,6 +108,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         self._rng = rng
         self._team.present[:] = True
         self.agents = list(self.possible_agents)
+        if self.render_mode == "human":
+            self.render()
         return self._observations(), self._infos()
 
     def step(
@@ -120,6 +127,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         rewards, terminated, truncated = (self._by_agent(values[0]) for values in results)
         observations, infos = self._observations(), self._infos()
         self.agents = [self.possible_agents[row] for row in np.flatnonzero(self._team.present)]
+        if self.render_mode == "human":
+            self.render()
         return observations, rewards, terminated, truncated, infos
 
     def state(self) -> Any:
@@ -131,15 +140,20 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         return self._team.state()[0]
 
     def render(self) -> Any:
-        """A picture: uint8, shape (480, 480, 3); None without a render mode."""
+        """A picture: uint8, shape (480, 480, 3); None without one, or if a window shows it."""
         if self.render_mode is None or not self.agents:
             return None
-        return self._navigation.picture(int(self._rows()[0]))
+        frame = self._navigation.picture(int(self._rows()[0]))
+        if self.render_mode == "rgb_array":
+            return frame
+        self._window.show(frame)
+        return None
 
     def close(self) -> None:
-        """Ends the simulation."""
+        """Ends the simulation, and closes the window."""
         self.agents = []
         self._navigation.close()
+        self._window.close()
 
     def _rows(self) -> IntArray:
         """The rows of the robots that are there."""

@@ -11,13 +11,13 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland2d import BatchObservation, Simulation, UsageError
-from flatland_gym.episodes import EpisodeSampler
-from flatland_gym.fleet import Fleet, RobotSimulation, make_fleet
+from flatland_gym.episodes import EpisodeSampler, options_of
+from flatland_gym.fleet import Fleet, Motions, RobotSimulation, make_fleet
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.observations import as_dict, bounds, goal_distances
-from flatland_gym.pictures import RENDER_MODES, picture, status_line
+from flatland_gym.pictures import RENDER_MODES, picture, status_line, usable
 from flatland_gym.policy import Policy
-from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
+from flatland_gym.rewards import OtherModels, Transition, navigation_reward, navigation_termination
 from flatland_gym.robot import Robot
 from flatland_gym.settings import NavigationSettings
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray
@@ -69,7 +69,7 @@ class Navigation:
     ) -> None:
         self.settings = settings
         self.metadata: Dict[str, Any] = {
-            "render_modes": list(RENDER_MODES),
+            "render_modes": usable(RENDER_MODES),
             "render_fps": round(1.0 / settings.period, 3),
         }
         self._worlds = [
@@ -79,7 +79,9 @@ class Navigation:
         self.robot, self.robot_names = self._worlds[0].robot, self._worlds[0].robots
         for world in self._worlds[1:]:
             _require_alike(self._worlds[0], world)
+        self._others = tuple(dict.fromkeys(n for world in self._worlds for n in world.others))
         self._sampler = EpisodeSampler(self._worlds, settings)
+        self._options: Dict[str, Any] = {}
         self._fleets: Dict[int, Fleet] = {}
         self._threads = threads
         self._is_single = robots is not None and count == 1
@@ -99,6 +101,17 @@ class Navigation:
         self.successes = np.zeros(count, dtype=bool)
         self.steps = np.zeros(count, dtype=int)
 
+    @property
+    def options(self) -> Dict[str, Any]:
+        """Options of all resets from now on, also of automatic ones; a new dict."""
+        return dict(self._options)
+
+    @options.setter
+    def options(self, options: Optional[Mapping[str, Any]]) -> None:
+        found = options_of(options)
+        self._sampler.choice(found)
+        self._options = found
+
     def reset(
         self,
         indices: IntArray,
@@ -110,14 +123,16 @@ class Navigation:
         Args:
             indices: of the environments.
             generators: the random numbers of each.
-            options: see `EpisodeSampler.draw`.
+            options: see `EpisodeSampler.choice`; those in `options` apply where these have none.
 
         Raises:
             UsageError: an option is wrong. The environments are as before.
         """
-        states = [generator.bit_generator.state for generator in generators] if options else []
+        merged = {**self._options, **options_of(options)}
+        choice = self._sampler.choice(merged)
+        states = [generator.bit_generator.state for generator in generators] if merged else []
         try:
-            episodes = [self._sampler.draw(generator, options) for generator in generators]
+            episodes = [self._sampler.draw(generator, choice) for generator in generators]
         except UsageError:
             for generator, state in zip(generators, states):
                 generator.bit_generator.state = state
@@ -131,7 +146,7 @@ class Navigation:
             while self._fleet(episodes[number].world).is_blocked(index, episodes[number]):
                 _require_tries(tries)
                 tries += 1
-                episode = episodes[number] = self._sampler.draw(generators[number], options)
+                episode = episodes[number] = self._sampler.draw(generators[number], choice)
                 self._fleet(episode.world).reset(np.array([index]), [episode])
         rows = indices
         if self._team > 1:
@@ -175,6 +190,7 @@ class Navigation:
             self.goals,
             state.ranges,
             self._period,
+            self._models(indices),
         )
         rewards, terminated = judge(transition, settings)
         if len(indices) == len(distances):  # quicker than with a mask
@@ -196,6 +212,22 @@ class Navigation:
         """
         for world, fleet in self._fleets.items():
             fleet.retire(indices[self._world_of[indices] == world], leaving)
+
+    def _models(self, indices: IntArray) -> OtherModels:
+        """The other models in these rows."""
+        return OtherModels(self._others, lambda: self._motions(indices))
+
+    def _motions(self, indices: IntArray) -> Motions:
+        """Poses and velocities of other models in these rows; NaN elsewhere: (n, m, 3) each."""
+        shape = (len(self.goals), len(self._others), 3)
+        poses, velocities = np.full(shape, np.nan), np.full(shape, np.nan)
+        for world, fleet in self._fleets.items():
+            chosen = indices[self._world_of[indices] == world]
+            if len(chosen):
+                columns = [self._others.index(name) for name in self._worlds[world].others]
+                place = np.ix_(chosen, columns)
+                poses[place], velocities[place] = fleet.motions(chosen)
+        return poses, velocities
 
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
@@ -324,7 +356,7 @@ def judge(transition: Transition, settings: NavigationSettings) -> Tuple[FloatAr
     """
     count, step = len(transition.distance), transition
     if settings.reward is not None or settings.terminated is not None:
-        arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-1]}
+        arrays = {name: _frozen(getattr(transition, name)) for name in Transition._fields[:-2]}
         step = transition._replace(**arrays)
     if settings.reward is None:
         rewards = navigation_reward(step, settings.rewards)

@@ -1,12 +1,13 @@
 """`flatland/Navigation-v0` for one robot: Gymnasium's Env."""
 
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 
 from flatland2d import UsageError
+from flatland2d.rendering.film import side_by_side
 from flatland_gym.navigation import row_of
 from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode
 from flatland_gym.settings import NavigationSettings, require_seed
@@ -39,8 +40,21 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         self.metadata = self.navigation.metadata
         self.action_space: spaces.Box = self.navigation.action_space
         self.observation_space = self.navigation.observation_space
-        self._window: Optional[Window] = None
+        self._window = Window("Flatland", self.navigation.settings.period)
         self._is_running = False
+
+    @property
+    def reset_options(self) -> Dict[str, Any]:
+        """Options of all resets from now on, also of automatic ones: a curriculum's.
+
+        Those that are given to `reset` come first. Setting a wrong one raises a UsageError, and
+        changes nothing.
+        """
+        return self.navigation.options
+
+    @reset_options.setter
+    def reset_options(self, options: Optional[Mapping[str, Any]]) -> None:
+        self.navigation.options = options
 
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
@@ -49,8 +63,9 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
 
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
-            options: `start` ([x, y] or [x, y, yaw]), `goal` ([x, y]) and `world` (one of those of
-                the argument), which are otherwise drawn.
+            options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn;
+                `world`, `goal_distance`, `obstacles` and `robot_scales` in place of the arguments,
+                within what these allow.
 
         Raises:
             UsageError: an option is wrong, such as a goal in a wall. The environment is as before.
@@ -93,18 +108,18 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         frame = self.navigation.picture(0)
         if self.render_mode == "rgb_array":
             return frame
-        if self._window is None:
-            self._window = Window("Flatland", self.navigation.settings.period)
         self._window.show(frame)
         return None
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """The picture that a notebook shows of an environment; None before the first reset."""
+        return side_by_side([self.navigation.picture(0)]) if self._is_running else None
 
     def close(self) -> None:
         """Ends the simulation, and closes the window."""
         self._is_running = False
         self.navigation.close()
-        if self._window is not None:
-            self._window.close()
-            self._window = None
+        self._window.close()
 
     def _observation(self) -> Any:
         return self.navigation.formed(self.navigation.observe()[0])

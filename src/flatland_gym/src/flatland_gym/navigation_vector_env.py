@@ -14,11 +14,14 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from flatland2d import UsageError
+from flatland2d.rendering.film import side_by_side
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
 from flatland_server import BoolArray, Float32Array, FloatArray
+
+_IN_NOTEBOOKS = 9
 
 Seeds = Union[None, int, Sequence[Optional[int]]]
 
@@ -78,6 +81,19 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._seeds: List[int] = [-1] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=bool)
         self._is_running = False
+
+    @property
+    def reset_options(self) -> Dict[str, Any]:
+        """Options of all resets from now on, also of automatic ones: a curriculum's.
+
+        Those that are given to `reset` come first. Setting a wrong one raises a UsageError, and
+        changes nothing.
+        """
+        return self.navigation.options
+
+    @reset_options.setter
+    def reset_options(self, options: Optional[Mapping[str, Any]]) -> None:
+        self.navigation.options = options
 
     def reset(
         self, *, seed: Seeds = None, options: Optional[Mapping[str, Any]] = None
@@ -147,6 +163,13 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         frames: List[Any] = [show(self._row(index)) for index in range(self._shown)]
         blank: Any = "" if self.render_mode == "ansi" else np.zeros_like(frames[0])
         return (*frames, *[blank] * (self.num_envs - self._shown))
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """The picture that a notebook shows: the first environments; None before a reset."""
+        if not self._is_running:
+            return None
+        shown = range(min(self._shown, _IN_NOTEBOOKS))
+        return side_by_side([self.navigation.picture(index)[::2, ::2] for index in shown])
 
     @property  # type: ignore[misc] # Gymnasium's may be set
     def np_random(self) -> Any:

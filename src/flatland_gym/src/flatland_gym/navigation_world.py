@@ -48,6 +48,7 @@ class NavigationWorld:
         config: of its simulations.
         robot: the robot to drive.
         robots: the names of the models: that of the robot, or of so many robots like it.
+        scale: of the robot, relative to the world's.
         radius: of the robot [m].
         space: where it can stand.
         standing: the models that stay where the world file puts them.
@@ -59,11 +60,17 @@ class NavigationWorld:
     config: WorldConfig
     robot: Robot
     robots: Tuple[str, ...]
+    scale: float
     radius: float
     space: DistanceGrid
     standing: Tuple[Disc, ...]
     scattered: Tuple[Disc, ...]
     obstacles: Tuple[Disc, ...]
+
+    @property
+    def others(self) -> Tuple[str, ...]:
+        """The names of all models but the robots."""
+        return tuple(disc.name for disc in (*self.standing, *self.scattered, *self.obstacles))
 
     @classmethod
     def load(
@@ -111,6 +118,7 @@ class NavigationWorld:
             config,
             robot,
             names,
+            scale,
             driven.radius,
             space,
             tuple(disc for disc in discs.values() if disc.name not in moved | added),

@@ -1,12 +1,16 @@
 """Rendering of environments: pictures, a window, and a line of text."""
 
+import importlib.util
+import logging
 import os
-from typing import Any, Optional, Sequence
+from typing import Any, List, Optional, Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
 
-from flatland2d import FlatlandError, MissingPackageError, Point, Pose, Simulation, UsageError
+from flatland2d import MissingPackageError, Point, Pose, Simulation, UsageError
+
+logger = logging.getLogger(__name__)
 
 RENDER_MODES = ("human", "rgb_array", "ansi")
 
@@ -61,42 +65,38 @@ def check_render_mode(mode: Optional[str], modes: Sequence[str] = RENDER_MODES) 
         raise UsageError(f"expected render_mode None or one of {known}, found {mode!r}")
 
 
+def usable(modes: Sequence[str]) -> List[str]:
+    """The render modes for which the packages are installed."""
+    has_pygame = importlib.util.find_spec("pygame") is not None
+    return [mode for mode in modes if mode != "human" or has_pygame]
+
+
 class Window:
-    """A window that shows pictures in real time.
+    """A window that shows pictures in real time; opened with the first one.
+
+    Without a screen, nothing is shown, and the log says so once.
 
     Args:
         title: of the window.
         period: simulated time between two pictures [s].
-
-    Raises:
-        FlatlandError: pygame is not installed, or there is no screen.
     """
 
     def __init__(self, title: str, period: float) -> None:
-        try:
-            import pygame
-        except ImportError:
-            raise MissingPackageError(
-                "render_mode=\"human\" needs pygame: pip install 'flatland2d[view]'"
-            ) from None
-        self._pygame = pygame
-        try:
-            pygame.display.init()
-            driver = pygame.display.get_driver()
-            if driver in _WITHOUT_SCREEN and "SDL_VIDEODRIVER" not in os.environ:
-                raise FlatlandError(
-                    'the window cannot be opened: there is no screen; render_mode="rgb_array" '
-                    "needs none"
-                )
-            self._screen = pygame.display.set_mode(_SIZE)
-        except pygame.error as error:
-            raise FlatlandError(f"the window cannot be opened: {error}") from None
-        pygame.display.set_caption(title)
-        self._clock = pygame.time.Clock()
+        self._title = title
         self._rate = 1.0 / period
+        self._pygame: Any = None
+        self._screen: Any = None  # None: there is none
 
     def show(self, frame: Any) -> None:
-        """Shows a picture, and waits until the time of the next one."""
+        """Shows a picture, and waits until the time of the next one.
+
+        Raises:
+            MissingPackageError: pygame is not installed.
+        """
+        if self._pygame is None:
+            self._open()
+        if self._screen is None:
+            return
         pygame = self._pygame
         pygame.event.pump()
         surface = pygame.surfarray.make_surface(frame.transpose(1, 0, 2))
@@ -106,4 +106,30 @@ class Window:
 
     def close(self) -> None:
         """Closes the window."""
-        self._pygame.display.quit()
+        if self._pygame is not None:
+            self._pygame.display.quit()
+            self._pygame = self._screen = None
+
+    def _open(self) -> None:
+        try:
+            import pygame
+        except ImportError:
+            raise MissingPackageError(
+                "render_mode=\"human\" needs pygame: pip install 'flatland2d[view]'"
+            ) from None
+        self._pygame = pygame
+        reason = "there is no screen"
+        try:
+            pygame.display.init()
+            driver = pygame.display.get_driver()
+            if driver not in _WITHOUT_SCREEN or "SDL_VIDEODRIVER" in os.environ:
+                self._screen = pygame.display.set_mode(_SIZE)
+        except pygame.error as error:
+            reason = str(error)
+        if self._screen is None:
+            logger.warning(
+                'the window cannot be opened: %s; render_mode="rgb_array" needs none', reason
+            )
+            return
+        pygame.display.set_caption(self._title)
+        self._clock = pygame.time.Clock()

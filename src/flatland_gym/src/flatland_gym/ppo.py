@@ -7,17 +7,19 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 import math
 import time
 from dataclasses import dataclass
-from typing import Callable, List, NamedTuple, Tuple
+from typing import Any, Callable, List, NamedTuple, Tuple
 
 import numpy as np
 
-from flatland2d import UsageError
+from flatland2d import MissingPackageError, UsageError
 from flatland_gym.navigation_vector_env import NavigationVectorEnv
 from flatland_gym.networks import Adam, Network
 from flatland_gym.policy import Policy
 from flatland_server import BoolArray, Float32Array, FloatArray
 
 _LOG_TWO_PI = math.log(2.0 * math.pi)
+
+_BAR = "{l_bar}{bar}| {n:.0f}/{total:.0f} {unit} [{elapsed}<{remaining}{postfix}]"
 
 
 @dataclass(frozen=True)
@@ -120,6 +122,7 @@ class Ppo:
         steps: int,
         seconds: float = math.inf,
         report: Callable[[Progress], None] = lambda progress: None,
+        progress_bar: bool = False,
     ) -> Policy:
         """Trains for a number of steps of all environments together, or for a time.
 
@@ -127,6 +130,7 @@ class Ppo:
             steps: at least; ends after the update that reaches them.
             seconds: at most.
             report: called after each update.
+            progress_bar: whether tqdm shows a bar: of the time, or of the steps if that has no end.
 
         Returns:
             The policy, without exploration.
@@ -135,6 +139,8 @@ class Ppo:
             TrainingInterrupted: Ctrl-C.
         """
         started, done = time.monotonic(), 0
+        total, unit = (seconds, "s") if seconds < math.inf else (steps, "steps")
+        bar = _bar(total, unit) if progress_bar else None
         try:
             while done < steps and time.monotonic() - started < seconds:
                 spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
@@ -146,8 +152,14 @@ class Ppo:
                 elapsed = time.monotonic() - started
                 means = np.mean(self._ended, axis=0) if self._ended else (math.nan, math.nan)
                 report(Progress(done, elapsed, len(self._ended), float(means[0]), float(means[1])))
+                if bar is not None:
+                    bar.set_postfix_str(f"{done} steps, success {means[0]:.1%}", refresh=False)
+                    bar.update(min(elapsed if unit == "s" else done, total) - bar.n)
         except KeyboardInterrupt:
             raise TrainingInterrupted(self.policy()) from None
+        finally:
+            if bar is not None:
+                bar.close()
         return self.policy()
 
     def policy(self) -> Policy:
@@ -233,6 +245,15 @@ class Ppo:
         error = (values[-1][:, 0] - rows.returns)[:, None] * np.float32(0.5) / count
         critic = self._critic.backward(values, error.astype(np.float32))
         self._optimiser.step([*actor, *critic, log_std], rate)
+
+
+def _bar(total: float, unit: str) -> Any:
+    """A bar of tqdm, for a terminal or a notebook."""
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
+    return tqdm(total=total, unit=unit, bar_format=_BAR)
 
 
 def _advantages(

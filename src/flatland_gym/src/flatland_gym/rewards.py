@@ -1,9 +1,45 @@
 """Rewards and terminations of navigation: pure functions of arrays."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any, Callable, NamedTuple, Tuple
 
 from flatland_server import BoolArray, Float32Array, FloatArray
+
+
+class OtherModels:
+    """All models but the robots, in n environments; read from the simulation when asked for.
+
+    Columns that an episode does not use are far away, and models that are in other worlds alone are
+    NaN.
+
+    Args:
+        names: of the models, m.
+        read: returns their poses and velocities.
+
+    Attributes:
+        names: of the models, in the order of the arrays.
+    """
+
+    def __init__(
+        self, names: Tuple[str, ...], read: Callable[[], Tuple[FloatArray, FloatArray]]
+    ) -> None:
+        self.names = names
+        self._read = read
+
+    @cached_property
+    def _motions(self) -> Tuple[FloatArray, FloatArray]:
+        return self._read()
+
+    @property
+    def poses(self) -> FloatArray:
+        """x, y [m] and yaw [rad] in the world, shape (n, m, 3)."""
+        return self._motions[0]
+
+    @property
+    def velocities(self) -> FloatArray:
+        """vx, vy [m/s] and omega [rad/s] in the world's frame, shape (n, m, 3)."""
+        return self._motions[1]
 
 
 class Transition(NamedTuple):
@@ -32,6 +68,8 @@ class Transition(NamedTuple):
     """Ranges of the lidar [m], +inf for no return: float32, shape (n, beams)."""
     period: float
     """Length of the step [s]."""
+    models: "OtherModels"
+    """The other models of the world, at the end of the step."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError:
     raise MissingPackageError(
-        "flatland_gym.sb3 needs Stable-Baselines3: pip install stable-baselines3"
+        "flatland_gym.sb3 needs Stable-Baselines3: pip install 'flatland2d[sb3]'"
     ) from None
 
 Indices = Union[None, int, Iterable[int]]

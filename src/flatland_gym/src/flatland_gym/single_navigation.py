@@ -18,6 +18,9 @@ Result = Tuple[Any, float, bool, bool, Dict[str, Any]]
 """Observation, reward, termination, truncation and info."""
 
 
+_ONE = np.array([0])
+
+
 class SingleNavigation(Navigation):
     """A robot in a single environment.
 
@@ -89,6 +92,7 @@ class SingleNavigation(Navigation):
                 self.goals,
                 state.ranges,
                 self._period,
+                self._models(_ONE),
             ),
             self.settings,
         )

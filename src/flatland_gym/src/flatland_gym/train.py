@@ -55,10 +55,11 @@ def _train(options: argparse.Namespace) -> int:
         **dict(options.set),
     }
     progress: List[Progress] = []
+    has_bar = options.library == "numpy" and _has_bar()
 
     def report(now: "Progress") -> None:
         progress.append(now)
-        if len(progress) % 20 == 0:
+        if len(progress) % 20 == 0 and not has_bar:
             recent = progress[-20:]
             success = _mean_success(recent)
             rate = now.steps / now.seconds
@@ -100,9 +101,14 @@ def _learn(
     env = NavigationVectorEnv(options.envs, options.threads, autoreset_mode="SameStep", **settings)
     try:
         learner = Ppo(env, seed=options.seed)
-        return learner.train(options.steps, 60.0 * options.minutes, report)
+        return learner.train(options.steps, 60.0 * options.minutes, report, _has_bar())
     finally:
         env.close()
+
+
+def _has_bar() -> bool:
+    """True if a bar of tqdm takes the place of lines."""
+    return sys.stderr.isatty() and importlib.util.find_spec("tqdm") is not None
 
 
 def _learn_by_sb3(

@@ -45,6 +45,11 @@ class Gps(ModelPlugin):
         self.update_timer = UpdateTimer(update_rate)
         self._publisher = self.node.advertise(topic, "sensor_msgs/NavSatFix")
 
+    @property
+    def frame_id(self) -> str:
+        """The frame of its messages."""
+        return self._frame.name
+
     def has_work(self) -> bool:
         """True if the topic or the frame has a subscriber."""
         return self._publisher.has_subscribers or self._frame.has_subscribers

@@ -86,6 +86,11 @@ class Imu(ModelPlugin):
         self._reading: Optional[Tuple[Motion, Motion]] = None  # start and end of the last reading
         self._reading_revision = self._move_revision
 
+    @property
+    def frame_id(self) -> str:
+        """The frame of its messages."""
+        return self._frame.name
+
     def has_work(self) -> bool:
         """True if a topic or the frame has a subscriber."""
         return self._frame.has_subscribers or self._has_subscribers()

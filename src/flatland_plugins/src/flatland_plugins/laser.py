@@ -16,6 +16,7 @@ from flatland_server import (
     Canvas,
     CoreLidar,
     Float32Array,
+    FloatArray,
     ModelPlugin,
     RangeNoise,
     Timekeeper,
@@ -37,8 +38,8 @@ class Laser(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         body = self._body = self.get_body(config)
-        laser = self._config = LaserConfig.read(
-            config, self.name, self.node.get_param("~no_return", "inf")
+        laser = self._config = config.read_once(
+            LaserConfig.read, self.name, self.node.get_param("~no_return", "inf")
         )
         registry = self.model.registry
         try:
@@ -77,6 +78,22 @@ class Laser(ModelPlugin):
         """The lidar, with its noise."""
         make_noise = self._make_noise if self._is_noisy else None
         return BatchRole(lidar=CoreLidar(self._lidar, self._config.range, make_noise))
+
+    @property
+    def angles(self) -> FloatArray:
+        """The directions of the beams in the lidar's frame [rad]: a new array (n,)."""
+        laser = self._config
+        return laser.angle_min + laser.increment * np.arange(laser.beams)
+
+    @property
+    def range_max(self) -> float:
+        """The largest distance that it measures [m]."""
+        return self._config.range
+
+    @property
+    def frame_id(self) -> str:
+        """The frame of its messages."""
+        return self._frame.name
 
     def has_work(self) -> bool:
         """True if a scan is to be made, or the lidar's frame has subscribers."""
@@ -121,9 +138,7 @@ class Laser(ModelPlugin):
         """Draws the area that the beams cross, and a dot where one is returned."""
         laser, ranges = self._config, self.read(timekeeper)
         pose = self._body.pose.compose(laser.origin)
-        angles = pose.yaw + self._handedness * (
-            laser.angle_min + laser.increment * np.arange(laser.beams)
-        )
+        angles = pose.yaw + self._handedness * self.angles
         reach = np.where(np.isfinite(ranges), ranges, laser.range)
         ends = pose[:2] + reach[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
         if laser.beams > 1:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flatland2d import Simulation
+from flatland2d import Simulation, UsageError
 from flatland_server import quaternion
 from flatland_server.testing import WorldFiles
 
@@ -220,3 +220,21 @@ def test_a_bumper_forgets_what_was_deleted(load):
     sim.delete("box")
 
     assert bumper.read() == []
+
+
+def test_a_sensor_has_the_facts_of_its_messages(load):
+    upside_down = {**PLUGINS["laser"], "upside_down": True, "update_rate": 8, "frame": "eye"}
+    sim = load(plugins={**PLUGINS, "laser": upside_down})
+    sensors, scan = sim.models["robot"].sensors, sim.last("/scan")
+
+    laser = sensors["laser"]
+    assert laser.angles == pytest.approx(
+        scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    )
+    assert (laser.range_max, laser.frame_id) == (scan.range_max, scan.header.frame_id)
+    assert laser.period == pytest.approx(scan.scan_time)
+    assert sensors["imu"].frame_id == sim.last("/imu/filtered").header.frame_id
+    assert sensors["gps"].frame_id == sim.last("/gps/fix").header.frame_id
+    assert sensors["gps"].period == 0.0
+    with pytest.raises(UsageError, match='the sensor "robot/bumper", a Bumper, has no angles'):
+        sensors["bumper"].angles  # noqa: B018

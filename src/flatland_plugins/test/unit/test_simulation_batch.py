@@ -188,7 +188,7 @@ def test_an_office_is_that_of_a_simulation():
     with SimulationBatch(OFFICE, 2) as batch, Simulation(OFFICE) as simulation:
         robot = simulation.models["turtlebot"]
         for action in actions:
-            observation = batch.step(action)
+            observation = batch.step(action, 20)
             robot.command(*action[1])
             simulation.step(20)
             assert np.array_equal(observation.poses[1], simulation.poses[0])

@@ -38,7 +38,7 @@ def test_arrays_of_an_observation_are_new_or_those_that_are_passed(world_of):
         for array, kept in zip(first, before):
             assert np.array_equal(array, kept)
         assert not np.array_equal(out.poses, first.poses)
-        assert out.times.tolist() == [0.2] * 4
+        assert out.times.tolist() == [2 * batch.step_size] * 4
 
 
 def test_a_reset_writes_the_rows_of_those_that_are_reset(world_of):

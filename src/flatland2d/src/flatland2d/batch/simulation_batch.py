@@ -39,6 +39,8 @@ from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
 _MOST_STEPS = 2**31 - 1
+_SHOWN = 9
+"""The number of environments in the picture of a notebook."""
 
 
 class SimulationBatch:
@@ -222,7 +224,7 @@ class SimulationBatch:
     def step(
         self,
         actions: ArrayLike,
-        substeps: int = 20,
+        substeps: int = 1,
         out: Optional[BatchObservation] = None,
         mask: Optional[ArrayLike] = None,
     ) -> BatchObservation:
@@ -363,6 +365,32 @@ class SimulationBatch:
         nanoseconds = int(self._steps[index]) * self._step_nanoseconds
         seed = int(self._seeds[index])
         return self._view.show(seed, nanoseconds, poses[index], velocities[index])
+
+    @property
+    def models(self) -> Tuple[str, ...]:
+        """The names of all models in the world, also of the robot."""
+        return tuple(self._world.models)
+
+    def model_motions(self) -> Tuple[FloatArray, FloatArray]:
+        """The poses and velocities of all models, in the order of `models`: new arrays (n, m, 3).
+
+        x, y [m] and yaw [rad] of each model's first body, and its vx, vy [m/s] and omega [rad/s],
+        in the world's frame.
+
+        Raises:
+            UsageError: the batch is closed.
+        """
+        core = self._require_open()
+        self._plugins.load(core, None, self._seeds, self._steps)
+        bodies = [model.base.physics_body for model in self._world.models.values()]
+        return core.motions(bodies, None)
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows of a batch: its first environments."""
+        from flatland2d.rendering.film import side_by_side
+
+        shown = range(min(self._num_envs, _SHOWN))
+        return side_by_side([self.view(index).render((240, 180)) for index in shown])
 
     # Places
 

@@ -11,12 +11,15 @@ from typing import Callable, Iterator
 from flatland2d.cli.arguments import Subparsers, whole_from
 from flatland2d.cli.sweep_progress import show_progress
 from flatland2d.cli.sweep_replay import replay
+from flatland2d.sweep.comparison import require_scipy
 from flatland2d.sweep.local_pool import LocalPool
 from flatland2d.sweep.ray_pool import RayPool
+from flatland2d.sweep.regressions import junit, read_rows, verdicts
 from flatland2d.sweep.report import summary_cells, text_table
 from flatland2d.sweep.scenario_file import read_scenario_file
 from flatland2d.sweep.sweep import JOURNAL, Pool, Sweep
-from flatland_server.exceptions import listed
+from flatland2d.sweep.tables import write_file
+from flatland_server.exceptions import counted, listed
 
 _INTERRUPTED = 130
 
@@ -63,6 +66,20 @@ def add_parser(commands: Subparsers) -> None:
         "--restart", action="store_true", help="forget the results that the folder has"
     )
     parser.add_argument(
+        "--baseline",
+        type=Path,
+        metavar="RESULTS",
+        help="results of a former sweep (its folder or its results.csv): the exit code is 1 if "
+        "these are significantly worse",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=0.01,
+        metavar="FRACTION",
+        help="with --baseline: smaller changes for the worse are none (default: %(default)s)",
+    )
+    parser.add_argument(
         "--no-progress", dest="progress", action="store_false", help="show no progress"
     )
     parser.add_argument(
@@ -87,6 +104,9 @@ def _execute(options: argparse.Namespace) -> int:
     if options.replay is not None:
         with _interrupts():
             return replay(settings, options.replay, folder, options.view, options.record)
+    if options.baseline is not None:  # before the scenarios are run
+        require_scipy()
+        options.baseline = read_rows(options.baseline)
     if options.restart and (folder / JOURNAL).exists():
         (folder / JOURNAL).unlink()
     with ExitStack() as stack:
@@ -136,8 +156,8 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
     written = sweep.write(pool, options.pictures)
     print(text_table(*summary_cells(written.summary)))
     print(f"results in {sweep.folder}: results.csv, summary.csv, report.html ...")
-    if written.problem:
-        print(f"no results.parquet: {written.problem}", file=sys.stderr)
+    for problem in written.problems:
+        print(problem, file=sys.stderr)
     if written.failed:
         print(
             f"{written.failed} of {len(sweep.scenarios)} scenarios failed to run to the end, most "
@@ -145,7 +165,23 @@ def _run(sweep: Sweep, options: argparse.Namespace, stack: ExitStack) -> int:
             f"--replay {written.example['scenario']} shows it; results.csv has all reasons (error)",
             file=sys.stderr,
         )
-    return 1 if written.failed else 0
+    return 1 if _report_regressions(options, sweep) or written.failed else 0
+
+
+def _report_regressions(options: argparse.Namespace, sweep: Sweep) -> bool:
+    """Compares the results with the baseline, if there is one; returns whether they are worse."""
+    if options.baseline is None:
+        return False
+    rows = read_rows(sweep.folder)
+    found = verdicts(rows, options.baseline, options.tolerance, sweep.groups)
+    write_file(sweep.folder / "regressions.xml", junit(options.file.name, found))
+    worse = [each for each in found if each.is_regression]
+    for each in worse:
+        print(f"worse than the baseline: {each}", file=sys.stderr)
+    if not worse:
+        pairs = max(each.result.pairs for each in found)
+        print(f"not worse than the baseline, in up to {counted(pairs, 'pair')} of runs")
+    return bool(worse)
 
 
 def _pool(sweep: Sweep, options: argparse.Namespace, report: Callable[[str], None]) -> Pool:

@@ -107,10 +107,10 @@ class Fingerprints:
         """The fingerprints of map files; in the content, only the names of their paths remain."""
         maps: Dict[str, str] = {}
         for layer in content.get("layers") or ():
-            if layer.get("map"):
+            if isinstance(layer.get("map"), str) and layer["map"]:
                 path = Path(layer["map"])
                 config = MapConfig.from_file(path, preprocessor)
-                for file in (path, config.source):
+                for file in filter(None, (path, config.source)):
                     if file not in self._files:
                         self._files[file] = _file(file)
                     maps[file.name] = self._files[file]

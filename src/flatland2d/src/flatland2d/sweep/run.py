@@ -7,6 +7,8 @@ import numpy as np
 
 from flatland2d.handles import ModelHandle
 from flatland2d.simulation import Simulation
+from flatland2d.sweep.metrics import barn_score, motion_metrics, spl
+from flatland2d.sweep.people import PeopleMetrics
 from flatland2d.sweep.settings import SweepSettings, Task
 from flatland_server import _core
 from flatland_server.arguments import steps_in
@@ -23,10 +25,22 @@ METRICS = (
     "outcome",
     "success",
     "collision",
+    "collision_with",
     "time",
     "time_to_goal",
     "path_length",
+    "shortest_path",
+    "spl",
+    "barn_score",
     "min_clearance",
+    "people_distance",
+    "mean_people_distance",
+    "intimate_time",
+    "personal_time",
+    "social_time",
+    "stalled_time",
+    "heading_change",
+    "mean_jerk",
     "goal_distance",
     "start_x",
     "start_y",
@@ -74,6 +88,7 @@ class SweepRun:
         task: of the robot.
         robot: the driven model; None for a world that runs by itself.
         goal: x, y [m]; None if there is none.
+        shortest: length of the shortest path to the goal [m]; None if it is not known.
         seed: of the scenario.
         parameters: of the scenario, by name.
         observers: called at each step.
@@ -98,6 +113,7 @@ class SweepRun:
         *,
         robot: Optional[ModelHandle] = None,
         goal: Optional[Point] = None,
+        shortest: Optional[float] = None,
         seed: int = 0,
         parameters: Mapping[str, Any] = {},
         observers: Sequence[RunObserver] = (),
@@ -115,16 +131,21 @@ class SweepRun:
         self._limit = steps_in(settings.time_limit, settings.step_size, "time_limit")
         self._steps = 0
         self._observers = observers
-        self._has_collided = False
+        self._collided_with = ""
         self._has_arrived = False
         self._length = 0.0
         self._clearance = math.inf
         self._start = Pose()
+        self._times: List[float] = []
+        self._poses: List[Pose] = []
+        self._shortest = shortest
+        self._top_speed = task.top_speed
         if robot is not None:
             self._body = robot.model.base.physics_body
             self._start = robot.pose
             self._place = self._start[:2]
-            self.path.append(self._place)
+            self._people = PeopleMetrics(simulation.world, robot.model)
+            self._note_pose()
             self._bodies = _core.BodyGroup(robot.model.physics_bodies)
             self._measure_clearance()
 
@@ -190,7 +211,7 @@ class SweepRun:
             if self.outcome:
                 break
         if self._robot is not None:
-            self.path.append(self._place)
+            self._note_pose()
             self._measure_clearance()
         return self.is_running
 
@@ -202,19 +223,28 @@ class SweepRun:
         """The measured values so far, by the names in METRICS; docs/sweeps.md explains them."""
         found: Dict[str, Any] = dict.fromkeys(METRICS)
         found["outcome"] = self.outcome
-        found["time"] = self.simulation.time
+        found["time"] = now = round(self.simulation.time, 9)  # not 2.0300000000000002
         found.update(zip(("goal_x", "goal_y"), self.goal or ()))
         if self._robot is None:
             return found
         found.update(zip(("start_x", "start_y", "start_yaw"), self._start))
-        found["collision"] = self._has_collided
+        found["collision"] = bool(self._collided_with)
+        found["collision_with"] = self._collided_with or None
         found["path_length"] = self._length
+        found.update(motion_metrics(self._times, self._poses))
+        found.update(self._people.values())
         if math.isfinite(self._clearance):
             found["min_clearance"] = self._clearance
         if self.goal is not None:
             found["success"] = self._has_arrived
             found["goal_distance"] = math.dist(self._place, self.goal)
-            found["time_to_goal"] = self.simulation.time if self._has_arrived else None
+            found["time_to_goal"] = now if self._has_arrived else None
+            found["shortest_path"] = self._shortest
+            if self._shortest is not None:
+                done = self._has_arrived, self._shortest
+                found["spl"] = spl(*done, self._length)
+                if self._top_speed is not None:
+                    found["barn_score"] = barn_score(*done, now, self._top_speed)
         return found
 
     def _measure(self) -> None:
@@ -227,20 +257,28 @@ class SweepRun:
             name = self._robot.name
             for touch in self.simulation.contacts:
                 if touch.points and touch.of(name) and touch.model_a != touch.model_b:
-                    self._collide()
+                    self._collide(touch.model_b if touch.model_a == name else touch.model_a)
                     break
-            goal = None if self._has_collided else self.goal
+            goal = None if self._collided_with else self.goal
             if goal is not None and math.dist(self._place, goal) < self.goal_radius:
                 self._has_arrived = True
                 self.outcome = "goal"
         if not self.outcome and self._steps >= self._limit:
             self.outcome = "time limit"
 
-    def _collide(self) -> None:
-        self._has_collided = True
+    def _collide(self, other: str) -> None:
+        self._collided_with = self._collided_with or other
         self._clearance = 0.0
         if self._settings.collision_ends:
             self.outcome = "collision"
+
+    def _note_pose(self) -> None:
+        """Keeps the robot's pose after a control step."""
+        self.path.append(self._place)
+        if self._times:
+            self._people.measure(self.simulation.time - self._times[-1])
+        self._times.append(self.simulation.time)
+        self._poses.append(self.robot.pose)
 
     def _measure_clearance(self) -> None:
         """Updates the smallest distance of the robot from obstacles."""

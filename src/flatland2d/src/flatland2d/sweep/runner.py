@@ -21,6 +21,7 @@ from flatland2d.sweep.controllers import arguments_of, find_controller
 from flatland2d.sweep.parameters import SweepWorlds, world_key, world_params
 from flatland2d.sweep.run import ESTIMATE_ENDS, OTHER_COLUMNS, RunObserver, RunOver, SweepRun
 from flatland2d.sweep.settings import RANDOM, Scenario, SweepSettings, SweepWorld, Task
+from flatland2d.sweep.shortest_path import shortest_path
 from flatland_server.arrays import FloatArray
 from flatland_server.exceptions import FlatlandError, UsageError, shortened
 from flatland_server.geometry import Point, Pose
@@ -128,17 +129,21 @@ class ScenarioRunner:
         """
         task = scenario.world.task
         robot = _robot_of(simulation, scenario.world)
-        goal = None
+        goal = shortest = None
         if robot is not None:
             start, goal = _draw_start_and_goal(simulation, robot, task, scenario.seed)
             if task.start is not None:
                 simulation.move(robot.name, start)
+            shortest = task.shortest_path
+            if goal is not None and shortest is None:
+                shortest = shortest_path(simulation, robot, goal, task.goal_radius)
         return SweepRun(
             simulation,
             self._settings,
             task,
             robot=robot,
             goal=goal,
+            shortest=shortest,
             seed=scenario.seed,
             parameters=scenario.parameters,
             observers=observers,

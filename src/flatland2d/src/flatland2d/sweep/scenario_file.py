@@ -36,7 +36,7 @@ def read_scenario_file(path: Path) -> SweepSettings:
     reader = YamlReader.from_file(path)
     settings = SweepSettings(
         file=path,
-        worlds=_worlds(reader, _task(reader, Task())),
+        worlds=_worlds(reader, _task(reader, Task()), reader.get_string("group", "")),
         controllers=_controllers(reader),
         seeds=_seeds(reader),
         parameters=_parameters(reader),
@@ -82,6 +82,8 @@ def _task(reader: YamlReader, default: Task) -> Task:
         goal_radius=reader.get_float("goal_radius", default.goal_radius, above=0.0),
         goal_distance=(least, largest),
         margin=reader.get_float("margin", default.margin, minimum=0.0),
+        shortest_path=reader.get_float("shortest_path", default.shortest_path, above=0.0),
+        top_speed=reader.get_float("top_speed", default.top_speed, above=0.0),
     )
 
 
@@ -97,23 +99,26 @@ def _place(
     return word
 
 
-def _worlds(reader: YamlReader, task: Task) -> Tuple[SweepWorld, ...]:
-    """The entries of `worlds`: names, files, or maps."""
+def _worlds(reader: YamlReader, task: Task, group: str) -> Tuple[SweepWorld, ...]:
+    """The entries of `worlds`: names, files, and maps, which may be mixed."""
     if _is_list_of_maps(reader, "worlds"):
 
         def read(entry: YamlReader) -> SweepWorld:
             source = entry.get_string("world")
             name = entry.get_string("name", _short_name(source))
             _check_world(entry, "world", source)
-            world = SweepWorld(name, source, _task(entry, task))
+            of = entry.get_string("group", group)
+            world = SweepWorld(name, source, _task(entry, task), of)
             entry.finish()
             return world
 
-        return _named(reader, "worlds", reader.get_sections("worlds", read, required=True))
+        return _named(
+            reader, "worlds", reader.get_sections("worlds", read, required=True, word="world")
+        )
     sources = reader.get_strings("worlds")
     for source in sources:
         _check_world(reader, "worlds", source)
-    return _named(reader, "worlds", [SweepWorld(_short_name(s), s, task) for s in sources])
+    return _named(reader, "worlds", [SweepWorld(_short_name(s), s, task, group) for s in sources])
 
 
 def _short_name(source: str) -> str:

@@ -24,6 +24,8 @@ class Task:
         goal_distance: the least and the largest distance between start and goal [m], if one of them
             is random.
         margin: between the robot and all else, at a random start and goal [m].
+        shortest_path: length of the shortest path to the goal [m]; None: it is computed.
+        top_speed: of the robot [m/s], for the score of BARN; None: there is no such score.
     """
 
     robot: Optional[str] = None
@@ -32,6 +34,8 @@ class Task:
     goal_radius: float = 0.3
     goal_distance: Tuple[float, float] = (1.0, 10.0)
     margin: float = 0.1
+    shortest_path: Optional[float] = None
+    top_speed: Optional[float] = None
 
 
 @dataclass(frozen=True)
@@ -42,11 +46,13 @@ class SweepWorld:
         name: unique in the sweep.
         source: the name of a shipped world, or a file relative to the scenario file.
         task: of the robot in this world.
+        group: name of the row of the summary that it belongs to; empty: it has its own.
     """
 
     name: str
     source: str
     task: Task
+    group: str = ""
 
 
 @dataclass(frozen=True)
@@ -124,14 +130,15 @@ class Scenario:
 
     @property
     def group(self) -> Dict[str, Any]:
-        """World, controller and parameters: the columns that do not depend on the seed."""
-        names = {"world": self.world.name, "controller": self.controller.name}
-        return {**names, **self.parameters}
+        """Of the summary: world or its group, controller and parameters."""
+        world = self.world.group or self.world.name
+        return {"world": world, "controller": self.controller.name, **self.parameters}
 
     @property
     def columns(self) -> Dict[str, Any]:
         """The columns that identify it, by their names."""
-        return {"scenario": self.number, **self.group, "seed": self.seed}
+        numbered = {"scenario": self.number, **self.group, "seed": self.seed}
+        return {**numbered, "world": self.world.name}
 
     def __str__(self) -> str:
         values = "".join(f"{name} = {value}, " for name, value in self.parameters.items())

@@ -21,22 +21,25 @@ from typing import (
     TypeVar,
 )
 
+from flatland2d.sweep.comparison import comparison_rows
 from flatland2d.sweep.fingerprints import Fingerprints
 from flatland2d.sweep.local_pool import Done
+from flatland2d.sweep.paper import figure, latex_table, markdown_table
+from flatland2d.sweep.regressions import read_rows
 from flatland2d.sweep.report import draw, report_html, unsuccessful
 from flatland2d.sweep.runner import Result, ScenarioRunner
 from flatland2d.sweep.settings import Scenario, SweepSettings, scenarios_of
 from flatland2d.sweep.tables import (
     Entry,
+    csv_bytes,
+    parquet,
     rows_of,
     summary_rows,
     table_of,
     timing_table,
-    write_csv,
     write_file,
-    write_parquet,
 )
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, MissingPackageError
 
 JOURNAL = "journal.jsonl"
 
@@ -68,8 +71,8 @@ class Written(NamedTuple):
     """Number of scenarios that could not be run to the end."""
     example: Dict[str, Any]
     """The row of the first failed scenario with the most frequent reason; empty if none failed."""
-    problem: str
-    """Why there is no Parquet file; empty if there is one."""
+    problems: List[str]
+    """Which files are not there, since a package is missing."""
 
 
 class Sweep:
@@ -127,6 +130,11 @@ class Sweep:
         """Number of results in the folder of scenarios that are not, or no longer, in the sweep."""
         return len(set(self._journal.entries) - set(self._fingerprints.values()))
 
+    @property
+    def groups(self) -> Dict[str, str]:
+        """The groups of worlds, by the names of those that belong to one."""
+        return {each.name: each.group for each in self.settings.worlds if each.group}
+
     def run(self, scenarios: Iterable[Scenario], pool: Pool) -> Iterator[Result]:
         """Runs scenarios; each result is in the journal before it is yielded."""
         for done in pool.map(ScenarioRunner.run, scenarios):
@@ -149,16 +157,17 @@ class Sweep:
         rows = rows_of(results)
         summary = summary_rows(results)
         table = table_of(rows)
-        write_csv(self.folder / "results.csv", table)
-        write_csv(self.folder / "summary.csv", table_of(summary))
-        write_csv(self.folder / "timing.csv", timing_table(results))
-        problem = ""
-        try:
-            write_parquet(self.folder / "results.parquet", table)
-        except FlatlandError as error:
-            problem = str(error)
-            if (self.folder / "results.parquet").exists():  # of other results
-                (self.folder / "results.parquet").unlink()
+        write_file(self.folder / "results.csv", csv_bytes(table))
+        write_file(self.folder / "summary.csv", csv_bytes(table_of(summary)))
+        write_file(self.folder / "timing.csv", csv_bytes(timing_table(results)))
+        problems = [
+            self._write_if_possible("results.parquet", lambda: parquet(table)),
+            self._write_if_possible("summary.pdf", lambda: figure(summary)),
+        ]
+        if len(self.settings.controllers) > 1:
+            problems.append(self._write_if_possible("comparisons.csv", self._comparisons))
+        write_file(self.folder / "summary.md", markdown_table(summary).encode())
+        write_file(self.folder / "summary.tex", latex_table(summary).encode())
         chosen = _evenly([row["scenario"] for row in unsuccessful(rows)], pictures)
         to_draw = [self.scenarios[number - 1] for number in chosen]
         drawn = {done.scenario.number: done.answer or b"" for done in pool.map(draw, to_draw)}
@@ -173,7 +182,25 @@ class Sweep:
         failed = [row for row in rows if row["status"] == "failed"]
         reasons = Counter(row["error"] for row in failed)
         example = max(failed, key=lambda row: reasons[row["error"]], default={})
-        return Written(summary, len(failed), example, problem)
+        return Written(summary, len(failed), example, list(filter(None, problems)))
+
+    def _comparisons(self) -> bytes:
+        return csv_bytes(table_of(comparison_rows(read_rows(self.folder), self.groups)))
+
+    def _write_if_possible(self, name: str, content: Callable[[], bytes]) -> str:
+        """Writes a file that needs a package. Returns why it is not there; empty if it is.
+
+        Raises:
+            FlatlandError: the file cannot be written.
+        """
+        path = self.folder / name
+        try:
+            write_file(path, content())
+        except MissingPackageError as error:
+            if path.exists():  # of other results
+                path.unlink()
+            return f"no {name}: {error}"
+        return ""
 
     def _keys(self) -> Iterator[Tuple[Scenario, str]]:
         """The scenarios with their fingerprints."""

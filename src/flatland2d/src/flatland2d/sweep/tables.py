@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from flatland2d.sweep.intervals import mean, rate
+from flatland2d.sweep.metrics import SUMMARISED
 from flatland2d.sweep.run import ESTIMATE_ENDS, METRICS
 from flatland2d.sweep.runner import Result
 from flatland2d.sweep.settings import Scenario
-from flatland_server.exceptions import FlatlandError
+from flatland_server.exceptions import FlatlandError, MissingPackageError
 
 BOOL, INT, FLOAT, STRING = "bool", "int64", "float64", "string"
 
@@ -36,8 +37,6 @@ class Column(NamedTuple):
 
 
 Table = List[Column]
-
-_SUMMARISED = ("success", "collision", "time_to_goal", "path_length", "min_clearance")
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ def summary_rows(results: Results) -> List[Dict[str, Any]]:
     groups: Dict[str, List[Tuple[Scenario, Entry]]] = {}
     for scenario, entry in results:
         groups.setdefault(repr(scenario.group), []).append((scenario, entry))
-    names = [*_SUMMARISED, *_numeric_names(entry for _, entry in results)]
+    names = [*SUMMARISED, *_numeric_names(entry for _, entry in results)]
     return [_summary(group, names) for group in groups.values()]
 
 
@@ -125,7 +124,8 @@ def _estimate(name: str, values: List[Any]) -> Dict[str, Any]:
     shown = [None if number != number else number for number in interval]
     low, high, count = (f"{name}{end}" for end in ESTIMATE_ENDS)
     found = dict(zip((name, low, high), shown))
-    return found if name in ("success", "collision") else {**found, count: len(values)}
+    is_of_all = name in SUMMARISED and SUMMARISED[name].is_rate
+    return found if is_of_all else {**found, count: len(values)}
 
 
 def column(name: str, values: Iterable[Any]) -> Column:
@@ -154,31 +154,27 @@ def table_of(rows: Sequence[Mapping[str, Any]]) -> Table:
     return [column(name, [row.get(name) for row in rows]) for name in names]
 
 
-def write_csv(path: Path, table: Table) -> None:
-    """Writes a table as CSV: floats so that they can be read back exactly; None is empty.
-
-    Raises:
-        FlatlandError: the file cannot be written.
-    """
+def csv_bytes(table: Table) -> bytes:
+    """A table as CSV: floats so that they can be read back exactly; None is empty."""
     file = io.StringIO(newline="")
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow([each.name for each in table])
     for row in zip(*(each.values for each in table)):
         writer.writerow(["" if value is None else _text(value) for value in row])
-    write_file(path, file.getvalue().encode())
+    return file.getvalue().encode()
 
 
-def write_parquet(path: Path, table: Table) -> None:
-    """Writes a table as Parquet.
+def parquet(table: Table) -> bytes:
+    """A table as Parquet.
 
     Raises:
-        FlatlandError: pyarrow is not installed, or the file cannot be written.
+        MissingPackageError: pyarrow is not installed.
     """
     try:
         import pyarrow
         import pyarrow.parquet
     except ImportError as error:
-        raise FlatlandError(
+        raise MissingPackageError(
             "a Parquet file needs pyarrow: pip install 'flatland2d[sweep]', or in a ROS workspace "
             f"as docs/sweeps.md says under Parquet and Ray ({str(error).splitlines()[0]})"
         ) from None
@@ -192,7 +188,8 @@ def write_parquet(path: Path, table: Table) -> None:
     content = pyarrow.Table.from_arrays(arrays, names=[each.name for each in table])
     buffer = pyarrow.BufferOutputStream()
     pyarrow.parquet.write_table(content, buffer)
-    write_file(path, buffer.getvalue().to_pybytes())
+    found: bytes = buffer.getvalue().to_pybytes()
+    return found
 
 
 def write_file(path: Path, content: bytes) -> None:

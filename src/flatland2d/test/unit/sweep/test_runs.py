@@ -52,6 +52,12 @@ def test_a_wall_ahead_ends_the_run_with_a_collision(settings_of):
     assert row["min_clearance"] == 0.0
 
 
+def test_times_are_those_of_whole_steps(settings_of):
+    [result] = results_of(settings_of(**AHEAD, goal=None, time_limit=4.55))
+
+    assert repr(result.row["time"]) == "4.55"
+
+
 def test_a_run_goes_on_after_a_collision_if_the_file_says_so(settings_of):
     [result] = results_of(settings_of(**AHEAD, goal=None, time_limit=15, collision_ends=False))
 

@@ -20,6 +20,14 @@ BOX_CHOSEN_BY_PARAMETER = (
 """A string of the world file, and its replacement."""
 
 
+def test_worlds_may_be_names_and_maps(settings_of):
+    worlds = "[office, {name: b, world: world.yaml, goal_radius: 0.5}, world.yaml]"
+    settings = settings_of(worlds=worlds)
+
+    assert [each.name for each in settings.worlds] == ["office", "b", settings.worlds[2].name]
+    assert [each.task.goal_radius for each in settings.worlds][1:] == [0.5, 0.3]
+
+
 def test_scenarios_are_in_the_order_of_worlds_controllers_parameters_and_seeds(settings_of):
     settings = settings_of(
         worlds="[office, world.yaml]",

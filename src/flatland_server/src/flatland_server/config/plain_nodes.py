@@ -1,8 +1,9 @@
 """Worlds and models as dicts and lists, converted to and from the nodes of parsed files."""
 
 from os import PathLike, fspath
-from typing import Any, Callable, Dict, Mapping, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Sequence
 
+import numpy as np
 import yaml
 
 from flatland_server.exceptions import FlatlandError, shortened
@@ -21,6 +22,25 @@ NO_LINE = -2
 """The line number of a mark without a file."""
 
 
+class ArrayNode(yaml.SequenceNode):
+    """A list of rows of numbers as an array: a map of a million cells takes no million nodes.
+
+    Args:
+        array: shape (n, k), read-only.
+        mark: its place.
+    """
+
+    def __init__(self, array: Any, mark: yaml.Mark) -> None:
+        self.tag = f"{_TAG}seq"
+        self.start_mark = self.end_mark = mark
+        self.array = array
+
+    @property
+    def value(self) -> List[yaml.Node]:
+        """The rows as nodes, for those who do not know arrays."""
+        return [_node(row, self.start_mark) for row in self.array.tolist()]
+
+
 def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
     """A copy of a file's content in Python's built-in types.
 
@@ -33,10 +53,18 @@ def plain_copy(content: Any, name: str, path: str = "", depth: int = 0) -> Any:
 
     Raises:
         FlatlandError: a part of it has another type.
+
+    Returns:
+        None, booleans, numbers, strings, and lists and dicts of these; arrays of rows of numbers as
+        read-only arrays.
     """
     where = f"{name}: {path}" if path else name
     if depth > _MAX_DEPTH:
         raise FlatlandError(f"{name}: expected at most {_MAX_DEPTH} levels, found more")
+    if isinstance(content, np.ndarray) and content.ndim == 2 and content.dtype.kind in "biuf":
+        rows = content.copy()
+        rows.flags.writeable = False
+        return rows
     if hasattr(content, "tolist"):  # arrays and numbers of NumPy
         content = content.tolist()
     if isinstance(content, PathLike):
@@ -72,13 +100,15 @@ def to_node(content: Any, name: str) -> yaml.Node:
 
 
 def to_content(node: yaml.Node) -> Any:
-    """The inverse of `to_node`: None, booleans, numbers, strings, lists and dicts.
+    """The inverse of `to_node`: None, booleans, numbers, strings, lists, dicts and new arrays.
 
     Args:
         node: with its expressions and includes resolved.
     """
     if isinstance(node, yaml.MappingNode):
         return {key.value: to_content(value) for key, value in node.value}
+    if isinstance(node, ArrayNode):
+        return node.array.copy()
     if isinstance(node, yaml.SequenceNode):
         return [to_content(item) for item in node.value]
     kind = node.tag[len(_TAG) :]
@@ -91,6 +121,8 @@ def _node(value: Any, mark: yaml.Mark) -> yaml.Node:
     if isinstance(value, dict):
         pairs = [(_node(key, mark), _node(item, mark)) for key, item in value.items()]
         return yaml.MappingNode(f"{_TAG}map", pairs, mark, mark)
+    if isinstance(value, np.ndarray):
+        return ArrayNode(value, mark)
     if isinstance(value, list):
         return yaml.SequenceNode(f"{_TAG}seq", [_node(item, mark) for item in value], mark, mark)
     if value is None:

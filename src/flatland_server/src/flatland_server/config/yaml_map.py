@@ -10,7 +10,7 @@ import yaml
 from flatland_server.config.plain_nodes import NO_LINE, to_content
 from flatland_server.config.problem_collector import ProblemCollector
 from flatland_server.config.ros_names import topic_name_problem
-from flatland_server.config.yaml_values import ConversionError, describe, is_null
+from flatland_server.config.yaml_values import ConversionError, EntryError, describe, is_null
 from flatland_server.exceptions import YamlError, shortened, suggestion
 
 logger = logging.getLogger(__name__)
@@ -49,6 +49,7 @@ class YamlMap:
         self._values: Dict[str, yaml.Node] = {}
         self._read: Set[str] = set()
         self._repeated: List[YamlError] = []
+        self._results: Dict[Any, Any] = {}  # of `YamlReader.read_once`
         self._problems = ProblemCollector() if problems is None else problems
         if not isinstance(node, yaml.MappingNode):
             raise error_at(node, f"expected a map, found {describe(node)}", path)
@@ -216,6 +217,10 @@ class YamlMap:
             return default
         try:
             return converter(self._values[key])
+        except EntryError as error:
+            place = f"{self._path_of(key)}[{error.index}]"
+            message = f"expected {error}, found {describe(error.node)}"
+            raise error_at(error.node, message, place) from None
         except ConversionError as error:
             found = describe(self._values[key])
             raise self.error(f"expected {error}, found {found}", key) from None

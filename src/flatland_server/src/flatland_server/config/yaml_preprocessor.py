@@ -20,6 +20,7 @@ from flatland_server.config.composed_files import (
 )
 from flatland_server.config.file_names import to_path
 from flatland_server.config.input_files import is_file
+from flatland_server.config.plain_nodes import ArrayNode
 from flatland_server.config.yaml_expressions import Expressions
 from flatland_server.config.yaml_map import error_at
 from flatland_server.exceptions import FlatlandError, YamlError
@@ -132,6 +133,8 @@ class YamlPreprocessor:
                 none for a text.
             done: the results by the `id` of the node, for aliases; None while a node is resolved.
         """
+        if isinstance(node, ArrayNode):
+            return node
         if isinstance(node, yaml.ScalarNode):
             return self._resolve_scalar(node, files)
         if id(node) in done:

@@ -11,10 +11,12 @@ placeholder of the right type; `finish` raises what was noted. Do not use a valu
 import math
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Callable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
+from typing import Any, Callable, Hashable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
+import numpy as np
 import yaml
 
+from flatland_server.arrays import FloatArray
 from flatland_server.config.file_names import find_file, is_bare, nor_in
 from flatland_server.config.input_files import is_file, why_not_a_file
 from flatland_server.config.plain_nodes import plain_copy, to_node
@@ -23,11 +25,14 @@ from flatland_server.config.yaml_map import REQUIRED as REQUIRED
 from flatland_server.config.yaml_map import YamlMap, file_of
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_values import (
+    cells,
     float_from,
     floats_between,
     int_between,
     one_of,
+    outlines,
     points,
+    rows,
     to_bool,
     to_frame,
     to_items,
@@ -120,6 +125,21 @@ class YamlReader(YamlMap):
             return cls(preprocessor.read_text(text, file), root=root)
         with closing(YamlPreprocessor()) as own:
             return cls(own.read_text(text, file), root=root)
+
+    def read_once(self, read: Callable[..., T], *arguments: Hashable) -> T:
+        """The result of `read(self, *arguments)`, kept for plugins that a reset starts again.
+
+        Args:
+            read: reads values into an object that does not change, and has no other effects.
+            arguments: of `read`, after the reader.
+        """
+        key = (read, arguments)
+        if key not in self._results:
+            result = read(self, *arguments)
+            if not self.is_sound:
+                return result
+            self._results[key] = result
+        return cast(T, self._results[key])
 
     # Values
 
@@ -280,6 +300,42 @@ class YamlReader(YamlMap):
         found = self._get(key, default, points(minimum, maximum), placeholder)
         return cast(List[Tuple[float, float]], found)
 
+    def get_rows(self, key: str, form: str, default: Any = REQUIRED) -> FloatArray:
+        """A list of rows of numbers.
+
+        Args:
+            key: of the list.
+            form: of a row, such as "[x, y, radius]".
+            default: the value if the key is missing; without it, the key is required.
+
+        Returns:
+            Shape (n, 3) for that form.
+        """
+        empty = np.empty((0, form.count(",") + 1))
+        return cast(FloatArray, self._get(key, default, rows(form), empty))
+
+    def get_outlines(self, key: str) -> List[FloatArray]:
+        """A list of polygons, each of three or more points `[x, y]`; empty if it is not given.
+
+        Args:
+            key: of the list.
+
+        Returns:
+            Each of shape (k, 2).
+        """
+        return cast(List[FloatArray], self._get(key, [], outlines, []))
+
+    def get_cells(self, key: str) -> "np.ndarray[Any, Any]":
+        """Rows of numbers or booleans, all of the same length.
+
+        Args:
+            key: of the rows.
+
+        Returns:
+            Shape (height, width).
+        """
+        return cast("np.ndarray[Any, Any]", self._get(key, REQUIRED, cells, np.zeros((1, 1))))
+
     def get_color(self, key: str, default: Any = REQUIRED) -> Color:
         """`[r, g, b, alpha]`, each 0 to 1.
 
@@ -357,7 +413,7 @@ class YamlReader(YamlMap):
         return _Section(empty, path, self._root, problems)
 
     def get_sections(
-        self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False
+        self, key: str, read: Callable[["YamlReader"], T], *, required: bool = False, word: str = ""
     ) -> List[T]:
         """Reads each map of a list; an empty list if it is not given.
 
@@ -367,11 +423,15 @@ class YamlReader(YamlMap):
             key: of the list.
             read: reads an entry.
             required: whether the list must be given.
+            word: the key that an entry of one word is short for; empty: entries must be maps.
         """
         entries: List[T] = []
         path = self._path_of(key)
         nodes = self._get(key, REQUIRED if required else [], to_items, [])
         for index, node in enumerate(nodes):
+            if word and isinstance(node, yaml.ScalarNode):
+                name = yaml.ScalarNode("tag:yaml.org,2002:str", word, node.start_mark)
+                node = yaml.MappingNode("tag:yaml.org,2002:map", [(name, node)], node.start_mark)
             with self._problems.part() as problems:
                 entries.append(read(YamlReader(node, f"{path}[{index}]", self._root, problems)))
         return entries

@@ -5,12 +5,18 @@ restricted further.
 """
 
 import math
-from typing import Callable, List, Optional, Sequence, Tuple, cast
+import sys
+from typing import Any, Callable, List, Optional, Sequence, Tuple, TypeVar, cast
 
+import numpy as np
 import yaml
 
+from flatland_server.arrays import FloatArray
+from flatland_server.config.plain_nodes import ArrayNode, to_content
 from flatland_server.config.ros_names import FRAME, TOPIC, is_frame, is_topic
 from flatland_server.exceptions import suggestion
+
+T = TypeVar("T")
 
 LARGEST = 1e9
 """The largest magnitude of a number: physics is computed in single precision."""
@@ -26,6 +32,21 @@ _MOST_ITEMS = 12  # of a list in a description
 
 class ConversionError(Exception):
     """A node has another form than expected. The message is the expected one: "a whole number"."""
+
+
+class EntryError(ConversionError):
+    """An entry of a list has another form than expected.
+
+    Args:
+        message: the expected one.
+        index: of the entry.
+        node: the entry.
+    """
+
+    def __init__(self, message: str, index: int, node: yaml.Node) -> None:
+        super().__init__(message)
+        self.index = index
+        self.node = node
 
 
 def is_null(node: yaml.Node) -> bool:
@@ -180,10 +201,60 @@ def points(minimum: int, maximum: int) -> Callable[[yaml.Node], List[Tuple[float
     def convert(node: yaml.Node) -> List[Tuple[float, float]]:
         items = node.value if isinstance(node, yaml.SequenceNode) else []
         if not minimum <= len(items) <= maximum:
-            raise ConversionError(f"a list of {minimum} to {maximum} points [x, y]")
+            number = f"{minimum} or more" if maximum == sys.maxsize else f"{minimum} to {maximum}"
+            raise ConversionError(f"a list of {number} points [x, y]")
         return [cast(Tuple[float, float], to_point(item)) for item in items]
 
     return convert
+
+
+def rows(form: str) -> Callable[[yaml.Node], FloatArray]:
+    """Converts to an array of rows such as `[x, y, radius]`, shape (n, 3) for that form."""
+    length = form.count(",") + 1
+    to_row = floats_between(length, form)
+
+    def convert(node: yaml.Node) -> FloatArray:
+        if isinstance(node, ArrayNode) and node.array.shape[1] == length:
+            array = np.asarray(node.array, np.float64)
+            if (np.abs(array) <= LARGEST).all():
+                return array
+        if not isinstance(node, yaml.SequenceNode):
+            raise ConversionError(f"a list of {form}")
+        found = [_entry(to_row, node, index, item) for index, item in enumerate(node.value)]
+        return np.array(found, np.float64).reshape(-1, length)
+
+    return convert
+
+
+def outlines(node: yaml.Node) -> List[FloatArray]:
+    """Lists of three or more points `[x, y]`, each as an array (k, 2)."""
+    to_points = points(3, sys.maxsize)
+    return [
+        np.array(_entry(to_points, node, index, item), np.float64)
+        for index, item in enumerate(to_items(node))
+    ]
+
+
+def cells(node: yaml.Node) -> "np.ndarray[Any, Any]":
+    """Rows of numbers or booleans, all of the same length: shape (height, width)."""
+    if isinstance(node, ArrayNode):
+        return cast("np.ndarray[Any, Any]", node.array)
+    content = to_content(node)
+    is_grid = isinstance(content, list) and all(isinstance(row, list) for row in content)
+    if not is_grid or len({len(row) for row in content}) != 1:
+        raise ConversionError("rows of the same length")
+    array = np.array(content)
+    if array.ndim != 2 or array.dtype.kind not in "biuf":
+        raise ConversionError("rows of numbers")
+    return array
+
+
+def _entry(convert: Callable[[yaml.Node], T], node: yaml.Node, index: int, item: yaml.Node) -> T:
+    """An entry of a list; an error names its index."""
+    try:
+        return convert(item)
+    except ConversionError as error:
+        raise EntryError(str(error), index, item) from None
 
 
 def describe(node: yaml.Node, depth: int = 2) -> str:
@@ -193,6 +264,8 @@ def describe(node: yaml.Node, depth: int = 2) -> str:
             return "nothing"
         is_string = node.tag == "tag:yaml.org,2002:str"
         text = f'"{node.value}"' if is_string else str(node.value)
+    elif isinstance(node, ArrayNode):
+        text = f"an array of shape {node.array.shape}"
     elif isinstance(node, yaml.SequenceNode):
         if depth == 0:
             return "a list"

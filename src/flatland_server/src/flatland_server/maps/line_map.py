@@ -14,6 +14,7 @@ from flatland_server.arrays import BoolArray, Segments
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, YamlError
 from flatland_server.geometry import Pose
+from flatland_server.maps import wall_outlines
 from flatland_server.maps.map_reader import place, read_image
 from flatland_server.maps.simplify_outlines import simplify
 
@@ -97,7 +98,7 @@ class LineMap:
             YamlError: something in the file, or in the image, is wrong.
         """
         source = ServerMap.from_file(path)
-        outlines = read_image(source.image, source.is_bright)
+        outlines = wall_outlines.outlines(read_image(source.image, source.is_bright))
         pixels = 1.0 if tolerance is None else tolerance / source.resolution
         simplified = simplify(outlines, pixels)
         return cls(source, outlines, simplified.segments, simplified.deviation * source.resolution)

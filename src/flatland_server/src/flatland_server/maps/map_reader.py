@@ -1,4 +1,7 @@
-"""Reads map files: walls from images, in the format of map_server, and from line segments."""
+"""Reads maps: walls from images, in the format of map_server, from grids, and from line segments.
+
+A map is a file, or a section of a world file, which has its walls in itself.
+"""
 
 import io
 import logging
@@ -7,11 +10,11 @@ import warnings
 from array import array
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Callable, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple
 
 import numpy as np
 
-from flatland_server.arrays import BoolArray, IntArray, Segments
+from flatland_server.arrays import BoolArray, FloatArray, IntArray, Segments
 from flatland_server.config.input_files import MAX_IMAGE, MAX_LINE_SEGMENTS, read_input
 from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
@@ -27,6 +30,11 @@ if TYPE_CHECKING:  # Pillow is imported when an image is read
 
 logger = logging.getLogger(__name__)
 
+INLINE = ("segments", "polygons", "circles", "grid")
+"""The keys of walls that are in the map itself."""
+
+_CIRCLE_SIDES = 36  # as those of a footprint's outline
+
 _LINES = "line_segments"
 """The `type` of a map of line segments; every other one is an image."""
 
@@ -41,24 +49,30 @@ _MAX_PIXELS = 80_000_000  # less than a gigabyte while outlines are computed
 
 @dataclass(frozen=True)
 class MapConfig:
-    """A map's YAML file.
+    """A map's YAML file, or the map in a world file.
 
     Attributes:
         path: the YAML file.
-        source: the image, or the file of line segments.
-        is_image: whether `source` is an image.
-        scale: metres per pixel of an image, or per unit of line segments.
-        origin: pose of the image's bottom left corner, or of the origin of the line segments, in
-            the world.
+        source: the image, or the file of line segments; None if the map has its walls in itself.
+        scale: metres per pixel of an image or a grid, or per unit of line segments.
+        origin: pose of the bottom left corner of the image or the grid, or of the origin of the
+            line segments, in the world.
         occupied_thresh: grey value between 0 (black) and 1 (white) above which a pixel is bright.
+        bright: the free cells of a grid, the top row first; None without a grid.
+        lines: line segments that are in the map itself; None if `source` has them.
+        is_image: whether it is an image or a grid.
+        place: of the map in a world file, such as "layers[0].map".
     """
 
     path: Path
-    source: Path
-    is_image: bool
+    source: Optional[Path]
     scale: float
     origin: Pose
     occupied_thresh: float = 0.0
+    bright: Optional[BoolArray] = None
+    lines: Optional[Segments] = None
+    is_image: bool = False
+    place: str = ""
 
     @classmethod
     def from_file(cls, path: Path, preprocessor: Optional[YamlPreprocessor] = None) -> "MapConfig":
@@ -72,13 +86,15 @@ class MapConfig:
             YamlError: something in the file is wrong.
         """
         reader = YamlReader.from_file(path, preprocessor)
+        if any(map(reader.has, INLINE)):
+            return cls.read(reader)
         origin = reader.get_pose("origin")
         kind = reader.get_string("type", "image")
         if kind == _LINES:
             scale = reader.get_float("scale", above=0.0)
             source = reader.get_path("data")
             reader.finish()
-            return cls(path, source, False, scale, origin)
+            return cls(path, source, scale, origin)
         if suggestion(kind, [_LINES]):
             logger.info('%s: read as an image: expected "%s", found "%s"', path, _LINES, kind)
         scale = reader.get_float("resolution", above=0.0)
@@ -87,7 +103,85 @@ class MapConfig:
             reader.get_string(unused, "")
         source = reader.get_path("image")
         reader.finish()
-        return cls(path, source, True, scale, origin, occupied_thresh)
+        return cls(path, source, scale, origin, occupied_thresh, is_image=True)
+
+    @classmethod
+    def read(cls, reader: YamlReader) -> "MapConfig":
+        """Reads a map that has its walls in itself.
+
+        Args:
+            reader: the file or the section.
+
+        Raises:
+            YamlError: something in it is wrong.
+        """
+        origin = reader.get_pose("origin", Pose())
+        if reader.has("grid"):
+            scale = reader.get_float("resolution", above=0.0)
+            occupied_thresh = reader.get_float("occupied_thresh", 0.0)
+            bright = ~(reader.get_cells("grid")[::-1] > occupied_thresh)
+            if bright.size > _MAX_PIXELS:
+                reader.problem(f"expected at most {_MAX_PIXELS // 1_000_000} million cells", "grid")
+            reader.finish()
+            reader.raise_problems()
+            return cls(
+                reader.file, None, scale, origin, 0.0, bright, is_image=True, place=reader.path
+            )
+        if not any(map(reader.has, INLINE)):
+            names = ", ".join(f'"{name}"' for name in INLINE)
+            reader.problem(f"expected a file, or one of {names}; found none of these")
+        scale = reader.get_float("scale", 1.0, above=0.0)
+        outlines = reader.get_outlines("polygons")
+        circles = reader.get_rows("circles", "[x, y, radius]", np.empty((0, 3)))
+        for number in np.flatnonzero(circles[:, 2] <= 0.0)[:1]:
+            reader.problem(f"expected a radius above 0 in circles[{number}]", "circles")
+        outlines += [_circle(*circle) for circle in circles.tolist()]
+        lines = [
+            reader.get_rows("segments", "[x1, y1, x2, y2]", np.empty((0, 4))),
+            *(np.hstack([outline, np.roll(outline, -1, axis=0)]) for outline in outlines),
+        ]
+        reader.finish()
+        reader.raise_problems()
+        walls = np.concatenate(lines)
+        return cls(reader.file, None, scale, origin, lines=walls, place=reader.path)
+
+    def content(self) -> Dict[str, Any]:
+        """The map with its walls in itself, as `read` takes it; its grid or segments are arrays.
+
+        Raises:
+            YamlError: the image or the data cannot be read.
+        """
+        origin = list(self.origin)
+        if self.is_image:
+            return {"grid": ~self._bright()[::-1], "resolution": self.scale, "origin": origin}
+        return {"segments": self._lines()[0], "scale": self.scale, "origin": origin}
+
+    def walls(self, simplify_map: int = 0) -> Segments:
+        """The walls of the map, in the world; see `read_map`."""
+        numbers = None
+        with log_if_slow(f"{self.path}: reading walls takes a while ..."):
+            if self.is_image:
+                segments = outlines(self._bright())
+            else:
+                segments, numbers = self._lines()
+        if simplify_map and self.is_image:
+            segments = _simplified(segments, self, TOLERANCES[simplify_map])
+        segments = place(segments * self.scale, self.origin)
+        _check(segments, self, numbers)
+        segments.flags.writeable = False
+        return segments
+
+    def _bright(self) -> BoolArray:
+        if self.bright is not None:
+            return self.bright
+        assert self.source is not None
+        return read_image(self.source, lambda image: bright_pixels(image, self.occupied_thresh))
+
+    def _lines(self) -> Tuple[Segments, Optional[IntArray]]:
+        if self.source is None:
+            assert self.lines is not None
+            return self.lines, None
+        return _read_line_segments(self.source)
 
 
 def read_map(
@@ -107,33 +201,18 @@ def read_map(
     Raises:
         YamlError: something in the file, or in the image or data that it names, is wrong.
     """
-    config = MapConfig.from_file(path, preprocessor)
-    lines = None
-    with log_if_slow(f"{path}: reading walls takes a while ..."):
-        if config.is_image:
-            segments = read_image(
-                config.source, lambda image: bright_pixels(image, config.occupied_thresh)
-            )
-        else:
-            segments, lines = _read_line_segments(config.source)
-    if simplify_map and config.is_image:
-        segments = _simplified(segments, config, TOLERANCES[simplify_map])
-    segments *= config.scale
-    segments = place(segments, config.origin)
-    _check(segments, config, lines)
-    segments.flags.writeable = False
-    return segments
+    return MapConfig.from_file(path, preprocessor).walls(simplify_map)
 
 
-def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> Segments:
-    """The outlines of an image, in pixels from its bottom left corner.
+def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> BoolArray:
+    """The bright pixels of an image.
 
     Args:
         path: of the image.
         is_bright: returns the mask of bright pixels: shape (height, width), the top row first.
 
     Returns:
-        Shape (n, 4), x1, y1, x2, y2.
+        Shape (height, width), the top row first.
 
     Raises:
         YamlError: it cannot be read.
@@ -148,7 +227,7 @@ def read_image(path: Path, is_bright: Callable[["Image.Image"], BoolArray]) -> S
         with image:
             if image.width * image.height > _MAX_PIXELS:
                 raise Image.DecompressionBombError
-            return outlines(is_bright(image))
+            return is_bright(image)
     except UnidentifiedImageError:
         formats = ", ".join(_FORMATS)
         raise YamlError(path, f"is not an image of a known format: {formats}") from None
@@ -195,6 +274,12 @@ def _read_line_segments(path: Path) -> Tuple[Segments, IntArray]:
     return np.array(values, dtype=np.float64).reshape(-1, 4), np.array(numbers, dtype=np.intp)
 
 
+def _circle(x: float, y: float, radius: float) -> FloatArray:
+    """The corners of a regular polygon that approximates a circle: shape (k, 2)."""
+    angles = np.arange(_CIRCLE_SIDES) * (math.tau / _CIRCLE_SIDES)
+    return np.column_stack([x + radius * np.cos(angles), y + radius * np.sin(angles)])
+
+
 def _simplified(segments: Segments, config: MapConfig, tolerance: float) -> Segments:
     """Outlines [px] with fewer segments; logs their number."""
     before = len(segments)
@@ -231,8 +316,11 @@ def _check(segments: Segments, config: MapConfig, lines: Optional[IntArray]) -> 
         return
 
     def refuse(index: int, expected: str, found: str) -> None:
-        place = "" if lines is None else f" in {config.source}:{lines[index]}"
-        raise YamlError(config.path, f"expected walls {expected}, found {found}{place}")
+        where = "" if lines is None else f" in {config.source}:{lines[index]}"
+        if config.lines is not None:
+            where = f": {[round(each, 9) for each in segments[index].tolist()]}"
+        label = f"{config.place}: " if config.place else ""
+        raise YamlError(config.path, f"{label}expected walls {expected}, found {found}{where}")
 
     if max(segments.max(), -segments.min()) > _FARTHEST:
         farthest = int(np.abs(segments).max(axis=1).argmax())

@@ -6,7 +6,7 @@ A layer without a map has no walls: it is a collision layer for footprints.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from flatland_server.config.yaml_map import check_topic_name
 from flatland_server.config.yaml_reader import Color, YamlReader
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
 from flatland_server.models.entity import Entities, Entity
+
+MapSource = Union[Path, str]
+"""A map file, or the place of a map in a world file, such as "layers[0].map"."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class LayerConfig:
         color: of its walls.
         min_z: lower edge of its upright walls in rviz [m].
         max_z: upper edge of its upright walls in rviz [m].
-        map: its map file, if it has one.
+        map: its map file, or the place of the map in the world file; None without one.
     """
 
     names: Tuple[str, ...]
@@ -36,7 +39,7 @@ class LayerConfig:
     color: Color
     min_z: float
     max_z: float
-    map: Optional[Path]
+    map: Optional[MapSource]
 
     @classmethod
     def read(cls, reader: YamlReader, registry: CollisionFilterRegistry) -> "LayerConfig":
@@ -66,13 +69,15 @@ class LayerConfig:
         max_z = debug.get_float("max_z", 1.0)
         debug.finish()
         properties.finish()
-        map_file = cls.read_map_path(reader)
+        source = cls.read_map_source(reader)
         reader.finish()
-        return cls(names, bits, color, min_z, max_z, map_file)
+        return cls(names, bits, color, min_z, max_z, source)
 
     @staticmethod
-    def read_map_path(reader: YamlReader) -> Optional[Path]:
-        """The map file that an entry names, if any; other problems of the entry are ignored."""
+    def read_map_source(reader: YamlReader) -> Optional[MapSource]:
+        """The map of an entry, if any; other problems of the entry are ignored."""
+        if reader.is_map("map"):
+            return reader.get_section("map").path
         reader.get_string("map", "")
         return reader.get_path("map") if reader.has("map") else None
 
@@ -86,6 +91,7 @@ class Layer(Entity):
         physics: the physical world that it is added to.
         entities: the entities of that world; the layer adds itself.
         progress: called with the number of walls added so far, now and then.
+        body: of its walls, if that world has it already.
     """
 
     def __init__(
@@ -95,13 +101,17 @@ class Layer(Entity):
         physics: _core.World,
         entities: Entities,
         progress: Optional[Callable[[int], None]] = None,
+        body: Optional[_core.Body] = None,
     ) -> None:
         self.config = config
         self._physics = physics
         self._entities = entities
         self._bodies: List[_core.Body] = []
         self._segments = segments
-        self._add_bodies(segments, progress)
+        if body is None:
+            self._add_bodies(segments, progress)
+        else:
+            self._own(body)
 
     @property
     def name(self) -> str:
@@ -137,6 +147,8 @@ class Layer(Entity):
     ) -> None:
         if len(segments) == 0:
             return
-        body = self._physics.add_layer(segments, self.config.bits, progress)
+        self._own(self._physics.add_layer(segments, self.config.bits, progress))
+
+    def _own(self, body: _core.Body) -> None:
         self._bodies.append(body)
         self._entities.add(self, [body])

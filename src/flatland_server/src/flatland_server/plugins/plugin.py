@@ -42,7 +42,7 @@ Any hook may spawn, move and delete models; within a step, this takes effect at 
 hooks may set velocities and apply forces and impulses, but not place, add or remove bodies.
 """
 
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
 
@@ -50,6 +50,7 @@ from flatland_server import _core
 from flatland_server.canvas import Canvas
 from flatland_server.config.ros_names import namespaced_frame
 from flatland_server.config.yaml_reader import REQUIRED, YamlReader
+from flatland_server.models.model import Model
 from flatland_server.plugins.batch_role import BatchRole
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.node import Node
@@ -136,6 +137,11 @@ class Plugin:
         plugin that only observes. A derived class that overrides a hook has to do so again.
         """
         return None
+
+    @property
+    def people(self) -> Sequence[Model]:
+        """The models that the plugin moves as people: sweeps measure distances from them."""
+        return ()
 
     def get_frame_id(self, config: YamlReader, key: str, default: Any = REQUIRED) -> str:
         """The frame named by a key of the configuration, such as `odom_frame_id`.

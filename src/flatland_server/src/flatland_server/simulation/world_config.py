@@ -15,9 +15,9 @@ from flatland_server.config.yaml_preprocessor import YamlPreprocessor
 from flatland_server.config.yaml_reader import YamlReader
 from flatland_server.exceptions import FlatlandError, ModelError, YamlError
 from flatland_server.geometry import Pose
-from flatland_server.maps.map_reader import read_map
+from flatland_server.maps.map_reader import MapConfig, read_map
 from flatland_server.models.collision_filter_registry import CollisionFilterRegistry
-from flatland_server.models.layer import LayerConfig
+from flatland_server.models.layer import LayerConfig, MapSource
 from flatland_server.models.model import ModelConfig, ModelText
 from flatland_server.models.plugin_config import PluginConfig
 
@@ -56,7 +56,7 @@ class WorldConfig:
         layers: the entries of `layers`.
         models: the entries of `models`.
         plugins: the entries of `plugins`.
-        walls: of each map file, in the world [m].
+        walls: of each map, in the world [m].
         model_folders: where the names of model files are looked up: the world's folder, and those
             of models.
         path: the world file, if it was read from one.
@@ -69,7 +69,7 @@ class WorldConfig:
     layers: Tuple[LayerConfig, ...]
     models: Tuple[ModelEntry, ...]
     plugins: Tuple[PluginConfig, ...]
-    walls: Mapping[Path, Segments] = field(default_factory=dict, repr=False, compare=False)
+    walls: Mapping[MapSource, Segments] = field(default_factory=dict, repr=False, compare=False)
     model_folders: Tuple[Path, ...] = ()
     path: Optional[Path] = field(default=None, compare=False)
     simplify_map: int = 0
@@ -152,7 +152,7 @@ class WorldConfig:
         layers = reader.get_sections(
             "layers", lambda section: LayerConfig.read(section, registry), required=True
         )
-        walls = _read_walls(reader, lambda path: read_map(path, preprocessor, simplify_map))
+        walls = _read_walls(reader, preprocessor, simplify_map)
         files: Dict[Path, ModelConfig] = {}  # so that each file is read only once
 
         def read_model(path: Path) -> ModelConfig:
@@ -251,19 +251,24 @@ class WorldConfig:
         return self.walls[layer.map] if layer.map is not None else np.empty((0, 4))
 
 
-def _read_walls(reader: YamlReader, read: Callable[[Path], Segments]) -> Dict[Path, Segments]:
-    """The walls of each map file that a layer names.
+def _read_walls(
+    reader: YamlReader, preprocessor: Optional[YamlPreprocessor], simplify_map: int
+) -> Dict[MapSource, Segments]:
+    """The walls of each map.
 
     Includes layers with problems in their entries, so that the problems of all files are reported
     together.
     """
-    walls: Dict[Path, Segments] = {}
-    for path in dict.fromkeys(reader.get_sections("layers", LayerConfig.read_map_path)):
-        if path is not None and is_file(path):
-            try:
-                walls[path] = read(path)
-            except YamlError as error:
-                reader.note(error)
+    walls: Dict[MapSource, Segments] = {}
+
+    def read(section: YamlReader) -> None:
+        source = LayerConfig.read_map_source(section)
+        if isinstance(source, str):
+            walls[source] = MapConfig.read(section.get_section("map")).walls(simplify_map)
+        elif source is not None and source not in walls and is_file(source):
+            walls[source] = read_map(source, preprocessor, simplify_map)
+
+    reader.get_sections("layers", read)
     return walls
 
 

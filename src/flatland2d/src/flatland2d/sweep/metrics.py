@@ -1,0 +1,107 @@
+"""The metrics of runs: names, units, formulas, and which change is for the better."""
+
+import math
+from typing import Dict, NamedTuple, Optional, Sequence
+
+import numpy as np
+
+from flatland_server.geometry import Pose
+
+_STANDING = 0.01  # m/s, and rad/s
+
+
+class Metric(NamedTuple):
+    """A measured value that is summarised and compared.
+
+    Attributes:
+        label: as in tables and figures, with its unit.
+        better: 1 if larger values are better, -1 if smaller ones are, 0 if neither.
+        is_rate: whether each run has true or false.
+        is_gated: whether a change for the worse is a regression.
+    """
+
+    label: str
+    better: int
+    is_rate: bool = False
+    is_gated: bool = False
+
+
+SUMMARISED: Dict[str, Metric] = {
+    "success": Metric("success", 1, is_rate=True, is_gated=True),
+    "collision": Metric("collision", -1, is_rate=True, is_gated=True),
+    "time_to_goal": Metric("time to goal [s]", -1, is_gated=True),
+    "path_length": Metric("path length [m]", -1),
+    "spl": Metric("SPL", 1),
+    "barn_score": Metric("BARN score", 1),
+    "min_clearance": Metric("least clearance [m]", 1),
+    "people_distance": Metric("least distance from people [m]", 1),
+    "mean_people_distance": Metric("mean distance from people [m]", 1),
+    "intimate_time": Metric("time in intimate space [s]", -1),
+    "personal_time": Metric("time in personal space [s]", -1),
+    "social_time": Metric("time in social space [s]", 0),
+    "stalled_time": Metric("stalled time [s]", -1),
+    "heading_change": Metric("heading change [rad]", -1),
+    "mean_jerk": Metric("mean jerk [m/s^3]", -1),
+}
+"""The metrics that are summarised, by the names of their columns."""
+
+
+def spl(success: bool, shortest: float, length: float) -> float:
+    """Success weighted by path length: shortest / max(length, shortest) with success, else 0.
+
+    P. Anderson et al., "On Evaluation of Embodied Navigation Agents" (2018).
+
+    Args:
+        success: of the run.
+        shortest: length of the shortest path [m].
+        length: of the path driven [m].
+    """
+    if not success:
+        return 0.0
+    return shortest / max(length, shortest) if shortest > 0.0 else 1.0
+
+
+def barn_score(success: bool, shortest: float, time: float, top_speed: float) -> float:
+    """T / clip(time, 2 T, 8 T) with success, else 0; T is the time of the path at top speed.
+
+    The metric of the BARN Challenge (X. Xiao et al., "Autonomous Ground Navigation in Highly
+    Constrained Spaces", 2022), with the factors of its run.py of 2026: at most 0.5.
+
+    Args:
+        success: of the run.
+        shortest: length of the shortest path [m], above 0.
+        time: until the goal was reached [s].
+        top_speed: of the robot [m/s]; 2 in the challenge.
+    """
+    best = shortest / top_speed
+    return best / min(max(time, 2.0 * best), 8.0 * best) if success and best > 0.0 else 0.0
+
+
+def motion_metrics(times: Sequence[float], poses: Sequence[Pose]) -> Dict[str, Optional[float]]:
+    """How steadily a robot has driven, from its poses at control steps.
+
+    - `stalled_time`: the time of control steps in which it moved by less than 0.01 m/s and turned
+      by less than 0.01 rad/s.
+    - `heading_change`: the sum of |yaw[k+1] - yaw[k]|, each wrapped to pi at most.
+    - `mean_jerk`: the mean of |p[k+3] - 3 p[k+2] + 3 p[k+1] - p[k]| / dt^3, over four poses at
+      equal intervals dt.
+
+    A. Francis et al., "Principles and Guidelines for Evaluating Social Robot Navigation Algorithms"
+    (2023); N. Perez-Higueras et al., "HuNavSim" (2023).
+
+    Args:
+        times: of the poses [s].
+        poses: of the robot, one more than control steps.
+    """
+    t, (x, y, yaw) = np.asarray(times), np.array(poses).reshape(-1, 3).T
+    dt = np.diff(t)
+    turns = np.abs((np.diff(yaw) + math.pi) % math.tau - math.pi)
+    stands = (np.hypot(np.diff(x), np.diff(y)) < _STANDING * dt) & (turns < _STANDING * dt)
+    even = np.isclose(dt[1:], dt[:-1])
+    even = even[1:] & even[:-1]
+    jerks = np.hypot(np.diff(x, 3), np.diff(y, 3))[even] / dt[2:][even] ** 3
+    return {
+        "stalled_time": float(dt[stands].sum()),
+        "heading_change": float(turns.sum()),
+        "mean_jerk": float(jerks.mean()) if len(jerks) else None,
+    }

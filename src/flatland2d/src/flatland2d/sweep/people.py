@@ -1,0 +1,97 @@
+"""Distances of a robot from people, and the time in their zones.
+
+The zones are those of E. T. Hall, "The Hidden Dimension" (1966): intimate up to 0.45 m, personal up
+to 1.2 m, social up to 3.6 m. As for clearances, a distance is that between the outlines: from the
+robot's footprints to the circle around a person.
+"""
+
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+
+from flatland_server.array_math import from_segments
+from flatland_server.arrays import FloatArray
+from flatland_server.models.footprint import Circle
+from flatland_server.models.model import Model
+from flatland_server.simulation.world import World
+
+ZONES = {"intimate_time": 0.45, "personal_time": 1.2, "social_time": 3.6}
+"""The outer end of each zone [m]."""
+
+
+def people_of(world: World) -> List[Model]:
+    """The models that plugins move as people."""
+    return [
+        model
+        for owner in ("", *world.models)
+        for plugin in world.plugins_of(owner).values()
+        for model in plugin.people
+    ]
+
+
+class PeopleMetrics:
+    """Measures the distance from the nearest person at control steps.
+
+    Args:
+        world: of the robot.
+        robot: the driven model.
+    """
+
+    def __init__(self, world: World, robot: Model) -> None:
+        self._world = world
+        self._robot = robot
+        self._distances: List[float] = []
+        self._durations: List[float] = []
+
+    def measure(self, duration: float) -> None:
+        """Measures after a control step; nothing without people.
+
+        Args:
+            duration: of the control step [s].
+        """
+        people = people_of(self._world)
+        if people:
+            edges, radii = _outlines(self._robot)
+            places = np.array([person.pose[:2] for person in people])
+            away = np.sqrt((from_segments(places, edges) ** 2).sum(axis=2)) - radii
+            distances = away.min(axis=1) - np.array([person.radius for person in people])
+            self._distances.append(max(0.0, float(distances.min())))
+            self._durations.append(duration)
+
+    def values(self) -> Dict[str, Any]:
+        """The metrics so far, by their names; none without people.
+
+        - `people_distance`: the least distance from the nearest person [m].
+        - `mean_people_distance`: the mean over control steps, by their durations [m].
+        - `intimate_time`, `personal_time`, `social_time`: in which the nearest person was at that
+          distance [s].
+        """
+        if not self._distances:
+            return {}
+        distances, durations = np.array(self._distances), np.array(self._durations)
+        found = {
+            "people_distance": float(distances.min()),
+            "mean_people_distance": float(np.average(distances, weights=durations)),
+        }
+        nearer = 0.0
+        for name, end in ZONES.items():
+            found[name] = float(durations[(distances >= nearer) & (distances < end)].sum())
+            nearer = end
+        return found
+
+
+def _outlines(model: Model) -> Tuple[FloatArray, FloatArray]:
+    """Edges of polygons and centers of circles in the world [m]: shape (n, 4); and their radii."""
+    edges: List[Tuple[float, float, float, float]] = []
+    radii: List[float] = []
+    for body in model.bodies.values():
+        for footprint in body.config.footprints:
+            shape = footprint.shape
+            if isinstance(shape, Circle):
+                corners, radius = [shape.center], shape.radius
+            else:
+                corners, radius = list(shape.vertices), 0.0
+            placed = [body.pose.apply(*corner) for corner in corners]
+            edges += [(*a, *b) for a, b in zip(placed, [*placed[1:], placed[0]])]
+            radii += [radius] * len(placed)
+    return np.array(edges), np.array(radii)

@@ -1,0 +1,255 @@
+"""Paired comparisons: tests against exact probabilities, pairs against rows, and the gate."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from flatland2d.sweep.comparison import compare, comparison_rows, holm
+from flatland2d.sweep.metrics import SUMMARISED
+from flatland2d.sweep.paper import figure, latex_table, markdown_table
+from flatland2d.sweep.regressions import junit, read_rows, verdicts
+from flatland_server.exceptions import FlatlandError
+
+COLUMNS = ("success", "collision", "time_to_goal")
+
+
+def runs(name, values):
+    """Runs of a metric, by seeds."""
+    return {("room", str(seed)): {name: value} for seed, value in enumerate(values)}
+
+
+def rows(controller, times, world="room", **others):
+    """Rows of results.csv: a time for each seed; None without success."""
+    return [
+        {
+            "scenario": str(seed + 1),
+            "world": world,
+            "controller": controller,
+            "seed": str(seed),
+            "status": "done",
+            "success": "false" if time is None else "true",
+            "collision": "false",
+            "time_to_goal": "" if time is None else repr(time),
+            **others,
+        }
+        for seed, time in enumerate(times)
+    ]
+
+
+def test_mcnemars_test_is_binomial_in_the_pairs_that_differ():
+    first = [True] * 6 + [False] + [True] * 10
+    second = [False] * 6 + [True] + [True] * 10
+
+    found = compare(runs("success", first), runs("success", second), "success")
+
+    assert found.p == pytest.approx(2 * (1 + 7) / 2**7)  # 1 of 7 or fewer, on both sides
+    assert (found.pairs, found.mean, found.other_mean) == (17, 16 / 17, 11 / 17)
+
+
+def test_the_test_for_worse_is_one_sided_and_knows_the_better_side():
+    fewer, more = runs("success", [False] * 5), runs("success", [True] * 5)
+
+    assert compare(fewer, more, "success", worse=True).p == pytest.approx(0.5**5)
+    assert compare(more, fewer, "success", worse=True).p == 1.0
+    assert compare(more, fewer, "success").p == pytest.approx(2 * 0.5**5)
+    hit, free = runs("collision", [True] * 5), runs("collision", [False] * 5)
+    assert compare(hit, free, "collision", worse=True).p == pytest.approx(0.5**5)
+
+
+def test_wilcoxons_test_is_exact_for_few_pairs():
+    slow, fast = runs("time_to_goal", [1.1, 2.2, 3.3, 4.4]), runs("time_to_goal", [1, 2, 3, 4])
+
+    assert compare(slow, fast, "time_to_goal", worse=True).p == pytest.approx(1 / 2**4)
+
+
+def test_only_pairs_with_both_values_count():
+    first = runs("time_to_goal", [1.0, None, 3.0, 4.0])
+    second = runs("time_to_goal", [2.0, 2.0, None, 6.0])
+    del second[("room", "3")]
+
+    assert compare(first, second, "time_to_goal")[:3] == (1, 1.0, 2.0)
+
+
+def test_equal_runs_do_not_differ():
+    found = compare(runs("path_length", [1.0, 2.0]), runs("path_length", [1.0, 2.0]), "path_length")
+
+    assert (found.low, found.high, found.p) == (0.0, 0.0, 1.0)
+
+
+def test_runs_without_a_pair_are_not_compared():
+    found = compare(runs("success", [True]), {}, "success")
+
+    assert (found.pairs, found.p) == (0, 1.0)
+    assert math.isnan(found.mean)
+
+
+def test_the_bootstrap_interval_contains_the_difference_as_a_normal_one_does():
+    rng = np.random.default_rng(1)
+    base = rng.uniform(5, 9, 200)
+    slower = runs("time_to_goal", (base + rng.normal(0.5, 0.2, 200)).tolist())
+
+    found = compare(slower, runs("time_to_goal", base.tolist()), "time_to_goal")
+
+    half = 1.96 * 0.2 / math.sqrt(200)
+    assert found.high - found.low == pytest.approx(2 * half, rel=0.15)
+    assert found.low < 0.5 < found.high
+
+
+def test_holms_method():  # of 4: 4 x 0.005, 3 x 0.01, 2 x 0.03, and no less than the one before
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert holm([0.9, 0.8]) == [1.0, 1.0]
+
+
+def test_two_controllers_are_compared_in_each_world():
+    table = [
+        *rows("a", [1.0, 2.0]),
+        *rows("b", [2.0, None]),
+        *rows("a", [1.0], world="hall"),
+        *rows("b", [2.0], world="hall"),
+    ]
+
+    found = [(row["world"], row["metric"], row["pairs"]) for row in comparison_rows(table, {})]
+
+    assert ("room", "success", 2) in found
+    assert ("room", "time_to_goal", 1) in found
+    assert ("hall", "success", 1) in found
+
+
+def test_worlds_of_a_group_are_compared_as_one():
+    table = [row for world in "xyz" for name in "ab" for row in rows(name, [1.0], world=world)]
+
+    found = comparison_rows(table, dict.fromkeys("xyz", "all"))
+
+    assert {(row["world"], row["pairs"]) for row in found} == {("all", 3)}
+
+
+def test_failed_runs_have_no_pair():
+    table = [*rows("a", [1.0, 2.0]), *rows("b", [1.0, 2.0])]
+    table[0]["status"] = "failed"
+
+    assert {row["pairs"] for row in comparison_rows(table, {})} == {1}
+
+
+def noisy(scale, seed, count=100):
+    """Times of a controller: the same tasks, other chances."""
+    tasks = np.random.default_rng(0).uniform(4, 12, count)
+    return (scale * tasks * np.random.default_rng(seed).normal(1.0, 0.1, count)).tolist()
+
+
+def test_the_gate_catches_ten_per_cent_and_lets_the_same_pass_for_twenty_seeds():
+    base = rows("a", noisy(1.0, 0))
+
+    def is_worse(scale, seed):
+        found = verdicts(rows("a", noisy(scale, seed)), base, 0.01)
+        return any(each.is_regression for each in found)
+
+    assert all(is_worse(1.1, seed) for seed in range(1, 21))
+    assert not any(is_worse(1.0, seed) for seed in range(1, 21))
+
+
+def test_the_gate_catches_ten_per_cent_less_success():
+    before = rows("a", [5.0] * 100)
+    now = rows("a", [None] * 10 + [5.0] * 90)
+
+    assert [each.metric for each in verdicts(now, before, 0.01) if each.is_regression] == [
+        "success"
+    ]
+
+
+def test_a_change_within_the_tolerance_is_none():
+    before, now = rows("a", noisy(1.0, 0)), rows("a", [1.005 * t for t in noisy(1.0, 0)])
+
+    assert not any(each.is_regression for each in verdicts(now, before, 0.01))
+    assert any(each.is_regression for each in verdicts(now, before, 0.0))
+
+
+def test_whole_numbers_and_fractions_of_a_parameter_are_paired():
+    now = rows("a", [1.0], **{"controller.speed": "1"})
+    before = rows("a", [1.0], **{"controller.speed": "1.0"})
+    order = ("scenario", "world", "controller", "controller.speed", "seed", "status", *COLUMNS)
+    now, before = ([{name: row[name] for name in order} for row in each] for each in (now, before))
+
+    assert verdicts(now, before, 0.01)[0].result.pairs == 1
+
+
+def test_a_baseline_of_other_tasks_is_an_error():
+    with pytest.raises(FlatlandError, match="no scenario with the same world, controller"):
+        verdicts(rows("a", [1.0]), rows("b", [1.0]), 0.01)
+
+
+def test_junit_has_a_case_for_each_comparison():
+    slower = rows("a", [1.0] * 20) + rows("new", [1.0])
+    found = verdicts(slower, rows("a", [0.5] * 20), 0.01)
+
+    suite = ElementTree.fromstring(junit("a sweep", found))
+
+    assert suite.attrib == {"name": "a sweep", "tests": "6", "failures": "1", "skipped": "3"}
+    [failure] = suite.iter("failure")
+    assert "time to goal [s] 1, before 0.5 (20 pairs" in failure.get("message")
+
+
+def test_names_with_control_characters_are_no_broken_xml():
+    found = verdicts(rows("a\x00<", [1.0] * 20), rows("a\x00<", [0.5] * 20), 0.01)
+
+    assert ElementTree.fromstring(junit("x", found)).find("testcase").get("classname") == (
+        "room, a\N{REPLACEMENT CHARACTER}<"
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (None, "cannot be read"),
+        (b"", "found no column scenario, world"),
+        (b"a,b\n1,2\n", "found no column scenario, world"),
+        (b"\xff\xfe", "expected results.csv of a sweep"),
+        (b'a,"b\n', "expected results.csv of a sweep"),
+    ],
+)
+def test_files_that_are_no_baseline(tmp_path, content, problem):
+    if content is not None:
+        (tmp_path / "results.csv").write_bytes(content)
+
+    with pytest.raises(FlatlandError, match=problem):
+        read_rows(tmp_path)
+
+
+def test_a_wrong_number_in_a_baseline_is_named():
+    with pytest.raises(FlatlandError, match="scenario 1: expected a number in time_to_goal"):
+        verdicts(rows("a", [1.0]), rows("a", ["soon"]), 0.01)
+
+
+ENDS = ("", "_low", "_high")
+EMPTY = {f"{name}{end}": None for name in SUMMARISED for end in ENDS}
+SUCCESS = {"success": 0.9, "success_low": 0.6, "success_high": 0.98}
+SUMMARY = [
+    {"world": "room_1", "controller": name, "scenarios": 10, "failed": 0, **EMPTY, **SUCCESS}
+    for name in ("a & b", "c|d")
+]
+
+
+def test_a_table_for_latex():
+    assert latex_table(SUMMARY) == (
+        "\\begin{tabular}{llrr}\n\\toprule\nworld & controller & scenarios & success \\\\\n"
+        "\\midrule\n"
+        "room\\_1 & a \\& b & 10 & 90.0\\% [60.0\\%, 98.0\\%] \\\\\n"
+        "room\\_1 & c|d & 10 & 90.0\\% [60.0\\%, 98.0\\%] \\\\\n"
+        "\\bottomrule\n\\end{tabular}\n"
+    )
+
+
+def test_a_table_in_markdown():
+    assert markdown_table(SUMMARY) == (
+        "| world | controller | scenarios | success |\n| --- | --- | --- | --- |\n"
+        "| room_1 | a & b | 10 | 90.0% [60.0%, 98.0%] |\n"
+        "| room_1 | c\\|d | 10 | 90.0% [60.0%, 98.0%] |\n"
+    )
+
+
+def test_a_figure_is_the_same_file_each_time():
+    first = figure(SUMMARY)
+
+    assert first.startswith(b"%PDF-")
+    assert figure(SUMMARY) == first

@@ -1,0 +1,121 @@
+"""Metrics of runs against cases that were computed by hand."""
+
+import math
+
+import pytest
+
+from flatland2d.sweep.metrics import barn_score, motion_metrics, spl
+from flatland2d.sweep.runner import ScenarioRunner
+from flatland2d.sweep.settings import scenarios_of
+from flatland_server.geometry import Pose
+
+
+def test_success_weighted_by_path_length():
+    assert spl(True, 4.0, 5.0) == pytest.approx(0.8)
+    assert spl(True, 4.0, 3.9) == 1.0  # shorter than the planner's path
+    assert spl(False, 4.0, 5.0) == 0.0
+    assert spl(True, 0.0, 0.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("time", "score"),  # 10 m at 2 m/s: 5 s
+    [(5.0, 0.5), (10.0, 0.5), (20.0, 0.25), (40.0, 0.125), (99.0, 0.125)],
+)
+def test_the_score_of_barn(time, score):
+    assert barn_score(True, 10.0, time, 2.0) == pytest.approx(score)
+    assert barn_score(False, 10.0, time, 2.0) == 0.0
+
+
+def test_standing_turning_and_driving():
+    times = [0.0, 0.5, 1.0, 1.5, 2.0]
+    poses = [
+        Pose(0.0, 0.0, 3.0),
+        Pose(0.0, 0.0, 3.0),  # stands
+        Pose(0.0, 0.0, -3.0),  # turns by 6.283 - 6
+        Pose(0.1, 0.0, -3.0),
+        Pose(0.1, 0.004, -3.004),  # slower than 0.01 m/s and 0.01 rad/s
+    ]
+
+    found = motion_metrics(times, poses)
+
+    assert found["stalled_time"] == pytest.approx(1.0)
+    assert found["heading_change"] == pytest.approx(math.tau - 6.0 + 0.004)
+
+
+def test_jerk_of_a_cubic_is_its_third_derivative():
+    times = [0.1 * k for k in range(8)]
+    poses = [Pose(2.0 * t**3, -1.5 * t**3, 0.0) for t in times]  # 12 and -9 m/s^3
+
+    assert motion_metrics(times, poses)["mean_jerk"] == pytest.approx(15.0)
+
+
+def test_jerk_needs_four_poses_at_equal_intervals():
+    poses = [Pose(float(k * k), 0.0, 0.0) for k in range(5)]
+
+    assert motion_metrics([0.0, 1.0, 2.0], poses[:3])["mean_jerk"] is None
+    assert motion_metrics([0.0, 1.0, 3.0, 4.0, 6.0], poses)["mean_jerk"] is None
+    assert motion_metrics([0.0, 1.0, 2.0, 3.0, 5.0], poses)["mean_jerk"] == pytest.approx(0.0)
+
+
+def test_a_run_without_control_steps_has_no_motion():
+    found = motion_metrics([0.0], [Pose()])
+
+    assert found == {"stalled_time": 0.0, "heading_change": 0.0, "mean_jerk": None}
+
+
+def result_of(settings, number=1):
+    """The row of a scenario."""
+    runner = ScenarioRunner(settings)
+    try:
+        return runner.run(scenarios_of(settings)[number - 1]).row
+    finally:
+        runner.close()
+
+
+AHEAD = '[{name: ahead, call: "drivers.py:ahead"}]'
+
+
+def test_a_straight_way_is_the_shortest_path(settings_of):
+    row = result_of(settings_of(controllers=AHEAD, start="[-3, 0, 0]", goal="[-1, 0]"))
+
+    assert row["success"]
+    assert row["shortest_path"] == pytest.approx(1.7)  # to 0.3 m from the goal
+    assert row["spl"] == pytest.approx(1.0, abs=0.01)
+    assert row["barn_score"] is None
+
+
+def test_the_shortest_path_leads_around_static_bodies(settings_of):
+    keys = {"controllers": AHEAD, "start": "[0, 3, 0]", "goal": "[0, 1]", "time_limit": 0.1}
+
+    row = result_of(settings_of(**keys))  # the box of 1 x 0.6 m is between the two
+
+    assert 2.0 < row["shortest_path"] < 2.8
+    assert row["spl"] == 0.0
+
+
+def test_a_goal_that_cannot_be_reached_has_no_shortest_path(settings_of):
+    row = result_of(settings_of(controllers=AHEAD, goal="[0, 9]", start=None, time_limit=0.1))
+
+    assert row["shortest_path"] is None
+    assert row["spl"] is None
+
+
+def test_a_given_path_and_speed_give_the_score_of_barn(settings_of):
+    keys = {"start": "[-3, 0, 0]", "goal": "[-1, 0]", "shortest_path": 1.0, "top_speed": 2.0}
+
+    row = result_of(settings_of(controllers=AHEAD, **keys))  # 1.7 m at 0.5 m/s: 3.4 s
+
+    assert row["shortest_path"] == 1.0
+    assert row["barn_score"] == pytest.approx(0.5 / row["time"])
+
+
+def test_what_a_robot_has_hit_first(settings_of):
+    row = result_of(settings_of(controllers=AHEAD, start="[2.5, 0, 0]", goal=None, time_limit=10))
+
+    assert (row["collision"], row["collision_with"]) == (True, "walls")
+
+
+def test_without_a_collision_nothing_was_hit(settings_of):
+    row = result_of(settings_of(controllers=AHEAD, start="[0, 0, 0]", goal=None, time_limit=1))
+
+    assert (row["collision"], row["collision_with"]) == (False, None)

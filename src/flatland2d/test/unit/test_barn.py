@@ -1,0 +1,121 @@
+"""Worlds of BARN: read from files of its form, written as ours, and run."""
+
+import numpy as np
+import pytest
+
+from flatland2d import Simulation
+from flatland2d.barn import GOAL, START, read_barn, write_barn
+from flatland2d.cli import main
+from flatland2d.sweep.runner import ScenarioRunner
+from flatland2d.sweep.scenario_file import read_scenario_file
+from flatland2d.sweep.settings import scenarios_of
+from flatland_server.exceptions import FlatlandError
+
+CYLINDER = """
+<model name='unit_cylinder_{number}'>
+  <static>1</static>
+  <pose frame=''>{x} {y} 0.000000 0.000000 0.000000 0.000000</pose>
+  <link name='link'>
+    <collision name='collision'>
+      <geometry><cylinder><radius>0.075000</radius><length>1</length></cylinder></geometry>
+    </collision>
+    <visual name='visual'>
+      <geometry><cylinder><radius>0.5</radius><length>1</length></cylinder></geometry>
+    </visual>
+  </link>
+</model>"""
+PLANE = """
+<model name='ground_plane'>
+  <link name='link'><collision name='c'><geometry><plane/></geometry></collision></link>
+</model>"""
+PLACES = [(-0.075, 5.075), (-4.575, 5.075), (-2.25, 14.0)]
+CELLS = np.array([[14, 0], [14, 28]])  # straight on, 0.075 m beside the start
+
+
+def write_world(folder, number=3, places=PLACES, cells=CELLS):
+    """A world as BARN's authors publish it: files in two folders."""
+    for name in ("world_files", "path_files"):
+        (folder / name).mkdir(exist_ok=True)
+    cylinders = [CYLINDER.format(number=i, x=x, y=y) for i, (x, y) in enumerate(places)]
+    text = f"<sdf version='1.6'><world name='default'>{PLANE}{''.join(cylinders)}</world></sdf>"
+    (folder / "world_files" / f"world_{number}.world").write_text(text)
+    np.save(folder / "path_files" / f"path_{number}.npy", cells)
+
+
+def test_the_cylinders_and_the_path_of_a_world(tmp_path):
+    write_world(tmp_path)
+
+    [world] = read_barn(tmp_path)
+
+    assert world.number == 3
+    assert world.cylinders.tolist() == [[x, y, 0.075] for x, y in PLACES]
+    # The cells' middles are x = 14 * 0.15 - 4.575 and y = 5.075 to 9.275.
+    assert world.shortest_path == pytest.approx(
+        np.hypot(0.225, 2.075) + 4.2 + np.hypot(0.225, 3.725)
+    )
+
+
+def test_a_written_world_has_its_obstacles_where_they_were(tmp_path):
+    write_world(tmp_path)
+
+    write_barn(read_barn(tmp_path), tmp_path / "ours")
+
+    with Simulation(tmp_path / "ours" / "world_3.yaml") as simulation:
+        assert simulation.models["robot"].pose == pytest.approx(START, abs=1e-6)
+        [body] = simulation.world.models["cylinders"].bodies.values()
+        assert [each.shape.center for each in body.config.footprints] == PLACES
+        assert {each.shape.radius for each in body.config.footprints} == {0.075}
+
+
+def test_the_command_writes_a_sweep_with_the_rules_of_the_challenge(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_world(tmp_path, 0)
+    write_world(tmp_path, 12)
+
+    assert main(["worlds", "--import-barn", ".", "--out", "ours"]) == 0
+
+    settings = read_scenario_file(tmp_path / "ours" / "scenarios.yaml")
+    assert "2 worlds; flatland sweep ours/scenarios.yaml" in capsys.readouterr().out
+    assert [each.name for each in settings.worlds] == ["world_0", "world_12"]
+    assert {each.group for each in settings.worlds} == {"BARN"}
+    task = settings.worlds[0].task
+    assert (task.goal, task.goal_radius, settings.time_limit) == (GOAL, 1.0, 100.0)
+
+
+@pytest.mark.parametrize("controller", ["gaps", "planner"])
+def test_a_robot_drives_past_the_cylinders(tmp_path, controller):
+    write_world(tmp_path, places=[(-2.25, 6.0), *PLACES])
+    write_barn(read_barn(tmp_path), tmp_path)
+    settings = read_scenario_file(tmp_path / "scenarios.yaml")
+    [scenario] = [each for each in scenarios_of(settings) if each.controller.name == controller]
+    runner = ScenarioRunner(settings)
+
+    result = runner.run(scenario)
+    runner.close()
+
+    assert result.error == ""
+    assert result.row["success"]
+    best = result.row["shortest_path"] / 2.0
+    assert result.row["barn_score"] == pytest.approx(
+        best / np.clip(result.row["time"], 2 * best, 8 * best)
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "problem"),
+    [
+        ("world_files/world_3.world", "<sdf>", "world_3.world: expected a world of BARN"),
+        ("world_files/world_3.world", "<sdf></sdf>", "expected cylinders with finite places"),
+        ("path_files/path_3.npy", "no numpy", "path_3.npy: expected columns and rows"),
+        ("path_files/path_3.npy", None, "found no path_3.npy"),
+        ("world_files/world_3.world", None, "expected worlds of BARN"),
+    ],
+)
+def test_files_that_are_wrong_are_named(tmp_path, name, content, problem):
+    write_world(tmp_path)
+    (tmp_path / name).unlink()
+    if content is not None:
+        (tmp_path / name).write_text(content)
+
+    with pytest.raises(FlatlandError, match=problem):
+        read_barn(tmp_path)
