@@ -46,6 +46,7 @@ CALLS = {
         "awake": (),
         "listen_to_contacts": (1,),
         "add_drive": (),
+        "add_drift": (1,),
         "add_tween": ((1, 0, 0), 1),
         "add_lidar": (_core.BeamFan(0, 0.1, 3), (0, 0, 0), 5.0),
     },
@@ -66,6 +67,7 @@ CALLS = {
     "drive": {"command": (0, 0, 0), "target": (), "velocity": ()},
     "tricycle": {"command": (0, 0), "speed": (), "steer_angle": ()},
     "tween": {"trigger": (True,), "progress": ()},
+    "drift": {"pose": ()},
     "lidar": {"expect_scan": (), "ranges": (), "scan": ()},
 }
 """The attributes of each kind of handle, with arguments for those that are called."""
@@ -93,6 +95,7 @@ def handles_of(world) -> dict:
         "drive": base.add_drive(),
         "tricycle": base.add_tricycle(joint, (-0.5, 0)),
         "tween": wheel.add_tween((1, 0, 0), 1.0),
+        "drift": base.add_drift(1),
         "lidar": base.add_lidar(_core.BeamFan(0, 0.1, 3), (0, 0, 0), 5.0),
     }
 
