@@ -93,7 +93,7 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
             options: `start` and `goal`, dicts by agent of [x, y] or [x, y, yaw], and of [x, y];
-                ends that they do not have are drawn. And the other options of `NavigationEnv.reset`.
+                ends that they do not have are drawn. Others as for `NavigationEnv.reset`.
 
         Raises:
             UsageError: the seed or an option is wrong, or there is no room for all robots. The
