@@ -1,6 +1,7 @@
 """Steps of `make_vec` in the office as a user makes them: creation, then steps with resets.
 
     usage: training.py [--environments 1024] [--steps 1000000] [--runs 3]
+    usage: training.py --robots 8 --world discs --beams 64     # steps of the robots of teams
 
 Needs Flatland and its extra gym. Each run is a process: first one without the files of visible
 walls (docs/speed.md), then one with them. CPU seconds are less affected by other programs.
@@ -20,29 +21,34 @@ import gymnasium
 import numpy as np
 
 import flatland_gym  # noqa: F401 (registers the environments)
+from flatland_gym.multi_robot_vector_env import MultiRobotVectorEnv
 
 _HELD = 10
 """Steps with the same random actions."""
 
 
-def measure(environments: int, steps: int) -> Dict[str, float]:
+def measure(options: argparse.Namespace) -> Dict[str, float]:
     """The seconds that creation and steps take, and the processor time of both."""
     begin, begin_cpu = time.perf_counter(), time.process_time()
-    env = gymnasium.make_vec(
-        "flatland/Navigation-v0", num_envs=environments, world="office", beams=360
-    )
+    arguments = {"num_envs": options.environments, "world": options.world, "beams": options.beams}
+    if options.robots == 1:
+        env = gymnasium.make_vec("flatland/Navigation-v0", **arguments)
+    else:
+        env = MultiRobotVectorEnv(robots=options.robots, **arguments)
     env.reset(seed=0)
     created, created_cpu = time.perf_counter(), time.process_time()
     rng, space = np.random.default_rng(0), env.action_space
     assert isinstance(space, gymnasium.spaces.Box)
     actions = space.sample()
-    for step in range(steps // environments):
+    made = step = 0
+    while made < options.steps:
         if step % _HELD == 0:
             actions = rng.uniform(space.low, space.high)
-        env.step(actions)
+        infos = env.step(actions)[-1]
+        made += int(infos["present"].sum()) if options.robots > 1 else options.environments
+        step += 1
     end, end_cpu = time.perf_counter(), time.process_time()
     env.close()
-    made = steps // environments * environments
     return {
         "creation [s]": created - begin,
         "env steps/s with creation": made / (end - begin),
@@ -56,12 +62,15 @@ def main() -> None:
     """Prints the medians."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--environments", type=int, default=1024)
+    parser.add_argument("--robots", type=int, default=1, help="in each environment")
+    parser.add_argument("--world", default="office")
+    parser.add_argument("--beams", type=int, default=360)
     parser.add_argument("--steps", type=int, default=1_000_000)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--one", action="store_true", help="run once, in this process")
     options = parser.parse_args()
     if options.one:
-        print(json.dumps(measure(options.environments, options.steps)))
+        print(json.dumps(measure(options)))
         return
     runs: Dict[str, List[Dict[str, float]]] = {"first": [], "second": []}
     for _ in range(options.runs):

@@ -16,11 +16,13 @@ def main(arguments: Optional[List[str]] = None) -> int:
     options = _parser().parse_args(arguments)
     cases = [Case("room", number) for number in options.robots]
     cases += [Case("batch", size) for size in options.batch]
+    cases += [Case("team", size) for size in options.team]
     simulators = (FLATLAND, FLATLAND_SUBSTEPS) if options.alone else SIMULATORS
-    comparison = Comparison(simulators, cases)
+    used = [each for each in simulators if any(case.suits(each) for case in cases)]
+    comparison = Comparison(used, cases)
     processes: Dict[str, Process] = {}
     try:
-        for simulator in simulators:
+        for simulator in comparison.simulators:
             processes[simulator.name] = Process(simulator)
             comparison.versions[simulator.name] = processes[simulator.name].versions
         for number in range(options.rounds):
@@ -57,7 +59,7 @@ def _measure_round(
                 open=case.kind, variant=simulator.variant, robots=case.robots, seed=number + 1
             )
             if case.robots == 1 or case.kind == "batch":  # exact_ranges leaves out other robots
-                layout = Scenario(case.robots, number + 1, apart=case.kind == "room")
+                layout = Scenario(case.robots, number + 1, rooms=case.robots)
                 comparison.check(simulator, case, opened["ranges"], layout)
             comparison.add(simulator, case, process.ask(measure=seconds)["rate"])
             process.ask(close=True)
@@ -105,6 +107,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--seconds", type=float, default=1.0, help="length of each (default: 1)")
     add("--robots", type=int, nargs="*", default=[1, 10, 100, 1000], help="in one room")
     add("--batch", type=int, nargs="*", default=[1024], help="sizes of batches (default: 1024)")
+    add("--team", type=int, nargs="*", default=[], help="sizes of teams, 1,024 of each; with VMAS")
     add("--alone", action="store_true", help="without the peers, which nothing is installed for")
     add("--json", type=Path, help="write all values into this file; see peers.schema.json")
     add("--markdown", type=Path, help="write the table into this file")

@@ -69,7 +69,7 @@ class Batch:
     def __init__(self, robots: int, seed: int, substeps: int) -> None:
         self.robots = robots
         self._substeps = substeps
-        self._scenario = Scenario(robots, seed, apart=False)
+        self._scenario = Scenario(robots, seed, rooms=robots)
         self._step = 0
         step_size = scenario.STEP / substeps
         self._batch = SimulationBatch(world_of(Scenario(1, seed)), robots, step_size=step_size)
@@ -92,9 +92,52 @@ class Batch:
         self._batch.close()
 
 
+class Teams:
+    """Robots in many worlds, of which those of a world see and hit each other.
+
+    Args:
+        robots: how many in each world.
+        seed: of the scenario.
+        substeps: physics steps in a step.
+    """
+
+    def __init__(self, robots: int, seed: int, substeps: int) -> None:
+        self.robots = robots * scenario.TEAMS
+        self._substeps = substeps
+        self._scenario = Scenario(self.robots, seed, rooms=scenario.TEAMS)
+        self._step = 0
+        self._batch = SimulationBatch(
+            world_of(Scenario(robots, seed)),
+            scenario.TEAMS,
+            robots=[f"robot_{number}" for number in range(robots)],
+            step_size=scenario.STEP / substeps,
+        )
+        shape = (scenario.TEAMS, robots, -1)
+        self._observation = self._batch.reset(poses=self._scenario.poses.reshape(shape))
+        commands = self._scenario.commands.astype(np.float32)
+        self._commands = commands.reshape(len(commands), *shape)
+
+    def run(self, steps: int) -> None:
+        """Commands, steps and scans; the scans are in the observation."""
+        for _ in range(steps):
+            values = self._commands[self._scenario.command(self._step)]
+            self._batch.step(values, self._substeps, out=self._observation)
+            self._step += 1
+
+    def scans(self) -> Float32Array:
+        """The ranges of all lidars [m]; no return reads as the maximum range."""
+        ranges = self._observation.ranges.reshape(self.robots, -1)
+        return np.minimum(ranges, scenario.RANGE)
+
+    def close(self) -> None:
+        """Ends the batch."""
+        self._batch.close()
+
+
 def open_room(kind: str, variant: str, robots: int, seed: int) -> Any:
-    """A `Room` for the kind "room", or a `Batch`."""
-    return (Room if kind == "room" else Batch)(robots, seed, SUBSTEPS[variant])
+    """A `Room`, a `Batch` or `Teams`, by the kind."""
+    kinds = {"room": Room, "batch": Batch, "team": Teams}
+    return kinds[kind](robots, seed, SUBSTEPS[variant])
 
 
 def versions() -> Dict[str, str]:

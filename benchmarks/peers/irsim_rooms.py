@@ -71,7 +71,7 @@ class Batch:
 
     def __init__(self, robots: int, seed: int, collisions: str) -> None:
         self.robots = robots
-        self._scenario = Scenario(robots, seed, apart=False)
+        self._scenario = Scenario(robots, seed, rooms=robots)
         self._step = 0
         self._env = irsim.make(world_file(Scenario(1, seed), collisions), batch_size=robots)
         # Its lidar knows the walls only if another obstacle is added after them.

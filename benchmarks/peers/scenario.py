@@ -20,6 +20,8 @@ INCREMENT = 2 * math.pi / (BEAMS - 1)
 SPEED = 0.5
 YAW_RATE = 1.0
 STEPS_PER_COMMAND = 10
+TEAMS = 1024
+"""Number of rooms of the cases with teams."""
 _BLOCKS = 16
 _GAP = 0.4
 """Least initial gap between robots, discs and walls [m]."""
@@ -34,7 +36,7 @@ class Scenario:
     Args:
         robots: how many.
         seed: of all places and commands.
-        apart: whether they must not overlap, because they are in one room.
+        rooms: number of rooms with equally many of them, which do not overlap in a room.
 
     Attributes:
         discs: x, y [m], shape (20, 2).
@@ -42,14 +44,15 @@ class Scenario:
         commands: forward velocity [m/s] and yaw rate [rad/s], shape (16, robots, 2).
     """
 
-    def __init__(self, robots: int, seed: int, apart: bool = True) -> None:
+    def __init__(self, robots: int, seed: int, rooms: int = 1) -> None:
         rng = np.random.default_rng(seed)
         taken: List[Circle] = []
         self.discs = np.array([_place(rng, DISC_RADIUS, taken) for _ in range(DISCS)])
         places = []
-        for _ in range(robots):
-            others = taken if apart else taken[:DISCS]
-            places.append(_place(rng, ROBOT_RADIUS, others))
+        for number in range(robots):
+            if number % (robots // rooms) == 0:
+                del taken[DISCS:]
+            places.append(_place(rng, ROBOT_RADIUS, taken))
         self.poses = np.column_stack([places, rng.uniform(-math.pi, math.pi, robots)])
         low, high = (0.0, -YAW_RATE), (SPEED, YAW_RATE)
         self.commands = rng.uniform(low, high, (_BLOCKS, robots, 2))

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple, Tuple
 
+from scenario import TEAMS
+
 
 class Simulator(NamedTuple):
     """A simulator, as it is measured."""
@@ -19,6 +21,8 @@ class Simulator(NamedTuple):
     """The largest number of robots in one room that is measured."""
     has_batches: bool
     about: str
+    has_teams: bool = False
+    """Whether it has batches of rooms with several robots."""
 
 
 FLATLAND = Simulator(
@@ -30,6 +34,7 @@ FLATLAND = Simulator(
     1000,
     True,
     "Box2D's rigid bodies and contacts, in one physics step of 0.1 s",
+    has_teams=True,
 )
 FLATLAND_SUBSTEPS = FLATLAND._replace(
     name="Flatland, 20 x 5 ms",
@@ -61,32 +66,52 @@ IRSIM_X = Simulator(
     True,
     "kinematics; robots do not see each other, those of a batch drive through discs and walls",
 )
-SIMULATORS = (FLATLAND, FLATLAND_SUBSTEPS, IRSIM, IRSIM_CONTACT, IRSIM_X)
+VMAS = Simulator(
+    "VMAS",
+    "vmas_rooms",
+    "vmas==1.5.2",
+    "",
+    "",
+    0,
+    False,
+    "forces by overlaps, in one physics step of 0.1 s",
+    has_teams=True,
+)
+VMAS_OPEN = VMAS._replace(
+    name="VMAS, open",
+    variant="open",
+    about="the same without discs and walls: robots see and hit each other alone",
+)
+SIMULATORS = (FLATLAND, FLATLAND_SUBSTEPS, IRSIM, IRSIM_CONTACT, IRSIM_X, VMAS, VMAS_OPEN)
 
 
 class Case(NamedTuple):
     """Robots that are measured together."""
 
     kind: str
-    """"room" or "batch"; see `open_room`."""
+    """"room", "batch" or "team"; see `open_room`."""
     robots: int
 
     @property
     def name(self) -> str:
         """The name, such as "robots_10" or "batch_1024"."""
-        return f"{'robots' if self.kind == 'room' else 'batch'}_{self.robots}"
+        return f"{'robots' if self.kind == 'room' else self.kind}_{self.robots}"
 
     @property
     def title(self) -> str:
         """The heading of its table column."""
         if self.kind == "batch":
             return f"batch of {self.robots:,}"
+        if self.kind == "team":
+            return f"{TEAMS:,} teams of {self.robots:,}"
         return "1 robot" if self.robots == 1 else f"{self.robots:,} robots"
 
     def suits(self, simulator: Simulator) -> bool:
         """True if a simulator can run this case."""
         if self.kind == "batch":
             return simulator.has_batches
+        if self.kind == "team":
+            return simulator.has_teams
         return self.robots <= simulator.most_robots
 
 

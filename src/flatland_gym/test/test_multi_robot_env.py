@@ -114,3 +114,117 @@ def test_a_picture():
     env.reset(seed=1)
     assert env.render().shape == (480, 480, 3)
     env.close()
+
+
+def test_starts_and_goals_can_be_given():
+    env = MultiRobotEnv(robots=3, world="empty_room", obstacles=4)
+    goals = {"robot_0": [3, 0], "robot_2": (0.0, 3.0)}
+    for seed in range(20):  # robots that are drawn first keep away from those that are given
+        starts = {"robot_1": [-3, 0], "robot_2": np.array([0.0, -3.0, 1.5])}
+        _, infos = env.reset(seed=seed, options={"start": starts, "goal": goals})
+        assert infos["robot_1"]["pose"][:2] == pytest.approx([-3, 0], abs=1e-6)
+        assert infos["robot_2"]["pose"] == pytest.approx([0, -3, 1.5], abs=1e-6)
+        assert infos["robot_0"]["goal"].tolist() == [3, 0]
+        assert infos["robot_2"]["goal"].tolist() == [0, 3]
+        poses = np.array([info["pose"][:2] for info in infos.values()])
+        apart = np.linalg.norm(poses[:, None] - poses, axis=-1)[np.triu_indices(3, 1)]
+        assert apart.min() > 0.4
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"starts": {}}, "unknown option 'starts'; there are: start, goal, world"),
+        ({"start": [0, 0]}, r"start as a dict by agent, of: robot_0, robot_1; found \[0, 0\]"),
+        ({"start": {"robot_2": [0, 0]}}, "start as a dict by agent, of: robot_0, robot_1; found"),
+        (
+            {"goal": {"robot_1": [0, 0, 0]}},
+            r"option goal of robot_1 as \[x, y\], found \[0, 0, 0\]",
+        ),
+        (
+            {"start": {"robot_0": "ab"}},
+            r"start of robot_0 as \[x, y\] or \[x, y, yaw\], found 'ab'",
+        ),
+        ({"goal": {"robot_0": [9, 0]}}, r"a goal of robot_0 that is free .*, found \[9, 0\]"),
+        ({"start": {"robot_0": [0, 0], "robot_1": [0.1, 0]}}, "where another model stands"),
+        ([], "expected options as a dict"),
+        ({"world": "doors"}, "expected the option world to be one of: empty_room"),
+    ],
+)
+def test_wrong_options_change_nothing(options, message):
+    a, b = (MultiRobotEnv(robots=2, world="empty_room") for _ in range(2))
+    for env in (a, b):
+        env.reset(seed=1)
+    for seed in (None, 5):
+        with pytest.raises(UsageError, match=message):
+            a.reset(seed=seed, options=options)
+    actions = {agent: np.float32([0.5, 0.1]) for agent in a.agents}
+    assert_same(a.step(actions), b.step(actions))
+    assert_same(a.reset(), b.reset())
+    for env in (a, b):
+        env.close()
+
+
+def drive_to_the_goal(at_goal):
+    """Robot 0 drives east to its goal at [0, 0]; robot 1 stands west of it, and looks at it."""
+    env = MultiRobotEnv(robots=2, world="empty_room", at_goal=at_goal, flatten=False)
+    ends = {"start": {"robot_0": [-1, 0, 0], "robot_1": [-3, 0, 0]}, "goal": {"robot_0": [0, 0]}}
+    env.reset(seed=1, options=ends)
+    infos = {}
+    while "robot_0" in env.agents:
+        _, _, terminated, _, infos = env.step(
+            {"robot_0": np.float32([0.5, 0]), "robot_1": np.float32([0, 0])}
+        )
+    assert terminated == {"robot_0": True, "robot_1": False}
+    assert infos["robot_0"]["success"]
+    return env
+
+
+def test_a_robot_can_stay_at_its_goal():
+    env = drive_to_the_goal("stay")
+    forwards = {"robot_1": np.float32([0.5, 0])}
+    seen = []
+    while env.agents:
+        observations, *_, infos = env.step(forwards)
+        seen.append(observations["robot_1"]["ranges"][32] * 10)
+    assert 2 < seen[0] < 3  # robot 0, not the wall at 8 m
+    assert infos["robot_1"]["collision"]  # with robot 0
+    env.close()
+    env = drive_to_the_goal("leave")
+    observations, *_ = env.step(forwards)
+    assert observations["robot_1"]["ranges"][32] * 10 > 7
+    env.close()
+
+
+def test_rewards_can_be_shared():
+    own, half, whole = (
+        MultiRobotEnv(robots=3, world="empty_room", shared_rewards=part) for part in (0, 0.5, 1)
+    )
+    for env in (own, half, whole):
+        env.reset(seed=3)
+    for _ in range(60):
+        actions = {agent: np.float32([0.4, 0.3]) for agent in own.agents}
+        rewards, halves, means = (env.step(actions)[1] for env in (own, half, whole))
+        mean = np.mean(list(rewards.values()))  # of those that acted
+        assert means == pytest.approx(dict.fromkeys(rewards, mean))
+        assert halves == pytest.approx({a: (r + mean) / 2 for a, r in rewards.items()})
+        assert own.agents == whole.agents
+    for env in (own, half, whole):
+        env.close()
+
+
+def test_the_state_describes_all_robots():
+    env = drive_to_the_goal("leave")
+    state = env.state()
+    assert env.state_space.contains(state)
+    gone, there = state.reshape(2, 10)
+    assert not gone.any()
+    _, _, _, _, infos = env.step({"robot_1": np.float32([0.5, 0.2])})
+    there = env.state()[10:]
+    x, y, yaw = infos["robot_1"]["pose"]
+    assert there[:4] == pytest.approx([x, y, np.cos(yaw), np.sin(yaw)], abs=1e-6)
+    assert there[4] > 0
+    assert there[7:9] == pytest.approx(infos["robot_1"]["goal"])
+    assert there[9] == 1
+    env.close()

@@ -7,7 +7,7 @@ robot fits through; one that finds no place takes no part in the episode.
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -19,9 +19,8 @@ from flatland_server import Segments, from_segments
 _TRIES = 500
 _TRIES_OF_MODELS = 60
 
-_PLACES = {"start": (2, 3), "goal": (2,)}
 _DRAWN = ("world", "goal_distance", "obstacles", "robot_scales")
-OPTIONS = (*_PLACES, *_DRAWN)
+OPTIONS = ("start", "goal", *_DRAWN)
 """The keys of `reset(options=...)`."""
 
 Circles = List[Tuple[float, float, float]]
@@ -62,14 +61,12 @@ class Choice:
     Attributes:
         worlds: the indices of the worlds.
         settings: those of the environment, with the options in place of arguments.
-        start: [x, y] or [x, y, yaw]; None is drawn.
-        goal: [x, y]; None is drawn.
+        ends: start and goal of each robot, where options give them.
     """
 
     worlds: Tuple[int, ...]
     settings: NavigationSettings
-    start: Optional[Sequence[float]] = None
-    goal: Optional[Sequence[float]] = None
+    ends: Sequence["_Ends"]
 
 
 class EpisodeSampler:
@@ -88,7 +85,8 @@ class EpisodeSampler:
         """The choice that options leave.
 
         Args:
-            options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn;
+            options: `start` ([x, y] or [x, y, yaw]) and `goal` ([x, y]), which are otherwise drawn,
+                or with several robots dicts of these by the robot's name, for all or some of them;
                 and `world`, `goal_distance`, `obstacles` and `robot_scales`, in place of the
                 environment's arguments, within what these have made: some of the worlds and sizes,
                 and as many obstacles at most.
@@ -112,7 +110,7 @@ class EpisodeSampler:
         return Choice(
             tuple(self._indices(given)),
             settings,
-            *(_place_of(name, options.get(name), sizes) for name, sizes in _PLACES.items()),
+            _given_ends(options, self._worlds[0].robots),
         )
 
     def draw(self, rng: np.random.Generator, choice: Choice) -> Episode:
@@ -139,8 +137,16 @@ class EpisodeSampler:
         near_starts, near_goals = list(standing), list(standing)
         starts: List[Pose] = []
         goals: List[Point] = []
-        for _ in world.robots:
-            start, goal = self._ends(world, choice, near_starts, near_goals, rng)
+        for number, ends in enumerate(choice.ends, 1):
+            later = choice.ends[number:]
+            later_starts = [
+                (each.start[0], each.start[1], world.radius) for each in later if each.start
+            ]
+            later_goals = [
+                (each.goal[0], each.goal[1], world.radius) for each in later if each.goal
+            ]
+            circles = [*near_starts, *later_starts], [*near_goals, *later_goals]
+            start, goal = self._ends(world, choice, ends, *circles, rng)
             starts.append(start)
             goals.append(goal)
             near_starts.append((start.x, start.y, world.radius))
@@ -171,6 +177,7 @@ class EpisodeSampler:
         self,
         world: NavigationWorld,
         choice: Choice,
+        given: "_Ends",
         starts: Circles,
         goals: Circles,
         rng: np.random.Generator,
@@ -182,11 +189,11 @@ class EpisodeSampler:
         def fits(place: Sequence[float], others: Circles) -> bool:
             return space.contains_point(*place[:2]) and _is_clear(place[:2], room, others)
 
-        given_start, given_goal = choice.start, choice.goal
-        if given_start is not None:
-            _require_free(world, "start", given_start[:2], starts)
-        if given_goal is not None:
-            _require_free(world, "goal", given_goal, goals)
+        given_start, given_goal = given.start, given.goal
+        if given_start:
+            _require_free(world, f"start{given.of}", given_start[:2], starts)
+        if given_goal:
+            _require_free(world, f"goal{given.of}", given_goal, goals)
         for _ in range(_TRIES):
             yaw = _heading(rng)
             start = given_start or (
@@ -290,19 +297,56 @@ def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
     return all(math.hypot(x - a, y - b) > radius + r for a, b, r in discs)
 
 
-def _place_of(name: str, value: Any, sizes: Tuple[int, ...]) -> Optional[List[float]]:
-    """The place of the option `start` or `goal`: so many finite floats, or None.
+class _Ends(NamedTuple):
+    """The ends that options give to a robot; empty if they are drawn."""
+
+    start: List[float]
+    goal: List[float]
+    of: str
+    """Continues "start" or "goal" in messages, where there are several robots."""
+
+
+def _given_ends(options: Mapping[str, Any], robots: Sequence[str]) -> List[_Ends]:
+    """The ends of each robot in options.
 
     Raises:
-        UsageError: it is wrong.
+        UsageError: one is wrong.
     """
+    start, goal = options.get("start"), options.get("goal")
+    if len(robots) == 1:
+        return [_Ends(_numbers("start", start), _numbers("goal", goal), "")]
+    starts, goals = _by_robot("start", start, robots), _by_robot("goal", goal, robots)
+    return [
+        _Ends(
+            _numbers(f"start of {robot}", starts.get(robot)),
+            _numbers(f"goal of {robot}", goals.get(robot)),
+            f" of {robot}",
+        )
+        for robot in robots
+    ]
+
+
+def _by_robot(name: str, value: Any, robots: Sequence[str]) -> Mapping[str, Any]:
+    """An option with an entry for some of several robots."""
     if value is None:
-        return None
+        return {}
+    if not isinstance(value, Mapping) or not set(value) <= set(robots):
+        found = f"{value!r:.80}"
+        raise UsageError(
+            f"expected the option {name} as a dict by agent, of: {', '.join(robots)}; found {found}"
+        )
+    return value
+
+
+def _numbers(name: str, value: Any) -> List[float]:
+    """An end as a list of finite floats; an empty one for None."""
+    if value is None:
+        return []
     try:
         numbers = [float(number) for number in value]
     except (TypeError, ValueError):
         numbers = []
+    sizes, form = ((2, 3), "[x, y] or [x, y, yaw]") if "start" in name else ((2,), "[x, y]")
     if len(numbers) not in sizes or not all(map(math.isfinite, numbers)):
-        form = "[x, y] or [x, y, yaw]" if name == "start" else "[x, y]"
         raise UsageError(f"expected the option {name} as {form}, found {value!r}")
     return numbers

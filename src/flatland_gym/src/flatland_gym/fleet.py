@@ -12,9 +12,9 @@ import numpy as np
 
 from flatland2d import BatchObservation, PluginError, Simulation, SimulationBatch
 from flatland_gym.episodes import Episode
-from flatland_gym.navigation_world import NavigationWorld
+from flatland_gym.navigation_world import NavigationWorld, parking_place
 from flatland_gym.settings import NavigationSettings
-from flatland_server import Body, FloatArray, IntArray, ModelPlugin
+from flatland_server import Body, BoolArray, FloatArray, IntArray, ModelPlugin
 
 _ONLY = np.array([0])
 
@@ -28,7 +28,8 @@ class Fleet(ABC):
     Args:
         world: that is simulated.
         settings: of the environment.
-        rows: what the robots measure; overwritten in each step.
+        rows: what the robots measure; overwritten in each step. A row for each robot, those of the
+            first place first.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Fleet(ABC):
         self._settings = settings
         self._rows = rows
         self._room = world.radius + settings.margin
+        self._team = len(world.robots)
 
     @abstractmethod
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
@@ -54,6 +56,15 @@ class Fleet(ABC):
         Args:
             actions: of all robots, shape (n, size of an action); finite.
             indices: of the robots' rows, in increasing order.
+        """
+
+    @abstractmethod
+    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        """Stops robots that `step` is no longer called with, and parks those that leave.
+
+        Args:
+            indices: of the robots' rows, in increasing order.
+            leaving: of all robots.
         """
 
     @abstractmethod
@@ -134,6 +145,13 @@ class RobotSimulation(Fleet):
                             collided[self._numbers[name]] = True
         self._look(numbers)
 
+    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        zeros = [0.0] * len(self._world.robot.action_limits)
+        for number in indices.tolist():
+            self._drives[number].command(*zeros)
+            if leaving[number]:
+                self.simulation(0).move(self._world.robots[number], parking_place(-1 - number))
+
     def simulation(self, index: int) -> Simulation:
         assert self._simulation is not None  # there is one from the first episode on
         return self._simulation
@@ -167,7 +185,7 @@ class SimulationFleet(Fleet):
     Args:
         world: that is simulated.
         settings: of the environment.
-        rows: what the robots measure; one robot at each place.
+        rows: what the robots measure.
         threads: how many places are stepped at a time.
     """
 
@@ -180,7 +198,7 @@ class SimulationFleet(Fleet):
     ) -> None:
         super().__init__(world, settings, rows)
         self._places: Dict[int, RobotSimulation] = {}
-        self._threads = min(threads, len(rows.poses))
+        self._threads = min(threads, len(rows.poses) // self._team)
         self._pool: Optional[ThreadPoolExecutor] = None
         if self._threads > 1:
             self._pool = ThreadPoolExecutor(self._threads, thread_name_prefix="flatland_gym")
@@ -188,24 +206,30 @@ class SimulationFleet(Fleet):
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         chosen = dict(zip(indices.tolist(), episodes))
         for index in chosen.keys() - self._places.keys():
-            row = BatchObservation._make(array[index : index + 1] for array in self._rows)
-            self._places[index] = RobotSimulation(self._world, self._settings, row)
+            rows = BatchObservation._make(array[self._rows_of(index)] for array in self._rows)
+            self._places[index] = RobotSimulation(self._world, self._settings, rows)
         self._each(lambda index: self._places[index].reset(_ONLY, [chosen[index]]), list(chosen))
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
         return self._places[index].is_blocked(0, episode)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
+        numbers = self._by_place(indices)
         self._each(
-            lambda index: self._places[index].step(actions[index : index + 1], _ONLY),
-            indices.tolist(),
+            lambda place: self._places[place].step(actions[self._rows_of(place)], numbers[place]),
+            list(numbers),
         )
+
+    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        for place, numbers in self._by_place(indices).items():
+            self._places[place].retire(numbers, leaving[self._rows_of(place)])
 
     def simulation(self, index: int) -> Simulation:
         return self._places[index].simulation(0)
 
     def motions(self, indices: IntArray) -> Motions:
-        found = [self._places[index].motions(_ONLY) for index in indices.tolist()]
+        places = (indices // self._team).tolist()
+        found = [self._places[place].motions(_ONLY) for place in places]
         poses, velocities = (np.concatenate(arrays) for arrays in zip(*found))
         return poses, velocities
 
@@ -214,6 +238,17 @@ class SimulationFleet(Fleet):
             place.close()
         if self._pool is not None:
             self._pool.shutdown()
+
+    def _rows_of(self, place: int) -> slice:
+        """The rows of a place's robots."""
+        return slice(place * self._team, (place + 1) * self._team)
+
+    def _by_place(self, indices: IntArray) -> Dict[int, IntArray]:
+        """The numbers of robots in their places, from their rows."""
+        places = indices // self._team
+        first = np.flatnonzero(np.diff(places, prepend=-1))
+        numbers = np.split(indices % self._team, first[1:])
+        return dict(zip(places[first].tolist(), numbers))
 
     def _each(self, do: Callable[[int], None], indices: List[int]) -> None:
         """Calls a function with each index, on all threads."""
@@ -238,7 +273,7 @@ class BatchFleet(Fleet):
     Args:
         world: that is simulated.
         settings: of the environment.
-        rows: what the robots measure; one robot at each place.
+        rows: what the robots measure.
         threads: of the batch.
 
     Raises:
@@ -253,30 +288,36 @@ class BatchFleet(Fleet):
         threads: int = 1,
     ) -> None:
         super().__init__(world, settings, rows)
-        count = len(rows.poses)
+        team = self._team
+        count = len(rows.poses) // team
         self._moved = [disc.name for disc in (*world.scattered, *world.obstacles)]
         self._batch = SimulationBatch(
             world.config,
             count,
-            robot=world.robot.name,
+            robots=world.robots,
             lidar=world.robot.lidar,
             threads=min(threads, count),
             moved=self._moved,
             step_size=settings.step_size,
             params=settings.params,
         )
+        shaped = [each.reshape(count, team, *each.shape[1:]) for each in rows[:5]]
+        self._out = BatchObservation._make([*shaped, np.empty(count)])  # writes to the rows
+        parking = [parking_place(-1 - number) for number in range(team)]
+        self._parking = np.broadcast_to(parking, self._out.poses.shape)
         self._places = np.zeros((count, len(self._moved), 3))
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
-        count = len(self._rows.poses)
-        mask, seeds, poses = np.zeros(count, bool), np.zeros(count, np.int64), np.zeros((count, 3))
+        poses = np.zeros(self._out.poses.shape)
+        count = len(poses)
+        mask, seeds = np.zeros(count, bool), np.zeros(count, np.int64)
         mask[indices] = True
         seeds[indices] = [episode.seed for episode in episodes]
-        poses[indices] = [episode.starts[0] for episode in episodes]
+        poses[indices] = [episode.starts for episode in episodes]
         places = self._places
         for index, episode in zip(indices.tolist(), episodes):
             places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
-        self._batch.reset(mask, seeds, poses, out=self._rows, model_poses=places)
+        self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places)
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
         return episode.is_near(self._batch.added_walls(index), self._room)
@@ -284,9 +325,17 @@ class BatchFleet(Fleet):
     def step(self, actions: FloatArray, indices: IntArray) -> None:
         mask = None
         if len(indices) < len(actions):
-            mask = np.zeros(len(actions), bool)
-            mask[indices] = True
-        self._batch.step(actions, self._settings.frame_skip, out=self._rows, mask=mask)
+            mask = np.zeros(self._out.collided.shape, bool)
+            mask.ravel()[indices] = True
+            self._out.collided[mask.any(axis=1)] = False  # of robots that are not observed, too
+        shaped = actions.reshape(*self._out.collided.shape, -1)
+        self._batch.step(shaped, self._settings.frame_skip, out=self._out, mask=mask)
+
+    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        mask = np.zeros(self._out.collided.shape, bool)
+        mask.ravel()[indices] = leaving[indices]
+        if mask.any():  # the others are stopped by the next step
+            self._batch.move(self._parking, mask)
 
     def simulation(self, index: int) -> Simulation:
         """A simulation that shows the place: the same one for all places."""
@@ -295,7 +344,7 @@ class BatchFleet(Fleet):
     def motions(self, indices: IntArray) -> Motions:
         columns = [self._batch.models.index(name) for name in self._world.others]
         poses, velocities = self._batch.model_motions()
-        rows = indices[:, None]
+        rows = (indices // self._team)[:, None]
         return poses[rows, columns], velocities[rows, columns]
 
     def close(self) -> None:

@@ -3,13 +3,15 @@
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
+from gymnasium import spaces
 from gymnasium.utils import seeding
 
 from flatland2d import MissingPackageError, UsageError
+from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation, row_of
-from flatland_gym.navigation_world import parking_place
 from flatland_gym.pictures import Window, check_render_mode, usable
-from flatland_gym.settings import NavigationSettings, is_whole, require_seed
+from flatland_gym.settings import NavigationSettings, require_seed
+from flatland_gym.team import STATE_SIZE, Team, check_team
 from flatland_server import FloatArray, IntArray
 
 try:
@@ -34,6 +36,10 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         robots: how many there are, two at least: each one like the world's robot.
         render_mode: None, or the surroundings of the first robot that is there: "rgb_array", or
             "human" (a window).
+        at_goal: "leave", or "stay": a robot that has reached its goal stops and stays in the world,
+            where others see and hit it. Its episode has ended, too.
+        shared_rewards: the part of each reward that is replaced by the mean of the rewards of all
+            robots that acted in the step: 0 for rewards of their own, 1 for the same ones.
         arguments: the attributes of `NavigationSettings`.
 
     Raises:
@@ -41,14 +47,16 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
     """
 
     def __init__(
-        self, robots: int = 2, render_mode: Optional[str] = None, **arguments: Any
+        self,
+        robots: int = 2,
+        render_mode: Optional[str] = None,
+        at_goal: str = "leave",
+        shared_rewards: float = 0.0,
+        **arguments: Any,
     ) -> None:
-        if not (is_whole(robots) and robots >= 2):
-            raise UsageError(f"expected robots to be a whole number of 2 or more, found {robots!r}")
         check_render_mode(render_mode, _RENDER_MODES)
         settings = NavigationSettings.of(arguments)
-        if len(settings.worlds) != 1 or len(settings.robot_scales) != 1:
-            raise UsageError("expected one world and one of robot_scales, found several")
+        check_team(robots, at_goal, shared_rewards, settings)
         navigation = self._navigation = Navigation(settings, robots=int(robots))
         self.metadata = {
             **navigation.metadata,
@@ -56,6 +64,8 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
             "render_modes": usable(_RENDER_MODES),
             "is_parallelizable": True,
         }
+        self._team = Team(navigation, at_goal, shared_rewards)
+        self.state_space = spaces.Box(-np.inf, np.inf, (STATE_SIZE * int(robots),), np.float32)
         self.render_mode = render_mode
         self._window = Window("Flatland", settings.period)
         self.possible_agents = list(navigation.robot_names)
@@ -82,15 +92,21 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
 
         Args:
             seed: of the random numbers from now on; None goes on with those there are.
-            options: ignored.
+            options: `start` and `goal`, dicts by agent of [x, y] or [x, y, yaw], and of [x, y];
+                ends that they do not have are drawn. Others as for `NavigationEnv.reset`.
 
         Raises:
-            UsageError: the seed is wrong, or there is no room for all robots.
+            UsageError: the seed or an option is wrong, or there is no room for all robots. The
+                environment is as before.
         """
-        number = require_seed(seed)
-        if number is not None or self._rng is None:
-            self._rng, _ = seeding.np_random(number)
-        self._navigation.reset(np.array([0]), [self._rng])
+        number, rng = require_seed(seed), self._rng
+        if number is not None or rng is None:
+            rng, _ = seeding.np_random(number)
+        given = options_of(options)
+        given.pop("options", None)  # of PettingZoo's parallel_api_test, which all environments pass
+        self._navigation.reset(np.array([0]), [rng], given)
+        self._rng = rng
+        self._team.present[:] = True
         self.agents = list(self.possible_agents)
         if self.render_mode == "human":
             self.render()
@@ -107,17 +123,21 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         Raises:
             UsageError: an action is missing, or is not usable. The environment is as before.
         """
-        agents, rows = list(self.agents), self._rows()
-        results = self._navigation.step(self._commands(actions), rows)
-        rewards, terminated, truncated = (self._by_agent(values) for values in results)
+        results = self._team.step(self._commands(actions))
+        rewards, terminated, truncated = (self._by_agent(values[0]) for values in results)
         observations, infos = self._observations(), self._infos()
-        for agent, row in zip(agents, rows.tolist()):
-            if terminated[agent] or truncated[agent]:
-                self.agents.remove(agent)
-                self._remove(agent, row)
+        self.agents = [self.possible_agents[row] for row in np.flatnonzero(self._team.present)]
         if self.render_mode == "human":
             self.render()
         return observations, rewards, terminated, truncated, infos
+
+    def state(self) -> Any:
+        """The state of all robots: a new array of float32, 10 numbers for each possible agent.
+
+        They are x, y [m], cosine and sine of the yaw, velocities forwards, to the left and turning
+        [m/s, m/s, rad/s], x and y of the goal [m], and 1; or zeros if its episode has ended.
+        """
+        return self._team.state()[0]
 
     def render(self) -> Any:
         """A picture: uint8, shape (480, 480, 3); None without one, or if a window shows it."""
@@ -156,12 +176,6 @@ class MultiRobotEnv(ParallelEnv[str, Any, Any]):
         for agent, row in zip(self.agents, self._rows()):
             commands[row] = self._navigation.checked_actions(actions[agent], (size,))
         return commands
-
-    def _remove(self, agent: str, row: int) -> None:
-        """Takes a robot out of the way, and stops it."""
-        simulation = self._navigation.simulation(row)
-        simulation.models[agent].command(*[0.0] * len(self._navigation.robot.action_limits))
-        simulation.move(agent, parking_place(-1 - row))
 
     def _observations(self) -> Dict[str, Any]:
         flat = self._navigation.observe()

@@ -30,7 +30,9 @@ _TRIES = 100
 
 
 class Navigation:
-    """Robots that are driven to goals, one in each of n environments, or n in a single one.
+    """Robots that are driven to goals, one or m in each of n environments.
+
+    Arrays have a row for each robot, those of the first environment first.
 
     Episodes in different worlds run in different fleets, made when they are first needed; all
     write to the same rows.
@@ -39,20 +41,20 @@ class Navigation:
         settings: what the environments are.
         count: how many there are.
         threads: how many are stepped at a time; results do not depend on it.
-        robots: how many robots a single environment has, which then is a `Simulation`, also where a
-            batch would do; None: one in each environment. Results do not depend on it.
+        robots: how many each environment has, m; None: one. If it is given, a single environment is
+            a `Simulation`, also where a batch would do. Results do not depend on that.
 
     Attributes:
         metadata: Gymnasium's, of these environments.
         robot: the robot of every world.
         robot_names: the models of the robots in the first world.
-        action_space: of one environment.
-        observation_space: of one environment.
+        action_space: of one robot.
+        observation_space: of one robot.
         rows: what the robots measure.
-        goals: x, y [m] in the world, shape (n, 2).
-        distances: of the robots from their goals [m], shape (n,).
-        successes: whether the last step has reached the goal, shape (n,).
-        steps: of the present episodes, shape (n,).
+        goals: x, y [m] in the world, shape (n * m, 2).
+        distances: of the robots from their goals [m], shape (n * m,).
+        successes: whether the last step has reached the goal, shape (n * m,).
+        steps: of the present episodes, shape (n * m,).
 
     Raises:
         FlatlandError: a world cannot be used.
@@ -82,7 +84,7 @@ class Navigation:
         self._options: Dict[str, Any] = {}
         self._fleets: Dict[int, Fleet] = {}
         self._threads = threads
-        self._is_single = robots is not None
+        self._is_single = robots is not None and count == 1
         self.action_space = self.robot.action_space()
         self.observation_space = observation_space(self.robot, settings)
         self._limits = self.robot.actions
@@ -90,7 +92,8 @@ class Navigation:
             self.robot.beams, self.robot.max_range, self.robot.velocity_limits
         )
         self._period, self._longest_episode = settings.period, settings.longest_episode
-        count = robots or count
+        self._team = robots or 1
+        count *= self._team
         self.rows = BatchObservation.empty(count, self.robot.beams)
         self._world_of = np.full(count, -1)  # the index of each row's world
         self.goals = np.zeros((count, 2))
@@ -145,9 +148,11 @@ class Navigation:
                 tries += 1
                 episode = episodes[number] = self._sampler.draw(generators[number], choice)
                 self._fleet(episode.world).reset(np.array([index]), [episode])
-        rows = np.arange(len(self.goals)) if self._is_single else indices
+        rows = indices
+        if self._team > 1:
+            rows = (self._team * indices[:, None] + np.arange(self._team)).ravel()
         self.goals[rows] = [goal for episode in episodes for goal in episode.goals]
-        self._world_of[rows] = [episode.world for episode in episodes]
+        self._world_of[rows] = [episode.world for episode in episodes for _ in episode.goals]
         self.steps[rows] = 0
         self.successes[rows] = False
         self.distances[rows] = goal_distances(self.rows.poses, self.goals)[rows]
@@ -160,7 +165,7 @@ class Navigation:
             indices: of the robots' rows, in increasing order.
 
         Returns:
-            New arrays of n rows; those of other robots are 0 and False.
+            New arrays of all rows; those of other robots are 0 and False.
         """
         state, settings = self.rows, self.settings
         if len(self._worlds) == 1:
@@ -197,6 +202,16 @@ class Navigation:
         self.distances = np.where(rows, distances, self.distances)
         self.successes = np.where(rows, successes, self.successes)
         return np.where(rows, rewards, 0.0), terminated & rows, truncated
+
+    def retire(self, indices: IntArray, leaving: BoolArray) -> None:
+        """Stops robots whose episodes have ended, of environments in which others go on.
+
+        Args:
+            indices: of their rows.
+            leaving: those that are taken out of their world, (n * m,).
+        """
+        for world, fleet in self._fleets.items():
+            fleet.retire(indices[self._world_of[indices] == world], leaving)
 
     def _models(self, indices: IntArray) -> OtherModels:
         """The other models in these rows."""
@@ -248,7 +263,7 @@ class Navigation:
 
     def simulation(self, index: int) -> Simulation:
         """The simulation that has the robot of a row, or shows it."""
-        return self._fleet(int(self._world_of[index])).simulation(index)
+        return self._fleet(int(self._world_of[index])).simulation(index // self._team)
 
     def picture(self, index: int) -> Any:
         """The picture of the robot of a row."""

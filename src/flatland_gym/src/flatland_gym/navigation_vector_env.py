@@ -19,7 +19,7 @@ from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
-from flatland_server import BoolArray, FloatArray
+from flatland_server import BoolArray, Float32Array, FloatArray
 
 _IN_NOTEBOOKS = 9
 
@@ -71,10 +71,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.render_mode = render_mode
         self._most_steps = sys.maxsize if max_episode_steps is None else int(max_episode_steps)
         self._shown = min(int(shown), self.num_envs)
-        self.navigation = Navigation(settings, self.num_envs, int(threads))
+        self.navigation = self._make_navigation(settings, int(threads))
         self.metadata = {**self.navigation.metadata, "autoreset_mode": self.autoreset_mode}
-        self.single_action_space: spaces.Box = self.navigation.action_space
-        self.single_observation_space = self.navigation.observation_space
+        self.single_action_space: spaces.Box
+        self.single_action_space, self.single_observation_space = self._spaces()
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._generators: List[Optional[np.random.Generator]] = [None] * self.num_envs
@@ -137,16 +137,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             UsageError: the actions have another shape, are no numbers or not finite; there was no
                 reset, or, with "Disabled", none after the end of an episode. All is as before.
         """
-        if not self._is_running:
-            raise UsageError("expected reset before step")
-        checked = self.navigation.checked_actions(actions, self.action_space.shape or ())
-        mode = self.autoreset_mode
-        if mode == AutoresetMode.DISABLED and self._ended.any():
-            ended = np.flatnonzero(self._ended).tolist()
-            raise UsageError(
-                'expected reset(options={"reset_mask": ...}) of the environments in which '
-                f"episodes have ended: {ended[:10]}"
-            )
+        checked, mode = self._checked(actions), self.autoreset_mode
         restarted = self._ended if mode == AutoresetMode.NEXT_STEP else np.zeros_like(self._ended)
         rewards, terminated, truncated = self.navigation.step(checked, np.flatnonzero(~restarted))
         truncated |= ~restarted & (self.navigation.steps >= self._most_steps)
@@ -169,7 +160,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         if self.render_mode is None or not self._is_running:
             return None
         show = self.navigation.status if self.render_mode == "ansi" else self.navigation.picture
-        frames: List[Any] = [show(index) for index in range(self._shown)]
+        frames: List[Any] = [show(self._row(index)) for index in range(self._shown)]
         blank: Any = "" if self.render_mode == "ansi" else np.zeros_like(frames[0])
         return (*frames, *[blank] * (self.num_envs - self._shown))
 
@@ -201,6 +192,34 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self._is_running = False
         self.navigation.close()
 
+    def _make_navigation(self, settings: NavigationSettings, threads: int) -> Navigation:
+        return Navigation(settings, self.num_envs, threads)
+
+    def _spaces(self) -> Tuple[spaces.Box, Any]:
+        """The spaces of the actions and observations of an environment."""
+        return self.navigation.action_space, self.navigation.observation_space
+
+    def _row(self, index: int) -> int:
+        """The robot that a picture of an environment shows."""
+        return index
+
+    def _checked(self, actions: Any) -> FloatArray:
+        """The actions of a step, cut to the limits.
+
+        Raises:
+            UsageError: they are not usable, or there cannot be a step before a reset.
+        """
+        if not self._is_running:
+            raise UsageError("expected reset before step")
+        checked = self.navigation.checked_actions(actions, self.action_space.shape or ())
+        if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
+            ended = np.flatnonzero(self._ended).tolist()
+            raise UsageError(
+                'expected reset(options={"reset_mask": ...}) of the environments in which '
+                f"episodes have ended: {ended[:10]}"
+            )
+        return checked
+
     def _seed(self, seeds: Sequence[Optional[int]], indices: Sequence[int]) -> None:
         for index in indices:
             seed = seeds[index]
@@ -220,7 +239,11 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         self.navigation.reset(indices, generators, options)
 
     def _observations(self) -> Any:
-        return self.navigation.formed(self.navigation.observe())
+        return self.navigation.formed(self._flat())
+
+    def _flat(self) -> Float32Array:
+        """Flat observations: a new array of a row for each environment."""
+        return self.navigation.observe()
 
     def _infos(self, chosen: BoolArray) -> Dict[str, Any]:
         """Infos with the values of some environments, in the form of VectorEnv."""
@@ -232,7 +255,7 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _final(self, ended: BoolArray) -> Dict[str, Any]:
         """The last observations and infos of episodes that have ended."""
-        rows = self.navigation.observe()
+        rows = self._flat()
         observations = np.full(self.num_envs, None, dtype=object)
         for index in np.flatnonzero(ended):
             observations[index] = self.navigation.formed(rows[index].copy())

@@ -108,6 +108,8 @@ def unusable():
         (lambda b: b.reset(seeds=-1), "seed"),
         (lambda b: b.reset(poses=np.full((2, 3), 1e30)), "poses of finite numbers"),
         (lambda b: b.reset(poses=[1, 2, 3]), "x, y, yaw"),
+        (lambda b: b.move([1, 2, 3]), "x, y, yaw"),
+        (lambda b: b.move(np.full((2, 3), 1e30)), "poses of finite numbers up to 50000"),
         (lambda b: b.view(2), "expected an environment from 0 to 1, found 2"),
         (lambda b: b.view("1"), "found '1'"),
         (lambda b: b.free_poses(1, 0.0, np.random.default_rng(0)), "clearance"),

@@ -1,6 +1,7 @@
 #pragma once
 
-/// Many environments, each with a state of the same world and one robot, stepped in one call.
+/// Many environments, each with a state of the same world and one robot or several, stepped in one
+/// call.
 ///
 /// Environments do not influence each other, and each makes the steps that a World of its own
 /// makes: whatever their number, and on however many threads.
@@ -19,7 +20,7 @@
 
 namespace flatland {
 
-/// The robot of each environment, named by handles of the world.
+/// A robot of each environment, named by handles of the world.
 struct BatchRobot {
   std::vector<World::Body> bodies;  ///< all of its bodies; poses and velocities are of the first
   Pose base;                        ///< pose of the first body in the robot's frame [m, m, rad]
@@ -37,37 +38,43 @@ struct BatchModel {
   Pose base;                        ///< pose of the first body in the model's frame [m, m, rad]
 };
 
-/// Where observations are written to: an array each, with a row for each environment.
+/// Where observations are written to: an array each, with a row for each robot of each environment.
 struct BatchRows {
   float* ranges;             ///< [m], or +infinity; as many as the lidar has beams
   double* poses;             ///< x, y [m] and yaw in [-pi, pi] [rad], in the world
   double* velocities;        ///< vx, vy [m/s] and omega [rad/s] of the origin, in the world's frame
   double* local_velocities;  ///< the same in the body's frame
   bool* collided;            ///< true if the robot has touched something solid since the last row
-  int64_t* steps;            ///< made since the beginning or the last reset
+  int64_t* steps;            ///< made since the beginning or the last reset; for each environment
 };
 
 class WorldBatch {
  public:
   /// Environments that begin as a world which has made no step, and which is copied. Throws
-  /// std::invalid_argument if there is no environment or thread, and GoneError for a wrong handle.
-  /// `models` are those that Reset may put elsewhere.
-  WorldBatch(const World& world, const BatchRobot& robot, int count, int threads,
+  /// std::invalid_argument if there is no environment or thread, if the robots do not have equally
+  /// many beams and numbers in an action, and GoneError for a wrong handle. `models` are those that
+  /// Reset may put elsewhere.
+  WorldBatch(const World& world, const std::vector<BatchRobot>& robots, int count, int threads,
              const std::vector<BatchModel>& models = {});
   ~WorldBatch();
 
   int count() const { return static_cast<int>(environments_.size()); }
   int beams() const { return beams_; }
-  const BatchRobot& robot() const { return robot_; }
+  int action_size() const { return robots_[0].action_size; }
+  int robot_count() const { return static_cast<int>(robots_.size()); }
+  /// The number of robots in all environments.
+  int row_count() const { return count() * robot_count(); }
   int model_count() const { return static_cast<int>(models_.size()); }
 
-  /// Throws std::invalid_argument, with the row, unless all actions that `mask` chooses are finite.
+  /// Throws std::invalid_argument, with the place, unless all actions that `mask` (count x robots;
+  /// null: all) chooses are finite.
   void RequireActions(const double* actions, const bool* mask = nullptr) const;
-  /// In each environment that `mask` chooses (null: all): commands the drive with its row of
-  /// `actions` (count x action_size), makes `substeps` steps of `dt` [s], and writes its row. If it
-  /// `goes_on`, a collision in the steps of the last call of Advance counts, too. The actions of
-  /// other environments are not read. Throws std::invalid_argument, and changes nothing, if an
-  /// action is not finite.
+  /// Commands the robots that `mask` (count x robots; null: all) chooses with their rows of
+  /// `actions` (count x robots x action_size), makes `substeps` steps of `dt` [s] in their
+  /// environments, and writes their rows. Other robots of these environments are commanded to stop,
+  /// their actions are not read and their rows not written; other environments stay as they are. If
+  /// it `goes_on`, a collision in the steps of the last call of Advance counts, too. Throws
+  /// std::invalid_argument, and changes nothing, if an action is not finite.
   void Step(const double* actions, int substeps, double dt, const BatchRows& rows,
             bool goes_on = false, const bool* mask = nullptr) {
     Advance(mask, actions, substeps, dt, &rows, goes_on);
@@ -77,12 +84,15 @@ class WorldBatch {
                const bool* mask = nullptr) {
     Advance(mask, actions, substeps, dt, nullptr, goes_on);
   }
-  /// Puts the environments that `mask` chooses (null: all) back to the beginning, moves their
-  /// robots to `poses` (count x 3: x, y [m], yaw [rad]; null: they stay) and then the models to
-  /// `model_poses` (count x models x 3; null: they stay), and writes their rows.
+  /// Puts the environments that `mask` (count; null: all) chooses back to the beginning, moves
+  /// their robots to `poses` (count x robots x 3: x, y [m], yaw [rad]; null: they stay) and then
+  /// the models to `model_poses` (count x models x 3; null: they stay), and writes their rows.
   /// Throws std::invalid_argument, and changes nothing, for a pose that Box2D cannot compute with.
   void Reset(const bool* mask, const double* poses, const BatchRows& rows,
              const double* model_poses = nullptr);
+  /// Moves the robots that `mask` (count x robots; null: all) chooses to `poses` (count x robots x
+  /// 3), and stops them; their commands hold. Throws as Reset does. No row is written.
+  void MoveRobots(const bool* mask, const double* poses);
   /// Lets an environment begin as another world from now on, which is copied: one that has made no
   /// step, and in which the same handles name the same things, such as the same world with other
   /// walls. It is not shared with other environments. Its row is not written.
@@ -108,27 +118,30 @@ class WorldBatch {
     std::unique_ptr<SharedWorld> own;  // null: it shares its thread's world
     std::unique_ptr<SharedWorld::State> state;
     int64_t steps = 0;
-    bool collided = false;
   };
 
-  /// Calls `visit(world, environment, row)` for the environments that `mask` chooses, on all
-  /// threads, each of which has a world and some of the environments.
+  /// Calls `visit(world, environment, row)` for the environments for which `mask` (null: all) has a
+  /// true among their `width` values, on all threads, each of which has a world and some of the
+  /// environments.
   template <class Visit>
-  void ForEach(const bool* mask, Visit visit);
+  void ForEach(const bool* mask, int width, Visit visit);
   void Advance(const bool* mask, const double* actions, int substeps, double dt,
                const BatchRows* rows, bool goes_on);
-  void Command(World& world, const double* action) const;
+  /// Commands a robot to stop if its action is null.
+  static void Command(World& world, const BatchRobot& robot, const double* action);
   /// Moves a model as Model.move does: with the same arithmetic.
   static void Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,
                    const double* pose);
-  void Write(World& world, const Environment& environment, int row, const BatchRows& rows) const;
+  /// Writes the rows of an environment's robots, of those that `mask` (count x robots) chooses.
+  void Write(World& world, int row, const bool* mask, const BatchRows& rows) const;
 
-  BatchRobot robot_;
+  std::vector<BatchRobot> robots_;
   std::vector<BatchModel> models_;
-  std::vector<World::Body> moved_;  // those of the robot and the models
+  std::vector<World::Body> moved_;  // those of the robots and the models
   int beams_ = 0;
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds
+  std::vector<char> collided_;                        // for each robot of each environment
   ThreadTeam team_;
 };
 

@@ -49,7 +49,7 @@ BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
       throw std::invalid_argument(std::string("an array has the wrong type: ") + name);
     }
     auto array = py::reinterpret_borrow<Array<T>>(out[i]);
-    RequireShape(array, name, batch.count(), columns);
+    RequireShape(array, name, i == 5 ? batch.count() : batch.row_count(), columns);
     return array.mutable_data();  // throws std::domain_error if it is read-only
   };
   return {rows(0, "ranges", batch.beams(), float()),
@@ -60,18 +60,22 @@ BatchRows ToRows(const WorldBatch& batch, const py::tuple& out) {
           rows(5, "steps", 0, int64_t())};
 }
 
+void RequireActionShapes(const WorldBatch& batch, const Array<double>& actions,
+                         const std::optional<Array<bool>>& mask) {
+  RequireShape(actions, "actions", batch.row_count(), batch.action_size());
+  if (mask) RequireShape(*mask, "mask", batch.row_count(), 0);
+}
+
 void RequireActions(const PyWorldBatch& self, const Array<double>& actions,
                     const std::optional<Array<bool>>& mask) {
-  RequireShape(actions, "actions", self.batch.count(), self.batch.robot().action_size);
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  RequireActionShapes(self.batch, actions, mask);
   self.batch.RequireActions(actions.data(), mask ? mask->data() : nullptr);
 }
 
 void Step(PyWorldBatch& self, const Array<double>& actions, int substeps, double dt,
           const std::optional<py::tuple>& out, bool goes_on,
           const std::optional<Array<bool>>& mask) {
-  RequireShape(actions, "actions", self.batch.count(), self.batch.robot().action_size);
-  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  RequireActionShapes(self.batch, actions, mask);
   std::optional<BatchRows> rows;
   if (out) rows = ToRows(self.batch, *out);
   const bool* chosen = mask ? mask->data() : nullptr;
@@ -88,7 +92,7 @@ void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
            const std::optional<Array<double>>& poses, const py::tuple& out,
            const std::optional<Array<double>>& model_poses) {
   if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
-  if (poses) RequireShape(*poses, "poses", self.batch.count(), 3);
+  if (poses) RequireShape(*poses, "poses", self.batch.row_count(), 3);
   if (model_poses) {
     RequireShape(*model_poses, "model_poses", self.batch.count(), 3 * self.batch.model_count());
   }
@@ -97,6 +101,15 @@ void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
   const py::gil_scoped_release release;
   self.batch.Reset(mask ? mask->data() : nullptr, poses ? poses->data() : nullptr, rows,
                    model_poses ? model_poses->data() : nullptr);
+}
+
+void MoveRobots(PyWorldBatch& self, const Array<double>& poses,
+                const std::optional<Array<bool>>& mask) {
+  RequireShape(poses, "poses", self.batch.row_count(), 3);
+  if (mask) RequireShape(*mask, "mask", self.batch.row_count(), 0);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.MoveRobots(mask ? mask->data() : nullptr, poses.data());
 }
 
 void Observe(PyWorldBatch& self, const py::tuple& out) {
@@ -152,8 +165,12 @@ void SetVelocities(PyWorldBatch& self, const std::vector<PyBody>& bodies,
   self.batch.SetVelocities(mask ? mask->data() : nullptr, handles, velocities.data());
 }
 
-BatchRobot ToRobot(const std::vector<PyBody>& bodies, const Triple& base, const py::object& drive,
-                   const std::vector<int>& columns, const PyLidar& lidar) {
+/// Bodies, base, drive, columns and lidar.
+using PyRobot =
+    std::tuple<std::vector<PyBody>, Triple, py::object, std::vector<int>, const PyLidar*>;
+
+BatchRobot ToRobot(const PyRobot& values) {
+  const auto& [bodies, base, drive, columns, lidar] = values;
   BatchRobot robot;
   robot.bodies = ToHandles(bodies);
   robot.base = ToPose(base);
@@ -168,7 +185,7 @@ BatchRobot ToRobot(const std::vector<PyBody>& bodies, const Triple& base, const 
     if (columns[i] < 0 || columns[i] > 2) throw std::invalid_argument("a column is 0, 1 or 2");
     robot.columns[columns[i]] = i;
   }
-  robot.lidar = lidar.handle;
+  robot.lidar = lidar->handle;
   return robot;
 }
 
@@ -187,16 +204,15 @@ std::vector<BatchModel> ToModels(
 
 void BindWorldBatch(py::module_& m) {
   py::class_<PyWorldBatch>(m, "WorldBatch")
-      .def(py::init([](const PyWorld& world, const std::vector<PyBody>& bodies, const Triple& base,
-                       const py::object& drive, const std::vector<int>& columns,
-                       const PyLidar& lidar, int count, int threads,
+      .def(py::init([](const PyWorld& world, const std::vector<PyRobot>& robots, int count,
+                       int threads,
                        const std::vector<std::pair<std::vector<PyBody>, Triple>>& models) {
-             const BatchRobot robot = ToRobot(bodies, base, drive, columns, lidar);
+             std::vector<BatchRobot> converted;
+             for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
              return std::unique_ptr<PyWorldBatch>(
-                 new PyWorldBatch{{*world.world, robot, count, threads, ToModels(models)}});
+                 new PyWorldBatch{{*world.world, converted, count, threads, ToModels(models)}});
            }),
-           py::arg("world"), py::kw_only(), py::arg("bodies"), py::arg("base"), py::arg("drive"),
-           py::arg("columns"), py::arg("lidar"), py::arg("count"), py::arg("threads"),
+           py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
            py::arg("models"))
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
@@ -207,6 +223,8 @@ void BindWorldBatch(py::module_& m) {
       .def("reset", &Reset, py::arg("mask").noconvert().none(true),
            py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))
+      .def("move_robots", &MoveRobots, py::arg("poses").noconvert(),
+           py::arg("mask").noconvert().none(true))
       .def("observe", &Observe, py::arg("out"))
       .def(
           "replace",

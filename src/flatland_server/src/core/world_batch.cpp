@@ -16,6 +16,12 @@ void RequirePose(const double* pose) {
   Require(IsUsable(pose[2]), "a heading must be finite");
 }
 
+/// True if a row of a mask has a true; a missing mask has nothing else.
+bool IsChosen(const bool* mask, int width, int row) {
+  const bool* const begin = mask + int64_t{row} * width;
+  return mask == nullptr || std::find(begin, begin + width, true) != begin + width;
+}
+
 void Put(double* row, double a, double b, double c) {
   row[0] = a;
   row[1] = b;
@@ -24,14 +30,18 @@ void Put(double* row, double a, double b, double c) {
 
 }  // namespace
 
-WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, int threads,
-                       const std::vector<BatchModel>& models)
-    : robot_(robot), models_(models), team_(std::min(threads, count)) {
+WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots, int count,
+                       int threads, const std::vector<BatchModel>& models)
+    : robots_(robots), models_(models), team_(std::min(threads, count)) {
   Require(count >= 1, "a batch needs an environment");
   Require(threads >= 1, "a batch needs a thread");
-  Require(!robot.bodies.empty(), "a robot needs a body");
+  Require(!robots.empty(), "a batch needs a robot");
+  for (const BatchRobot& robot : robots) {
+    Require(!robot.bodies.empty(), "a robot needs a body");
+    Require(robot.action_size == action_size(), "robots need equally many numbers in an action");
+    moved_.insert(moved_.end(), robot.bodies.begin(), robot.bodies.end());
+  }
   for (const BatchModel& model : models) Require(!model.bodies.empty(), "a model needs a body");
-  moved_ = robot.bodies;
   for (const BatchModel& model : models) {
     moved_.insert(moved_.end(), model.bodies.begin(), model.bodies.end());
   }
@@ -39,29 +49,30 @@ WorldBatch::WorldBatch(const World& world, const BatchRobot& robot, int count, i
     worlds_.push_back(std::make_unique<SharedWorld>(world.Copy(), moved_));
   }
   environments_.resize(count);
+  collided_.resize(static_cast<size_t>(row_count()));
   for (int i = 0; i < team_.size(); ++i) {
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
       environments_[row].state = worlds_[i]->MakeState();
     }
   }
   World& first = worlds_[0]->Enter(*environments_[0].state);
-  beams_ = first.lidars().GetBeamCount(robot.lidar);
-  for (const World::Body& body : robot.bodies) first.GetPose(body);
-  for (const BatchModel& model : models) {
-    for (const World::Body& body : model.bodies) first.GetPose(body);
+  beams_ = first.lidars().GetBeamCount(robots[0].lidar);
+  for (const World::Body& body : moved_) first.GetPose(body);
+  for (const BatchRobot& robot : robots) {
+    std::visit([&](auto drive) { first.Get(drive); }, robot.drive);
+    Require(first.lidars().GetBeamCount(robot.lidar) == beams_, "robots need equally many beams");
   }
-  std::visit([&](auto drive) { first.Get(drive); }, robot.drive);
   worlds_[0]->Leave(*environments_[0].state);
 }
 
 WorldBatch::~WorldBatch() = default;
 
 template <class Visit>
-void WorldBatch::ForEach(const bool* mask, Visit visit) {
+void WorldBatch::ForEach(const bool* mask, int width, Visit visit) {
   team_.Run([&](int i) noexcept {
     const int end = team_.Begin(i + 1, count());
-    const auto first_from = [mask, end](int row) {
-      while (mask != nullptr && row < end && !mask[row]) ++row;
+    const auto first_from = [mask, width, end](int row) {
+      while (row < end && !IsChosen(mask, width, row)) ++row;
       return row;
     };
     int row = first_from(team_.Begin(i, count()));
@@ -79,15 +90,17 @@ void WorldBatch::ForEach(const bool* mask, Visit visit) {
 }
 
 void WorldBatch::RequireActions(const double* actions, const bool* mask) const {
-  const int64_t width = robot_.action_size;
-  for (int row = 0; row < count(); ++row) {
+  const int64_t width = action_size();
+  for (int row = 0; row < row_count(); ++row) {
     if (mask != nullptr && !mask[row]) continue;
     const double* const begin = actions + width * row;
     if (std::all_of(begin, begin + width, [](double value) { return IsUsable(value); })) continue;
     std::ostringstream message;
     message << "expected actions of finite numbers, found [";
     for (int64_t i = 0; i < width; ++i) message << (i > 0 ? ", " : "") << begin[i];
-    message << "] for environment " << row;
+    message << "] for ";
+    if (robot_count() > 1) message << "robot " << row % robot_count() << " of ";
+    message << "environment " << row / robot_count();
     throw std::invalid_argument(message.str());
   }
 }
@@ -97,17 +110,24 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
   Require(substeps >= 1, "expected 1 step or more");
   Require(IsUsable(dt) && dt >= kMinStep, "a step must be finite and longer than zero");
   RequireActions(actions, mask);
-  const int64_t width = robot_.action_size;
-  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+  const int robots = robot_count();
+  ForEach(mask, robots, [&](SharedWorld& shared, Environment& environment, int row) {
     World& world = shared.Enter(*environment.state);
-    Command(world, actions + width * row);
-    environment.collided = environment.collided && goes_on;
-    for (int i = 0; i < substeps; ++i) {
+    const int64_t first = int64_t{row} * robots;
+    for (int i = 0; i < robots; ++i) {
+      const bool is_driven = mask == nullptr || mask[first + i];
+      Command(world, robots_[i], is_driven ? actions + (first + i) * action_size() : nullptr);
+      if (!goes_on) collided_[first + i] = false;
+    }
+    for (int step = 0; step < substeps; ++step) {
       world.Step(dt);
-      environment.collided = environment.collided || world.contacts().Touches(robot_.bodies);
+      for (int i = 0; i < robots; ++i) {
+        char& collided = collided_[first + i];
+        collided = collided || world.contacts().Touches(robots_[i].bodies);
+      }
     }
     environment.steps += substeps;
-    if (rows != nullptr) Write(world, environment, row, *rows);
+    if (rows != nullptr) Write(world, row, mask, *rows);
     shared.Leave(*environment.state);
   });
 }
@@ -115,30 +135,52 @@ void WorldBatch::Advance(const bool* mask, const double* actions, int substeps, 
 void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& rows,
                        const double* model_poses) {
   const int64_t numbers = 3 * int64_t{model_count()};  // of a row of model_poses
+  const int robots = robot_count();
   for (int row = 0; row < count(); ++row) {
     if (mask != nullptr && !mask[row]) continue;
-    if (poses != nullptr) RequirePose(poses + 3 * int64_t{row});
+    for (int i = 0; poses != nullptr && i < robots; ++i) {
+      RequirePose(poses + 3 * (int64_t{row} * robots + i));
+    }
     for (int64_t i = 0; model_poses != nullptr && i < numbers; i += 3) {
       RequirePose(model_poses + numbers * row + i);
     }
   }
-  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
     shared.Restart(*environment.state);
     World& world = shared.Enter(*environment.state);
-    if (poses != nullptr) Move(world, robot_.bodies, robot_.base, poses + 3 * int64_t{row});
+    const int64_t first = int64_t{row} * robots;
+    for (int i = 0; poses != nullptr && i < robots; ++i) {
+      Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * (first + i));
+    }
     for (int i = 0; model_poses != nullptr && i < model_count(); ++i) {
       Move(world, models_[i].bodies, models_[i].base, model_poses + numbers * row + 3 * i);
     }
     environment.steps = 0;
-    environment.collided = false;
-    Write(world, environment, row, rows);
+    std::fill_n(collided_.begin() + first, robots, false);
+    Write(world, row, nullptr, rows);
+    shared.Leave(*environment.state);
+  });
+}
+
+void WorldBatch::MoveRobots(const bool* mask, const double* poses) {
+  for (int row = 0; row < row_count(); ++row) {
+    if (mask == nullptr || mask[row]) RequirePose(poses + 3 * int64_t{row});
+  }
+  const int robots = robot_count();
+  ForEach(mask, robots, [&](SharedWorld& shared, Environment& environment, int row) {
+    World& world = shared.Enter(*environment.state);
+    for (int i = 0; i < robots; ++i) {
+      const int64_t at = int64_t{row} * robots + i;
+      if (mask != nullptr && !mask[at]) continue;
+      Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * at);
+    }
     shared.Leave(*environment.state);
   });
 }
 
 void WorldBatch::Observe(const BatchRows& rows) {
-  ForEach(nullptr, [&](SharedWorld& shared, Environment& environment, int row) {
-    Write(shared.Enter(*environment.state), environment, row, rows);
+  ForEach(nullptr, 1, [&](SharedWorld& shared, Environment& environment, int row) {
+    Write(shared.Enter(*environment.state), row, nullptr, rows);
     shared.Leave(*environment.state);
   });
 }
@@ -150,11 +192,11 @@ void WorldBatch::Replace(int row, const World& world) {
   environment.state = own->MakeState();  // the former one is destroyed before its world
   environment.own = std::move(own);
   environment.steps = 0;
-  environment.collided = false;
+  std::fill_n(collided_.begin() + int64_t{row} * robot_count(), robot_count(), false);
 }
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
-  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
     shared.Enter(*environment.state).Get(crowd).Seed(keys[row]);
     shared.Leave(*environment.state);
   });
@@ -163,7 +205,7 @@ void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uin
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,
                             double* velocities) {
   const auto width = static_cast<int64_t>(3 * bodies.size());
-  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
     const World& world = shared.Enter(*environment.state);
     int64_t at = width * row;
     for (const World::Body& body : bodies) {
@@ -186,7 +228,7 @@ void WorldBatch::SetVelocities(const bool* mask, const std::vector<World::Body>&
       Require(IsUsable(velocities[i]), "a velocity must be finite");
     }
   }
-  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
     World& world = shared.Enter(*environment.state);
     const double* velocity = velocities + width * row;
     for (const World::Body& body : bodies) {
@@ -197,13 +239,15 @@ void WorldBatch::SetVelocities(const bool* mask, const std::vector<World::Body>&
   });
 }
 
-void WorldBatch::Command(World& world, const double* action) const {
+void WorldBatch::Command(World& world, const BatchRobot& robot, const double* action) {
   double values[3];
-  for (int i = 0; i < 3; ++i) values[i] = robot_.columns[i] < 0 ? 0.0 : action[robot_.columns[i]];
-  if (const auto* drive = std::get_if<World::Drive>(&robot_.drive)) {
+  for (int i = 0; i < 3; ++i) {
+    values[i] = action == nullptr || robot.columns[i] < 0 ? 0.0 : action[robot.columns[i]];
+  }
+  if (const auto* drive = std::get_if<World::Drive>(&robot.drive)) {
     world.Get(*drive).Command({values[0], values[1], values[2]});
   } else {
-    world.Get(std::get<World::Tricycle>(robot_.drive)).Command(values[0], values[1]);
+    world.Get(std::get<World::Tricycle>(robot.drive)).Command(values[0], values[1]);
   }
 }
 
@@ -218,19 +262,21 @@ void WorldBatch::Move(World& world, const std::vector<World::Body>& bodies, cons
   for (const World::Body& body : bodies) world.Halt(body);
 }
 
-void WorldBatch::Write(World& world, const Environment& environment, int row,
-                       const BatchRows& rows) const {
-  const World::Body body = robot_.bodies.front();
-  const Pose pose = Wrapped(world.GetPose(body));
-  const Twist velocity = world.GetVelocity(body);
-  const Twist local = world.GetLocalVelocity(body);
-  world.lidars().ScanInto(robot_.lidar, rows.ranges + int64_t{row} * beams_,
-                          World::AccessGuard(world));
-  Put(rows.poses + 3 * row, pose.x, pose.y, pose.yaw);
-  Put(rows.velocities + 3 * row, velocity.vx, velocity.vy, velocity.omega);
-  Put(rows.local_velocities + 3 * row, local.vx, local.vy, local.omega);
-  rows.collided[row] = environment.collided;
-  rows.steps[row] = environment.steps;
+void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows& rows) const {
+  for (int i = 0; i < robot_count(); ++i) {
+    const int64_t at = int64_t{row} * robot_count() + i;
+    if (mask != nullptr && !mask[at]) continue;
+    const World::Body body = robots_[i].bodies.front();
+    const Pose pose = Wrapped(world.GetPose(body));
+    const Twist velocity = world.GetVelocity(body);
+    const Twist local = world.GetLocalVelocity(body);
+    world.lidars().ScanInto(robots_[i].lidar, rows.ranges + at * beams_, World::AccessGuard(world));
+    Put(rows.poses + 3 * at, pose.x, pose.y, pose.yaw);
+    Put(rows.velocities + 3 * at, velocity.vx, velocity.vy, velocity.omega);
+    Put(rows.local_velocities + 3 * at, local.vx, local.vy, local.omega);
+    rows.collided[at] = collided_[at];
+  }
+  rows.steps[row] = environments_[row].steps;
 }
 
 }  // namespace flatland

@@ -228,18 +228,17 @@ class VisibleWalls(metaclass=_Metaclass):
         """
 
 class WorldBatch(metaclass=_Metaclass):
-    """Environments with the same initial world and a robot each; see world_batch.hpp.
+    """Environments with the same initial world and m robots each; see world_batch.hpp.
 
-    `out` has arrays of n rows, which are written to in place: ranges (n, beams) float32, poses,
-    velocities and local velocities (n, 3) float64, collided (n,) bool, steps (n,) int64.
+    Arrays have a row for each robot, the m of the first environment first. `out` has arrays that
+    are written to in place: ranges (n * m, beams) float32, poses, velocities and local velocities
+    (n * m, 3) float64, collided (n * m,) bool, steps (n,) int64.
 
     Args:
         world: the initial one, before its first step; it is copied.
-        bodies: of the robot; the first one is observed.
-        base: pose of the first body in the robot's frame.
-        drive: of the robot.
-        columns: index of the drive's number that each number of an action sets.
-        lidar: of the robot.
+        robots: of each, its bodies, the first of which is observed; the pose of that body in the
+            robot's frame; its drive; the index of the drive's number that each number of an action
+            sets; and its lidar.
         count: number of environments, n.
         threads: number of threads that share the environments.
         models: models that `reset` can move: the bodies of each, and the pose of the first body in
@@ -250,11 +249,9 @@ class WorldBatch(metaclass=_Metaclass):
         self,
         world: World,
         *,
-        bodies: Sequence[Body],
-        base: _TripleLike,
-        drive: Drive | Tricycle,
-        columns: Sequence[int],
-        lidar: Lidar,
+        robots: Sequence[
+            tuple[Sequence[Body], _TripleLike, Drive | Tricycle, Sequence[int], Lidar]
+        ],
         count: int,
         threads: int,
         models: Sequence[tuple[Sequence[Body], _Triple]],
@@ -266,7 +263,7 @@ class WorldBatch(metaclass=_Metaclass):
         """Checks actions as `step` does.
 
         Raises:
-            ValueError: an array does not fit, or a number is not finite; names the environment.
+            ValueError: an array does not fit, or a number is not finite; names the place.
         """
     def step(
         self,
@@ -280,8 +277,8 @@ class WorldBatch(metaclass=_Metaclass):
         """Commands the robots, makes steps of `dt` [s], and writes the rows. Releases the GIL.
 
         With None as `out`, no row is written. With `goes_on`, collisions of the previous call count
-        in the rows, too. With a mask, only its environments are stepped, their rows written, and
-        their actions read.
+        in the rows, too. With a mask (n * m,), only the environments of its robots are stepped,
+        their rows written, and their actions read; other robots of these are commanded to stop.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
@@ -293,9 +290,15 @@ class WorldBatch(metaclass=_Metaclass):
         out: tuple[Any, ...],
         model_poses: FloatArray | None,
     ) -> None:
-        """Resets environments, moves their robots, and writes their rows.
+        """Resets the environments of a mask (n,), moves their robots, and writes their rows.
 
         `model_poses` has shape (n, 3 * models); the models are moved after the robots.
+
+        Raises:
+            ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
+    def move_robots(self, poses: FloatArray, mask: BoolArray | None) -> None:
+        """Moves the robots of a mask (n * m,), and stops them. Writes no rows.
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.

@@ -73,7 +73,7 @@ class WorldBatchTest : public WorldTest {
 
   void ExpectEnvironmentsToBeWorlds() {
     for (const int threads : {1, 3}) {
-      WorldBatch batch(world_, robot_, 9, threads);
+      WorldBatch batch(world_, {robot_}, 9, threads);
       Rows rows(9);
       for (const int k : {0, 4, 8}) {
         batch.Reset(nullptr, nullptr, rows.rows());
@@ -120,7 +120,7 @@ TEST_F(WorldBatchTest, AnEnvironmentIsAWorldWithWallsThatWereAddedLater) {
 TEST_F(WorldBatchTest, EnvironmentsThatAreNotResetGoOn) {
   AddWalls();
   AddBodies();
-  WorldBatch batch(world_, robot_, 2, 2), other(world_, robot_, 2, 1);
+  WorldBatch batch(world_, {robot_}, 2, 2), other(world_, {robot_}, 2, 1);
   Rows rows(2), expected(2);
   const std::vector<double> poses{1, 1, 1, -3, -0.4, 2};
   for (int round = 0; round < 80; ++round) {
@@ -143,7 +143,7 @@ TEST_F(WorldBatchTest, OnlyChosenEnvironmentsMakeSteps) {
   AddBodies();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const int threads : {1, 2}) {
-    WorldBatch batch(world_, robot_, 7, threads), all(world_, robot_, 7, 1);
+    WorldBatch batch(world_, {robot_}, 7, threads), all(world_, {robot_}, 7, 1);
     Rows rows(7), expected(7);
     for (int round = 0; round < 30; ++round) {
       const std::vector<double> actions = ActionsOf(round, 7);
@@ -172,10 +172,66 @@ TEST_F(WorldBatchTest, OnlyChosenEnvironmentsMakeSteps) {
   }
 }
 
+TEST_F(WorldBatchTest, SeveralRobotsOfAnEnvironmentAreThoseOfAWorld) {
+  AddWalls();
+  AddBodies();
+  BatchRobot second;
+  const World::Body disc = AddBox(world_, {1.5, 0.9, 3.0}, 0.3);
+  second.bodies = {disc};
+  second.drive = world_.AddDrive(disc, {2, 2, 3}, {});
+  LidarSettings lidar;
+  lidar.fan = std::make_shared<BeamFan>(-1.0, 0.1, kBeams);
+  lidar.scan.range = 5.0;
+  second.lidar = world_.lidars().Add(disc, lidar);
+  const std::vector<BatchRobot> robots{robot_, second};
+  constexpr int kCount = 5, kAt = 2;  // the environment that is compared
+  constexpr int kFirst = 2 * kAt, kSecond = kFirst + 1;
+  for (const int threads : {1, 3}) {
+    WorldBatch batch(world_, robots, kCount, threads);
+    Rows rows(2 * kCount);
+    const std::unique_ptr<World> alone = world_.Copy();
+    float last = 0.0F;
+    bool have_touched = false;
+    for (int round = 0; round < 60; ++round) {
+      std::vector<double> actions = ActionsOf(round, 2 * kCount);
+      bool mask[2 * kCount];
+      std::fill(mask, mask + 2 * kCount, true);
+      if (round >= 40) {  // the first robot is left out, and so is an environment
+        actions[2 * kFirst] = std::numeric_limits<double>::quiet_NaN();
+        mask[kFirst] = mask[0] = mask[1] = false;
+      }
+      batch.Step(actions.data(), 7, kStep, rows.rows(), false, mask);
+      for (const int row : {kFirst, kSecond}) {
+        const bool stops = round >= 40 && row == kFirst;
+        alone->Get(std::get<World::Drive>(robots[row - kFirst].drive))
+            .Command({stops ? 0 : actions[2 * row], 0, stops ? 0 : actions[2 * row + 1]});
+      }
+      bool touches = false;
+      for (int i = 0; i < 7; ++i) {
+        alone->Step(kStep);
+        touches = touches || alone->contacts().Touches(second.bodies);
+      }
+      have_touched = have_touched || touches;
+      ASSERT_EQ(rows.collided[kSecond], touches);
+      ASSERT_EQ(rows.poses[3 * kSecond], alone->GetPose(disc).x);
+      const float first = alone->lidars().Scan(robot_.lidar).ranges[7];
+      if (round < 40) last = first;
+      ASSERT_EQ(rows.ranges[kFirst * kBeams + 7], last);  // not written when it is left out
+      ASSERT_EQ(rows.ranges[kSecond * kBeams + 7], alone->lidars().Scan(second.lidar).ranges[7]);
+    }
+    EXPECT_TRUE(have_touched);
+    EXPECT_EQ(rows.steps[0], 280);
+    EXPECT_EQ(rows.steps[kAt], 420);
+  }
+  second.action_size = 1;
+  EXPECT_THROW(WorldBatch(world_, {robot_, second}, 1, 1), std::invalid_argument);
+  EXPECT_THROW(WorldBatch(world_, {}, 1, 1), std::invalid_argument);
+}
+
 TEST_F(WorldBatchTest, RefusesWhatBox2DCannotComputeWith) {
   AddWalls();
   AddBodies();
-  WorldBatch batch(world_, robot_, 2, 1);
+  WorldBatch batch(world_, {robot_}, 2, 1);
   Rows before(2), rows(2);
   batch.Observe(before.rows());
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -187,8 +243,8 @@ TEST_F(WorldBatchTest, RefusesWhatBox2DCannotComputeWith) {
   batch.Observe(rows.rows());
   EXPECT_EQ(rows.poses, before.poses);
   EXPECT_EQ(rows.steps, before.steps);
-  EXPECT_THROW(WorldBatch(world_, robot_, 0, 1), std::invalid_argument);
-  EXPECT_THROW(WorldBatch(world_, robot_, 1, 0), std::invalid_argument);
+  EXPECT_THROW(WorldBatch(world_, {robot_}, 0, 1), std::invalid_argument);
+  EXPECT_THROW(WorldBatch(world_, {robot_}, 1, 0), std::invalid_argument);
 }
 
 TEST_F(WorldBatchTest, AReplacedEnvironmentIsAnotherWorld) {
@@ -196,7 +252,7 @@ TEST_F(WorldBatchTest, AReplacedEnvironmentIsAnotherWorld) {
   AddBodies();
   const std::unique_ptr<World> other = world_.Copy();
   other->AddLayer({{{1.0, -1.5}, {1.2, 1.5}}}, kAllLayers);
-  WorldBatch batch(world_, robot_, 3, 2), shared(world_, robot_, 3, 1);
+  WorldBatch batch(world_, {robot_}, 3, 2), shared(world_, {robot_}, 3, 1);
   Rows rows(3), expected(3);
   for (const bool is_again : {false, true}) {
     batch.Replace(1, *other);
@@ -223,7 +279,7 @@ TEST_F(WorldBatchTest, MotionsAreReadAndSet) {
   AddBodies();
   const World::Body box = AddBox(world_, {4, 4, 0}, 0.2);
   const std::vector<World::Body> bodies{box, robot_.bodies[0]};
-  WorldBatch batch(world_, robot_, 3, 2);
+  WorldBatch batch(world_, {robot_}, 3, 2);
   Rows rows(3);
   const bool mask[] = {false, true, true};
   std::vector<double> set(9, 0.0), poses(18, -1.0), velocities(18, -1.0);

@@ -14,7 +14,7 @@ MAX_COORDINATE = 5e4
 _MAX_SEED = 2**63 - 1
 
 
-def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> FloatArray:
+def actions_of(value: Any, shape: Tuple[int, ...], names: Sequence[str]) -> FloatArray:
     """Actions out of an array of float32 or float64, or of nested lists of numbers.
 
     The core checks whether they are finite.
@@ -33,60 +33,58 @@ def actions_of(value: Any, shape: Tuple[int, int], names: Sequence[str]) -> Floa
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
-def poses_of(value: Any, count: int, mask: Optional[BoolArray]) -> FloatArray:
-    """Poses, of shape (count, 3).
+def poses_of(
+    value: Any, name: str, rows: Tuple[int, ...], mask: Optional[BoolArray] = None
+) -> FloatArray:
+    """Poses, one after the other.
+
+    Args:
+        value: what a program has passed, of the shape (*rows, 3).
+        name: of the argument.
+        rows: number of environments; perhaps that of robots or models in each.
+        mask: which environments, or which of the poses, matter; None: all.
+
+    Returns:
+        Shape (number of poses, 3).
+
+    Raises:
+        UsageError: they have another shape or type, or one that matters is not finite.
+    """
+    shape = (*rows, 3)
+    array = _array(value, name, f"shape {shape}: x, y, yaw", shape)
+    if array.dtype.kind not in "fiu":
+        raise UsageError(f"expected {name} of float64, found {array.dtype}")
+    poses = np.ascontiguousarray(array, dtype=np.float64)
+    wrong = ~(np.abs(poses) <= MAX_COORDINATE).all(axis=-1)  # <= is False for NaN
+    if mask is not None:
+        wrong &= mask.reshape(mask.shape + (1,) * (len(rows) - mask.ndim))
+    if wrong.any():
+        place = tuple(np.argwhere(wrong)[0].tolist())
+        number = f"number {place[1]} of " if len(place) > 1 else ""
+        raise UsageError(
+            f"expected {name} of finite numbers up to {MAX_COORDINATE:g}, found "
+            f"{poses[place].tolist()} for {number}environment {place[0]}"
+        )
+    return poses.reshape(-1, 3)
+
+
+def mask_of(value: Any, count: int, robots: Optional[int] = None) -> BoolArray:
+    """A mask of environments, or of their robots: an array of bool.
 
     Args:
         value: what a program has passed.
-        count: number of environments.
-        mask: which of them matter; None: all.
-
-    Raises:
-        UsageError: they have another shape or type, or one that matters is not finite.
-    """
-    shape = (count, 3)
-    array = _array(value, "poses", f"shape {shape}: x, y, yaw", shape)
-    if array.dtype.kind not in "fiu":
-        raise UsageError(f"expected poses of float64, found {array.dtype}")
-    poses = np.ascontiguousarray(array, dtype=np.float64)
-    wrong = ~(np.abs(poses) <= MAX_COORDINATE).all(axis=1)  # <= is False for NaN
-    if mask is not None:
-        wrong &= mask
-    if wrong.any():
-        row = int(wrong.argmax())
-        raise UsageError(
-            f"expected poses of finite numbers up to {MAX_COORDINATE:g}, found "
-            f"{poses[row].tolist()} for environment {row}"
-        )
-    return poses
-
-
-def model_poses_of(value: Any, count: int, models: int, mask: Optional[BoolArray]) -> FloatArray:
-    """Poses of several models in each environment, as rows: shape (count, 3 * models).
-
-    Args:
-        value: what a program has passed: of shape (count, models, 3).
-        count: number of environments.
-        models: number of models.
-        mask: which environments matter; None: all.
-
-    Raises:
-        UsageError: they have another shape or type, or one that matters is not finite.
-    """
-    shape = (count, models, 3)
-    array = _array(value, "model_poses", f"shape {shape}: x, y, yaw", shape)
-    rows = None if mask is None else np.repeat(mask, models)
-    poses = poses_of(array.reshape(-1, 3), count * models, rows)
-    return poses.reshape(count, 3 * models)
-
-
-def mask_of(value: Any, count: int) -> BoolArray:
-    """A mask of environments: an array of bool.
+        count: number of environments, n.
+        robots: number of robots, m, if the mask may have the shape (n, m), too.
 
     Raises:
         UsageError: it has another shape or type.
     """
-    array = _array(value, "a mask", f"shape ({count},) of bool", (count,))
+    form = f"shape ({count},) of bool"
+    shape: Tuple[int, ...] = (count,)
+    if robots is not None:
+        form = f"shape ({count},) or ({count}, {robots}) of bool"
+        shape = (count, robots) if np.ndim(value) > 1 else shape
+    array = _array(value, "a mask", form, shape)
     if array.dtype != bool:
         raise UsageError(f"expected a mask of bool, found {array.dtype}")
     return np.ascontiguousarray(array)

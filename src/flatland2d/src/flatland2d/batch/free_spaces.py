@@ -1,7 +1,7 @@
 """The free space for the initial poses of a batch's robots."""
 
 import math
-from typing import Any, Dict
+from typing import Any, Dict, Sequence
 
 import numpy as np
 
@@ -14,16 +14,16 @@ from flatland_server.simulation.world import World
 
 
 class FreeSpaces:
-    """The free space of a robot for each clearance, computed when it is first needed.
+    """The free space of robots for each clearance, computed when it is first needed.
 
     Args:
         world: the initial world of all environments.
-        robot: its model; the other models are obstacles.
+        robots: their models; the other models are obstacles.
     """
 
-    def __init__(self, world: World, robot: Robot) -> None:
+    def __init__(self, world: World, robots: Sequence[Robot]) -> None:
         self._world = world
-        self._robot = robot.model
+        self._robots = [robot.model for robot in robots]
         self._spaces: Dict[float, FreeSpace] = {}
 
     def of(self, clearance: Any) -> FreeSpace:
@@ -40,10 +40,10 @@ class FreeSpaces:
         return self._spaces[clearance]
 
     def _compute(self, clearance: float) -> FreeSpace:
-        others = [each for each in self._world.models.values() if each is not self._robot]
+        others = [each for each in self._world.models.values() if each not in self._robots]
         grid = DistanceGrid(
             self._walls(),
-            self._robot.pose[:2],
+            self._robots[0].pose[:2],
             clearance,
             discs=discs_of((each.pose, each.radius) for each in others),
             resolution=min(max(clearance / 6.0, 0.02), 0.1),
@@ -54,11 +54,12 @@ class FreeSpaces:
         return space
 
     def _walls(self) -> FloatArray:
-        """The walls that the robot collides with: shape (n, 4)."""
+        """The walls that the robots collide with: shape (n, 4)."""
         bits = 0
-        for body in self._robot.physics_bodies:
-            for fixture in body.fixtures:
-                bits |= fixture.layers
+        for robot in self._robots:
+            for body in robot.physics_bodies:
+                for fixture in body.fixtures:
+                    bits |= fixture.layers
         config = self._world.config
         walls = [config.walls_of(layer) for layer in config.layers if layer.bits & bits]
         return np.concatenate([np.empty((0, 4)), *walls])

@@ -50,6 +50,21 @@ class BatchNoise:
             assert noise is not None
             ranges[k] = noise(ranges[k], int(nanoseconds[k]))
 
+    def add_to_slice(
+        self,
+        ranges: Float32Array,
+        index: int,
+        seeds: IntArray,
+        nanoseconds: IntArray,
+        mask: Optional[BoolArray],
+    ) -> None:
+        """Adds the noise of one of several robots: to `ranges[:, index]`; with a mask (n, m)."""
+        if self._make_noise is not None:
+            own = np.ascontiguousarray(ranges[:, index])
+            chosen = None if mask is None else np.ascontiguousarray(mask[:, index])
+            self.add(own, seeds, nanoseconds, chosen)
+            ranges[:, index] = own
+
     def _make(self, seeds: IntArray) -> None:
         """Makes the noise of environments with new seeds."""
         assert self._make_noise is not None

@@ -1,7 +1,7 @@
 """The observation of a batch of environments."""
 
 from functools import lru_cache
-from typing import List, NamedTuple, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -10,7 +10,10 @@ from flatland_server.exceptions import UsageError
 
 
 class BatchObservation(NamedTuple):
-    """Arrays with a row for each of n environments, C-contiguous."""
+    """Arrays with a row for each of n environments, C-contiguous.
+
+    Of a batch with m `robots`, all but `times` have the shape (n, m, ...) instead of (n, ...).
+    """
 
     ranges: Float32Array
     """(n, beams), float32: of each beam [m]; one that hits nothing is +inf (REP 117)."""
@@ -26,30 +29,32 @@ class BatchObservation(NamedTuple):
     """(n,), float64: simulated time since the last reset [s]."""
 
     @classmethod
-    def empty(cls, count: int, beams: int) -> "BatchObservation":
+    def empty(cls, count: int, beams: int, robots: Optional[int] = None) -> "BatchObservation":
         """New arrays, with any content.
 
         Args:
             count: number of environments, n.
             beams: number of beams of the lidar.
+            robots: number of robots, m; None for arrays of the shape (n, ...).
         """
-        return cls._make(np.empty(shape, dtype) for shape, dtype in _forms(count, beams))
+        return cls._make(np.empty(shape, dtype) for shape, dtype in _forms(count, beams, robots))
 
     def copy(self) -> "BatchObservation":
         """A copy with arrays of its own."""
         return BatchObservation._make(array.copy() for array in self)
 
-    def check(self, count: int, beams: int) -> None:
+    def check(self, count: int, beams: int, robots: Optional[int] = None) -> None:
         """Checks that a batch can write to the arrays.
 
         Args:
             count: its number of environments.
             beams: number of beams of its lidar.
+            robots: as for `empty`.
 
         Raises:
             UsageError: one has another shape or type, or cannot be written to in place.
         """
-        for name, array, (shape, dtype) in zip(self._fields, self, _forms(count, beams)):
+        for name, array, (shape, dtype) in zip(self._fields, self, _forms(count, beams, robots)):
             found = type(array).__name__
             if isinstance(array, np.ndarray):
                 fits = array.shape == shape and array.dtype == dtype
@@ -62,14 +67,17 @@ class BatchObservation(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def _forms(count: int, beams: int) -> List[Tuple[Tuple[int, ...], "np.dtype[np.generic]"]]:
+def _forms(
+    count: int, beams: int, robots: Optional[int]
+) -> List[Tuple[Tuple[int, ...], "np.dtype[np.generic]"]]:
     """The shape and type of each array."""
     number = np.dtype(np.float64)
+    rows = (count,) if robots is None else (count, robots)
     return [
-        ((count, beams), np.dtype(np.float32)),
-        ((count, 3), number),
-        ((count, 3), number),
-        ((count, 3), number),
-        ((count,), np.dtype(bool)),
+        ((*rows, beams), np.dtype(np.float32)),
+        ((*rows, 3), number),
+        ((*rows, 3), number),
+        ((*rows, 3), number),
+        (rows, np.dtype(bool)),
         ((count,), number),
     ]

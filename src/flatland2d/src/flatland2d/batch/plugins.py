@@ -75,6 +75,7 @@ class BatchPlugins:
         self,
         core: _core.WorldBatch,
         chosen: Optional[BoolArray],
+        driven: Optional[BoolArray],
         commands: FloatArray,
         count: int,
         steps: IntArray,
@@ -85,6 +86,7 @@ class BatchPlugins:
         Args:
             core: the batch.
             chosen: which environments are stepped, (n,); None: all.
+            driven: which robots are driven in them and observed, as in `core.step`.
             commands: of all robots.
             count: of the steps.
             steps: that each environment has made before, (n,).
@@ -92,14 +94,14 @@ class BatchPlugins:
         """
         made, step_size = 0, self._step * 1e-9
         if self._motions:
-            core.require_actions(commands, chosen)  # before anything is moved
+            core.require_actions(commands, driven)  # before anything is moved
         while self._motions:
             now = self._motions.update(core, chosen, (steps + made) * self._step, count - made)
             if now == count - made:
                 break
-            core.step(commands, now, step_size, None, goes_on=made > 0, mask=chosen)
+            core.step(commands, now, step_size, None, goes_on=made > 0, mask=driven)
             made += now
-        core.step(commands, count - made, step_size, out, goes_on=made > 0, mask=chosen)
+        core.step(commands, count - made, step_size, out, goes_on=made > 0, mask=driven)
 
     def added_walls(self, environment: int) -> FloatArray:
         """Walls that plugins have added to an environment: (m, 4)."""

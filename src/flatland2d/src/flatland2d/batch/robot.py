@@ -1,8 +1,9 @@
 """The roles of plugins in a batch, and checks that a batch can run a world."""
 
-from typing import List, NamedTuple
+from typing import List, NamedTuple, Sequence, Tuple
 
-from flatland_server.exceptions import PluginError, listed
+from flatland2d.robot import Robot
+from flatland_server.exceptions import PluginError, UsageError, listed
 from flatland_server.plugins.batch_role import BatchRole
 from flatland_server.simulation.world import World
 from flatland_server.transport.local_transport import LocalTransport
@@ -49,6 +50,32 @@ def roles_of(world: World) -> List[PluginRole]:
                 )
             roles.append(PluginRole(owner, plugin.name, role))
     return roles
+
+
+def require_alike(robots: Sequence[Robot]) -> None:
+    """Checks that the robots of a batch fit into its arrays, and are described by its facts.
+
+    Raises:
+        UsageError: there is none, one is named twice, or their actions or lidars differ.
+    """
+    names = [robot.model.name for robot in robots]
+    if not names or len(set(names)) < len(names):
+        raise UsageError(f"expected robots as different names, one at least, found {names}")
+    for robot in robots[1:]:
+        for fact, a, b in zip(
+            ("actions", "limits", "beams", "range"), *map(_facts, (robots[0], robot))
+        ):
+            if a != b:
+                raise UsageError(
+                    f"expected robots that are alike: {fact} of {names[0]}: {a}, of "
+                    f"{robot.model.name}: {b}"
+                )
+
+
+def _facts(robot: Robot) -> Tuple[object, ...]:
+    """The facts that all robots of a batch share."""
+    drive, lidar = robot.core_drive, robot.core_lidar
+    return robot.action_names, drive.limits, len(lidar.lidar.ranges()), lidar.range
 
 
 def require_unchanged_footprints(world: World) -> None:

@@ -9,7 +9,6 @@ from flatland2d.batch.arguments import (
     actions_of,
     index_of,
     mask_of,
-    model_poses_of,
     poses_of,
     seeds_of,
 )
@@ -17,7 +16,7 @@ from flatland2d.batch.free_spaces import FreeSpaces
 from flatland2d.batch.noise import BatchNoise
 from flatland2d.batch.observation import BatchObservation
 from flatland2d.batch.plugins import BatchPlugins
-from flatland2d.batch.robot import roles_of
+from flatland2d.batch.robot import require_alike, roles_of
 from flatland2d.batch.view import BatchView
 from flatland2d.batch.wall_cache import WallCache
 from flatland2d.free_space import FreeSpace
@@ -45,7 +44,7 @@ _SHOWN = 9
 
 
 class SimulationBatch:
-    """Environments with the same initial world and one robot each, stepped in one C++ call.
+    """Environments with the same initial world, stepped in one C++ call, with a robot or several.
 
         with SimulationBatch("office", 1024, threads=2) as batch:
             actions = np.zeros((1024, 2))                # m/s and rad/s of a DiffDrive
@@ -73,6 +72,8 @@ class SimulationBatch:
         num_envs: number of environments, n.
         robot: name of the model that is commanded and observed; None: the only one with a drive and
             a lidar.
+        robots: instead, the names of m such models in each environment, with equal actions and
+            beams. Arrays of robots then have the shape (n, m, ...) instead of (n, ...).
         lidar: name of the plugin that is read; None: the robot's only lidar.
         threads: number of threads; each steps an equal part of the environments.
         moved: names of other models that `reset` can move.
@@ -94,6 +95,7 @@ class SimulationBatch:
         num_envs: int,
         *,
         robot: Optional[str] = None,
+        robots: Optional[Sequence[str]] = None,
         lidar: Optional[str] = None,
         threads: int = 1,
         moved: Sequence[str] = (),
@@ -118,20 +120,34 @@ class SimulationBatch:
             loader=loader,
         )
         roles = roles_of(self._world)
-        self._robot = find_robot(self._world, robot, lidar)
+        if robot is not None and robots is not None:
+            raise UsageError(f"expected robot or robots, found both: {shown((robot, robots))}")
+        names = [robot] if robots is None else several(robots, "robots")
+        self._robots = [find_robot(self._world, name, lidar) for name in names]
+        require_alike(self._robots)
+        self._robot = self._robots[0]
+        self._team = None if robots is None else len(self._robots)  # m of the arrays' shapes
+        self._shape = (self._num_envs,) if self._team is None else (self._num_envs, self._team)
         self._view = BatchView(self._world, self.step_size, self._params, loader)
         self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
-        if self._robot.model in self._moved:
-            raise UsageError(f'expected other models as moved, found the robot "{self.robot}"')
-        core_drive, core_lidar = self._robot.core_drive, self._robot.core_lidar
+        for each in self._robots:
+            if each.model in self._moved:
+                raise UsageError(
+                    f'expected other models as moved, found the robot "{each.model.name}"'
+                )
         self._action_names = self._robot.action_names
         self._core: Optional[_core.WorldBatch] = _core.WorldBatch(
             self._world.physics,
-            bodies=self._robot.model.physics_bodies,
-            base=self._robot.model.base.config.pose,
-            drive=core_drive.drive,
-            columns=list(core_drive.columns),
-            lidar=core_lidar.lidar,
+            robots=[
+                (
+                    each.model.physics_bodies,
+                    each.model.base.config.pose,
+                    each.core_drive.drive,
+                    each.core_drive.columns,
+                    each.core_lidar.lidar,
+                )
+                for each in self._robots
+            ],
             count=self._num_envs,
             threads=self._threads,
             models=[(each.physics_bodies, each.base.config.pose) for each in self._moved],
@@ -142,8 +158,8 @@ class SimulationBatch:
             self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open
         )
         self._plugins.begin(self._core, None, self._seeds)
-        self._noise = BatchNoise(self._robot, self._num_envs)
-        self._spaces = FreeSpaces(self._world, self._robot)
+        self._noises = [BatchNoise(each, self._num_envs) for each in self._robots]
+        self._spaces = FreeSpaces(self._world, self._robots)
         config = self._world.config
         self._walls = WallCache([config.walls_of(each) for each in config.layers])
 
@@ -171,8 +187,13 @@ class SimulationBatch:
 
     @property
     def robot(self) -> str:
-        """The name of the model that is commanded and observed."""
+        """The name of the model that is commanded and observed; with `robots`, of the first."""
         return self._robot.model.name
+
+    @property
+    def robots(self) -> Tuple[str, ...]:
+        """The names of all models that are commanded and observed."""
+        return tuple(each.model.name for each in self._robots)
 
     @property
     def beams(self) -> int:
@@ -210,13 +231,15 @@ class SimulationBatch:
         """Commands robots, makes steps in their environments, and observes.
 
         Args:
-            actions: shape (n, k), of float32 or float64: a row for each environment, as its
-                `Simulation` would pass to `command`.
+            actions: shape (n, k), or (n, m, k) with `robots`, of float32 or float64: a row for each
+                robot, as a `Simulation` would pass to `command`.
             substeps: number of steps, during which the commands hold.
             out: arrays that the observation is written to: only the rows of those environments that
-                are stepped. By default new arrays, with all rows.
+                are stepped, or of the mask's robots. By default new arrays, with all rows.
             mask: shape (n,), bool: which environments; None: all. The others stay as they are,
                 whatever their actions, which may be NaN. A mask of only False changes nothing.
+                With `robots`, also of shape (n, m): the other robots of an environment with a True
+                are commanded to stop.
 
         Returns:
             `out`, or new arrays.
@@ -226,10 +249,10 @@ class SimulationBatch:
                 fit, or the batch is closed. Nothing has changed.
         """
         core = self._require_open()
-        chosen = None if mask is None else mask_of(mask, self._num_envs)
-        commands = actions_of(
-            actions, (self._num_envs, len(self._action_names)), self._action_names
-        )
+        chosen, driven = self._masks(mask)
+        size = len(self._action_names)
+        commands = actions_of(actions, (*self._shape, size), self._action_names)
+        commands = commands.reshape(-1, size)
         substeps = whole_number(substeps, "a number of steps", 1)
         if substeps > _MOST_STEPS:
             raise UsageError(f"expected at most {_MOST_STEPS} steps, found {shown(substeps)}")
@@ -237,10 +260,10 @@ class SimulationBatch:
         arrays = self._arrays(observation)
         self._plugins.load(core, chosen, self._seeds, self._steps)
         try:
-            self._plugins.step(core, chosen, commands, substeps, self._steps, arrays)
+            self._plugins.step(core, chosen, driven, commands, substeps, self._steps, arrays)
         except ValueError as error:  # an action is not finite
             raise UsageError(str(error)) from None
-        self._finish(observation, chosen, is_new=out is None)
+        self._finish(observation, chosen, driven, is_new=out is None)
         return observation
 
     def reset(
@@ -257,9 +280,9 @@ class SimulationBatch:
             mask: shape (n,), bool: which environments; None: all.
             seeds: as for the class, from now on; None: as before. Only those of environments that
                 are reset count.
-            poses: shape (n, 3): where the robots are put, x, y [m] and yaw [rad], as by
-                `Simulation.move`; None: as in the world file. Only those of environments that are
-                reset count; see `free_poses`.
+            poses: shape (n, 3), or (n, m, 3) with `robots`: where they are put, x, y [m] and yaw
+                [rad], as by `Simulation.move`; None: as in the world file. Only those of
+                environments that are reset count; see `free_poses`.
             out: arrays that the observation is written to: only the rows of those environments that
                 are reset. By default new arrays, with all rows.
             model_poses: shape (n, m, 3): where the m models of `moved` are put after that; None: as
@@ -274,11 +297,12 @@ class SimulationBatch:
         """
         core = self._require_open()
         chosen = None if mask is None else mask_of(mask, self._num_envs)
-        placed = None if poses is None else poses_of(poses, self._num_envs, chosen)
+        placed = None if poses is None else poses_of(poses, "poses", self._shape, chosen)
         others = None
         if model_poses is not None:
-            others = model_poses_of(model_poses, self._num_envs, len(self._moved), chosen)
-            others = others if self._moved else None
+            rows = (self._num_envs, len(self._moved))
+            others = poses_of(model_poses, "model_poses", rows, chosen)
+            others = others.reshape(self._num_envs, -1) if self._moved else None
         new_seeds = None if seeds is None else seeds_of(seeds, self._num_envs)
         observation = self._rows(out)
         seeds_now = self._seeds if new_seeds is None else new_seeds
@@ -286,8 +310,26 @@ class SimulationBatch:
         core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
         self._plugins.begin(core, chosen, self._seeds)
-        self._finish(observation, chosen, is_new=out is None)
+        self._finish(observation, *self._masks(chosen), is_new=out is None)
         return observation
+
+    def move(self, poses: ArrayLike, mask: Optional[ArrayLike] = None) -> None:
+        """Puts robots elsewhere, at rest, as `Simulation.move` does. Their commands hold.
+
+        Args:
+            poses: as for `reset`; only those of the mask count.
+            mask: as for `step`: which environments, or which of their robots; None: all.
+
+        Raises:
+            UsageError: an argument has a wrong shape or value, or the batch is closed. Nothing has
+                changed.
+        """
+        core = self._require_open()
+        chosen, driven = self._masks(mask)
+        rows = None if driven is None else driven.reshape(self._shape)
+        placed = poses_of(poses, "poses", self._shape, rows)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
+        core.move_robots(placed, driven)
 
     def observe(self, out: Optional[BatchObservation] = None) -> BatchObservation:
         """Observes all environments as they are.
@@ -379,6 +421,8 @@ class SimulationBatch:
     def free_poses(self, count: int, clearance: float, rng: np.random.Generator) -> FloatArray:
         """Random poses for `reset`, uniformly distributed over `free_space` and all headings.
 
+        They are independent of each other: two may overlap.
+
         Args:
             count: of the poses.
             clearance: as for `free_space`.
@@ -428,31 +472,49 @@ class SimulationBatch:
 
     def _rows(self, out: Optional[BatchObservation]) -> BatchObservation:
         if out is None:
-            return BatchObservation.empty(self._num_envs, self._beams)
+            return BatchObservation.empty(self._num_envs, self._beams, self._team)
         if not isinstance(out, BatchObservation):
             raise UsageError(f"expected a BatchObservation as out, found {shown(out)}")
-        out.check(self._num_envs, self._beams)
+        out.check(self._num_envs, self._beams, self._team)
         return out
 
     def _arrays(self, rows: BatchObservation) -> Tuple[Any, ...]:
-        """The arrays that the core writes to."""
-        return (*rows[:5], self._steps)
+        """The arrays that the core writes to, which have a row for each robot."""
+        if self._team is None:
+            return (*rows[:5], self._steps)
+        size = self._num_envs * self._team
+        return (*(each.reshape(size, *each.shape[2:]) for each in rows[:5]), self._steps)
+
+    def _masks(self, mask: Any) -> Tuple[Optional[BoolArray], Optional[BoolArray]]:
+        """The environments of a mask that a program has passed, (n,), and all robots of it."""
+        if mask is None:
+            return None, None
+        found = mask_of(mask, self._num_envs, self._team)
+        if self._team is None:
+            return found, found
+        if found.ndim == 1:
+            return found, np.repeat(found, self._team)
+        return found.any(axis=1), found.ravel()
 
     def _observe(self, rows: BatchObservation) -> None:
         """Writes the rows of all environments."""
         core = self._require_open()
         self._plugins.load(core, None, self._seeds, self._steps)
         core.observe(self._arrays(rows))
-        self._finish(rows, None)
+        self._finish(rows, None, None)
 
     def _finish(
-        self, rows: BatchObservation, mask: Optional[BoolArray], is_new: bool = False
+        self,
+        rows: BatchObservation,
+        mask: Optional[BoolArray],
+        driven: Optional[BoolArray],
+        is_new: bool = False,
     ) -> None:
-        """Completes the rows of the environments in the mask, which the core has written.
+        """Completes the rows of environments and robots in the masks, which the core has written.
 
         Writes their times, and adds noise. In new arrays, writes all other rows, too.
         """
-        if is_new and mask is not None and not mask.all():
+        if is_new and driven is not None and not driven.all():
             self._observe(rows)
             return
         nanoseconds = self._steps * self._step_nanoseconds
@@ -460,11 +522,18 @@ class SimulationBatch:
             np.multiply(nanoseconds, 1e-9, out=rows.times)
         else:
             rows.times[mask] = nanoseconds[mask] * 1e-9
-        self._noise.add(rows.ranges, self._seeds, nanoseconds, mask)
+        if len(self._noises) == 1:
+            ranges = rows.ranges.reshape(self._num_envs, -1)
+            self._noises[0].add(ranges, self._seeds, nanoseconds, mask)
+            return
+        of_robots = None if driven is None else driven.reshape(self._shape)
+        for index, noise in enumerate(self._noises):
+            noise.add_to_slice(rows.ranges, index, self._seeds, nanoseconds, of_robots)
 
     def _change_seeds(self, seeds: Optional[IntArray], mask: Optional[BoolArray]) -> None:
         if seeds is None:
             return
         chosen = np.arange(self._num_envs) if mask is None else np.flatnonzero(mask)
         self._seeds[chosen] = seeds[chosen]
-        self._noise.restart(chosen.tolist())
+        for noise in self._noises:
+            noise.restart(chosen.tolist())

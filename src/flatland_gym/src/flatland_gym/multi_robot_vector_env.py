@@ -1,0 +1,109 @@
+"""`MultiRobotEnv` many times, in one call of the core: arrays of environments and robots."""
+
+from typing import Any, Dict, Mapping, Tuple
+
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+from flatland_gym.navigation import Navigation
+from flatland_gym.navigation_vector_env import NavigationVectorEnv
+from flatland_gym.settings import NavigationSettings
+from flatland_gym.team import Team, check_team
+from flatland_server import BoolArray, Float32Array, FloatArray
+
+
+class MultiRobotVectorEnv(NavigationVectorEnv):
+    """n environments with m robots each; see `MultiRobotEnv` for what each one is.
+
+    Observations, actions, rewards, ends and infos have the shape (n, m, ...), with zeros for robots
+    whose episodes have ended. An environment is reset, as the autoreset mode says, when those of
+    all its robots have. The results equal, bit for bit, those of n `MultiRobotEnv`.
+
+    Args:
+        num_envs: number of environments, n.
+        robots: number of robots in each, m: two at least.
+        at_goal: as for `MultiRobotEnv`.
+        shared_rewards: as for `MultiRobotEnv`.
+        arguments: those of `NavigationVectorEnv`.
+
+    Attributes:
+        possible_agents: the names of the robots, in the order of the arrays.
+
+    Raises:
+        FlatlandError: an argument is wrong, or the world cannot be used.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        robots: int = 2,
+        at_goal: str = "leave",
+        shared_rewards: float = 0.0,
+        **arguments: Any,
+    ) -> None:
+        self._rules = robots, at_goal, shared_rewards
+        super().__init__(num_envs, **arguments)
+        self._team = Team(self.navigation, at_goal, shared_rewards, self._most_steps)
+        self._acted = np.zeros_like(self._team.present)  # in the last step, or reset
+        self.possible_agents = list(self.navigation.robot_names)
+
+    def step(self, actions: Any) -> Tuple[Any, FloatArray, BoolArray, BoolArray, Dict[str, Any]]:
+        """Drives all robots that are there for `frame_skip` steps.
+
+        Args:
+            actions: shape (n, m, size of an action), finite; those of other robots have no effect.
+
+        Raises:
+            UsageError: as by `NavigationVectorEnv.step`. All is as before.
+        """
+        checked = self._checked(actions)
+        team, mode, restarted = self._team, self.autoreset_mode, self._ended
+        self._acted = team.present.copy()
+        rewards, terminated, truncated = team.step(checked.reshape(-1, checked.shape[-1]))
+        if mode == AutoresetMode.NEXT_STEP and restarted.any():
+            self._begin(np.flatnonzero(restarted), {})
+        self._ended = ~team.present.any(axis=1)
+        final: Dict[str, Any] = {}
+        if mode == AutoresetMode.SAME_STEP and self._ended.any():
+            final = self._final(self._ended)
+            self._begin(np.flatnonzero(self._ended), {})
+        infos = self._infos(np.ones_like(self._ended))
+        return self._observations(), rewards, terminated, truncated, {**final, **infos}
+
+    def state(self) -> Float32Array:
+        """The states of the environments: a new array; a row is `MultiRobotEnv.state`."""
+        return self._team.state()
+
+    def _make_navigation(self, settings: NavigationSettings, threads: int) -> Navigation:
+        check_team(*self._rules, settings)
+        return Navigation(settings, self.num_envs, threads, robots=int(self._rules[0]))
+
+    def _spaces(self) -> Tuple[spaces.Box, Any]:
+        robots = len(self.navigation.robot_names)
+        action, observation = (batch_space(space, robots) for space in super()._spaces())
+        assert isinstance(action, spaces.Box)
+        return action, observation
+
+    def _begin(self, indices: Any, options: Mapping[str, Any]) -> None:
+        super()._begin(indices, options)
+        self._team.present[indices] = self._acted[indices] = True
+
+    def _flat(self) -> Float32Array:
+        flat = self.navigation.observe()
+        flat[~self._acted.ravel()] = 0.0
+        return flat.reshape(*self._acted.shape, -1)
+
+    def _infos(self, chosen: BoolArray) -> Dict[str, Any]:
+        """Infos with the values of some environments, and `present`: the robots that go on."""
+        shape, absent = self._acted.shape, ~(self._acted & chosen[:, None])
+        infos: Dict[str, Any] = {"present": self._team.present & chosen[:, None]}
+        for name, values in self.navigation.info().items():
+            infos[name] = values.reshape(*shape, *values.shape[1:])
+            infos[name][absent] = 0
+        return infos
+
+    def _row(self, index: int) -> int:
+        """The row of the first robot that is there."""
+        return index * self._acted.shape[1] + int(self._team.present[index].argmax())
