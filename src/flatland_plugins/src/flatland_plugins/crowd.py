@@ -127,18 +127,13 @@ class Crowd(WorldPlugin):
 
     def get_state(self) -> Dict[str, Any]:
         """The goal and the stride of each person that is there."""
-        goals, strides = (values[0].tolist() for values in self._motion.progress)
-        return {
-            person.config.name: (goal, stride)
-            for person, goal, stride in zip(self._people, goals, strides)
-            if self._is_there(person)
-        }
+        names = {person.config.name for person in self._people if self._is_there(person)}
+        state = self._motion.get_state(0).items()
+        return {name: each for name, each in state if name in names}
 
     def set_state(self, state: Dict[str, Any]) -> None:
         self._keep([i for i, each in enumerate(self._people) if each.config.name in state])
-        for index, person in enumerate(self._people):
-            for values, value in zip(self._motion.progress, state[person.config.name]):
-                values[0, index] = value
+        self._motion.set_state(0, state)
 
     def on_shutdown(self) -> None:
         """Deletes the people."""

@@ -1,6 +1,6 @@
 """Motion of a crowd at its updates, in one world or in all environments of a batch at once."""
 
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -95,6 +95,17 @@ class CrowdMotion(BatchMotion):
         self._walls[environment] = self._shared if walls is None else self._see_walls(walls)
         for values, initial in zip(self.progress, Progress.of(1, len(self.people))):
             values[environment] = initial[0]
+
+    def get_state(self, environment: int) -> Any:
+        """The goal and the stride of each person, by name."""
+        goals, strides = (values[environment].tolist() for values in self.progress)
+        names = [person.config.name for person in self.people]
+        return {name: each for name, *each in zip(names, goals, strides)}
+
+    def set_state(self, environment: int, state: Any) -> None:
+        for index, person in enumerate(self.people):
+            for values, value in zip(self.progress, state[person.config.name]):
+                values[environment, index] = value
 
     def update(
         self, environments: IntArray, poses: FloatArray, velocities: FloatArray, step_size: float

@@ -153,10 +153,10 @@ class Pedestrian(ModelPlugin):
             return None
         return BatchRole(make_motion=self._make_motion)
 
-    def _make_motion(self, count: int) -> CrowdMotion:
+    def _make_motion(self, count: int) -> "_Motion":
         around, others = self._around, self._find_others()
         walk, people = self._keys.walk, [self._person]
-        return CrowdMotion(walk, around.walls, around.see_walls, people, others, count)
+        return _Motion(walk, around.walls, around.see_walls, people, others, count)
 
     def _find_others(self) -> List[Outline]:
         return self._around.bodies.find(but={self.model})
@@ -183,17 +183,11 @@ class Pedestrian(ModelPlugin):
 
     def get_state(self) -> Dict[str, Any]:
         """The goal, the phases of the gait, and what is followed."""
-        goals, strides = self._motion.progress
-        return {
-            "goal": int(goals[0, 0]),
-            "stride": float(strides[0, 0]),
-            "lifted": self._lifted,
-            "agent": None if self._agent is None else astuple(self._agent),
-        }
+        agent = None if self._agent is None else astuple(self._agent)
+        return {**self._motion.get_state(0), "lifted": self._lifted, "agent": agent}
 
     def set_state(self, state: Dict[str, Any]) -> None:
-        goals, strides = self._motion.progress
-        goals[0, 0], strides[0, 0] = state["goal"], state["stride"]
+        self._motion.set_state(0, {**state, "agent": None})
         self._lift(state["lifted"])
         self._agent = None if state["agent"] is None else Agent(*state["agent"])
 
@@ -202,6 +196,21 @@ class Pedestrian(ModelPlugin):
         with contextlib.suppress(GoneError):
             for body in self._motion.moved:
                 body.velocity = (0.0, 0.0, 0.0)
+
+
+class _Motion(CrowdMotion):
+    """The motion by itself."""
+
+    def get_state(self, environment: int) -> Any:
+        goals, strides = self.progress
+        progress = {"goal": int(goals[environment, 0]), "stride": float(strides[environment, 0])}
+        return {**progress, "lifted": 0.0, "agent": None}
+
+    def set_state(self, environment: int, state: Any) -> None:
+        if state["agent"] is not None:
+            raise ValueError("expected a pedestrian that walks by itself, found one with an agent")
+        goals, strides = self.progress
+        goals[environment, 0], strides[environment, 0] = state["goal"], state["stride"]
 
 
 def _check_moves(config: YamlReader, key: str, body: ModelBody) -> None:

@@ -10,6 +10,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -49,11 +51,11 @@ struct BatchRows {
 
 class WorldBatch {
  public:
-  /// Environments that begin as a world which has made no step, and which is copied. Throws
+  /// Environments that begin as a world, which is copied, and has made `steps`. Throws
   /// std::invalid_argument if there is no environment or thread, and GoneError for a wrong handle.
   /// `models` are those that Reset may put elsewhere.
   WorldBatch(const World& world, const BatchRobot& robot, int count, int threads,
-             const std::vector<BatchModel>& models = {});
+             const std::vector<BatchModel>& models = {}, int64_t steps = 0);
   ~WorldBatch();
 
   int count() const { return static_cast<int>(environments_.size()); }
@@ -87,6 +89,14 @@ class WorldBatch {
   /// step, and in which the same handles name the same things, such as the same world with other
   /// walls. It is not shared with other environments. Its row is not written.
   void Replace(int row, const World& world);
+  /// The state of an environment, as World::SaveState makes it of one that is equal.
+  std::string SaveState(int row);
+  /// Puts each environment that `mask` chooses (null: all) into one of some saved states, that with
+  /// the index in `chosen` (count), after as many steps as there are in `steps` (count), and writes
+  /// its row. Throws std::invalid_argument, and changes nothing, if a state is damaged, or of a
+  /// world in which something is different that environments share.
+  void LoadStates(const bool* mask, const std::vector<std::string_view>& states,
+                  const int64_t* chosen, const int64_t* steps, const BatchRows& rows);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
@@ -112,18 +122,25 @@ class WorldBatch {
   /// threads, each of which has a world and some of the environments.
   template <class Visit>
   void ForEach(const bool* mask, Visit visit);
+  /// The world that an environment shares, or its own one.
+  SharedWorld& SharedOf(int row);
+  /// A state that an environment can be put into; throws std::invalid_argument otherwise.
+  WorldState ReadState(std::string_view bytes, int row);
   void Advance(const bool* mask, const double* actions, int substeps, double dt,
                const BatchRows* rows, bool goes_on);
   void Command(World& world, const double* action) const;
   /// Moves a model as Model.move does: with the same arithmetic.
   static void Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,
                    const double* pose);
+  /// Makes row `to` equal to row `from`.
+  void CopyRow(const BatchRows& rows, int from, int to) const;
   void Write(World& world, const Environment& environment, int row, const BatchRows& rows) const;
 
   BatchRobot robot_;
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robot and the models
   int beams_ = 0;
+  int64_t first_step_ = 0;  // at the beginning
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds
   ThreadTeam team_;

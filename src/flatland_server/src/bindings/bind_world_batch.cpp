@@ -99,6 +99,20 @@ void Reset(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
                    model_poses ? model_poses->data() : nullptr);
 }
 
+void LoadStates(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
+                const std::vector<py::bytes>& states, const Array<int64_t>& chosen,
+                const Array<int64_t>& steps, const py::tuple& out) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  RequireShape(chosen, "chosen", self.batch.count(), 0);
+  RequireShape(steps, "steps", self.batch.count(), 0);
+  const BatchRows rows = ToRows(self.batch, out);
+  std::vector<std::string_view> views;
+  for (const py::bytes& state : states) views.push_back(state);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.LoadStates(mask ? mask->data() : nullptr, views, chosen.data(), steps.data(), rows);
+}
+
 void Observe(PyWorldBatch& self, const py::tuple& out) {
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
@@ -181,14 +195,15 @@ void BindWorldBatch(py::module_& m) {
       .def(py::init([](const PyWorld& world, const std::vector<PyBody>& bodies, const Triple& base,
                        const py::object& drive, const std::vector<int>& columns,
                        const PyLidar& lidar, int count, int threads,
-                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models) {
+                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models,
+                       int64_t steps) {
              const BatchRobot robot = ToRobot(bodies, base, drive, columns, lidar);
              return std::unique_ptr<PyWorldBatch>(
-                 new PyWorldBatch{{*world.world, robot, count, threads, ToModels(models)}});
+                 new PyWorldBatch{{*world.world, robot, count, threads, ToModels(models), steps}});
            }),
            py::arg("world"), py::kw_only(), py::arg("bodies"), py::arg("base"), py::arg("drive"),
            py::arg("columns"), py::arg("lidar"), py::arg("count"), py::arg("threads"),
-           py::arg("models"))
+           py::arg("models"), py::arg("steps") = 0)
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
            py::arg("mask").noconvert().none(true))
@@ -198,6 +213,15 @@ void BindWorldBatch(py::module_& m) {
       .def("reset", &Reset, py::arg("mask").noconvert().none(true),
            py::arg("poses").noconvert().none(true), py::arg("out"),
            py::arg("model_poses").noconvert().none(true))
+      .def(
+          "save_state",
+          [](PyWorldBatch& self, int row) {
+            const Use use(self);
+            return py::bytes(self.batch.SaveState(row));
+          },
+          py::arg("row"))
+      .def("load_states", &LoadStates, py::arg("mask").noconvert().none(true), py::arg("states"),
+           py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
       .def("observe", &Observe, py::arg("out"))
       .def(
           "replace",

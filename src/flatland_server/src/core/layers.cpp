@@ -36,8 +36,7 @@ struct Reach {
 
 Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                          const std::function<void(std::size_t added)>& progress) {
-  const bool has_layers_alone =
-      world.GetBodyCount() - held_body_count() == static_cast<int>(all_.size());
+  const bool has_layers_alone = AreAlone(world);
   const b2BodyDef definition;
   BodyRecord record;
   record.body = world.CreateBody(&definition);
@@ -126,9 +125,21 @@ void Layers::ReleaseWallsNear(b2World& world, BodyRecord& record) {
   record.nearby = {};
 }
 
-void Layers::ForgetHeldWalls() {
-  for (const auto& layer : large_layers_) layer->Clear();
-  bodies_.ForEach([](auto, BodyRecord& record) { record.nearby = {}; });
+void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
+  ReleaseWallsNear(world, record);
+  for (size_t i = 0; i < nearby.blocks.size(); ++i) {
+    large_layers_[i]->Hold(world, nearby.blocks[i]);
+  }
+  record.nearby = std::move(nearby);
+}
+
+void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {
+  for (const auto& layer : large_layers_) {
+    for (b2Body* body : layer->HeldBodies()) {
+      b2Fixture* fixture = body->GetFixtureList();
+      for (; fixture != nullptr; fixture = fixture->GetNext()) fixtures.push_back(fixture);
+    }
+  }
 }
 
 b2Fixture* Layers::FixtureOrNull(const BodyRecord& record, uint32_t index) const {

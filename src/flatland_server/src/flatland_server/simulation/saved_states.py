@@ -1,9 +1,11 @@
 """Saving the state of a world, and putting a world into a saved state."""
 
+from dataclasses import asdict
 from operator import attrgetter
 from pathlib import Path
-from typing import Dict, Iterator, List, Union
+from typing import Any, Dict, Iterator, List, Sequence, Union
 
+from flatland_server import plain_data
 from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
 from flatland_server.models.footprint import Circle, Polygon
@@ -21,7 +23,7 @@ from flatland_server.timekeeper import Timekeeper
 
 
 def save(world: World, timekeeper: Timekeeper) -> WorldState:
-    """The present state of a world. From then on, it runs like each one that restores the state.
+    """The present state of a world, which each one that restores it continues bit for bit.
 
     Raises:
         StateError: a plugin's state cannot be saved, or a model has no file that it could be read
@@ -43,7 +45,7 @@ def save(world: World, timekeeper: Timekeeper) -> WorldState:
 
 
 def restore(state: WorldState, world: World) -> None:
-    """Puts a world that was just rebuilt, with the state's seed, into a state.
+    """Puts a world that was just made, with the state's seed, into a state.
 
     Raises:
         StateError: the state does not fit, or the file of a model is missing.
@@ -54,13 +56,38 @@ def restore(state: WorldState, world: World) -> None:
         _replay_additions(state, world)
         for footprint in state.footprints:
             _restore_footprint(footprint, world)
-        plugin_state.restore_failures(contents.plugins, state.plugins)
+        plugins = state.plugins
+        if state.is_of_batch:  # which leaves out some: they start from scratch
+            plugins = plugin_state.completed(contents.plugins, plugins)
+        plugin_state.restore_failures(contents.plugins, plugins)
         contents.physics.restore_state(state.physics)
-        plugin_state.restore(contents.plugins, state.plugins)
+        plugin_state.restore(contents.plugins, plugins)
     except StateError:
         raise
     except (FlatlandError, ValueError) as error:
         raise StateError(f"the state cannot be restored: {error}") from error
+
+
+def require_same_parts(state: WorldState, other: WorldState, config: WorldConfig) -> None:
+    """Checks that two states are of worlds with equal models, walls and footprints.
+
+    Raises:
+        StateError: they are not.
+    """
+    _check_walls(state, config)
+    for noun in ("models", "walls", "footprints"):
+        found, expected = getattr(state, noun), getattr(other, noun)
+        if plain_data.dumps(_parts(found)) != plain_data.dumps(_parts(expected)):
+            names = [each.name for each in state.models]
+            raise StateError(
+                f"the state is of another world: its {noun} were changed or added; it has the "
+                f"models {', '.join(names)}, expected {', '.join(each.name for each in other.models)}"
+            )
+
+
+def _parts(entries: Sequence[Any]) -> List[Dict[str, Any]]:
+    """What tells the parts of a world from others: all but how often models were moved."""
+    return [{**asdict(each), "move_revision": 0} for each in entries]
 
 
 def _footprints(world: World) -> Iterator[FootprintState]:
