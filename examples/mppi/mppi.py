@@ -16,28 +16,28 @@ HORIZON = 15  # commands of a plan
 PERIOD = 20  # steps of a command: 0.1 s
 LOWEST, HIGHEST = np.array([-0.1, -1.5]), np.array([0.6, 1.5])  # commands [m/s, rad/s]
 SPREAD = np.array([0.25, 0.8])  # standard deviation of the random changes
-TEMPERATURE = 0.1
+HELD = 5  # commands that get the same change
+TEMPERATURE = 0.05
 RADIUS = 0.2  # of the robot [m]
-MARGIN = 0.25  # from obstacles, below which it gets expensive [m]
+AHEAD = 20  # points of the way, 0.1 m apart, that the robot looks ahead
+MARGIN = 0.15  # from obstacles, below which it gets expensive [m]
 
 
 class Route:
-    """The way to the goal on the map: how far it is from anywhere near it."""
+    """The way to the goal on the map, which does not have the boxes in it."""
 
     def __init__(self, simulation, start, goal):
         walls = np.concatenate([layer.segments for layer in simulation.world.layers])
         corners = plan(Grid.from_walls(walls, RADIUS + 0.1), tuple(start), tuple(goal))
         lengths = np.hypot(*np.diff(corners, axis=0).T)
         at = np.concatenate([[0.0], np.cumsum(lengths)])
-        places = np.linspace(0.0, at[-1], max(2, int(at[-1] / 0.1)))
+        places = np.append(np.arange(0.0, at[-1], 0.1), at[-1])
         self.points = np.stack([np.interp(places, at, each) for each in corners.T], axis=1)
-        self.left = at[-1] - places
 
-    def distances(self, places):
-        """The length of the way from each place [m], over the point where that is shortest."""
-        apart = np.linalg.norm(places[:, None] - self.points, axis=2)
-        nearest = apart.argmin(axis=1)
-        return self.left[nearest] + 2.0 * apart[np.arange(len(places)), nearest]
+    def ahead(self, place):
+        """The point of the way that the robot heads for from a place."""
+        self.points = self.points[np.linalg.norm(self.points - place, axis=1).argmin() :]
+        return self.points[min(AHEAD, len(self.points) - 1)]
 
 
 class Planner:
@@ -52,11 +52,12 @@ class Planner:
 
     def command(self):
         """The best command now: speed [m/s] and yaw rate [rad/s]."""
-        noise = self.rng.normal(scale=SPREAD, size=(BRANCHES, HORIZON, 2))
+        noise = self.rng.normal(scale=SPREAD, size=(BRANCHES, HORIZON // HELD, 2))
         noise[0] = 0.0
-        commands = np.clip(self.plan + noise, LOWEST, HIGHEST)
+        commands = np.clip(self.plan + noise.repeat(HELD, axis=1), LOWEST, HIGHEST)
         costs = self.costs(commands)
-        costs += TEMPERATURE * (self.plan / SPREAD**2 * (commands - self.plan)).sum(axis=(1, 2))
+        changes = (commands - self.plan)[:, ::HELD]
+        costs += TEMPERATURE * (self.plan[::HELD] / SPREAD**2 * changes).sum(axis=(1, 2))
         weights = np.exp((costs.min() - costs) / TEMPERATURE)
         self.plan = np.tensordot(weights / weights.sum(), commands, axes=1)
         command = self.plan[0]
@@ -66,14 +67,16 @@ class Planner:
     def costs(self, commands):
         """Tries commands, a plan in each branch; returns the cost of each."""
         self.batch.load_states(self.simulation.save_state(), out=self.out)
+        target = self.route.ahead(self.out.poses[0, :2])
         costs, has_hit = np.zeros(BRANCHES), np.zeros(BRANCHES, bool)
         for step in range(HORIZON):
             self.batch.step(commands[:, step], PERIOD, out=self.out)
             has_hit |= self.out.collided
             room = self.out.ranges.min(axis=1) - RADIUS
-            costs += 10.0 * has_hit + 2.0 * np.maximum(0.0, 1.0 - room / MARGIN) ** 2
-            costs += self.route.distances(self.out.poses[:, :2]) / HORIZON
-        return costs + self.route.distances(self.out.poses[:, :2])
+            costs += 10.0 * has_hit + 0.5 * np.maximum(0.0, 1.0 - room / MARGIN) ** 2
+            left = np.linalg.norm(self.out.poses[:, :2] - target, axis=1)
+            costs += left / HORIZON
+        return costs + left
 
 
 def mppi(run):

@@ -60,7 +60,7 @@ def _time(function: Callable[[], Any]) -> float:
 BRANCH_CASES = tuple(
     Case(
         f"branches_{beams}",
-        f"{_BRANCHES} branches of the office, {beams} beams, rollouts of {_COMMANDS} steps, 1 thread",
+        f"{_BRANCHES} branches of the office, {beams} beams, rollouts of {_COMMANDS} steps",
         partial(run_branches, beams=beams),
     )
     for beams in (64, 360)

@@ -214,9 +214,9 @@ class World : public Access, private b2DestructionListener {
   /// such as shapes, is not included, even if they were replaced.
   std::string SaveState() const;
   /// Puts a world that was constructed in the same way, in the same order, into a saved state. Both
-  /// make the same steps, bit for bit. Handles stay valid, and no contact event is reported. Throws std::invalid_argument, and
-  /// changes nothing, if the state is damaged or is of a world of other bodies, fixtures, joints,
-  /// drives or tweens.
+  /// make the same steps, bit for bit. Handles stay valid, and no contact event is reported. Throws
+  /// std::invalid_argument, and changes nothing, if the state is damaged or is of a world of other
+  /// bodies, fixtures, joints, drives or tweens.
   void RestoreState(std::string_view bytes);
 
  private:
@@ -246,7 +246,7 @@ class World : public Access, private b2DestructionListener {
   SlotMap<b2Joint*> joints_{"joint"};
   Mechanisms mechanisms_;
   mutable std::shared_ptr<const WallTree> wall_tree_;  // of the latest state, or null
-  int completed_steps_ = 0;  // since the call of StepUntilContact
+  int completed_steps_ = 0;                            // since the call of StepUntilContact
 };
 
 }  // namespace flatland

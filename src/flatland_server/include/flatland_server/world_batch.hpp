@@ -140,7 +140,7 @@ class WorldBatch {
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robot and the models
   int beams_ = 0;
-  int64_t first_step_ = 0;  // at the beginning
+  int64_t first_step_ = 0;                            // at the beginning
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds
   ThreadTeam team_;

@@ -126,7 +126,6 @@ void Layers::ReleaseWallsNear(b2World& world, BodyRecord& record) {
 }
 
 void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
-  ReleaseWallsNear(world, record);
   for (size_t i = 0; i < nearby.blocks.size(); ++i) {
     large_layers_[i]->Hold(world, nearby.blocks[i]);
   }

@@ -51,7 +51,7 @@ class Layers {
   /// Makes sure that Box2D has all walls that a dynamic body may reach in the next step.
   void HoldWallsNearBodies(b2World& world);
   void ReleaseWallsNear(b2World& world, BodyRecord& record);
-  /// Makes Box2D have the walls of large layers that a record's `nearby` names.
+  /// Makes Box2D have the walls of large layers that `nearby` names, for a record without any.
   void HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby);
   /// The fixtures of the walls of large layers that Box2D has, in an order that depends on which
   /// these are alone.

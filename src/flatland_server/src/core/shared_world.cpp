@@ -167,9 +167,8 @@ void SharedWorld::Copy(const State& from, State& to) {
   // A new contact wakes its bodies, so all but the lists of contacts is that of before.
   b2Contact* const first = manager.m_contactList;
   std::vector<b2ContactEdge*> edges;
-  world_->bodies_.ForEach([&](auto, BodyRecord& record) {
-    edges.push_back(box2d::ContactList(*record.body));
-  });
+  world_->bodies_.ForEach(
+      [&](auto, BodyRecord& record) { edges.push_back(box2d::ContactList(*record.body)); });
   WriteRanges(from);
   manager.m_contactList = first;
   auto edge = edges.begin();

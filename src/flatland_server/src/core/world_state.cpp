@@ -285,7 +285,8 @@ void WorldState::Serialize(Archive& archive, const World& world) {
   });
   archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
   const auto& large = world.layers_->large_layers();
-  archive.Same(static_cast<uint32_t>(large.size()), "the number of layers of more than 500,000 walls");
+  archive.Same(static_cast<uint32_t>(large.size()),
+               "the number of layers of more than 500,000 walls");
   std::vector<std::set<uint32_t>> held(large.size());
   size_t fixture_count = 0;
   for (size_t i = 0; i < records.size(); ++i) {
@@ -404,6 +405,7 @@ void WorldState::Restore(World& world) const {
     RestoreFixtures(record, state);
     if (!StandsAt(*record.body, state)) world.bodies_.LetMove(handle);
   });
+  for (BodyRecord* record : records) world.layers_->ReleaseWallsNear(box2d_world, *record);
   for (size_t i = 0; i < records.size(); ++i) {
     world.layers_->HoldWallsOf(box2d_world, *records[i], bodies[i].nearby);
   }

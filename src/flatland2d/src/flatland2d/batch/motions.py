@@ -75,7 +75,9 @@ class BatchMotions:
             rng: Any = each.rngs[environment].bit_generator.state
             with _state_errors(each):
                 state = each.motion.get_state(environment)
-                states.append(PluginState(each.owner, each.name, each.type, None, rng, timer, state))
+                states.append(
+                    PluginState(each.owner, each.name, each.type, None, rng, timer, state)
+                )
         return states
 
     def set_states(self, environment: int, states: Sequence[PluginState], now: int) -> None:

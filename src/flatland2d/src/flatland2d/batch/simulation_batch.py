@@ -427,9 +427,9 @@ class SimulationBatch:
         return observation
 
     def _own_parts(self) -> WorldState:
-        """The state of the batch's own world, with its models, walls and footprints."""
+        """The models, walls and footprints of all environments, as a part of a state."""
         if self._parts is None:
-            self._parts = saved_states.save(self._world, Timekeeper(self.step_size))
+            self._parts = saved_states.parts_of(self._world)
         return self._parts
 
     # Places

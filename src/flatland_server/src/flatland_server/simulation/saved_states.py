@@ -1,6 +1,6 @@
 """Saving the state of a world, and putting a world into a saved state."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Sequence, Union
@@ -31,16 +31,31 @@ def save(world: World, timekeeper: Timekeeper) -> WorldState:
     """
     contents = world.contents
     contents.plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
+    return replace(
+        parts_of(world),
+        nanoseconds=timekeeper.nanoseconds,
+        plugins=plugin_state.collect(contents.plugins),
+        physics=contents.physics.save_state(),
+    )
+
+
+def parts_of(world: World) -> WorldState:
+    """A state with the models, walls and footprints of a world alone.
+
+    Raises:
+        StateError: a model has no file that it could be read from again.
+    """
+    contents = world.contents
     return WorldState(
         str(contents.config.path or ""),
         contents.seed,
-        timekeeper.nanoseconds,
+        0,
         _wall_counts(contents.config),
         contents.additions.states_of(contents.models),
         contents.additions.walls,
         list(_footprints(world)),
-        plugin_state.collect(contents.plugins),
-        contents.physics.save_state(),
+        [],
+        b"",
     )
 
 
@@ -76,13 +91,16 @@ def require_same_parts(state: WorldState, other: WorldState, config: WorldConfig
     """
     _check_walls(state, config)
     for noun in ("models", "walls", "footprints"):
-        found, expected = getattr(state, noun), getattr(other, noun)
-        if plain_data.dumps(_parts(found)) != plain_data.dumps(_parts(expected)):
-            names = [each.name for each in state.models]
+        found, expected = _parts(getattr(state, noun)), _parts(getattr(other, noun))
+        if plain_data.dumps(found) != plain_data.dumps(expected):
             raise StateError(
-                f"the state is of another world: its {noun} were changed or added; it has the "
-                f"models {', '.join(names)}, expected {', '.join(each.name for each in other.models)}"
+                f"the state is of another world: {noun} were added, changed or deleted; expected "
+                f"the models {_names(other)}, found {_names(state)}"
             )
+
+
+def _names(state: WorldState) -> str:
+    return ", ".join(model.name for model in state.models)
 
 
 def _parts(entries: Sequence[Any]) -> List[Dict[str, Any]]:
@@ -153,7 +171,7 @@ def _replay_additions(state: WorldState, world: World) -> None:
     if list(world.models) != [model.name for model in state.models]:
         raise StateError(
             f"the state is of another world: expected the models {', '.join(world.models)}; "
-            f"found {', '.join(model.name for model in state.models)}"
+            f"found {_names(state)}"
         )
     for model in state.models:
         world.models[model.name].move_revision = model.move_revision
