@@ -229,6 +229,7 @@ def test_what_is_no_state_of_the_world_is_refused_and_changes_nothing(world_of):
         for wrong, error, message in [
             (b"", StateError, "expected the state of a world, found something else"),
             (damaged(state, physics=broken), StateError, "the state is damaged"),
+            (damaged(state, seed=-1), StateError, "expected a state with a seed of 0 to 2"),
             (damaged(state, nanoseconds=1), StateError, "after whole steps of 0.005 s, found one"),
             (of_another, StateError, "another world"),
             ([state], UsageError, "expected 3 states, found 1"),
@@ -245,6 +246,15 @@ def test_what_is_no_state_of_the_world_is_refused_and_changes_nothing(world_of):
         batch.save_states()
     with pytest.raises(UsageError, match="closed"):
         batch.load_states(state)
+
+
+def test_branches_with_random_walls_keep_them(world_of):
+    world = world_of(**WORLDS["random walls"])
+    with Simulation(world, seed=2) as other:
+        state = other.save_state()
+    with Simulation(world, seed=1) as simulation, simulation.branch(2) as batch:
+        with pytest.raises(StateError, match="expected a state with the seed 1"):
+            batch.load_states(state)
 
 
 def test_a_static_body_that_has_moved_is_not_exchanged(world_of):

@@ -129,8 +129,10 @@ def steps_of(state: WorldState, step_nanoseconds: int) -> int:
     """The number of steps that lead to the time of a state.
 
     Raises:
-        StateError: it is between two steps.
+        StateError: it is between two steps, or no environment can have the state's seed.
     """
+    if not 0 <= state.seed <= _MAX_SEED:
+        raise StateError(f"expected a state with a seed of 0 to 2^63 - 1, found {state.seed}")
     steps, rest = divmod(state.nanoseconds, step_nanoseconds)
     if rest:
         raise StateError(

@@ -156,6 +156,8 @@ class SimulationBatch:
             self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open, origin
         )
         self._plugins.begin(None, self._seeds)
+        varies = any(each.role.varies_by_seed for each in roles)
+        self._only_seed = origin.seed if origin is not None and varies else None
         self._noise = BatchNoise(self._robot, self._num_envs)
         self._spaces = FreeSpaces(self._world, self._robot)
         config = self._world.config
@@ -406,6 +408,11 @@ class SimulationBatch:
         saved = {each: WorldState.loads(each) for each in dict.fromkeys(given)}
         for each in saved.values():
             saved_states.require_same_parts(each, self._own_parts(), self._world.config)
+            if self._only_seed not in (None, each.seed):
+                raise StateError(
+                    f"expected a state with the seed {self._only_seed}, on which the walls of the "
+                    f"batch depend, found {each.seed}"
+                )
         number = {each: index for index, each in enumerate(saved)}
         seeds, steps = self._seeds.copy(), self._steps.copy()
         numbers = np.zeros(self._num_envs, np.int64)
