@@ -181,7 +181,7 @@ class Navigation:
 
     def save_states(self, indices: IntArray) -> List[Dict[str, Any]]:
         """The states of environments with their episodes, as plain data."""
-        states = {}
+        states: Dict[int, bytes] = {}
         for world in np.unique(self._world_of[indices]).tolist():
             chosen = indices[self._world_of[indices] == world]
             states.update(zip(chosen.tolist(), self._fleet(world).save_states(chosen)))

@@ -406,13 +406,8 @@ class SimulationBatch:
         observation = self._rows(out)
         given = states_of(states, len(indices))
         saved = {each: WorldState.loads(each) for each in dict.fromkeys(given)}
-        for each in saved.values():
-            saved_states.require_same_parts(each, self._own_parts(), self._world.config)
-            if self._only_seed not in (None, each.seed):
-                raise StateError(
-                    f"expected a state with the seed {self._only_seed}, on which the walls of the "
-                    f"batch depend, found {each.seed}"
-                )
+        for state in saved.values():
+            self._require_loadable(state)
         number = {each: index for index, each in enumerate(saved)}
         seeds, steps = self._seeds.copy(), self._steps.copy()
         numbers = np.zeros(self._num_envs, np.int64)
@@ -432,6 +427,19 @@ class SimulationBatch:
             self._plugins.set_states(k, saved[each])
         self._finish(observation, chosen, is_new=out is None)
         return observation
+
+    def _require_loadable(self, state: WorldState) -> None:
+        """Checks all of a state but its numbers.
+
+        Raises:
+            StateError: the batch's world has other models, walls or footprints.
+        """
+        saved_states.require_same_parts(state, self._own_parts(), self._world.config)
+        if self._only_seed not in (None, state.seed):
+            raise StateError(
+                f"expected a state with the seed {self._only_seed}, on which the walls of the "
+                f"batch depend, found {state.seed}"
+            )
 
     def _own_parts(self) -> WorldState:
         """The models, walls and footprints of all environments, as a part of a state."""

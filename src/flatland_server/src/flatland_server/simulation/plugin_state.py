@@ -103,11 +103,11 @@ def collect(manager: PluginManager) -> List[PluginState]:
 def completed(manager: PluginManager, states: Sequence[PluginState]) -> List[PluginState]:
     """The states of all plugins, given those of some."""
     known = {(state.owner, state.name): state for state in states}
-    return [
-        known.pop((owner, plugin.name), None)
-        or PluginState(owner, plugin.name, plugin.type, None, {}, None, None)
+    every = {
+        (owner, plugin.name): PluginState(owner, plugin.name, plugin.type, None, {}, None, None)
         for owner, plugin in manager.all_plugins()
-    ] + list(known.values())
+    }
+    return list({**every, **known}.values())
 
 
 def restore_failures(manager: PluginManager, states: Sequence[PluginState]) -> None:
