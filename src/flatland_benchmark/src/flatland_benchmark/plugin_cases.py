@@ -1,9 +1,9 @@
-"""The cost of each built-in plugin in a step: without subscribers, and with one on each topic."""
+"""The cost of each built-in plugin in a step: idle, due without and with subscribers."""
 
 import math
 import time
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, Mapping, Sequence
 
 from flatland2d import Simulation
 from flatland_benchmark.case import Case, Figures
@@ -15,11 +15,15 @@ _CALLS = 20
 _BLOCKS = 30
 
 _BODY = {"body": "base"}
+_DRIFT = {"odom_drift": {"rotation_per_radian": 0.01}}
 _PLUGINS: Dict[str, Dict[str, Any]] = {
     "DiffDrive": _BODY,
-    "DiffDrive with drift": {
-        "type": "DiffDrive",
-        "odom_drift": {"rotation_per_radian": 0.01},
+    "DiffDrive with drift": {"type": "DiffDrive", **_DRIFT, **_BODY},
+    "OmniDrive": _BODY,
+    "TricycleDrive": {
+        "front_wheel_joint": "front",
+        "rear_left_wheel_joint": "left",
+        "rear_right_wheel_joint": "right",
         **_BODY,
     },
     "Tween": {"delta": [1, 0, 0], **_BODY},
@@ -30,16 +34,32 @@ _PLUGINS: Dict[str, Dict[str, Any]] = {
     "ModelTfPublisher": {},
     "Bumper": {},
     "BoolSensor": _BODY,
+    "Pedestrian": {"goals": [[0.6, 0], [-0.6, 0]], **_BODY},
+    "DummyModelPlugin": {},
 }
 """The keys of plugins that are due at each step, by the names of their figures."""
+
+_WORLD_PLUGINS: Dict[str, Dict[str, Any]] = {
+    "Crowd of two": {
+        "type": "Crowd",
+        "pedestrians": [{"pose": [x, 0.4, 0], "goals": [[1.2, 0.4], [-1.2, 0.4]]} for x in (1, -1)],
+    },
+    "RandomWall": {"layer": "map", "robot_name": "robot", "num_of_walls": 3},
+    "DummyWorldPlugin": {},
+}
+"""The same for plugins of the world."""
 
 
 def measure_plugins(worlds: Path) -> Figures:
     """Processor time that each plugin adds to a step of a robot that turns on the spot."""
     figures = {}
-    for name, keys in _PLUGINS.items():
+    for name, keys in [*_PLUGINS.items(), *_WORLD_PLUGINS.items()]:
         plugin = {"type": name, "name": "plugin", **keys}
-        robots = (_spinning_robot(worlds), *(_spinning_robot(worlds, plugin) for _ in range(2)))
+        parts: Sequence[Dict[str, Any]] = ({}, plugin, plugin)
+        if name in _WORLD_PLUGINS:
+            robots = [_spinning_robot(worlds, world_plugin=each) for each in parts]
+        else:
+            robots = [_spinning_robot(worlds, each, rolls="Tricycle" in name) for each in parts]
         with robots[0] as bare, robots[1] as idle, robots[2] as heard:
             heard.subscribe(*heard.topics, "/tf")
             times: Dict[Simulation, float] = {}
@@ -51,18 +71,50 @@ def measure_plugins(worlds: Path) -> Figures:
     return figures
 
 
-def _spinning_robot(worlds: Path, *plugins: Dict[str, Any]) -> Simulation:
-    """The office with a robot that has these plugins, and turns on the spot."""
+def _spinning_robot(
+    worlds: Path,
+    plugin: Mapping[str, Any] = {},
+    world_plugin: Mapping[str, Any] = {},
+    *,
+    rolls: bool = False,
+) -> Simulation:
+    """The office with a robot that turns on the spot, with or without plugins and wheels."""
     disc = {"type": "circle", "radius": 0.2, "density": 1}
-    robot = {"bodies": [{"name": "base", "footprints": [disc]}], "plugins": list(plugins)}
-    layer = {"name": "map", "map": str(worlds / "office" / "office.yaml")}
-    sim = Simulation({"properties": {}, "layers": [layer]})
-    handle = sim.spawn(robot, "robot")
+    wheels = _WHEELS if rolls else {}
+    robot = {
+        "bodies": [{"name": name, "footprints": [disc]} for name in ("base", *wheels)],
+        "joints": [_joint(name, *wheel) for name, wheel in wheels.items()],
+        "plugins": [plugin] if plugin else [],
+    }
+    sim = Simulation(
+        {
+            "properties": {},
+            "layers": [{"name": "map", "map": str(worlds / "office" / "office.yaml")}],
+            "models": [{"name": "robot", "model": robot}],
+            "plugins": [world_plugin] if world_plugin else [],
+        }
+    )
+    handle = sim.models["robot"]
     handle.model.base.physics_body.velocity = (0.0, 0.0, 0.5)
     if len(handle.drives):
-        handle.command(0.0, 0.5)
+        handle.command(*_COMMANDS.get(plugin["type"], (0.0, 0.5)))
     sim.step(_STEPS)
     return sim
+
+
+_COMMANDS = {"OmniDrive": (0.0, 0.0, 0.5), "TricycleDrive": (0.15, math.pi / 2)}
+"""Of drives that are not told (speed, yaw rate): each turns by 0.5 rad/s."""
+
+_WHEELS = {
+    "front": ("revolute", [0.0, 0.0]),
+    "left": ("weld", [-0.3, 0.2]),
+    "right": ("weld", [-0.3, -0.2]),
+}
+
+
+def _joint(name: str, type: str, anchor: Sequence[float]) -> Dict[str, Any]:
+    ends = [{"name": "base", "anchor": anchor}, {"name": name, "anchor": [0, 0]}]
+    return {"name": name, "type": type, "bodies": ends}
 
 
 def _time_step(sim: Simulation) -> float:

@@ -1,14 +1,14 @@
 """The keys of a Crowd, and those that a Pedestrian shares with it."""
 
-from dataclasses import dataclass
-from typing import Collection, Dict, Optional, Tuple
+from dataclasses import astuple, dataclass
+from typing import Any, Collection, Dict, Optional, Tuple
 
-from flatland_plugins.social_force import SocialForce
 from flatland_server import (
     CollisionFilterRegistry,
     Color,
     Point,
     Pose,
+    UpdateTimer,
     YamlReader,
     check_topic_name,
 )
@@ -19,6 +19,32 @@ WALK_RATIO = 0.0064 * 60.0
 N. Sekiya et al., "The invariant relationship between step length and step rate during free
 walking", Journal of Human Movement Studies 30, 1996.
 """
+
+
+@dataclass(frozen=True)
+class SocialForce:
+    """The constants of the social force model; by default those of the papers, for 80 kg.
+
+    D. Helbing, I. Farkas and T. Vicsek, "Simulating dynamical features of escape panic", Nature
+    407, 2000; evasions: M. Moussaid et al., "Experimental study of the behavioural mechanisms
+    underlying self-organization in human crowds", Proc. R. Soc. B 276, 2009.
+
+    Attributes:
+        relaxation_time: tau [s], in which a deviation from the desired velocity falls to 1/e.
+        repulsion: A over the mass [m/s^2], the acceleration away from an obstacle on contact.
+        range: B [m], over which the repulsion falls to 1/e.
+        evasion: A of the evasions [m/s^2].
+        side_preference: epsilon [rad/m], evades to the right; to the left if it is negative.
+        noise: standard deviation of a walking person's velocity about the desired one [m/s], along
+            each axis.
+    """
+
+    relaxation_time: float = 0.5
+    repulsion: float = 2000.0 / 80.0
+    range: float = 0.08
+    evasion: float = 4.5
+    side_preference: float = 0.005
+    noise: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -91,6 +117,16 @@ class WalkConfig:
     update_rate: float
     goal_radius: float
     force: SocialForce
+
+    @property
+    def settings(self) -> Dict[str, Any]:
+        """Keyword arguments of the core's `add_crowd`."""
+        return {
+            "layers": self.layer_bits,
+            "period": UpdateTimer(self.update_rate).period,
+            "goal_radius": self.goal_radius,
+            "forces": astuple(self.force),
+        }
 
     @classmethod
     def read(cls, config: YamlReader, registry: CollisionFilterRegistry) -> "WalkConfig":

@@ -1,12 +1,11 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
-from typing import Any, Dict, NamedTuple, Optional
+from typing import NamedTuple, Optional
 
 import numpy as np
 
 from flatland_plugins.odometry_config import OdometryConfig
-from flatland_plugins.odometry_drift import OdometryDrift
 from flatland_plugins.odometry_writer import OdometryWriter, TwistWriter
 from flatland_plugins.timed_noise import TimedNoise, draw_key
 from flatland_server import (
@@ -55,10 +54,7 @@ class OdometryPlugin(ModelPlugin):
         self._odometry_config = config
         self._body = body
         self._noise = TimedNoise(self.rng)
-        self._drift: Optional[OdometryDrift] = None
-        self._move_revision = self.model.move_revision
-        if config.drift:
-            self._drift = OdometryDrift(config.drift, draw_key(self.rng))
+        self._drift = config.drift.add_to(body, draw_key(self.rng)) if config.drift else None
         base_frame = self.name_space_tf(body.name)
         self._deviation = np.sqrt([*config.pose_noise, *config.twist_noise])
         self._is_noisy = bool(self._deviation.any())
@@ -85,48 +81,37 @@ class OdometryPlugin(ModelPlugin):
                 self.node.claim_odometry_frame(self._odom_frame)
 
     def has_work(self) -> bool:
-        """True if the odometry has a subscriber, or drifts."""
-        return self._drift is not None or self._has_subscribers()
+        """True if the odometry has a subscriber."""
+        if self._frame is not None and self.node.transforms_have_subscribers:
+            return True
+        publishers = (self._twist, self._odom, self._ground_truth)
+        return any(publisher is not None and publisher.has_subscribers for publisher in publishers)
 
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
-        """Publishes odometry on the topics that have subscribers; drift accumulates anyway."""
-        now, pose = timekeeper.nanoseconds, self._body.pose
-        if self._drift is not None:
-            has_jumped = self._has_jumped()
-            self._move_revision = self.model.move_revision
-            self._drift.advance(now, pose, has_jumped=has_jumped)
-            if not self._has_subscribers():
-                return
-            pose = self._drift.pose
-        estimate = self._publish(now, pose)
+        """Publishes odometry on the topics that have subscribers."""
+        now = timekeeper.nanoseconds
+        estimate = self._publish(now)
         if self._frame is not None and self.node.transforms_have_subscribers:
             self._frame.send(now, [estimate.pose])
 
     def publish_now(self, timekeeper: Timekeeper) -> None:
-        """Publishes the present pose and velocity; does not advance the drift."""
-        self._publish(timekeeper.nanoseconds, self._drifted(timekeeper.nanoseconds))
+        """Publishes the present pose and velocity."""
+        self._publish(timekeeper.nanoseconds)
 
     def read(self, timekeeper: Timekeeper) -> Odometry:
         """The present odometry, with its noise and drift: pose and velocity."""
-        return self._measured(timekeeper.nanoseconds, self._drifted(timekeeper.nanoseconds))
+        return self._measured(timekeeper.nanoseconds)
 
     def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
         """The true pose in the world, and the true velocity."""
         return self._truth()
 
-    def get_state(self) -> Dict[str, Any]:
-        """The drift and the number of the last move; the core saves commands and velocities."""
-        drift = self._drift.get_state() if self._drift is not None else None
-        return {"drift": drift, "move_revision": self._move_revision}
+    def get_state(self) -> None:
+        """Nothing: the core saves commands, velocities and the drift."""
 
-    def set_state(self, state: Dict[str, Any]) -> None:
-        self._move_revision = state["move_revision"]
-        if self._drift is not None:
-            self._drift.set_state(state["drift"])
-
-    def _publish(self, nanoseconds: int, drifted: Pose) -> Odometry:
+    def _publish(self, nanoseconds: int) -> Odometry:
         """Publishes on the topics that have subscribers, and returns the odometry with errors."""
-        estimate = self._measured(nanoseconds, drifted)
+        estimate = self._measured(nanoseconds)
         if self._twist is not None and self._twist.has_subscribers:
             self._twist.write(self._twist_writer, nanoseconds, estimate.velocity)
         if self._odom is not None and self._odom.has_subscribers:
@@ -135,8 +120,9 @@ class OdometryPlugin(ModelPlugin):
             self._write(self._ground_truth, self._ground_truth_writer, nanoseconds, self._truth())
         return estimate
 
-    def _measured(self, nanoseconds: int, drifted: Pose) -> Odometry:
-        """The odometry of a pose that has drifted, with the noise of a time [ns]."""
+    def _measured(self, nanoseconds: int) -> Odometry:
+        """The odometry with its drift, and with the noise of a time [ns]."""
+        drifted = self._body.pose if self._drift is None else Pose(*self._drift.pose)
         velocity = Velocity(*self._body.physics_body.local_velocity)
         if not self._is_noisy:
             return Odometry(drifted, velocity)
@@ -145,25 +131,8 @@ class OdometryPlugin(ModelPlugin):
         vx, vy, omega = (value + error for value, error in zip(velocity, noise[3:]))
         return Odometry(Pose(x, y, wrap_angle(yaw)), Velocity(vx, vy, omega))
 
-    def _drifted(self, nanoseconds: int) -> Pose:
-        """The estimated pose at the present time [ns]; does not advance the drift."""
-        pose = self._body.pose
-        if self._drift is None:
-            return pose
-        return self._drift.preview(nanoseconds, pose, has_jumped=self._has_jumped())
-
     def _truth(self) -> Odometry:
         return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
-
-    def _has_jumped(self) -> bool:
-        """True if the model was moved since the last odometry."""
-        return self.model.move_revision != self._move_revision
-
-    def _has_subscribers(self) -> bool:
-        if self._frame is not None and self.node.transforms_have_subscribers:
-            return True
-        publishers = (self._twist, self._odom, self._ground_truth)
-        return any(publisher is not None and publisher.has_subscribers for publisher in publishers)
 
     def _write(
         self,

@@ -18,7 +18,7 @@ class OdometryConfig:
     """The keys of a drive that concern odometry, except its frames.
 
     Noises are variances of x, y and yaw, or of their velocities; each message gets new noise. Drift
-    accumulates; see `OdometryDrift`.
+    accumulates in the core.
     """
 
     odom_pub: str

@@ -2,8 +2,15 @@
 
 import numpy as np
 
-from flatland_plugins.wall_grid import nearest
-from flatland_server import BatchRole, FlatlandError, FloatArray, Segments, WorldPlugin, YamlReader
+from flatland_server import (
+    BatchRole,
+    FlatlandError,
+    FloatArray,
+    Segments,
+    WorldPlugin,
+    YamlReader,
+    from_segments,
+)
 
 
 class RandomWall(WorldPlugin):
@@ -35,8 +42,9 @@ class RandomWall(WorldPlugin):
 
         place = np.array(robot.pose[:2])
         copies = copies_beside(layer.segments, place, distance, is_double)
-        nearby = nearest(place[np.newaxis], copies.reshape(-1, 4)).distances
-        is_free = nearby.reshape(copies.shape[:2]).min(axis=1) > robot.radius
+        away = from_segments(place[np.newaxis], copies.reshape(-1, 4))
+        distances = np.hypot(away[..., 0], away[..., 1]).reshape(copies.shape[:2])
+        is_free = distances.min(axis=1) > robot.radius
         candidates = np.flatnonzero(is_free)
         if len(candidates) < count:
             raise config.error(

@@ -75,7 +75,7 @@ def test_people_go_when_their_crowd_fails(town, monkeypatch, caplog):
     def fail(*_: Any) -> None:
         raise RuntimeError("no luck")
 
-    monkeypatch.setattr("flatland_plugins.people.People.turns", fail)
+    monkeypatch.setattr("flatland_plugins.crowd.fill_pose", fail)
     people.allow_failures = True
     people.run(0.1)
 

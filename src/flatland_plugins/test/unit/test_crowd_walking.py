@@ -5,8 +5,6 @@ from typing import List
 
 import numpy as np
 import pytest
-from array_gaps import watch_gaps
-from busy_town import Town
 from townspeople import CALM, TAU, UPDATE, position, velocity, walk
 
 # On the way
@@ -85,15 +83,3 @@ def test_noise_makes_people_sway_on_their_way(town):
     # Values correlate over tau: some 4000 * 0.05 / (2 * 0.5) are independent, 5 % each way.
     assert sideways.std() == pytest.approx(0.1, rel=0.2)
     assert abs(sideways.mean()) < 0.03
-
-
-# Chance
-
-
-def test_equal_numbers_give_equal_bits(tmp_path, monkeypatch):
-    """NumPy's last bits may differ for arrays with gaps in memory; see array_math.py."""
-    gaps = watch_gaps(monkeypatch)
-
-    Town(tmp_path).run(0.5)  # with walls, other bodies, and legs
-
-    assert gaps == []

@@ -57,4 +57,23 @@ struct Rotation {
   double sin;
 };
 
+/// A pose in the frame of `outer`, in the frame of which `outer` is given.
+inline Pose Compose(const Pose& outer, const Pose& inner) {
+  const double cos = std::cos(outer.yaw), sin = std::sin(outer.yaw);
+  return {outer.x + cos * inner.x - sin * inner.y, outer.y + sin * inner.x + cos * inner.y,
+          outer.yaw + inner.yaw};
+}
+/// The frame that a pose is given in, in the frame of the pose.
+inline Pose Inverse(const Pose& pose) {
+  const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
+  return {-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.yaw};
+}
+/// The pose with its yaw within [-pi, pi].
+inline Pose Wrapped(const Pose& pose) {
+  return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)};
+}
+inline bool operator==(const Pose& a, const Pose& b) {
+  return a.x == b.x && a.y == b.y && a.yaw == b.yaw;
+}
+
 }  // namespace flatland

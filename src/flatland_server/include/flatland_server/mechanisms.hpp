@@ -1,8 +1,9 @@
 #pragma once
 
-/// Mechanisms: drives, tweens and lidars, which the core moves or reads at every step.
+/// Mechanisms: drives, tweens, drifts and lidars, which the core moves or reads at every step.
 
 #include "flatland_server/bodies.hpp"
+#include "flatland_server/body_drift.hpp"
 #include "flatland_server/body_drive.hpp"
 #include "flatland_server/body_tween.hpp"
 #include "flatland_server/slot_map.hpp"
@@ -10,7 +11,8 @@
 
 namespace flatland {
 
-/// Something that belongs to a body and is removed with it: a drive, a tween or a lidar.
+/// Something that belongs to a body and is removed with it: a drive, a tween, a drift or
+/// a lidar.
 template <class Mechanism>
 struct Mounted {
   Bodies::Body body;
@@ -35,23 +37,26 @@ class MountedMap : public SlotMap<Mounted<Mechanism>> {
   }
 };
 
-/// The drives and tweens of a world.
+/// The drives, tweens and drifts of a world.
 struct Mechanisms {
   MountedMap<BodyDrive> drives{"drive"};
   MountedMap<TricycleDrive> tricycles{"drive"};
   MountedMap<BodyTween> tweens{"tween"};
+  MountedMap<BodyDrift> drifts{"drift"};
 
   BodyDrive& Get(Handle<Mounted<BodyDrive>> handle) { return drives.Get(handle).mechanism; }
   TricycleDrive& Get(Handle<Mounted<TricycleDrive>> handle) {
     return tricycles.Get(handle).mechanism;
   }
   BodyTween& Get(Handle<Mounted<BodyTween>> handle) { return tweens.Get(handle).mechanism; }
-  /// Calls `visit` with each map.
+  BodyDrift& Get(Handle<Mounted<BodyDrift>> handle) { return drifts.Get(handle).mechanism; }
+  /// Calls `visit` with each map; drifts come last, since tweens move bodies.
   template <class Visit>
   void ForEachMap(Visit visit) {
     visit(drives);
     visit(tricycles);
     visit(tweens);
+    visit(drifts);
   }
   /// To be called when a joint has taken the place of another one, or null: it is destroyed.
   void ReplaceJoint(const b2Joint* joint, b2Joint* other) {

@@ -8,10 +8,6 @@ namespace flatland {
 
 /// Gaussian noise that depends on a key, the time and the beam alone: neither on earlier scans nor
 /// on other lidars. A scan that is made twice has the same noise.
-///
-/// Uniform numbers: Steele, Lea and Flood, "Fast splittable pseudorandom number generators",
-/// OOPSLA 2014 (SplitMix64). Their normal quantiles: Wichura, "Algorithm AS 241: The percentage
-/// points of the normal distribution", Applied Statistics 37, 1988 (PPND7, to 7 digits).
 class RangeNoise {
  public:
   /// `std_dev` and `max_range` [m] must be finite and 0 or more; throws std::invalid_argument.

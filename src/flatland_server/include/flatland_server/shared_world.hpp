@@ -7,10 +7,10 @@
 ///
 /// Method. There is one World. What its steps change is exchanged for another state before a step,
 /// byte by byte: Box2D's bodies that may move, the boxes of their fixtures, and joints; the heads
-/// of the lists of contacts, which stay where they are; drives and tweens. The objects stay at
-/// their places, so all pointers between them stay right. Box2D's tree of bounding boxes has a node
-/// for each wall, of which few change: those that have are exchanged (shared_tree.hpp). So a state
-/// makes, bit for bit, the steps that a World of its own makes.
+/// of the lists of contacts, which stay where they are; drives, tweens and crowds. The objects stay
+/// at their places, so all pointers between them stay right. Box2D's tree of bounding boxes has a
+/// node for each wall, of which few change: those that have are exchanged (shared_tree.hpp). So a
+/// state makes, bit for bit, the steps that a World of its own makes.
 
 #include <cstddef>
 #include <memory>

@@ -28,6 +28,7 @@
 #include "flatland_server/access.hpp"
 #include "flatland_server/bodies.hpp"
 #include "flatland_server/contacts.hpp"
+#include "flatland_server/crowd.hpp"
 #include "flatland_server/joint.hpp"
 #include "flatland_server/lidars.hpp"
 #include "flatland_server/mechanisms.hpp"
@@ -47,7 +48,9 @@ class World : public Access, private b2DestructionListener {
   using Drive = Handle<Mounted<BodyDrive>>;
   using Tricycle = Handle<Mounted<TricycleDrive>>;
   using Tween = Handle<Mounted<BodyTween>>;
+  using Drift = Handle<Mounted<BodyDrift>>;
   using LidarHandle = Lidars::LidarHandle;
+  using CrowdHandle = Handle<Crowd>;
 
   /// Layers of more walls are large: Box2D has only those walls that are near dynamic bodies, which
   /// are few. That saves 400 bytes a wall; but contacts may be found in another order, so that a
@@ -59,8 +62,9 @@ class World : public Access, private b2DestructionListener {
   ~World();
 
   /// A world that makes the same steps from here on, bit for bit. Handles name the same things in
-  /// both. It has no contact listener, and nothing has chosen events. In the copy, Box2D has all
-  /// walls of large layers: with such a layer, throws std::invalid_argument if a step was made.
+  /// both; but it has no drifts, and no contact listener, and nothing has chosen events. In the
+  /// copy, Box2D has all walls of large layers: with such a layer, throws std::invalid_argument if
+  /// a step was made.
   std::unique_ptr<World> Copy() const;
 
   // ---- Bodies ----
@@ -172,7 +176,7 @@ class World : public Access, private b2DestructionListener {
   /// Angle of b minus that of a, minus a weld's reference angle, within [-pi, pi] [rad].
   double GetJointAngle(Joint joint) const;
 
-  // ---- Drives and tweens ----
+  // ---- Drives, tweens and drifts ----
 
   /// Drives the body at commanded velocities. The limits are in m/s and m/s^2, rad/s and rad/s^2.
   Drive AddDrive(Body body, const DynamicsLimits& linear, const DynamicsLimits& angular);
@@ -181,11 +185,31 @@ class World : public Access, private b2DestructionListener {
   Tricycle AddTricycle(Body body, Joint front_wheel, const TricycleSettings& settings);
   /// Moves the body along a prescribed path, starting at its present pose.
   Tween AddTween(Body body, const TweenSettings& settings);
-  /// The drive or tween of a handle.
+  /// Estimates the body's pose by adding up its motions with errors. The first estimate is right.
+  /// Equal keys and motions give equal errors.
+  Drift AddDrift(Body body, const DriftVariances& variances, uint64_t key);
+  /// The estimated pose in the world [m, m, rad], the yaw within [-pi, pi].
+  Pose GetEstimate(Drift drift) const;
+  /// The drive, tween or drift of a handle.
   template <class Mechanism>
   Mechanism& Get(Handle<Mounted<Mechanism>> handle) {
     RequireAccess();
     return mechanisms_.Get(handle);
+  }
+
+  // ---- Crowds ----
+
+  /// Adds a crowd without people. Equal keys give equal random numbers.
+  CrowdHandle AddCrowd(const CrowdSettings& settings, uint64_t key);
+  /// Adds a person to a crowd; its bodies are not static. It leaves when one of them is removed.
+  void AddPerson(CrowdHandle crowd, const PersonSettings& person);
+  /// From then on, the bodies of its people move like others.
+  void RemoveCrowd(CrowdHandle crowd);
+  /// See Crowd::Rooms.
+  std::vector<Crowd::Room> GetRooms(CrowdHandle crowd);
+  Crowd& Get(CrowdHandle handle) {
+    RequireAccess();
+    return crowds_.Get(handle);
   }
 
   // ---- Lidars and contacts ----
@@ -245,6 +269,7 @@ class World : public Access, private b2DestructionListener {
   Contacts contacts_;
   SlotMap<b2Joint*> joints_{"joint"};
   Mechanisms mechanisms_;
+  SlotMap<Crowd> crowds_{"crowd"};
   mutable std::shared_ptr<const WallTree> wall_tree_;  // of the latest state, or null
   int completed_steps_ = 0;                            // since the call of StepUntilContact
 };

@@ -1,4 +1,4 @@
-/// Drive, Tricycle and Tween in Python: what moves bodies.
+/// Drive, Tricycle, Tween and Drift in Python.
 
 #include "bindings.hpp"
 #include "fast_method.hpp"
@@ -45,6 +45,9 @@ void BindDrive(py::module_& m) {
           py::arg("forward"))
       .def_property_readonly(
           "progress", [](const PyTween& self) { return self.world->Get(self.handle).progress(); });
+  py::class_<PyDrift>(m, "Drift").def_property_readonly("pose", [](const PyDrift& self) {
+    return ToTuple(self.world->GetEstimate(self.handle));
+  });
   m.attr("EASINGS") = py::tuple(py::cast(kEasingNames));
   m.attr("TWEEN_MODES") = py::tuple(py::cast(kTweenModeNames));
 }
@@ -83,7 +86,17 @@ void BindDrivesOf(py::class_<PyBody>& body) {
                                self.handle, {ToPose(delta), duration, *found_mode, *found_easing})};
           },
           py::arg("delta"), py::arg("duration"), py::arg("mode") = "yoyo",
-          py::arg("easing") = "linear");
+          py::arg("easing") = "linear")
+      .def(
+          "add_drift",
+          [](PyBody& self, uint64_t key, const Pair& translation, const Pair& rotation,
+             const Triple& per_second) {
+            const DriftVariances variances{translation.first, translation.second, rotation.first,
+                                           rotation.second, ToPose(per_second)};
+            return PyDrift{self.world, self.world->AddDrift(self.handle, variances, key)};
+          },
+          py::arg("key"), py::arg("translation") = Pair{0.0, 0.0},
+          py::arg("rotation") = Pair{0.0, 0.0}, py::arg("per_second") = Triple{0.0, 0.0, 0.0});
 }
 
 }  // namespace flatland

@@ -137,6 +137,7 @@ void BindWorld(py::module_& m) {
       .def_property_readonly("joint_count",
                              [](const PyWorld& self) { return self.world->joint_count(); });
   BindScansOf(world);
+  BindCrowdsOf(world);
 }
 
 }  // namespace
@@ -168,6 +169,7 @@ PYBIND11_MODULE(_core, m) {
   py::class_<PyFixture> fixture(m, "Fixture");
   BindJoint(m);
   BindDrive(m);
+  BindCrowd(m);
   BindBody(body);
   BindFixture(fixture);
   BindFixtureChecker(m);
@@ -179,6 +181,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("box2d_reads_clock", &Box2DReadsClock);
   BindPriorityGuard(m);
   BindRangeNoise(m);
+  BindGoalObserver(m);
   if (!SetDocs(m.ptr())) throw py::error_already_set();
 }
 

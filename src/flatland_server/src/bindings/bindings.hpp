@@ -81,6 +81,8 @@ using PyJoint = Owned<World::Joint>;
 using PyDrive = Owned<World::Drive>;
 using PyTricycle = Owned<World::Tricycle>;
 using PyTween = Owned<World::Tween>;
+using PyDrift = Owned<World::Drift>;
+using PyCrowd = Owned<World::CrowdHandle>;
 using PyLidar = Owned<World::LidarHandle>;
 
 /// A number that no other body of a world has or had.
@@ -97,11 +99,14 @@ void BindJoint(py::module_& m);
 void BindJointsOf(py::class_<PyBody>& body);
 void BindDrive(py::module_& m);
 void BindDrivesOf(py::class_<PyBody>& body);
+void BindCrowd(py::module_& m);
+void BindCrowdsOf(py::class_<PyWorld>& world);
 void BindBody(py::class_<PyBody>& body);
 void BindBodyGroup(py::module_& m);
 void BindFixture(py::class_<PyFixture>& fixture);
 void BindFixturesOf(py::class_<PyBody>& body);
 void BindFixtureChecker(py::module_& m);
+void BindGoalObserver(py::module_& m);
 void BindContacts(py::module_& m);
 void BindPriorityGuard(py::module_& m);
 void BindRangeNoise(py::module_& m);

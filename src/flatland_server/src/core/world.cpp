@@ -57,6 +57,8 @@ void World::Step(double dt, const AccessGuard&) {
           [&](auto, auto& mounted) { visit(mounted.mechanism, *bodies_.Get(mounted.body).body); });
     });
   };
+  // First, since a drive may be on a body that people see.
+  crowds_.ForEach([&](auto, Crowd& crowd) { crowd.BeginStep(bodies_, *layers_, dt); });
   for_each([dt](auto& mechanism, b2Body& body) { mechanism.BeginStep(body, dt); });
   layers_->HoldWallsNearBodies(*world_);
   world_->Step(static_cast<float>(dt), velocity_iterations_, position_iterations_);

@@ -12,19 +12,6 @@
 namespace flatland {
 namespace {
 
-Pose Compose(const Pose& outer, const Pose& inner) {
-  const double cos = std::cos(outer.yaw), sin = std::sin(outer.yaw);
-  return {outer.x + cos * inner.x - sin * inner.y, outer.y + sin * inner.x + cos * inner.y,
-          outer.yaw + inner.yaw};
-}
-
-Pose Inverse(const Pose& pose) {
-  const double cos = std::cos(pose.yaw), sin = std::sin(pose.yaw);
-  return {-cos * pose.x - sin * pose.y, sin * pose.x - cos * pose.y, -pose.yaw};
-}
-
-Pose Wrapped(const Pose& pose) { return {pose.x, pose.y, std::remainder(pose.yaw, 2.0 * M_PI)}; }
-
 /// Twice as far as it may be: bodies are beside their model's origin.
 void RequirePose(const double* pose) {
   RequirePosition({2.0 * pose[0], 2.0 * pose[1]});
@@ -230,6 +217,13 @@ void WorldBatch::Replace(int row, const World& world) {
   environment.own = std::move(own);
   environment.steps = 0;
   environment.collided = false;
+}
+
+void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
+  ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
+    shared.Enter(*environment.state).Get(crowd).Seed(keys[row]);
+    shared.Leave(*environment.state);
+  });
 }
 
 void WorldBatch::GetMotions(const bool* mask, const std::vector<World::Body>& bodies, double* poses,

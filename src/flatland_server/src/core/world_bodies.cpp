@@ -53,6 +53,7 @@ void World::RemoveBody(Body body) {
   Require(!record.is_layer, "a layer cannot be removed");
   mechanisms_.ForEachMap([&](auto& map) { map.RemoveFrom(body); });
   lidars_.RemoveFrom(body);
+  crowds_.ForEach([body](auto, Crowd& crowd) { crowd.RemoveBody(body); });
   bodies_.ChangeStructure();
   world_->DestroyBody(record.body);  // ends its contacts, and calls the contact listener for them
   layers_->ReleaseWallsNear(*world_, record);

@@ -33,7 +33,9 @@ std::unique_ptr<World> World::Copy() const {
   copy->layers_->CopyFrom(*layers_);
   copy->lidars_.CopyFrom(lidars_);
   copy->joints_ = joints_;
+  copy->crowds_ = crowds_;
   copy->mechanisms_ = mechanisms_;
+  copy->mechanisms_.drifts = MountedMap<BodyDrift>("drift");  // no copy's odometry is read
   // In the order in which they were added, which determines the tree of bounding boxes.
   copy->bodies_.ForEach([&](Body, BodyRecord& record) {
     b2BodyDef definition = box2d::DefinitionOf(*record.body);

@@ -1,4 +1,4 @@
-/// World: drives and tweens.
+/// World: drives, tweens and drifts.
 
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
@@ -36,6 +36,17 @@ World::Tween World::AddTween(Body body, const TweenSettings& settings) {
   Require(!bodies_.Get(body).is_layer, kNotALayer);
   bodies_.LetMove(body);
   return mechanisms_.tweens.Add({body, BodyTween(settings, start)});
+}
+
+World::Drift World::AddDrift(Body body, const DriftVariances& variances, uint64_t key) {
+  const Pose start = GetPose(body);
+  const AccessGuard guard(*this);
+  return mechanisms_.drifts.Add({body, BodyDrift(variances, key, start)});
+}
+
+Pose World::GetEstimate(Drift drift) const {
+  const auto& [body, mechanism] = mechanisms_.drifts.Get(drift);
+  return mechanism.Estimate(GetPose(body));
 }
 
 }  // namespace flatland

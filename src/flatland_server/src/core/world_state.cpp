@@ -174,6 +174,7 @@ void Take(Map& map, const Map& values) {
 void RestoreMechanisms(Mechanisms& mechanisms, const Mechanisms& state) {
   Take(mechanisms.drives, state.drives);
   Take(mechanisms.tweens, state.tweens);
+  Take(mechanisms.drifts, state.drifts);
   mechanisms.tricycles.ForEach([&](auto handle, auto& each) {
     each.mechanism.TakeMotion(state.tricycles.Get(handle).mechanism);
   });
@@ -185,9 +186,30 @@ void SerializeMounted(Archive& archive, Map& map, const std::vector<uint32_t>& o
                       const char* what) {
   archive.Same(static_cast<uint32_t>(map.size()), what);
   map.ForEach([&](auto, auto& mounted) {
-    archive.Same(order[mounted.body.index], "the body of a drive or tween");
+    archive.Same(order[mounted.body.index], "the body of a drive, tween or drift");
     archive(mounted.mechanism);
   });
+}
+
+/// Writes or reads drifts. Copies of worlds have none, so a state with some is that of such a
+/// world, too; and in a state without any, those of a world stay as they are.
+template <class Archive>
+void SerializeDrifts(Archive& archive, MountedMap<BodyDrift>& drifts,
+                     const std::vector<uint32_t>& order) {
+  auto count = static_cast<uint32_t>(drifts.size());
+  archive(count);
+  if (count == drifts.size()) {
+    drifts.ForEach([&](auto, auto& mounted) {
+      archive.Same(order[mounted.body.index], "the body of a drift");
+      archive(mounted.mechanism);
+    });
+    return;
+  }
+  if constexpr (Archive::kIsReader) {
+    if (drifts.size() > 0 && count > 0) Archive::Fail();
+    BodyDrift unused;
+    for (uint32_t body = 0; count > 0; --count) archive(body, unused);
+  }
 }
 
 /// Writes or reads the order of a body's fixtures, which is mostly that from the last to the first.
@@ -264,6 +286,7 @@ WorldState WorldState::Of(const World& world) {
                               c->GetTangentSpeed(), has_points ? *c->GetManifold() : b2Manifold{}});
   }
   state.mechanisms = world.mechanisms_;
+  state.crowds = world.crowds_;
   state.walls = world.wall_tree_ = WallTree::Of(WallBoxesOf(world.bodies_), world.wall_tree_);
   state.tree =
       SavedTree::Of(*world.world_, FixturesOf(world.bodies_, *world.layers_), *state.walls);
@@ -339,6 +362,15 @@ void WorldState::Serialize(Archive& archive, const World& world) {
   SerializeMounted(archive, mechanisms.drives, order, "the number of drives");
   SerializeMounted(archive, mechanisms.tricycles, order, "the number of tricycle drives");
   SerializeMounted(archive, mechanisms.tweens, order, "the number of tweens");
+  SerializeDrifts(archive, mechanisms.drifts, order);
+  archive.Same(static_cast<uint32_t>(crowds.size()), "the number of crowds");
+  crowds.ForEach([&](auto, Crowd& crowd) {
+    archive.Same(static_cast<uint32_t>(crowd.size()), "the number of people of a crowd");
+    crowd.ForEachPart([&](auto& part) { archive(part); });
+    if constexpr (Archive::kIsReader) {
+      if (!crowd.IsValid()) Archive::Fail();
+    }
+  });
   archive.Same(walls->checksum(), "the walls");
   archive(tree);
   if constexpr (Archive::kIsReader) {
@@ -426,6 +458,10 @@ void WorldState::Restore(World& world) const {
   box2d::InverseStep(box2d_world) = inverse_step;
   box2d::NewContacts(box2d_world) = has_new_contacts;
   world.contacts_.ChooseReports();
+  world.crowds_.ForEach([&](auto handle, Crowd& crowd) {
+    crowd.Take(crowds.Get(handle));
+    crowd.Restore(world.bodies_);
+  });
   world.bodies_.ChangePoses();
 }
 

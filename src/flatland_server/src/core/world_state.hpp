@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "flatland_server/crowd.hpp"
 #include "flatland_server/mechanisms.hpp"
 #include "saved_tree.hpp"
 
@@ -121,6 +122,7 @@ struct WorldState {
   std::vector<std::array<float, 5>> joints;  // the solver's impulses
   std::vector<ContactState> contacts;        // in Box2D's order: the newest first
   Mechanisms mechanisms;
+  SlotMap<Crowd> crowds{"crowd"};
   SavedTree tree;
   std::shared_ptr<const WallTree> walls;
 

@@ -78,6 +78,26 @@ class World(metaclass=_Metaclass):
             linear_damping: 0 or more [1/s].
             angular_damping: 0 or more [1/s].
         """
+    def add_crowd(
+        self,
+        key: int,
+        *,
+        layers: int,
+        period: float,
+        goal_radius: float,
+        forces: tuple[float, float, float, float, float, float],
+    ) -> Crowd:
+        """Adds a crowd without people, which moves them in the steps.
+
+        Args:
+            key: of the random numbers, from 0 to 2^64 - 1. Equal keys give equal numbers.
+            layers: bits of the collision layers on which people avoid walls and bodies.
+            period: from one update of the velocities to the next [s]; 0: each step.
+            goal_radius: distance at which a goal counts as reached [m].
+            forces: the constants of the social force model: the relaxation time [s], the repulsion
+                [m/s^2] and its range [m], the evasion [m/s^2], the preference of a side [rad/m],
+                and the noise of the velocity [m/s].
+        """
     def step(self, dt: float) -> None:
         """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
 
@@ -293,6 +313,10 @@ class WorldBatch(metaclass=_Metaclass):
 
         The new one has made no step, and has the same bodies, drives and lidars; it is copied.
         """
+    def seed_crowd(
+        self, crowd: Crowd, keys: npt.NDArray[np.uint64], mask: BoolArray | None
+    ) -> None:
+        """Begins other random numbers of a crowd, by a key for each environment (n,)."""
     def motions(
         self, bodies: Sequence[Body], mask: BoolArray | None
     ) -> tuple[FloatArray, FloatArray]:
@@ -481,6 +505,25 @@ class Body(_WithoutConstructor):
             mode: one of TWEEN_MODES.
             easing: one of EASINGS.
         """
+    def add_drift(
+        self,
+        key: int,
+        translation: _PairLike = ...,
+        rotation: _PairLike = ...,
+        per_second: _TripleLike = ...,
+    ) -> Drift:
+        """Adds a drift, which estimates the body's pose by adding up its motions with errors.
+
+        The first estimate is the truth. Errors add up in steps alone: if the body is moved between
+        two steps, the estimate moves with it.
+
+        Args:
+            key: of the random numbers, from 0 to 2^64 - 1. Equal keys give equal errors.
+            translation: variances along the direction of travel per metre driven [m^2/m], and
+                along the body's x axis per angle turned [m^2/rad]; 0 or more, as the others.
+            rotation: of the heading per metre [rad^2/m] and per angle [rad^2/rad].
+            per_second: of x, y and yaw in the body's frame [m^2/s, m^2/s, rad^2/s], also at rest.
+        """
     def add_lidar(
         self,
         fan: BeamFan,
@@ -514,6 +557,13 @@ class Body(_WithoutConstructor):
     @property
     def local_velocity(self) -> _Triple:
         """Velocity of its origin, in its own frame [m/s, m/s, rad/s]."""
+    def read_motion(self, pose: FloatArray, local_velocity: FloatArray) -> None:
+        """Writes the pose, with its yaw in [-pi, pi], and the local velocity into arrays.
+
+        Args:
+            pose: x, y [m] and yaw [rad] in the world, shape (3,).
+            local_velocity: see `local_velocity`, shape (3,).
+        """
     def velocity_at(self, point: _PairLike) -> _Pair:
         """Velocity of the body at a point, in the world's frame [m/s].
 
@@ -839,6 +889,86 @@ class Tween(_WithoutConstructor):
     @property
     def progress(self) -> float:
         """Elapsed fraction of the duration, 0 at the start and 1 at the end; before easing."""
+
+class Crowd(_WithoutConstructor):
+    """A handle of a crowd: people who walk between goals, and give way to what is around them."""
+
+    def add_person(
+        self,
+        body: Body,
+        *,
+        goals: Sequence[_PairLike],
+        radius: float,
+        speed: float,
+        legs: Sequence[Body] = (),
+        circle: Body | None = None,
+        leg_offset: float = 0.0,
+        walk_ratio: float = 0.0,
+        leg_radii: _PairLike = ...,
+    ) -> None:
+        """Adds a person, on the way to the first goal. It leaves when one of its bodies is removed.
+
+        Args:
+            body: walks, and turns where it goes.
+            goals: visited in turn [m]; with a single one, the person stays there.
+            radius: of the person [m].
+            speed: the desired one [m/s].
+            legs: the left and the right one, or none.
+            circle: goes along with the body.
+            leg_offset: distance of a leg from the middle [m].
+            walk_ratio: a step's length by the steps per second [m s].
+            leg_radii: of a leg's first footprint as lidars see it, on the floor and in the middle
+                of its swing [m]; if they are equal, it stays as it is.
+        """
+    def follow(self, person: int, point: _PairLike, velocity: _PairLike) -> None:
+        """Lets a person follow an agent from now on, instead of walking to its goals.
+
+        The agent walks on for a second. The person jumps to it if it is farther away than 1 m.
+
+        Args:
+            person: its number, in the order in which they were added.
+            point: where the agent is [m].
+            velocity: of the agent [m/s].
+        """
+    def remove(self) -> None:
+        """Removes the crowd. The bodies of its people stay, and move like others."""
+    def rooms(self) -> list[_Triple]:
+        """The distances of each person's middle from the nearest wall, body and other person [m].
+
+        Infinite if there is none, or no wall within the reach of the forces.
+        """
+
+class Drift(_WithoutConstructor):
+    """A handle of a body's drift: the pose that it estimates by adding up motions with errors."""
+
+    @property
+    def pose(self) -> _Triple:
+        """The present estimate in the world [m, m, rad], the yaw within [-pi, pi]."""
+
+class GoalObserver(metaclass=_Metaclass):
+    """Makes observations of robots that drive to goals; docs/learning.md describes them.
+
+    Args:
+        beams: of the lidar.
+        max_range: of the lidar [m].
+        velocity_limits: by which the velocities forwards, to the left and turning are divided;
+            0 leaves the part out.
+    """
+
+    def __init__(self, beams: int, max_range: float, velocity_limits: Sequence[float]) -> None: ...
+    def observe(
+        self, ranges: Float32Array, poses: FloatArray, velocities: FloatArray, goals: FloatArray
+    ) -> Float32Array:
+        """Flat observations: a new array of shape (n, beams + 3 + parts of the velocity).
+
+        A row does not depend on the other rows. Releases the GIL.
+
+        Args:
+            ranges: [m], shape (n, beams); +inf for no return.
+            poses: x, y [m] and yaw [rad], shape (n, 3).
+            velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.
+            goals: x, y [m], shape (n, 2).
+        """
 
 class RangeNoise(metaclass=_Metaclass):
     """Gaussian noise of a lidar's ranges, different at each time.

@@ -4,6 +4,7 @@ from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from flatland2d.batch.crowds import BatchCrowds
 from flatland2d.batch.motions import BatchMotions
 from flatland2d.batch.robot import PluginRole
 from flatland2d.batch.worlds import BatchWorlds
@@ -41,6 +42,7 @@ class BatchPlugins:
         self._step = step_nanoseconds
         self._origin = origin
         self._worlds = BatchWorlds([] if origin else roles, count, open)
+        self._crowds = BatchCrowds([] if origin else roles, count)
         self._motions = BatchMotions(roles, count, step_nanoseconds)
 
     def load(
@@ -63,28 +65,32 @@ class BatchPlugins:
             is_other = self._worlds.load(core, every if chosen is None else chosen, seeds)
             if is_other.any():
                 steps[is_other] = 0
-                self.begin(is_other, seeds)
+                self.begin(core, is_other, seeds)
 
-    def begin(self, chosen: Optional[BoolArray], seeds: IntArray) -> None:
-        """Resets environments, with their seeds (n,)."""
-        if self._motions:
-            every = range(self._count)
-            for k in every if chosen is None else np.flatnonzero(chosen).tolist():
-                self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
-                if self._origin is not None:
-                    self.set_states(k, self._origin)
+    def begin(self, core: _core.WorldBatch, chosen: Optional[BoolArray], seeds: IntArray) -> None:
+        """Begins environments that the core has reset, with their seeds (n,)."""
+        if not self._crowds and not self._motions:
+            return
+        every = list(range(self._count)) if chosen is None else np.flatnonzero(chosen).tolist()
+        self._crowds.begin(core, every, seeds)
+        for k in every if self._motions else ():
+            self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
+            if self._origin is not None:
+                self._motions.set_states(k, self._origin.plugins, self._origin.nanoseconds)
 
     def states(self, environment: int) -> List[PluginState]:
         """The states of those plugins that act in an environment."""
         return self._motions.states(environment)
 
-    def set_states(self, environment: int, state: WorldState) -> None:
-        """Restores the states of those plugins that act, in an environment that was begun.
+    def restore(self, environment: int, state: WorldState) -> None:
+        """Restores the states of those plugins that act, in an environment that the core has.
 
         Raises:
             StateError: they do not fit.
         """
-        self._motions.set_states(environment, state.plugins, state.nanoseconds)
+        if self._motions:
+            self._motions.begin(environment, state.seed, self._worlds.walls(environment))
+            self._motions.set_states(environment, state.plugins, state.nanoseconds)
 
     def step(
         self,

@@ -61,10 +61,10 @@ class SimulationBatch:
     environments; with a layer of more than 500,000 walls, up to rounding. Robots of different
     environments do not see each other.
 
-    Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars and tweens
-    work, and plugins that only observe are left out. Those that set velocities of bodies at their
-    updates, such as Crowd, do so in all environments at once (`BatchMotion`). The lidar has its
-    noise; poses and velocities are the true ones, whatever the noise of odometry.
+    Python runs no hooks of plugins: the core drives, steps and scans. Drives, lidars, tweens and
+    crowds work, and plugins that only observe are left out. Those that set velocities of bodies at
+    their updates do so in all environments at once (`BatchMotion`). The lidar has its noise; poses
+    and velocities are the true ones, whatever the noise of odometry.
 
     The arrays of an observation are new ones in each call, unless the caller passes some as `out`.
     The batch keeps no reference to them and never writes to them later. A batch is used by one
@@ -155,7 +155,7 @@ class SimulationBatch:
         self._plugins = BatchPlugins(
             self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open, origin
         )
-        self._plugins.begin(None, self._seeds)
+        self._plugins.begin(self._core, None, self._seeds)
         varies = any(each.role.varies_by_seed for each in roles)
         self._only_seed = origin.seed if origin is not None and varies else None
         self._noise = BatchNoise(self._robot, self._num_envs)
@@ -301,7 +301,7 @@ class SimulationBatch:
         self._plugins.load(core, chosen, seeds_now, self._steps)
         core.reset(chosen, placed, self._arrays(observation), others)
         self._change_seeds(new_seeds, chosen)
-        self._plugins.begin(chosen, self._seeds)
+        self._plugins.begin(core, chosen, self._seeds)
         self._finish(observation, chosen, is_new=out is None)
         return observation
 
@@ -422,9 +422,8 @@ class SimulationBatch:
             raise StateError(f"the state cannot be loaded: {error}") from None
         self._noise.restart(np.flatnonzero(seeds != self._seeds).tolist())
         self._seeds = seeds
-        self._plugins.begin(chosen, seeds)
         for k, each in zip(indices.tolist(), given):
-            self._plugins.set_states(k, saved[each])
+            self._plugins.restore(k, saved[each])
         self._finish(observation, chosen, is_new=out is None)
         return observation
 

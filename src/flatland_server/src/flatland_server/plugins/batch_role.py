@@ -121,6 +121,9 @@ class BatchRole(NamedTuple):
     """The drive that its `command` controls; the batch commands it directly."""
     lidar: Optional[CoreLidar] = None
     """The lidar that its `read` reads."""
+    crowd: Optional[_core.Crowd] = None
+    """The crowd of the core that it has added with a number from its `rng` as the key. Each
+    environment gets the key of its own seed."""
     make_motion: Optional[Callable[[int], BatchMotion]] = None
     """Makes the motion of the bodies that the plugin moves at its updates, for a number of
     environments. Called when all models and plugins of the world have been made."""

@@ -251,9 +251,9 @@ class Plugin:
         """The attributes that the plugin keeps from step to step; see `set_state`.
 
         To be overridden by plugins with attributes that change after `on_initialize`. The framework
-        itself keeps `rng`, `update_timer`, and what the core moves: bodies, drives and tweens. A
-        plugin that has nothing else overrides it to return None: those that do not override it are
-        named when a state is saved.
+        itself keeps `rng`, `update_timer`, and what the core moves: bodies, drives, tweens, drifts
+        and crowds. A plugin that has nothing else overrides it to return None: those that do
+        not override it are named when a state is saved.
 
         Returns:
             Plain data: None, numbers, strings, bytes, numpy arrays of numbers, and lists and dicts

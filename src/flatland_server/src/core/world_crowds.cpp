@@ -1,0 +1,35 @@
+/// World: crowds.
+
+#include "box2d_limits.hpp"
+#include "flatland_server/world.hpp"
+#include "layers.hpp"
+
+namespace flatland {
+
+World::CrowdHandle World::AddCrowd(const CrowdSettings& settings, uint64_t key) {
+  const AccessGuard guard(*this);
+  return crowds_.Add(Crowd(settings, key));
+}
+
+void World::AddPerson(CrowdHandle crowd, const PersonSettings& person) {
+  std::vector<Body> bodies = person.legs;
+  bodies.push_back(person.body);
+  if (person.circle) bodies.push_back(*person.circle);
+  for (const Body& body : bodies) {
+    Require(Find(body).GetType() != b2_staticBody, "a person's bodies must not be static");
+  }
+  const AccessGuard guard(*this);
+  crowds_.Get(crowd).Add(person);
+}
+
+void World::RemoveCrowd(CrowdHandle crowd) {
+  const AccessGuard guard(*this);
+  crowds_.Remove(crowd);
+}
+
+std::vector<Crowd::Room> World::GetRooms(CrowdHandle crowd) {
+  const AccessGuard guard(*this);
+  return crowds_.Get(crowd).Rooms(bodies_, *layers_);
+}
+
+}  // namespace flatland
