@@ -151,11 +151,11 @@ struct TreeNodeCount {
 };
 template struct DefineMember<TreeNodeCount, &b2DynamicTree::m_nodeCount>;
 
-struct TreeFirstFree {
+struct TreeFreeList {
   using Pointer = int32 b2DynamicTree::*;
-  friend constexpr Pointer Member(TreeFirstFree);
+  friend constexpr Pointer Member(TreeFreeList);
 };
-template struct DefineMember<TreeFirstFree, &b2DynamicTree::m_freeList>;
+template struct DefineMember<TreeFreeList, &b2DynamicTree::m_freeList>;
 
 struct TreeInsertionCount {
   using Pointer = int32 b2DynamicTree::*;
@@ -202,8 +202,8 @@ inline int32& NodeCapacity(b2DynamicTree& tree) { return tree.*Member(TreeNodeCa
 inline int32& NodeCapacity(b2World& world) { return NodeCapacity(Tree(world)); }
 /// Number of nodes in use.
 inline int32& NodeCount(b2World& world) { return Tree(world).*Member(TreeNodeCount()); }
-/// The first of the nodes that are not in use.
-inline int32& FirstFree(b2World& world) { return Tree(world).*Member(TreeFirstFree()); }
+/// The first of the nodes that are not in use, each of which names the next one.
+inline int32& FreeList(b2World& world) { return Tree(world).*Member(TreeFreeList()); }
 /// Number of times that a leaf was put into the tree: when it was added, and whenever it was moved.
 inline int32& InsertionCount(b2World& world) { return Tree(world).*Member(TreeInsertionCount()); }
 

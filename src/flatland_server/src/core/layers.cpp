@@ -1,10 +1,12 @@
 #include "layers.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "box2d_internals.hpp"
 #include "flatland_server/segment_tree.hpp"
 #include "flatland_server/visible_fixture.hpp"
+#include "tree_order.hpp"
 
 namespace flatland {
 namespace {
@@ -34,6 +36,28 @@ struct Reach {
 
 }  // namespace
 
+bool Layers::BeginWith(const std::vector<Layer>& layers) const {
+  if (layers.size() > all_.size()) return false;
+  return std::equal(layers.begin(), layers.end(), all_.begin(), [](const Layer& a, const Layer& b) {
+    return a.walls == b.walls && a.bits == b.bits;
+  });
+}
+
+void Layers::TakeFrom(Layers& other, std::size_t count) {
+  other.all_.resize(count);
+  const auto is_large = [&](const Layer& each) {
+    return each.walls->all().segment_count() > large_;
+  };
+  other.large_layers_.resize(
+      static_cast<std::size_t>(std::count_if(other.all_.begin(), other.all_.end(), is_large)));
+  for (const auto& large : other.large_layers_) {
+    large->Clear();
+    large->SetMaterials({kDefaultMaterial});
+  }
+  all_ = std::exchange(other.all_, {});
+  large_layers_ = std::exchange(other.large_layers_, {});
+}
+
 Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                          const std::function<void(std::size_t added)>& progress) {
   const bool has_layers_alone = AreAlone(world);
@@ -60,6 +84,8 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   }
   if (has_layers_alone) box2d::SkipPairsOfNewFixtures(world);
   const Bodies::Body handle = bodies_.Add(std::move(record));
+  // A slot of a later generation was that of a body, whose moves have changed the tree.
+  if (has_layers_alone && handle.generation == 1) box2d::OrderNodes(world);
   if (is_large) {
     large_layers_.push_back(
         std::make_unique<NearbyWalls>(all_.back().walls->shared(), bits, handle.index));

@@ -46,6 +46,8 @@ class NearbyWalls {
   std::vector<uint32_t> BlocksAt(const Box& box) const;
   void Hold(b2World& world, const std::vector<uint32_t>& blocks);
   void Release(b2World& world, const std::vector<uint32_t>& blocks);
+  /// Forgets what was held, when its b2World is no more.
+  void Clear() { held_.clear(); }
   /// The bodies of the blocks that are held, by the numbers of the blocks.
   std::vector<b2Body*> HeldBodies() const;
   bool IsBlock(uint32_t number) const;

@@ -111,11 +111,14 @@ bool SavedNode::operator==(const SavedNode& other) const {
          height == other.height && moved == other.moved && AreEqual(box, other.box);
 }
 
-bool WallTree::IsOf(const std::vector<b2AABB>& boxes) const {
-  return std::equal(boxes_.begin(), boxes_.end(), boxes.begin(), boxes.end(), AreEqual);
+bool WallTree::IsOf(const Boxes& boxes) const {
+  return std::equal(boxes_.begin(), boxes_.end(), boxes.begin(), boxes.end(),
+                    [](const auto& a, const auto& b) {
+                      return std::equal(a.begin(), a.end(), b.begin(), b.end(), AreEqual);
+                    });
 }
 
-std::shared_ptr<const WallTree> WallTree::Of(std::vector<b2AABB> boxes,
+std::shared_ptr<const WallTree> WallTree::Of(Boxes boxes,
                                              const std::shared_ptr<const WallTree>& present) {
   if (present != nullptr && present->IsOf(boxes)) return present;
   static std::mutex mutex;
@@ -128,14 +131,16 @@ std::shared_ptr<const WallTree> WallTree::Of(std::vector<b2AABB> boxes,
   return made;
 }
 
-WallTree::WallTree(std::vector<b2AABB> boxes) : boxes_(std::move(boxes)) {
-  const auto* const bytes = reinterpret_cast<const char*>(boxes_.data());
-  checksum_ = static_cast<uint32_t>(Checksum({bytes, boxes_.size() * sizeof(b2AABB)}));
+WallTree::WallTree(Boxes boxes) : boxes_(std::move(boxes)) {
   b2DynamicTree tree;
-  for (size_t i = 0; i < boxes_.size(); ++i) {
-    tree.CreateProxy(boxes_[i], reinterpret_cast<void*>(i));
+  uintptr_t count = 0;
+  for (const std::vector<b2AABB>& layer : boxes_) {
+    for (const b2AABB& box : layer) tree.CreateProxy(box, reinterpret_cast<void*>(count++));
+    box2d::OrderNodes(tree);
+    const auto* const bytes = reinterpret_cast<const char*>(layer.data());
+    const uint64_t sum = Checksum({bytes, layer.size() * sizeof(b2AABB)});
+    checksum_ = checksum_ * 31 + static_cast<uint32_t>(sum);
   }
-  box2d::OrderNodes(tree);
   const b2TreeNode* const nodes = box2d::Nodes(tree);
   const int32 used = UsedCount(nodes, box2d::NodeCapacity(tree));
   for (int32 i = 0; i < used; ++i) {
@@ -152,7 +157,7 @@ SavedTree SavedTree::Of(b2World& world, const std::vector<b2Fixture*>& fixtures,
   const int32 capacity = box2d::NodeCapacity(world);
   saved.node_count = UsedCount(nodes, capacity);
   saved.root = box2d::Root(world);
-  saved.first_free = NextFree(box2d::FirstFree(world), saved.node_count);
+  saved.first_free = NextFree(box2d::FreeList(world), saved.node_count);
   std::vector<int32> fixture_of(saved.size());
   for (size_t i = 0; i < fixtures.size(); ++i) {
     fixture_of[box2d::FixtureInternals::Proxies(*fixtures[i])->proxyId] = static_cast<int32>(i);
@@ -225,7 +230,7 @@ void SavedTree::Restore(b2World& world, const std::vector<b2Fixture*>& fixtures,
     nodes[i].height = -1;
   }
   box2d::Root(world) = root;
-  box2d::FirstFree(world) = to_free(first_free);
+  box2d::FreeList(world) = to_free(first_free);
   box2d::NodeCount(world) = in_use;
   box2d::InsertionCount(world) += 2;  // more than one leaf may have moved; see SharedTree
   SetMoves(world, moves);

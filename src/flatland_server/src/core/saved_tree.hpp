@@ -36,22 +36,25 @@ struct SavedNode {
 /// The tree of a world with nothing but walls; wall i is fixture i.
 class WallTree {
  public:
-  /// Takes the box around each wall [m]. It is not made again if `present`, or the one that was
+  /// The box around each wall [m], of each layer.
+  using Boxes = std::vector<std::vector<b2AABB>>;
+
+  /// It is not made again if `present`, or the one that was
   /// made last, is of these walls.
-  static std::shared_ptr<const WallTree> Of(std::vector<b2AABB> boxes,
+  static std::shared_ptr<const WallTree> Of(Boxes boxes,
                                             const std::shared_ptr<const WallTree>& present);
-  explicit WallTree(std::vector<b2AABB> boxes);
+  explicit WallTree(Boxes boxes);
 
   const std::vector<SavedNode>& nodes() const { return nodes_; }
   /// Of the boxes: another one with other walls.
   uint32_t checksum() const { return checksum_; }
 
  private:
-  bool IsOf(const std::vector<b2AABB>& boxes) const;
+  bool IsOf(const Boxes& boxes) const;
 
-  std::vector<b2AABB> boxes_;
+  Boxes boxes_;
   std::vector<SavedNode> nodes_;
-  uint32_t checksum_;
+  uint32_t checksum_ = 0;
 };
 
 struct SavedTree {

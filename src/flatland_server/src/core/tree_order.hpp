@@ -13,7 +13,7 @@ namespace flatland::box2d {
 /// Renumbers the nodes of a tree of walls. No step changes: two walls have no contact, so the order
 /// of their numbers does not matter.
 void OrderNodes(b2DynamicTree& tree);
-/// The same in a world, to be called before its first body is added.
+/// The same in a world with nothing but walls.
 void OrderNodes(b2World& world);
 
 /// True if a leaf is a wall, rather than a fixture of a body.

@@ -4,7 +4,6 @@
 #include "flatland_server/world.hpp"
 #include "layers.hpp"
 #include "to_box2d.hpp"
-#include "tree_order.hpp"
 
 namespace flatland {
 
@@ -34,7 +33,6 @@ World::Body World::AddBody(const BodySettings& settings) {
   RequireNotNegative(settings.linear_damping, "linear_damping must be finite and not negative");
   RequireNotNegative(settings.angular_damping, "angular_damping must be finite and not negative");
   const AccessGuard guard(*this);
-  if (layers_->AreAlone(*world_)) box2d::OrderNodes(*world_);
   b2BodyDef definition;
   definition.type = settings.type;
   definition.position = ToBox2D({settings.pose.x, settings.pose.y});

@@ -92,13 +92,15 @@ std::vector<b2Fixture*> FixturesOf(const Bodies& bodies, const Layers& layers) {
 }
 
 /// The boxes around the walls of those layers that were added before all bodies.
-std::vector<b2AABB> WallBoxesOf(const Bodies& bodies) {
-  std::vector<b2AABB> boxes;
+WallTree::Boxes WallBoxesOf(const Bodies& bodies) {
+  WallTree::Boxes boxes;
   bool has_layers_alone = true;
   bodies.ForEach([&](auto, const BodyRecord& record) {
     has_layers_alone = has_layers_alone && record.is_layer;
+    if (!has_layers_alone) return;
+    boxes.emplace_back();
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
-      if (has_layers_alone) boxes.push_back(each.fixture->GetAABB(0));
+      boxes.back().push_back(each.fixture->GetAABB(0));
     }
   });
   return boxes;
@@ -435,6 +437,7 @@ void WorldState::Restore(World& world) const {
       large->SetMaterials(state.materials);
     }
     RestoreFixtures(record, state);
+    record.has_changed_material = true;
     if (!StandsAt(*record.body, state)) world.bodies_.LetMove(handle);
   });
   for (BodyRecord* record : records) world.layers_->ReleaseWallsNear(box2d_world, *record);
