@@ -25,9 +25,10 @@ PICTURES = {  # launch arguments, time [s], and options of the drawing
     "navigation": (("robots:=2",), 8.0, {"follow": "r1", "width": 22, "size": (900, 440)}),
     "training": ((), 0.0, {"size": (600, 600)}),
 }
-SWEEP = "sweep"
-SCENARIOS = (11, 31, 51)  # the same task, with each controller and a noisy lidar
-SCENARIO_SIZE = (360, 360)
+SWEEPS = {  # scenarios, and the size of the picture of each
+    "sweep": ((11, 31, 51), (360, 360)),  # one task, with each controller and a noisy lidar
+    "mppi": ((1,), (900, 360)),
+}
 FRAMES, FRAME_PERIOD = 60, 0.2  # s of simulated time
 FRAME_DURATION = 100  # ms
 MOVING_SIZE = (760, 420)
@@ -35,9 +36,9 @@ MOVING_SIZE = (760, 420)
 
 def main(names):
     """Draws examples; all of them and the moving picture, unless some are named."""
-    for name in names or [*PICTURES, SWEEP]:
-        if name == SWEEP:
-            draw_sweep()
+    for name in names or [*PICTURES, *SWEEPS]:
+        if name in SWEEPS:
+            draw_sweep(name)
             continue
         arguments, time, options = PICTURES[name]
         run = ExampleRun(name, *arguments)
@@ -54,25 +55,29 @@ class Artist(RunObserver):
 
     pixels = None
 
+    def __init__(self, size):
+        self.size = size
+
     def on_end(self, run):
         renderer = Renderer(run.simulation.world, run.simulation.timekeeper)
-        view = renderer.view(SCENARIO_SIZE)
+        view = renderer.view(self.size)
         image = renderer.image(view, trails=[run.path])
         draw_goal(ImageCanvas(image, view), run)
         self.pixels = np.asarray(image.convert("RGB"))
 
 
-def draw_sweep():
-    """The runs of one task by several controllers, side by side."""
-    settings = read_scenario_file(EXAMPLES / SWEEP / "scenarios.yaml")
+def draw_sweep(name):
+    """Runs of a sweep, side by side."""
+    numbers, size = SWEEPS[name]
+    settings = read_scenario_file(EXAMPLES / name / "scenarios.yaml")
     runner = ScenarioRunner(settings)
     pictures = []
-    for number in SCENARIOS:
-        artist = Artist()
+    for number in numbers:
+        artist = Artist(size)
         runner.run(scenario_of(settings, number), artist)
         pictures.append(artist.pixels)
     picture = Image.fromarray(np.hstack(pictures))
-    picture.save(EXAMPLES / SWEEP / "picture.png", optimize=True)
+    picture.save(EXAMPLES / name / "picture.png", optimize=True)
 
 
 def draw_moving_picture():

@@ -123,6 +123,13 @@ def test_the_sweep_compares_controllers():
     assert "noise_std_dev = 0.2" in late[0]
 
 
+def test_a_robot_that_tries_commands_in_branches_reaches_its_goal():
+    settings = read_scenario_file(ROOT / "examples" / "mppi" / "scenarios.yaml")
+    row = ScenarioRunner(settings).run(scenarios_of(settings)[0]).row
+    assert row["outcome"] == "goal"
+    assert row["path_length"] < 1.3 * row["goal_distance"]
+
+
 def test_a_folder_starts_its_sweep(tmp_path):
     """The options after the folder are the sweep's; a folder among them is not started."""
     result = subprocess.run(

@@ -29,7 +29,8 @@ from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
-if TYPE_CHECKING:  # imported when something is recorded or drawn
+if TYPE_CHECKING:  # imported when they are needed
+    from flatland2d.batch.simulation_batch import SimulationBatch
     from flatland2d.recorder import Recorder
     from flatland2d.rendering.renderer import Renderer
 
@@ -82,7 +83,8 @@ class Simulation(SimulatedTopics):
         raise_failures: bool = True,
     ) -> None:
         timekeeper = Timekeeper(step_size)
-        transport = LocalTransport(params_of(params), ())
+        self._params, self._loader = params_of(params), loader
+        transport = LocalTransport(self._params, ())
         opened = open_world(
             world,
             transport,
@@ -184,6 +186,51 @@ class Simulation(SimulatedTopics):
         self.require_open()
         self.world.delete_model(name)
         self._handles.pop(name, None)
+
+    # Branches
+
+    def branch(
+        self,
+        count: int,
+        *,
+        robot: Optional[str] = None,
+        lidar: Optional[str] = None,
+        threads: int = 1,
+        moved: Sequence[str] = (),
+    ) -> "SimulationBatch":
+        """Continuations of this run, in one call: a batch whose environments begin in its state.
+
+            with sim.branch(100) as batch:
+                observation = batch.step(actions)
+
+        Each is, bit for bit, what this run would be with the same commands. This run does not
+        change. `batch.reset()` goes back to where they branched off, and
+        `batch.load_states(sim.save_state())` on to where this run is by then.
+
+        Args:
+            count: number of environments.
+            robot: as for `SimulationBatch`.
+            lidar: as for `SimulationBatch`.
+            threads: as for `SimulationBatch`.
+            moved: as for `SimulationBatch`.
+
+        Raises:
+            FlatlandError: a batch cannot run this world, or its state cannot be saved.
+        """
+        from flatland2d.batch.simulation_batch import SimulationBatch
+
+        return SimulationBatch(
+            self.world.config,
+            count,
+            robot=robot,
+            lidar=lidar,
+            threads=threads,
+            moved=moved,
+            step_size=self.step_size,
+            params=self._params,
+            loader=self._loader,
+            state=self.save_state(),
+        )
 
     # Recordings and pictures
 

@@ -3,6 +3,7 @@
 from typing import Dict
 
 from flatland_benchmark.batch_cases import BATCH_CASES
+from flatland_benchmark.branch_cases import BRANCH_CASES
 from flatland_benchmark.case import Case
 from flatland_benchmark.contact_cases import CONTACT_CASES
 from flatland_benchmark.drive_cases import DRIVE_CASES
@@ -22,6 +23,7 @@ CASES: Dict[str, Case] = {
         *DRIVE_CASES,
         *LIBRARY_CASES,
         *BATCH_CASES,
+        *BRANCH_CASES,
         *SERVER_CASES,
         *WINDOW_CASES,
         *CONTACT_CASES,

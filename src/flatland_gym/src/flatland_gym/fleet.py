@@ -6,7 +6,7 @@ into the arrays of a `BatchObservation`, which fleets of several worlds share.
 
 from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -68,6 +68,14 @@ class Fleet(ABC):
         """
 
     @abstractmethod
+    def save_states(self, indices: IntArray) -> List[bytes]:
+        """The states of the simulations at these places."""
+
+    @abstractmethod
+    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
+        """Puts the simulations at these places into states of the same world."""
+
+    @abstractmethod
     def simulation(self, index: int) -> Simulation:
         """The simulation at a place, for pictures."""
 
@@ -91,19 +99,33 @@ class RobotSimulation(Fleet):
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         world, (episode,) = self._world, episodes
         if self._simulation is None:
-            self._simulation = Simulation(
-                world.config,
-                seed=episode.seed,
-                step_size=self._settings.step_size,
-                params=self._settings.params,
-            )
-            self._numbers = {name: number for number, name in enumerate(world.robots)}
+            self._simulation = self._open(episode.seed)
         else:
             self._simulation.reset(episode.seed)
         for name, pose in (*zip(world.robots, episode.starts), *episode.places.items()):
             self._simulation.move(name, pose)
-        self._physics = self._simulation.world.physics
-        robots = [self._simulation.models[name] for name in world.robots]
+        self._begin(self._simulation)
+
+    def save_states(self, indices: IntArray) -> List[bytes]:
+        return [self.simulation(0).save_state() for _ in indices]
+
+    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
+        if self._simulation is None:
+            self._simulation = self._open(0)
+        self._begin(self._simulation.load_state(*states))
+
+    def _open(self, seed: int) -> Simulation:
+        settings = self._settings
+        return Simulation(
+            self._world.config, seed=seed, step_size=settings.step_size, params=settings.params
+        )
+
+    def _begin(self, simulation: Simulation) -> None:
+        """Looks up the robots, which are new objects, and what they measure."""
+        world = self._world
+        self._numbers = {name: number for number, name in enumerate(world.robots)}
+        self._physics = simulation.world.physics
+        robots = [simulation.models[name] for name in world.robots]
         self._bodies: List[Body] = [robot.model.base.physics_body for robot in robots]
         self._drives: List[ModelPlugin] = [robot.plugin(world.robot.drive) for robot in robots]
         self._lidars: List[ModelPlugin] = [robot.plugin(world.robot.lidar) for robot in robots]
@@ -205,9 +227,7 @@ class SimulationFleet(Fleet):
 
     def reset(self, indices: IntArray, episodes: Sequence[Episode]) -> None:
         chosen = dict(zip(indices.tolist(), episodes))
-        for index in chosen.keys() - self._places.keys():
-            rows = BatchObservation._make(array[self._rows_of(index)] for array in self._rows)
-            self._places[index] = RobotSimulation(self._world, self._settings, rows)
+        self._make_places(chosen)
         self._each(lambda index: self._places[index].reset(_ONLY, [chosen[index]]), list(chosen))
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
@@ -223,6 +243,16 @@ class SimulationFleet(Fleet):
     def retire(self, indices: IntArray, leaving: BoolArray) -> None:
         for place, numbers in self._by_place(indices).items():
             self._places[place].retire(numbers, leaving[self._rows_of(place)])
+
+    def save_states(self, indices: IntArray) -> List[bytes]:
+        return [self._places[index].save_states(_ONLY)[0] for index in indices.tolist()]
+
+    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
+        chosen = dict(zip(indices.tolist(), states))
+        self._make_places(chosen)
+        self._each(
+            lambda index: self._places[index].load_states(_ONLY, [chosen[index]]), list(chosen)
+        )
 
     def simulation(self, index: int) -> Simulation:
         return self._places[index].simulation(0)
@@ -249,6 +279,11 @@ class SimulationFleet(Fleet):
         first = np.flatnonzero(np.diff(places, prepend=-1))
         numbers = np.split(indices % self._team, first[1:])
         return dict(zip(places[first].tolist(), numbers))
+
+    def _make_places(self, indices: Iterable[int]) -> None:
+        for index in set(indices) - self._places.keys():
+            row = BatchObservation._make(array[self._rows_of(index)] for array in self._rows)
+            self._places[index] = RobotSimulation(self._world, self._settings, row)
 
     def _each(self, do: Callable[[int], None], indices: List[int]) -> None:
         """Calls a function with each index, on all threads."""
@@ -336,6 +371,17 @@ class BatchFleet(Fleet):
         mask.ravel()[indices] = leaving[indices]
         if mask.any():  # the others are stopped by the next step
             self._batch.move(self._parking, mask)
+
+    def save_states(self, indices: IntArray) -> List[bytes]:
+        return self._batch.save_states(self._mask(indices))
+
+    def load_states(self, indices: IntArray, states: Sequence[bytes]) -> None:
+        self._batch.load_states(states, self._mask(indices), out=self._out)
+
+    def _mask(self, indices: IntArray) -> BoolArray:
+        mask = np.zeros(len(self._out.poses), bool)
+        mask[indices] = True
+        return mask
 
     def simulation(self, index: int) -> Simulation:
         """A simulation that shows the place: the same one for all places."""

@@ -5,7 +5,7 @@ and a row of its own in each array.
 """
 
 from itertools import product
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from gymnasium import spaces
@@ -228,6 +228,55 @@ class Navigation:
                 place = np.ix_(chosen, columns)
                 poses[place], velocities[place] = fleet.motions(chosen)
         return poses, velocities
+
+    def save_states(self, indices: IntArray) -> List[Dict[str, Any]]:
+        """The states of environments with their episodes, as plain data.
+
+        Raises:
+            UsageError: they have several robots.
+        """
+        if self._team > 1:
+            raise UsageError("expected environments with one robot: states of teams are not saved")
+        states: Dict[int, bytes] = {}
+        for world in np.unique(self._world_of[indices]).tolist():
+            chosen = indices[self._world_of[indices] == world]
+            states.update(zip(chosen.tolist(), self._fleet(world).save_states(chosen)))
+        return [
+            {
+                "world": int(self._world_of[k]),
+                "simulation": states[k],
+                "goal": self.goals[k].tolist(),
+                "distance": float(self.distances[k]),
+                "success": bool(self.successes[k]),
+                "collided": bool(self.rows.collided[k]),
+                "steps": int(self.steps[k]),
+            }
+            for k in indices.tolist()
+        ]
+
+    def load_states(self, indices: IntArray, states: Sequence[Mapping[str, Any]]) -> None:
+        """Puts environments into states, and their episodes.
+
+        Args:
+            indices: of the environments.
+            states: of `save_states`, one for each.
+
+        Raises:
+            FlatlandError: a state does not fit.
+        """
+        worlds = np.array([state["world"] for state in states], dtype=int)
+        if not ((worlds >= 0) & (worlds < len(self._worlds))).all():
+            raise UsageError("the state is of an environment with more worlds")
+        for world in np.unique(worlds).tolist():
+            chosen = np.flatnonzero(worlds == world).tolist()
+            loaded = [states[k]["simulation"] for k in chosen]
+            self._fleet(world).load_states(indices[chosen], loaded)
+        self._world_of[indices] = worlds
+        self.goals[indices] = [state["goal"] for state in states]
+        self.distances[indices] = [state["distance"] for state in states]
+        self.successes[indices] = [state["success"] for state in states]
+        self.rows.collided[indices] = [state["collided"] for state in states]
+        self.steps[indices] = [state["steps"] for state in states]
 
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""

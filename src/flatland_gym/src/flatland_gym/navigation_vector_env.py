@@ -14,14 +14,21 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from flatland2d import UsageError
+from flatland2d.batch.arguments import states_of
 from flatland2d.rendering.film import side_by_side
 from flatland_gym.episodes import options_of
 from flatland_gym.navigation import Navigation
 from flatland_gym.pictures import check_render_mode
 from flatland_gym.settings import NavigationSettings, is_whole
-from flatland_server import BoolArray, Float32Array, FloatArray
+from flatland_server import BoolArray, Float32Array, FloatArray, plain_data
 
 _IN_NOTEBOOKS = 9
+
+_STATE = (
+    *("world", "simulation", "goal", "distance", "success", "collided", "steps"),
+    *("rng", "seed", "ended"),
+)
+"""The keys of a state."""
 
 Seeds = Union[None, int, Sequence[Optional[int]]]
 
@@ -151,6 +158,62 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
         infos = self._infos(np.ones_like(self._ended))
         return self._observations(), rewards, terminated, truncated, {**final, **infos}
 
+    def save_states(self, mask: Optional[BoolArray] = None) -> List[bytes]:
+        """The states of environments: their simulations, episodes and random numbers.
+
+        Args:
+            mask: an array of n booleans: which environments; None: all.
+
+        Returns:
+            A state for each of them, in their order: for `load_states` here, in another process, or
+            with another number of environments.
+
+        Raises:
+            FlatlandError: there was no reset, the mask is wrong, or a state cannot be saved.
+        """
+        if not self._is_running:
+            raise UsageError("expected reset before save_states")
+        indices = np.flatnonzero(self._chosen(mask, "mask"))
+        return [
+            plain_data.dumps(
+                {
+                    **state,
+                    "rng": self._generator(k).bit_generator.state,
+                    "seed": self._seeds[k],
+                    "ended": bool(self._ended[k]),
+                }
+            )
+            for k, state in zip(indices.tolist(), self.navigation.save_states(indices))
+        ]
+
+    def load_states(
+        self, states: Union[bytes, Sequence[bytes]], mask: Optional[BoolArray] = None
+    ) -> Tuple[Any, Dict[str, Any]]:
+        """Puts environments into saved states: their episodes go on from there, bit for bit.
+
+        Args:
+            states: of `save_states`: one for all these environments, or one for each, in their
+                order.
+            mask: an array of n booleans: which environments; None: all.
+
+        Returns:
+            Observations and infos, as `reset` does.
+
+        Raises:
+            FlatlandError: the mask is wrong, or a state is damaged or does not fit.
+        """
+        chosen = self._chosen(mask, "mask")
+        indices = np.flatnonzero(chosen)
+        given = states_of(states, len(indices))
+        loaded = {state: _state_of(state) for state in dict.fromkeys(given)}
+        self.navigation.load_states(indices, [loaded[state] for state in given])
+        for k, state in zip(indices.tolist(), (loaded[each] for each in given)):
+            generator = self._generator(k)
+            generator.bit_generator.state = state["rng"]
+            self._seeds[k], self._ended[k] = state["seed"], state["ended"]
+        self._is_running = True
+        return self._observations(), self._infos(chosen)
+
     def render(self) -> Optional[Tuple[Any, ...]]:
         """A picture or a line of text of each environment, as the render mode says.
 
@@ -266,19 +329,34 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
             "_final_info": ended.copy(),
         }
 
-    def _chosen(self, mask: Any) -> BoolArray:
-        """The environments to reset, from `reset_mask`: all if it is None."""
+    def _chosen(self, mask: Any, name: str = "reset_mask") -> BoolArray:
+        """The environments that a mask of this name chooses: all if it is None."""
         if mask is None:
             return np.ones(self.num_envs, dtype=bool)
         shape, kind = getattr(mask, "shape", None), getattr(mask, "dtype", None)
         if shape != (self.num_envs,) or kind != np.bool_ or not mask.any():
             raise UsageError(
-                f"expected reset_mask as an array of {self.num_envs} booleans, one at least true; "
+                f"expected {name} as an array of {self.num_envs} booleans, one at least true; "
                 f"found {mask!r:.80}"
             )
         if not self._is_running and not mask.all():
             raise UsageError("expected a reset of all environments before one of some")
         return np.array(mask)
+
+
+def _state_of(state: bytes) -> Dict[str, Any]:
+    """The content of a state.
+
+    Raises:
+        UsageError: it is none, or damaged.
+    """
+    try:
+        content = plain_data.loads(state)
+    except ValueError:
+        content = None
+    if not isinstance(content, dict) or content.keys() != set(_STATE):
+        raise UsageError(f"expected a state of save_states, found {state!r:.80}")
+    return content
 
 
 def _mode(value: Any) -> AutoresetMode:

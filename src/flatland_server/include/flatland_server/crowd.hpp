@@ -8,6 +8,7 @@
 /// forces of what is around it (social_force.hpp, surroundings.hpp) or follows an agent of another
 /// program; then turns that way, and its legs step.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -73,6 +74,11 @@ class Crowd {
   void BeginStep(Bodies& bodies, const Layers& layers, double dt);
   /// The present room of each person.
   std::vector<Room> Rooms(const Bodies& bodies, const Layers& layers);
+  /// Takes what changes of an equal crowd.
+  void Take(const Crowd& other) {
+    clock_ = other.clock_;
+    std::copy(other.progress_.begin(), other.progress_.end(), progress_.begin());
+  }
   /// Makes what lidars see follow the state, when that was restored.
   void Restore(Bodies& bodies);
 

@@ -23,6 +23,7 @@ namespace flatland {
 
 class SharedTree;
 struct TreeChange;
+struct WorldState;
 
 class SharedWorld {
  public:
@@ -34,15 +35,14 @@ class SharedWorld {
    private:
     friend class SharedWorld;
     State();
-    State(const State&);
     State& operator=(const State&);
     std::vector<std::byte> bytes_;   // of the ranges, one after the other
     std::vector<int32_t> moves_;     // proxies that may have new contacts
     std::vector<TreeChange> nodes_;  // of the tree, that differ from the beginning
   };
 
-  /// Takes a world that has made no step. It must not be given to anything else, and nothing may be
-  /// added to it or removed any more. Of static bodies, only `moved` may be moved.
+  /// Takes a world, which must not be given to anything else. Nothing may be added to it or removed
+  /// any more. Of static bodies, only `moved` may be moved.
   explicit SharedWorld(std::unique_ptr<World> world, const std::vector<World::Body>& moved = {});
   ~SharedWorld();
 
@@ -56,8 +56,17 @@ class SharedWorld {
   World& Enter(const State& state);
   /// Keeps what has become of the state.
   void Leave(State& state);
-  /// Puts a state back to the beginning; not between Enter and Leave.
-  void Restart(State& state);
+
+  // Not between Enter and Leave:
+
+  /// Puts a state back to the beginning.
+  void Restart(State& state) { Replace(*beginning_, state); }
+  /// Puts a state into another one of this world.
+  void Replace(const State& from, State& state);
+  /// Puts a state into a saved one of an equal world.
+  void Load(const WorldState& saved, State& state);
+  /// Throws std::invalid_argument if Load cannot: something is different that states share.
+  void RequireLoadable(const WorldState& saved) const;
 
  private:
   /// Memory that steps change.
@@ -76,6 +85,9 @@ class SharedWorld {
   }
   void CollectRanges();
   void WriteRanges(const State& state);
+  void ReadRanges(State& state) const;
+  /// Makes `to`, which has no contacts, a copy with contacts of its own.
+  void Copy(const State& from, State& to);
   /// Drops walls from those proxies that Box2D asks for new contacts in the first step.
   void SkipWalls();
 

@@ -45,6 +45,13 @@ class TricycleDrive {
     if (joint == front_wheel_) front_wheel_ = static_cast<b2RevoluteJoint*>(other);
   }
 
+  /// Takes all but the joint of another one.
+  void TakeMotion(const TricycleDrive& other) {
+    b2RevoluteJoint* const joint = front_wheel_;
+    *this = other;
+    front_wheel_ = joint;
+  }
+
   /// Sets the body's velocity for the next step of `dt` [s].
   void BeginStep(b2Body& body, double dt);
   /// Sets the body's velocity after the step, and places the front wheel.

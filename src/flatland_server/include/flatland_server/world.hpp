@@ -39,6 +39,7 @@ namespace flatland {
 class Layers;
 class NearbyWalls;
 class WallSnapshot;
+class WallTree;
 struct WorldState;
 
 class World : public Access, private b2DestructionListener {
@@ -61,11 +62,10 @@ class World : public Access, private b2DestructionListener {
   World(int velocity_iterations, int position_iterations, std::size_t large_layer = kLargeLayer);
   ~World();
 
-  /// A world that makes the same steps, bit for bit, of one that has made none yet. Handles name
-  /// the same things in both; but it has no drifts, and no contact listener, and nothing has chosen
-  /// events. Throws
-  /// std::invalid_argument if a step was made. No body may have been removed before, and no shape
-  /// replaced. In the copy, Box2D has all walls of large layers.
+  /// A world that makes the same steps from here on, bit for bit. Handles name the same things in
+  /// both; but it has no drifts, and no contact listener, and nothing has chosen events. In the
+  /// copy, Box2D has all walls of large layers: with such a layer, throws std::invalid_argument if
+  /// a step was made.
   std::unique_ptr<World> Copy() const;
 
   // ---- Layers used again ----
@@ -250,15 +250,11 @@ class World : public Access, private b2DestructionListener {
   /// The state of all that moves, as bytes: poses, velocities, pending forces, contacts with the
   /// solver's impulses, joints, drives and tweens. What the construction of the world determines,
   /// such as shapes, is not included, even if they were replaced.
-  ///
-  /// It also puts this world into the form that RestoreState gives to another one, with a new tree
-  /// of bounding boxes: Box2D finds new contacts in the order of that tree, and solves them in this
-  /// order. So from here on the two make the same steps, bit for bit.
-  std::string SaveState();
-  /// Puts a world that was constructed in the same way, in the same order, into a saved state.
-  /// Handles stay valid, and no contact event is reported. Throws std::invalid_argument, and
-  /// changes nothing, if the state is damaged or is of a world of other bodies, fixtures, joints,
-  /// drives or tweens.
+  std::string SaveState() const;
+  /// Puts a world that was constructed in the same way, in the same order, into a saved state. Both
+  /// make the same steps, bit for bit. Handles stay valid, and no contact event is reported. Throws
+  /// std::invalid_argument, and changes nothing, if the state is damaged or is of a world of other
+  /// bodies, fixtures, joints, drives or tweens.
   void RestoreState(std::string_view bytes);
 
  private:
@@ -290,8 +286,9 @@ class World : public Access, private b2DestructionListener {
   SlotMap<b2Joint*> joints_{"joint"};
   Mechanisms mechanisms_;
   SlotMap<Crowd> crowds_{"crowd"};
-  std::shared_ptr<const WallSnapshot> snapshot_;  // of RememberLayers
-  int completed_steps_ = 0;                       // since the call of StepUntilContact
+  std::shared_ptr<const WallSnapshot> snapshot_;       // of RememberLayers
+  mutable std::shared_ptr<const WallTree> wall_tree_;  // of the latest state, or null
+  int completed_steps_ = 0;                            // since the call of StepUntilContact
 };
 
 }  // namespace flatland

@@ -11,6 +11,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -50,12 +52,12 @@ struct BatchRows {
 
 class WorldBatch {
  public:
-  /// Environments that begin as a world which has made no step, and which is copied. Throws
+  /// Environments that begin as a world, which is copied, and has made `steps`. Throws
   /// std::invalid_argument if there is no environment or thread, if the robots do not have equally
   /// many beams and numbers in an action, and GoneError for a wrong handle. `models` are those that
   /// Reset may put elsewhere.
   WorldBatch(const World& world, const std::vector<BatchRobot>& robots, int count, int threads,
-             const std::vector<BatchModel>& models = {});
+             const std::vector<BatchModel>& models = {}, int64_t steps = 0);
   ~WorldBatch();
 
   int count() const { return static_cast<int>(environments_.size()); }
@@ -97,6 +99,14 @@ class WorldBatch {
   /// step, and in which the same handles name the same things, such as the same world with other
   /// walls. It is not shared with other environments. Its row is not written.
   void Replace(int row, const World& world);
+  /// The state of an environment, as World::SaveState makes it of one that is equal.
+  std::string SaveState(int row);
+  /// Puts each environment that `mask` chooses (null: all) into one of some saved states, that with
+  /// the index in `chosen` (count), after as many steps as there are in `steps` (count), and writes
+  /// its row. Throws std::invalid_argument, and changes nothing, if a state is damaged, or of a
+  /// world in which something is different that environments share.
+  void LoadStates(const bool* mask, const std::vector<std::string_view>& states,
+                  const int64_t* chosen, const int64_t* steps, const BatchRows& rows);
   /// Writes all rows; `collided` as in the last row.
   void Observe(const BatchRows& rows);
 
@@ -125,6 +135,10 @@ class WorldBatch {
   /// environments.
   template <class Visit>
   void ForEach(const bool* mask, int width, Visit visit);
+  /// The world that an environment shares, or its own one.
+  SharedWorld& SharedOf(int row);
+  /// A state that an environment can be put into; throws std::invalid_argument otherwise.
+  WorldState ReadState(std::string_view bytes, int row);
   void Advance(const bool* mask, const double* actions, int substeps, double dt,
                const BatchRows* rows, bool goes_on);
   /// Commands a robot to stop if its action is null.
@@ -132,6 +146,8 @@ class WorldBatch {
   /// Moves a model as Model.move does: with the same arithmetic.
   static void Move(World& world, const std::vector<World::Body>& bodies, const Pose& base,
                    const double* pose);
+  /// Makes the rows of environment `to` equal to those of `from`.
+  void CopyRows(const BatchRows& rows, int from, int to) const;
   /// Writes the rows of an environment's robots, of those that `mask` (count x robots) chooses.
   void Write(World& world, int row, const bool* mask, const BatchRows& rows) const;
 
@@ -139,6 +155,7 @@ class WorldBatch {
   std::vector<BatchModel> models_;
   std::vector<World::Body> moved_;  // those of the robots and the models
   int beams_ = 0;
+  int64_t first_step_ = 0;                            // at the beginning
   std::vector<std::unique_ptr<SharedWorld>> worlds_;  // one for each thread
   std::vector<Environment> environments_;             // destroyed before the worlds
   std::vector<char> collided_;                        // for each robot of each environment

@@ -112,6 +112,20 @@ void MoveRobots(PyWorldBatch& self, const Array<double>& poses,
   self.batch.MoveRobots(mask ? mask->data() : nullptr, poses.data());
 }
 
+void LoadStates(PyWorldBatch& self, const std::optional<Array<bool>>& mask,
+                const std::vector<py::bytes>& states, const Array<int64_t>& chosen,
+                const Array<int64_t>& steps, const py::tuple& out) {
+  if (mask) RequireShape(*mask, "mask", self.batch.count(), 0);
+  RequireShape(chosen, "chosen", self.batch.count(), 0);
+  RequireShape(steps, "steps", self.batch.count(), 0);
+  const BatchRows rows = ToRows(self.batch, out);
+  std::vector<std::string_view> views;
+  for (const py::bytes& state : states) views.push_back(state);
+  const Use use(self);
+  const py::gil_scoped_release release;
+  self.batch.LoadStates(mask ? mask->data() : nullptr, views, chosen.data(), steps.data(), rows);
+}
+
 void Observe(PyWorldBatch& self, const py::tuple& out) {
   const BatchRows rows = ToRows(self.batch, out);
   const Use use(self);
@@ -206,14 +220,15 @@ void BindWorldBatch(py::module_& m) {
   py::class_<PyWorldBatch>(m, "WorldBatch")
       .def(py::init([](const PyWorld& world, const std::vector<PyRobot>& robots, int count,
                        int threads,
-                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models) {
+                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models,
+                       int64_t steps) {
              std::vector<BatchRobot> converted;
              for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
-             return std::unique_ptr<PyWorldBatch>(
-                 new PyWorldBatch{{*world.world, converted, count, threads, ToModels(models)}});
+             return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
+                 {*world.world, converted, count, threads, ToModels(models), steps}});
            }),
            py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
-           py::arg("models"))
+           py::arg("models"), py::arg("steps") = 0)
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
            py::arg("mask").noconvert().none(true))
@@ -225,6 +240,15 @@ void BindWorldBatch(py::module_& m) {
            py::arg("model_poses").noconvert().none(true))
       .def("move_robots", &MoveRobots, py::arg("poses").noconvert(),
            py::arg("mask").noconvert().none(true))
+      .def(
+          "save_state",
+          [](PyWorldBatch& self, int row) {
+            const Use use(self);
+            return py::bytes(self.batch.SaveState(row));
+          },
+          py::arg("row"))
+      .def("load_states", &LoadStates, py::arg("mask").noconvert().none(true), py::arg("states"),
+           py::arg("chosen").noconvert(), py::arg("steps").noconvert(), py::arg("out"))
       .def("observe", &Observe, py::arg("out"))
       .def(
           "replace",

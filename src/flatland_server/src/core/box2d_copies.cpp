@@ -1,5 +1,7 @@
 #include "box2d_copies.hpp"
 
+#include "box2d_internals.hpp"
+
 namespace flatland::box2d {
 
 b2BodyDef DefinitionOf(b2Body& body) {
@@ -51,6 +53,24 @@ b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b) {
   definition.lowerAngle = hinge.GetLowerLimit();
   definition.upperAngle = hinge.GetUpperLimit();
   return world.CreateJoint(&definition);
+}
+
+b2Contact* MakeContact(b2World& world, b2Fixture& a, b2Fixture& b) {
+  b2ContactManager& manager = Contacts(world);
+  const int32 before = manager.m_contactCount;
+  manager.AddPair(FixtureInternals::Proxies(a), FixtureInternals::Proxies(b));
+  return manager.m_contactCount == before ? nullptr : manager.m_contactList;
+}
+
+void CopyContact(b2World& world, b2Contact& old) {
+  b2Contact* const contact = MakeContact(world, *old.GetFixtureA(), *old.GetFixtureB());
+  if (contact == nullptr) return;
+  ContactInternals::Flags(*contact) = ContactInternals::Flags(old);
+  *contact->GetManifold() = *old.GetManifold();
+  contact->SetFriction(old.GetFriction());
+  contact->SetRestitution(old.GetRestitution());
+  contact->SetRestitutionThreshold(old.GetRestitutionThreshold());
+  contact->SetTangentSpeed(old.GetTangentSpeed());
 }
 
 }  // namespace flatland::box2d

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Making Box2D's objects again, in another b2World.
+/// Making Box2D's objects again.
 
 #include <box2d/box2d.h>
 
@@ -12,5 +12,11 @@ b2BodyDef DefinitionOf(b2Body& body);
 b2FixtureDef DefinitionOf(b2Fixture& fixture);
 /// A joint like another one, between copies `a` and `b` of its bodies; without its impulses.
 b2Joint* CopyJoint(b2World& world, b2Joint& old, b2Body* a, b2Body* b);
+/// Makes a contact, which becomes Box2D's newest, and wakes its bodies. Null if the two have one
+/// already, or cannot collide.
+b2Contact* MakeContact(b2World& world, b2Fixture& a, b2Fixture& b);
+/// The same with all that another contact of these fixtures keeps from step to step. In the same
+/// world, that one must be out of the lists of contacts.
+void CopyContact(b2World& world, b2Contact& old);
 
 }  // namespace flatland::box2d

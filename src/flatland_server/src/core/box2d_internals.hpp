@@ -16,6 +16,7 @@ namespace flatland::box2d {
 struct ContactInternals : b2Contact {
   static constexpr uint32 kTouching = e_touchingFlag;
   static constexpr uint32 kEnabled = e_enabledFlag;
+  static constexpr uint32 kToFilter = e_filterFlag;
   static uint32& Flags(b2Contact& contact) { return contact.*(&ContactInternals::m_flags); }
 };
 
@@ -26,6 +27,7 @@ struct FixtureInternals : b2Fixture {
   static int32 ProxyCount(const b2Fixture& fixture) {
     return fixture.*(&FixtureInternals::m_proxyCount);
   }
+  static b2Fixture*& Next(b2Fixture& fixture) { return fixture.*(&FixtureInternals::m_next); }
   static b2Shape*& Shape(b2Fixture& fixture) { return fixture.*(&FixtureInternals::m_shape); }
 };
 
@@ -71,6 +73,18 @@ struct BodySweep {
 };
 template struct DefineMember<BodySweep, &b2Body::m_sweep>;
 
+struct BodyTransform {
+  using Pointer = b2Transform b2Body::*;
+  friend constexpr Pointer Member(BodyTransform);
+};
+template struct DefineMember<BodyTransform, &b2Body::m_xf>;
+
+struct BodyFixtures {
+  using Pointer = b2Fixture* b2Body::*;
+  friend constexpr Pointer Member(BodyFixtures);
+};
+template struct DefineMember<BodyFixtures, &b2Body::m_fixtureList>;
+
 struct BodyContacts {
   using Pointer = b2ContactEdge* b2Body::*;
   friend constexpr Pointer Member(BodyContacts);
@@ -106,6 +120,12 @@ struct BroadPhaseMoveCount {
   friend constexpr Pointer Member(BroadPhaseMoveCount);
 };
 template struct DefineMember<BroadPhaseMoveCount, &b2BroadPhase::m_moveCount>;
+
+struct BroadPhaseMoveCapacity {
+  using Pointer = int32 b2BroadPhase::*;
+  friend constexpr Pointer Member(BroadPhaseMoveCapacity);
+};
+template struct DefineMember<BroadPhaseMoveCapacity, &b2BroadPhase::m_moveCapacity>;
 
 struct TreeNodes {
   using Pointer = b2TreeNode* b2DynamicTree::*;
@@ -147,6 +167,10 @@ inline b2Vec2& Force(b2Body& body) { return body.*Member(BodyForce()); }
 inline float& Torque(b2Body& body) { return body.*Member(BodyTorque()); }
 inline float& SleepTime(b2Body& body) { return body.*Member(BodySleepTime()); }
 inline b2Sweep& Sweep(b2Body& body) { return body.*Member(BodySweep()); }
+/// Where its origin is, which may differ in rounding from what its centre of mass tells.
+inline b2Transform& Transform(b2Body& body) { return body.*Member(BodyTransform()); }
+/// The head of a body's list of fixtures, in whose order Box2D moves them.
+inline b2Fixture*& Fixtures(b2Body& body) { return body.*Member(BodyFixtures()); }
 /// The head of a body's list of contacts.
 inline b2ContactEdge*& ContactList(b2Body& body) { return body.*Member(BodyContacts()); }
 /// One over the length of the last step [1/s], 0 before the first.
@@ -166,11 +190,17 @@ inline int32*& Moves(b2World& world) {
 inline int32& MoveCount(b2World& world) {
   return Contacts(world).m_broadPhase.*Member(BroadPhaseMoveCount());
 }
-/// The nodes of the tree; the index of a leaf is the id of its proxy.
-inline b2TreeNode*& Nodes(b2World& world) { return Tree(world).*Member(TreeNodes()); }
-inline int32& Root(b2World& world) { return Tree(world).*Member(TreeRoot()); }
-inline int32 NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
-/// The number of nodes in use.
+inline int32& MoveCapacity(b2World& world) {
+  return Contacts(world).m_broadPhase.*Member(BroadPhaseMoveCapacity());
+}
+/// The nodes of a tree; the index of a leaf is the id of its proxy.
+inline b2TreeNode*& Nodes(b2DynamicTree& tree) { return tree.*Member(TreeNodes()); }
+inline b2TreeNode*& Nodes(b2World& world) { return Nodes(Tree(world)); }
+inline int32& Root(b2DynamicTree& tree) { return tree.*Member(TreeRoot()); }
+inline int32& Root(b2World& world) { return Root(Tree(world)); }
+inline int32& NodeCapacity(b2DynamicTree& tree) { return tree.*Member(TreeNodeCapacity()); }
+inline int32& NodeCapacity(b2World& world) { return NodeCapacity(Tree(world)); }
+/// Number of nodes in use.
 inline int32& NodeCount(b2World& world) { return Tree(world).*Member(TreeNodeCount()); }
 /// The first of the nodes that are not in use, each of which names the next one.
 inline int32& FreeList(b2World& world) { return Tree(world).*Member(TreeFreeList()); }

@@ -6,6 +6,7 @@
 #include "box2d_internals.hpp"
 #include "flatland_server/segment_tree.hpp"
 #include "flatland_server/visible_fixture.hpp"
+#include "tree_order.hpp"
 
 namespace flatland {
 namespace {
@@ -59,8 +60,7 @@ void Layers::TakeFrom(Layers& other, std::size_t count) {
 
 Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                          const std::function<void(std::size_t added)>& progress) {
-  const bool has_layers_alone =
-      world.GetBodyCount() - held_body_count() == static_cast<int>(all_.size());
+  const bool has_layers_alone = AreAlone(world);
   const b2BodyDef definition;
   BodyRecord record;
   record.body = world.CreateBody(&definition);
@@ -84,6 +84,8 @@ Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits b
   }
   if (has_layers_alone) box2d::SkipPairsOfNewFixtures(world);
   const Bodies::Body handle = bodies_.Add(std::move(record));
+  // A slot of a later generation was that of a body, whose moves have changed the tree.
+  if (has_layers_alone && handle.generation == 1) box2d::OrderNodes(world);
   if (is_large) {
     large_layers_.push_back(
         std::make_unique<NearbyWalls>(all_.back().walls->shared(), bits, handle.index));
@@ -149,9 +151,20 @@ void Layers::ReleaseWallsNear(b2World& world, BodyRecord& record) {
   record.nearby = {};
 }
 
-void Layers::ForgetHeldWalls() {
-  for (const auto& layer : large_layers_) layer->Clear();
-  bodies_.ForEach([](auto, BodyRecord& record) { record.nearby = {}; });
+void Layers::HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby) {
+  for (size_t i = 0; i < nearby.blocks.size(); ++i) {
+    large_layers_[i]->Hold(world, nearby.blocks[i]);
+  }
+  record.nearby = std::move(nearby);
+}
+
+void Layers::AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const {
+  for (const auto& layer : large_layers_) {
+    for (b2Body* body : layer->HeldBodies()) {
+      b2Fixture* fixture = body->GetFixtureList();
+      for (; fixture != nullptr; fixture = fixture->GetNext()) fixtures.push_back(fixture);
+    }
+  }
 }
 
 b2Fixture* Layers::FixtureOrNull(const BodyRecord& record, uint32_t index) const {

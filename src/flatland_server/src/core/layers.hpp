@@ -40,6 +40,10 @@ class Layers {
   /// See World::AddLayer.
   Bodies::Body Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                    const std::function<void(std::size_t added)>& progress);
+  /// True if the world has no other bodies.
+  bool AreAlone(const b2World& world) const {
+    return world.GetBodyCount() - held_body_count() == static_cast<int>(all_.size());
+  }
   const std::vector<Layer>& all() const { return all_; }
   const std::vector<std::unique_ptr<NearbyWalls>>& large_layers() const { return large_layers_; }
   /// The large layer of a record, or null.
@@ -52,8 +56,11 @@ class Layers {
   /// Makes sure that Box2D has all walls that a dynamic body may reach in the next step.
   void HoldWallsNearBodies(b2World& world);
   void ReleaseWallsNear(b2World& world, BodyRecord& record);
-  /// Forgets the walls that Box2D has, when its world is replaced by one without them.
-  void ForgetHeldWalls();
+  /// Makes Box2D have the walls of large layers that `nearby` names, for a record without any.
+  void HoldWallsOf(b2World& world, BodyRecord& record, BodyRecord::Nearby nearby);
+  /// The fixtures of the walls of large layers that Box2D has, in an order that depends on which
+  /// these are alone.
+  void AppendHeldFixtures(std::vector<b2Fixture*>& fixtures) const;
   /// The number of Box2D's bodies for walls near bodies.
   int held_body_count() const;
   int held_wall_count() const;

@@ -79,9 +79,25 @@ void NearbyWalls::Release(b2World& world, const std::vector<uint32_t>& blocks) {
   }
 }
 
-int NearbyWalls::held_wall_count() const {
-  int count = 0;
-  for (const auto& [number, block] : held_) ForEachWall(number, [&](uint32_t) { ++count; });
+std::vector<b2Body*> NearbyWalls::HeldBodies() const {
+  std::vector<b2Body*> bodies;
+  for (const uint32_t number : HeldBlocks()) bodies.push_back(held_.at(number).body);
+  return bodies;
+}
+
+std::set<uint32_t> NearbyWalls::HeldBlocks() const {
+  std::set<uint32_t> numbers;
+  for (const auto& [number, block] : held_) numbers.insert(number);
+  return numbers;
+}
+
+bool NearbyWalls::IsBlock(uint32_t number) const {
+  return size_t{number} * kLeavesPerBlock < walls_->leaf_count();
+}
+
+size_t NearbyWalls::CountWalls(const std::set<uint32_t>& blocks) const {
+  size_t count = 0;
+  for (const uint32_t number : blocks) ForEachWall(number, [&](uint32_t) { ++count; });
   return count;
 }
 

@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -47,8 +48,13 @@ class NearbyWalls {
   void Release(b2World& world, const std::vector<uint32_t>& blocks);
   /// Forgets what was held, when its b2World is no more.
   void Clear() { held_.clear(); }
+  /// The bodies of the blocks that are held, by the numbers of the blocks.
+  std::vector<b2Body*> HeldBodies() const;
+  bool IsBlock(uint32_t number) const;
+  /// Number of walls of some blocks.
+  size_t CountWalls(const std::set<uint32_t>& blocks) const;
   int held_count() const { return static_cast<int>(held_.size()); }
-  int held_wall_count() const;
+  int held_wall_count() const { return static_cast<int>(CountWalls(HeldBlocks())); }
   /// The fixture of a wall, or null if its block is not held.
   b2Fixture* Find(uint32_t wall) const;
 
@@ -69,6 +75,7 @@ class NearbyWalls {
     int holders = 0;
   };
 
+  std::set<uint32_t> HeldBlocks() const;
   /// Calls `visit(index)` for each wall of a block.
   template <class Visit>
   void ForEachWall(uint32_t block, Visit visit) const;

@@ -39,6 +39,8 @@ class SharedTree {
   void Enter(const std::vector<TreeChange>& changes);
   /// Replaces `changes` by what the tree differs by, and puts back that of the beginning.
   void Leave(std::vector<TreeChange>& changes);
+  /// Number of nodes, used or not, up to the last one that a state may use.
+  size_t size() const { return before_.size(); }
   /// Number of times that all nodes were compared, since it was not clear what was moved; for
   /// tests.
   int comparisons() const { return comparisons_; }

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cstring>
 
+#include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
+#include "box2d_limits.hpp"
 #include "shared_tree.hpp"
 #include "tree_order.hpp"
+#include "world_state.hpp"
 
 namespace flatland {
 namespace {
@@ -20,7 +23,6 @@ void PrefetchAll(const std::vector<T>& values) {
 }  // namespace
 
 SharedWorld::State::State() = default;
-SharedWorld::State::State(const State&) = default;
 SharedWorld::State& SharedWorld::State::operator=(const State&) = default;
 SharedWorld::State::~State() = default;
 
@@ -29,7 +31,6 @@ SharedWorld::SharedWorld(std::unique_ptr<World> world, const std::vector<World::
   b2World& box2d_world = *world_->world_;
   for (const World::Body& body : moved) world_->bodies_.LetMove(body);
   SkipWalls();
-  box2d::OrderNodes(box2d_world);
   CollectRanges();
   std::vector<b2Fixture*> moving;
   world_->bodies_.ForEach([&](World::Body, const BodyRecord& record) {
@@ -103,7 +104,9 @@ void SharedWorld::CollectRanges() {
 }
 
 std::unique_ptr<SharedWorld::State> SharedWorld::MakeState() {
-  return std::unique_ptr<State>(new State(*beginning_));
+  std::unique_ptr<State> state(new State());
+  Copy(*beginning_, *state);
+  return state;
 }
 
 void SharedWorld::Prefetch(const State& state) {
@@ -129,23 +132,66 @@ World& SharedWorld::Enter(const State& state) {
   return *world_;
 }
 
-void SharedWorld::Leave(State& state) {
-  b2World& box2d_world = *world_->world_;
+void SharedWorld::ReadRanges(State& state) const {
   std::byte* to = state.bytes_.data();
   for (const Range& range : ranges_) {
     std::memcpy(to, range.address, range.size);
     to += range.size;
   }
+}
+
+void SharedWorld::Leave(State& state) {
+  b2World& box2d_world = *world_->world_;
+  ReadRanges(state);
   const int32* moves = box2d::Moves(box2d_world);
   state.moves_.assign(moves, moves + box2d::MoveCount(box2d_world));
   tree_->Leave(state.nodes_);
 }
 
-void SharedWorld::Restart(State& state) {
+void SharedWorld::Replace(const State& from, State& state) {
   b2ContactManager& contacts = box2d::Contacts(*world_->world_);
   WriteRanges(state);
   while (contacts.m_contactList != nullptr) contacts.Destroy(contacts.m_contactList);
-  state = *beginning_;
+  Copy(from, state);
+}
+
+void SharedWorld::Copy(const State& from, State& to) {
+  to = from;
+  WriteRanges(from);
+  b2World& box2d_world = *world_->world_;
+  b2ContactManager& manager = box2d::Contacts(box2d_world);
+  if (manager.m_contactCount == 0) return;
+  std::vector<b2Contact*> contacts;
+  for (b2Contact* c = manager.m_contactList; c != nullptr; c = c->GetNext()) contacts.push_back(c);
+  manager.m_contactList = nullptr;
+  manager.m_contactCount = 0;
+  world_->bodies_.ForEach(
+      [](auto, BodyRecord& record) { box2d::ContactList(*record.body) = nullptr; });
+  for (auto each = contacts.rbegin(); each != contacts.rend(); ++each) {
+    box2d::CopyContact(box2d_world, **each);
+  }
+  // A new contact wakes its bodies, so all but the lists of contacts is that of before.
+  b2Contact* const first = manager.m_contactList;
+  std::vector<b2ContactEdge*> edges;
+  world_->bodies_.ForEach(
+      [&](auto, BodyRecord& record) { edges.push_back(box2d::ContactList(*record.body)); });
+  WriteRanges(from);
+  manager.m_contactList = first;
+  auto edge = edges.begin();
+  world_->bodies_.ForEach(
+      [&](auto, BodyRecord& record) { box2d::ContactList(*record.body) = *edge++; });
+  ReadRanges(to);
+}
+
+void SharedWorld::Load(const WorldState& saved, State& state) {
+  saved.Restore(Enter(state));
+  Leave(state);
+}
+
+void SharedWorld::RequireLoadable(const WorldState& saved) const {
+  saved.RequireSameStill(*world_);
+  Require(saved.tree.size() <= tree_->size(),
+          "the state is of another world: models were deleted and others added");
 }
 
 }  // namespace flatland

@@ -48,37 +48,35 @@ bool IsWall(const b2TreeNode& leaf) {
   return static_cast<const b2FixtureProxy*>(leaf.userData)->fixture->GetType() == b2Shape::e_edge;
 }
 
-void OrderNodes(b2World& world) {
-  int32& root = Root(world);
+void OrderNodes(b2DynamicTree& tree) {
+  int32& root = Root(tree);
   if (root == b2_nullNode) return;
-  b2TreeNode* const nodes = Nodes(world);
-  std::vector<int32> order = Traverse(nodes, root);
-  int32 first_body = INT32_MAX;
-  for (const int32 index : order) {
-    if (nodes[index].IsLeaf() && !IsWall(nodes[index])) first_body = std::min(first_body, index);
-  }
-  const auto stays = [&](int32 index) { return index >= first_body; };
-  order.erase(std::remove_if(order.begin(), order.end(), stays), order.end());
+  b2TreeNode* const nodes = Nodes(tree);
+  const std::vector<int32> order = Traverse(nodes, root);
   std::vector<int32> places = order;
   std::sort(places.begin(), places.end());
 
-  std::vector<int32> renumbered(static_cast<size_t>(NodeCapacity(world)));
-  for (size_t i = 0; i < renumbered.size(); ++i) renumbered[i] = static_cast<int32>(i);
+  const std::vector<b2TreeNode> old(nodes, nodes + places.back() + 1);
+  std::vector<int32> renumbered(old.size());
   for (size_t i = 0; i < order.size(); ++i) renumbered[order[i]] = places[i];
   const auto renumber = [&](int32& index) {
     if (index != b2_nullNode) index = renumbered[index];
   };
-  const std::vector<b2TreeNode> old(nodes, nodes + NodeCapacity(world));
-  for (size_t i = 0; i < old.size(); ++i) {
-    b2TreeNode node = old[i];
-    if (node.height < 0) continue;  // not in use
+  for (size_t i = 0; i < order.size(); ++i) {
+    b2TreeNode& node = nodes[places[i]] = old[order[i]];
     renumber(node.parent);
     renumber(node.child1);
     renumber(node.child2);
-    nodes[renumbered[i]] = node;
-    if (node.IsLeaf()) static_cast<b2FixtureProxy*>(node.userData)->proxyId = renumbered[i];
   }
   renumber(root);
+}
+
+void OrderNodes(b2World& world) {
+  OrderNodes(Tree(world));
+  const b2TreeNode* const nodes = Nodes(world);
+  for (int32 i = 0; i < NodeCapacity(world); ++i) {
+    if (nodes[i].height == 0) static_cast<b2FixtureProxy*>(nodes[i].userData)->proxyId = i;
+  }
 }
 
 }  // namespace flatland::box2d

@@ -10,8 +10,10 @@
 
 namespace flatland::box2d {
 
-/// Renumbers those nodes of the tree that are before all leaves of bodies, which keep their
-/// numbers, since Box2D orders pairs of fixtures by them. So no step changes.
+/// Renumbers the nodes of a tree of walls. No step changes: two walls have no contact, so the order
+/// of their numbers does not matter.
+void OrderNodes(b2DynamicTree& tree);
+/// The same in a world with nothing but walls.
 void OrderNodes(b2World& world);
 
 /// True if a leaf is a wall, rather than a fixture of a body.

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
 #include "box2d_limits.hpp"
+#include "world_state.hpp"
 
 namespace flatland {
 namespace {
@@ -31,8 +33,8 @@ void Put(double* row, double a, double b, double c) {
 }  // namespace
 
 WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots, int count,
-                       int threads, const std::vector<BatchModel>& models)
-    : robots_(robots), models_(models), team_(std::min(threads, count)) {
+                       int threads, const std::vector<BatchModel>& models, int64_t steps)
+    : robots_(robots), models_(models), first_step_(steps), team_(std::min(threads, count)) {
   Require(count >= 1, "a batch needs an environment");
   Require(threads >= 1, "a batch needs a thread");
   Require(!robots.empty(), "a batch needs a robot");
@@ -53,6 +55,7 @@ WorldBatch::WorldBatch(const World& world, const std::vector<BatchRobot>& robots
   for (int i = 0; i < team_.size(); ++i) {
     for (int row = team_.Begin(i, count); row < team_.Begin(i + 1, count); ++row) {
       environments_[row].state = worlds_[i]->MakeState();
+      environments_[row].steps = steps;
     }
   }
   World& first = worlds_[0]->Enter(*environments_[0].state);
@@ -155,7 +158,7 @@ void WorldBatch::Reset(const bool* mask, const double* poses, const BatchRows& r
     for (int i = 0; model_poses != nullptr && i < model_count(); ++i) {
       Move(world, models_[i].bodies, models_[i].base, model_poses + numbers * row + 3 * i);
     }
-    environment.steps = 0;
+    environment.steps = first_step_;
     std::fill_n(collided_.begin() + first, robots, false);
     Write(world, row, nullptr, rows);
     shared.Leave(*environment.state);
@@ -175,6 +178,69 @@ void WorldBatch::MoveRobots(const bool* mask, const double* poses) {
       Move(world, robots_[i].bodies, robots_[i].base, poses + 3 * at);
     }
     shared.Leave(*environment.state);
+  });
+}
+
+SharedWorld& WorldBatch::SharedOf(int row) {
+  if (environments_[row].own) return *environments_[row].own;
+  int thread = 0;
+  while (row >= team_.Begin(thread + 1, count())) ++thread;
+  return *worlds_[thread];
+}
+
+std::string WorldBatch::SaveState(int row) {
+  Require(row >= 0 && row < count(), "there is no such environment");
+  SharedWorld::State& state = *environments_[row].state;
+  SharedWorld& shared = SharedOf(row);
+  std::string bytes = shared.Enter(state).SaveState();
+  shared.Leave(state);
+  return bytes;
+}
+
+WorldState WorldBatch::ReadState(std::string_view bytes, int row) {
+  SharedWorld::State& present = *environments_[row].state;
+  SharedWorld& shared = SharedOf(row);
+  const World& world = shared.Enter(present);
+  try {
+    WorldState state = WorldState::Read(bytes, world);
+    shared.RequireLoadable(state);
+    shared.Leave(present);
+    return state;
+  } catch (...) {
+    shared.Leave(present);
+    throw;
+  }
+}
+
+void WorldBatch::LoadStates(const bool* mask, const std::vector<std::string_view>& states,
+                            const int64_t* chosen, const int64_t* steps, const BatchRows& rows) {
+  // All that may fail comes first.
+  std::vector<std::optional<WorldState>> read(states.size()), of_own(count());
+  for (int row = 0; row < count(); ++row) {
+    if (mask != nullptr && !mask[row]) continue;
+    const int64_t index = chosen[row];
+    Require(index >= 0 && index < static_cast<int64_t>(states.size()), "there is no such state");
+    std::optional<WorldState>& state = environments_[row].own ? of_own[row] : read[index];
+    if (!state) state = ReadState(states[index], row);
+  }
+  // The first row of each thread that is put into a state; others become copies of that.
+  std::vector<std::vector<int>> first(worlds_.size(), std::vector<int>(states.size(), -1));
+  ForEach(mask, 1, [&](SharedWorld& shared, Environment& environment, int row) {
+    const int64_t index = chosen[row];
+    environment.steps = steps[row];
+    std::fill_n(collided_.begin() + int64_t{row} * robot_count(), robot_count(), false);
+    const auto world = std::find_if(worlds_.begin(), worlds_.end(),
+                                    [&](const auto& each) { return each.get() == &shared; });
+    int* const model = world == worlds_.end() ? nullptr : &first[world - worlds_.begin()][index];
+    if (model != nullptr && *model >= 0) {
+      shared.Replace(*environments_[*model].state, *environment.state);
+      CopyRows(rows, *model, row);
+      return;
+    }
+    shared.Load(environment.own ? *of_own[row] : *read[index], *environment.state);
+    Write(shared.Enter(*environment.state), row, nullptr, rows);
+    shared.Leave(*environment.state);
+    if (model != nullptr) *model = row;
   });
 }
 
@@ -260,6 +326,17 @@ void WorldBatch::Move(World& world, const std::vector<World::Body>& bodies, cons
     world.SetPose(body, Compose(displacement, world.GetPose(body)));
   }
   for (const World::Body& body : bodies) world.Halt(body);
+}
+
+void WorldBatch::CopyRows(const BatchRows& rows, int from, int to) const {
+  const int64_t robots = robot_count();
+  const auto copy = [&](auto* values, int64_t width) {
+    std::copy_n(values + from * robots * width, robots * width, values + to * robots * width);
+  };
+  copy(rows.ranges, beams_);
+  for (double* each : {rows.poses, rows.velocities, rows.local_velocities}) copy(each, 3);
+  copy(rows.collided, 1);
+  rows.steps[to] = environments_[to].steps;
 }
 
 void WorldBatch::Write(World& world, int row, const bool* mask, const BatchRows& rows) const {

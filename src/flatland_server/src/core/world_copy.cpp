@@ -1,10 +1,11 @@
-/// World: copies of a world that has made no step yet.
+/// World: copies.
 
 #include "box2d_copies.hpp"
 #include "box2d_internals.hpp"
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "layers.hpp"
+#include "world_state.hpp"
 
 namespace flatland {
 namespace {
@@ -23,7 +24,9 @@ b2Fixture* CopyFixture(b2Body& body, b2Fixture& old) {
 
 std::unique_ptr<World> World::Copy() const {
   const AccessGuard guard(*this);
-  Require(box2d::InverseStep(*world_) == 0.0f, "a world that has made a step is not copied");
+  const bool has_large_layers = !layers_->large_layers().empty();
+  Require(!has_large_layers || box2d::InverseStep(*world_) == 0.0f,
+          "a world with a layer of more than 500,000 walls is copied before its first step alone");
   auto copy = std::make_unique<World>(velocity_iterations_, position_iterations_);
   copy->bodies_ = bodies_;
   copy->bodies_.ChangeStructure();  // what is cached is of this world
@@ -69,6 +72,7 @@ std::unique_ptr<World> World::Copy() const {
         box2d::CopyJoint(*copy->world_, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
     copy->mechanisms_.ReplaceJoint(old, joint);
   });
+  if (!has_large_layers) WorldState::Of(*this).Restore(*copy);
   return copy;
 }
 

@@ -1,14 +1,14 @@
 /// World: saving and restoring its state.
 ///
-/// Box2D has no functions for this. Its tree of bounding boxes depends on the whole past, and
-/// decides in which order contacts are found, hence solved. So a restored world is a new b2World:
-/// bodies, fixtures and joints are made again in the order of the old ones, their state is copied,
-/// and contacts are made in their old order. Saving rebuilds the saved world as well, so that it
-/// goes on like one that is restored from it.
+/// Box2D has no functions for this. What a step depends on is copied: bodies, the impulses of
+/// joints, contacts in their order, and the tree of bounding boxes (saved_tree.hpp), which depends
+/// on the whole past and decides in which order contacts are found, hence solved.
 
 #include "world_state.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <set>
 
 #include "archive.hpp"
 #include "box2d_copies.hpp"
@@ -16,7 +16,6 @@
 #include "box2d_limits.hpp"
 #include "flatland_server/world.hpp"
 #include "layers.hpp"
-#include "to_box2d.hpp"
 
 namespace flatland {
 namespace {
@@ -29,7 +28,9 @@ Material MaterialOf(const b2Fixture& fixture) {
   return {fixture.GetFriction(), fixture.GetRestitution()};
 }
 
-BodyState StateOf(b2Body& body, const std::vector<BodyRecord::FixtureRecord>& fixtures) {
+BodyState StateOf(const BodyRecord& record) {
+  b2Body& body = *record.body;
+  const std::vector<BodyRecord::FixtureRecord>& fixtures = record.fixtures;
   BodyState state;
   state.position = body.GetPosition();
   state.sweep = box2d::Sweep(body);
@@ -45,6 +46,12 @@ BodyState StateOf(b2Body& body, const std::vector<BodyRecord::FixtureRecord>& fi
     all_equal = all_equal && state.materials.back() == state.materials.front();
   }
   if (all_equal && !fixtures.empty()) state.materials.resize(1);
+  if (record.is_layer) return state;
+  for (b2Fixture* each = body.GetFixtureList(); each != nullptr; each = each->GetNext()) {
+    state.order.push_back(static_cast<uint32_t>(each->GetUserData().pointer));
+    state.boxes.push_back(each->GetAABB(0));
+  }
+  state.nearby = record.nearby;
   return state;
 }
 
@@ -74,49 +81,105 @@ void SetImpulses(b2Joint& joint, const std::array<float, 5>& impulses) {
   Internals::UpperImpulse(hinge) = impulses[4];
 }
 
-// ---- Making Box2D's objects again ----
-
-b2Body* CopyBody(b2World& world, b2Body& old, const BodyState& state) {
-  b2BodyDef definition = box2d::DefinitionOf(old);
-  definition.position = state.position;
-  definition.angle = state.sweep.a;
-  return world.CreateBody(&definition);
+/// All fixtures, in an order that is the same in a world that is equal.
+std::vector<b2Fixture*> FixturesOf(const Bodies& bodies, const Layers& layers) {
+  std::vector<b2Fixture*> fixtures;
+  bodies.ForEach([&](auto, const BodyRecord& record) {
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) fixtures.push_back(each.fixture);
+  });
+  layers.AppendHeldFixtures(fixtures);
+  return fixtures;
 }
 
-b2Fixture* CopyFixture(b2Body& body, b2Fixture& old, const Material& material) {
-  b2FixtureDef definition = box2d::DefinitionOf(old);
-  definition.friction = material.friction;
-  definition.restitution = material.restitution;
-  return body.CreateFixture(&definition);
+/// The boxes around the walls of those layers that were added before all bodies.
+WallTree::Boxes WallBoxesOf(const Bodies& bodies) {
+  WallTree::Boxes boxes;
+  bool has_layers_alone = true;
+  bodies.ForEach([&](auto, const BodyRecord& record) {
+    has_layers_alone = has_layers_alone && record.is_layer;
+    if (!has_layers_alone) return;
+    boxes.emplace_back();
+    for (const BodyRecord::FixtureRecord& each : record.fixtures) {
+      boxes.back().push_back(each.fixture->GetAABB(0));
+    }
+  });
+  return boxes;
+}
+
+// ---- Putting Box2D's objects into a state ----
+
+void SetOrder(b2Body& body, const BodyRecord& record, const std::vector<uint32_t>& order) {
+  b2Fixture* next = nullptr;
+  for (auto index = order.rbegin(); index != order.rend(); ++index) {
+    b2Fixture& fixture = *record.fixtures[*index].fixture;
+    box2d::FixtureInternals::Next(fixture) = next;
+    next = &fixture;
+  }
+  box2d::Fixtures(body) = next;
+}
+
+void RestoreFixtures(BodyRecord& record, const BodyState& state) {
+  const std::vector<Material>& materials = state.materials;
+  for (size_t i = 0; i < record.fixtures.size(); ++i) {
+    const Material& material = materials[materials.size() == 1 ? 0 : i];
+    record.fixtures[i].fixture->SetFriction(material.friction);
+    record.fixtures[i].fixture->SetRestitution(material.restitution);
+  }
+  if (record.is_layer) return;
+  SetOrder(*record.body, record, state.order);
+  for (size_t i = 0; i < state.order.size(); ++i) {
+    b2Fixture& fixture = *record.fixtures[state.order[i]].fixture;
+    box2d::FixtureInternals::Proxies(fixture)->aabb = state.boxes[i];
+  }
 }
 
 /// Makes a contact that is in a state, unless the two cannot collide. It becomes Box2D's newest.
-void CopyContact(b2World& world, b2Fixture& a, b2Fixture& b, const ContactState& state) {
-  auto& manager = const_cast<b2ContactManager&>(world.GetContactManager());
-  const int32 before = manager.m_contactCount;
-  manager.AddPair(box2d::FixtureInternals::Proxies(a), box2d::FixtureInternals::Proxies(b));
-  if (manager.m_contactCount == before) return;
-  b2Contact& contact = *manager.m_contactList;
+void MakeContact(b2World& world, b2Fixture& a, b2Fixture& b, const ContactState& state) {
+  b2Contact* const contact = box2d::MakeContact(world, a, b);
+  if (contact == nullptr) return;
   using Internals = box2d::ContactInternals;
-  Internals::Flags(contact) =
-      (state.is_touching ? Internals::kTouching : 0) | (state.is_enabled ? Internals::kEnabled : 0);
-  *contact.GetManifold() = state.manifold;
-  contact.SetFriction(state.friction);
-  contact.SetRestitution(state.restitution);
-  contact.SetTangentSpeed(state.tangent_speed);
+  Internals::Flags(*contact) = (state.is_touching ? Internals::kTouching : 0) |
+                               (state.is_enabled ? Internals::kEnabled : 0) |
+                               (state.is_to_filter ? Internals::kToFilter : 0);
+  *contact->GetManifold() = state.manifold;
+  contact->SetFriction(state.friction);
+  contact->SetRestitution(state.restitution);
+  contact->SetTangentSpeed(state.tangent_speed);
 }
 
-/// Sets what making the fixtures, joints and contacts of a body has changed.
-void SetState(b2Body& body, const BodyState& state) {
+/// Sets all but the contacts of a body; these wake it when they are made.
+void RestoreMotion(b2Body& body, const BodyState& state) {
+  box2d::Transform(body) = b2Transform(state.position, b2Rot(state.sweep.a));
+  b2Sweep& sweep = box2d::Sweep(body);
+  const b2Vec2 center = sweep.localCenter;
+  sweep = state.sweep;
+  sweep.localCenter = center;
+  sweep.alpha0 = 0.0f;
+  body.SetAwake(state.is_awake);
   body.SetLinearVelocity(state.velocity);
   body.SetAngularVelocity(state.omega);
-  body.SetAwake(state.is_awake);
-  box2d::Sweep(body).c0 = state.sweep.c0;
-  box2d::Sweep(body).c = state.sweep.c;
-  box2d::Sweep(body).a0 = state.sweep.a0;
   box2d::Force(body) = state.force;
   box2d::Torque(body) = state.torque;
   box2d::SleepTime(body) = state.sleep_time;
+}
+
+bool StandsAt(b2Body& body, const BodyState& state) {
+  return body.GetPosition() == state.position && body.GetAngle() == state.sweep.a;
+}
+
+template <class Map>
+void Take(Map& map, const Map& values) {
+  map.ForEach([&](auto handle, auto& each) { each.mechanism = values.Get(handle).mechanism; });
+}
+
+/// Without replacing the objects, whose addresses a SharedWorld keeps, or the joints they are on.
+void RestoreMechanisms(Mechanisms& mechanisms, const Mechanisms& state) {
+  Take(mechanisms.drives, state.drives);
+  Take(mechanisms.tweens, state.tweens);
+  Take(mechanisms.drifts, state.drifts);
+  mechanisms.tricycles.ForEach([&](auto handle, auto& each) {
+    each.mechanism.TakeMotion(state.tricycles.Get(handle).mechanism);
+  });
 }
 
 /// Writes or reads the mechanisms of a map, which must be on the same bodies.
@@ -130,15 +193,81 @@ void SerializeMounted(Archive& archive, Map& map, const std::vector<uint32_t>& o
   });
 }
 
+/// Writes or reads drifts. Copies of worlds have none, so a state with some is that of such a
+/// world, too; and in a state without any, those of a world stay as they are.
+template <class Archive>
+void SerializeDrifts(Archive& archive, MountedMap<BodyDrift>& drifts,
+                     const std::vector<uint32_t>& order) {
+  auto count = static_cast<uint32_t>(drifts.size());
+  archive(count);
+  if (count == drifts.size()) {
+    drifts.ForEach([&](auto, auto& mounted) {
+      archive.Same(order[mounted.body.index], "the body of a drift");
+      archive(mounted.mechanism);
+    });
+    return;
+  }
+  if constexpr (Archive::kIsReader) {
+    if (drifts.size() > 0 && count > 0) Archive::Fail();
+    BodyDrift unused;
+    for (uint32_t body = 0; count > 0; --count) archive(body, unused);
+  }
+}
+
+/// Writes or reads the order of a body's fixtures, which is mostly that from the last to the first.
+template <class Archive>
+void SerializeOrder(Archive& archive, std::vector<uint32_t>& order, size_t count) {
+  bool is_reverse = std::is_sorted(order.rbegin(), order.rend());
+  archive(is_reverse);
+  if constexpr (Archive::kIsReader) {
+    order.resize(count);
+    for (size_t i = 0; i < count; ++i) order[i] = static_cast<uint32_t>(count - 1 - i);
+  }
+  if (is_reverse) return;
+  for (uint32_t& index : order) archive(index);
+  if constexpr (Archive::kIsReader) {
+    std::vector<uint32_t> sorted = order;
+    std::sort(sorted.begin(), sorted.end());
+    for (size_t i = 0; i < count; ++i) {
+      if (sorted[i] != i) Archive::Fail();
+    }
+  }
+}
+
+/// Writes or reads the walls of large layers that Box2D has for a body, and adds them to `held`.
+template <class Archive>
+void SerializeNearby(Archive& archive, BodyRecord::Nearby& nearby,
+                     const std::vector<std::unique_ptr<NearbyWalls>>& large,
+                     std::vector<std::set<uint32_t>>& held) {
+  archive(nearby.is_current, nearby.center);
+  bool has_blocks = !nearby.blocks.empty();
+  archive(has_blocks);
+  nearby.blocks.resize(has_blocks ? large.size() : 0);
+  for (size_t i = 0; i < nearby.blocks.size(); ++i) {
+    auto count = static_cast<uint32_t>(nearby.blocks[i].size());
+    archive(count);
+    if constexpr (Archive::kIsReader) {
+      if (count > archive.remaining() / sizeof(uint32_t)) Archive::Fail();
+      nearby.blocks[i].assign(count, 0);
+    }
+    for (uint32_t& block : nearby.blocks[i]) {
+      archive(block);
+      if (!large[i]->IsBlock(block)) Reader::Fail();
+      held[i].insert(block);
+    }
+  }
+}
+
 }  // namespace
 
 WorldState WorldState::Of(const World& world) {
   WorldState state;
   state.inverse_step = box2d::InverseStep(*world.world_);
+  state.has_new_contacts = box2d::NewContacts(*world.world_);
   std::vector<uint32_t> order(world.bodies_.slot_count());  // by the index of a handle
   world.bodies_.ForEach([&](World::Body handle, const BodyRecord& record) {
     order[handle.index] = static_cast<uint32_t>(state.bodies.size());
-    state.bodies.push_back(StateOf(*record.body, record.fixtures));
+    state.bodies.push_back(StateOf(record));
     if (const NearbyWalls* large = world.layers_->LargeLayerOf(record)) {
       state.bodies.back().materials = large->GetMaterials();
     }
@@ -152,19 +281,24 @@ WorldState WorldState::Of(const World& world) {
     };
     // Without points, the rest of a manifold is not initialised.
     const bool has_points = c->GetManifold()->pointCount > 0;
+    using Internals = box2d::ContactInternals;
+    const bool is_to_filter = (Internals::Flags(*c) & Internals::kToFilter) != 0;
     state.contacts.push_back({end_of(*c->GetFixtureA()), end_of(*c->GetFixtureB()), c->IsTouching(),
-                              c->IsEnabled(), c->GetFriction(), c->GetRestitution(),
+                              c->IsEnabled(), is_to_filter, c->GetFriction(), c->GetRestitution(),
                               c->GetTangentSpeed(), has_points ? *c->GetManifold() : b2Manifold{}});
   }
   state.mechanisms = world.mechanisms_;
   state.crowds = world.crowds_;
+  state.walls = world.wall_tree_ = WallTree::Of(WallBoxesOf(world.bodies_), world.wall_tree_);
+  state.tree =
+      SavedTree::Of(*world.world_, FixturesOf(world.bodies_, *world.layers_), *state.walls);
   return state;
 }
 
 template <class Archive>
 void WorldState::Serialize(Archive& archive, const World& world) {
   archive.Same(kFormat, "its format");
-  archive(inverse_step);
+  archive(inverse_step, has_new_contacts);
   if constexpr (Archive::kIsReader) {
     if (inverse_step < 0.0f) Archive::Fail();
   }
@@ -175,6 +309,11 @@ void WorldState::Serialize(Archive& archive, const World& world) {
     records.push_back(&record);
   });
   archive.Same(static_cast<uint32_t>(records.size()), "the number of bodies");
+  const auto& large = world.layers_->large_layers();
+  archive.Same(static_cast<uint32_t>(large.size()),
+               "the number of layers of more than 500,000 walls");
+  std::vector<std::set<uint32_t>> held(large.size());
+  size_t fixture_count = 0;
   for (size_t i = 0; i < records.size(); ++i) {
     BodyState& body = bodies[i];
     const size_t fixtures = world.layers_->FixtureCountOf(*records[i]);
@@ -185,7 +324,14 @@ void WorldState::Serialize(Archive& archive, const World& world) {
     archive(all_equal);
     body.materials.resize(all_equal ? std::min<size_t>(fixtures, 1) : fixtures);
     for (Material& material : body.materials) archive(material);
+    fixture_count += records[i]->fixtures.size();
+    if (records[i]->is_layer) continue;
+    SerializeOrder(archive, body.order, fixtures);
+    body.boxes.resize(fixtures);
+    for (b2AABB& box : body.boxes) archive(box.lowerBound, box.upperBound);
+    if (!large.empty()) SerializeNearby(archive, body.nearby, large, held);
   }
+  for (size_t i = 0; i < large.size(); ++i) fixture_count += large[i]->CountWalls(held[i]);
   archive.Same(static_cast<uint32_t>(joints.size()), "the number of joints");
   size_t joint_index = 0;
   world.joints_.ForEach([&](World::Joint, const b2Joint* joint) {
@@ -218,7 +364,7 @@ void WorldState::Serialize(Archive& archive, const World& world) {
   SerializeMounted(archive, mechanisms.drives, order, "the number of drives");
   SerializeMounted(archive, mechanisms.tricycles, order, "the number of tricycle drives");
   SerializeMounted(archive, mechanisms.tweens, order, "the number of tweens");
-  SerializeMounted(archive, mechanisms.drifts, order, "the number of drifts");
+  SerializeDrifts(archive, mechanisms.drifts, order);
   archive.Same(static_cast<uint32_t>(crowds.size()), "the number of crowds");
   crowds.ForEach([&](auto, Crowd& crowd) {
     archive.Same(static_cast<uint32_t>(crowd.size()), "the number of people of a crowd");
@@ -227,82 +373,99 @@ void WorldState::Serialize(Archive& archive, const World& world) {
       if (!crowd.IsValid()) Archive::Fail();
     }
   });
+  archive.Same(walls->checksum(), "the walls");
+  archive(tree);
+  if constexpr (Archive::kIsReader) {
+    if (!tree.IsSound(fixture_count, *walls)) Archive::Fail();
+  }
 }
 
-std::string World::SaveState() {
-  const AccessGuard guard(*this);
-  WorldState state = WorldState::Of(*this);
+std::string WorldState::Write(const World& world) {
   Writer writer;
-  state.Serialize(writer, *this);
-  state.Restore(*this);
+  Serialize(writer, world);
   std::string bytes = std::move(writer).bytes();
   const uint64_t sum = Checksum(bytes);
   return bytes.append(reinterpret_cast<const char*>(&sum), sizeof sum);
 }
 
-void World::RestoreState(std::string_view bytes) {
-  const AccessGuard guard(*this);
+WorldState WorldState::Read(std::string_view bytes, const World& world) {
   // Numbers at random may be such that Box2D's assertions fail some steps later.
   uint64_t sum = 0;
   if (bytes.size() < sizeof sum) Reader::Fail();
   const std::string_view content = bytes.substr(0, bytes.size() - sizeof sum);
   std::memcpy(&sum, bytes.data() + content.size(), sizeof sum);
   if (sum != Checksum(content)) Reader::Fail();
-  WorldState state = WorldState::Of(*this);
+  WorldState state = WorldState::Of(world);
   Reader reader(content);
-  state.Serialize(reader, *this);
+  state.Serialize(reader, world);
   if (reader.remaining() > 0) Reader::Fail();
-  state.Restore(*this);
+  return state;
+}
+
+std::string World::SaveState() const {
+  const AccessGuard guard(*this);
+  return WorldState::Of(*this).Write(*this);
+}
+
+void World::RestoreState(std::string_view bytes) {
+  const AccessGuard guard(*this);
+  WorldState::Read(bytes, *this).Restore(*this);
+}
+
+void WorldState::RequireSameStill(const World& world) const {
+  size_t i = 0;
+  world.bodies_.ForEach([&](auto, const BodyRecord& record) {
+    const BodyState& state = bodies[i++];
+    const BodyState present = StateOf(record);
+    Require(state.materials == present.materials && state.order == present.order,
+            "the state is of another world: other friction, restitution or footprints");
+    Require(record.may_move || StandsAt(*record.body, state),
+            "the state is of another world: a static body is elsewhere");
+  });
 }
 
 void WorldState::Restore(World& world) const {
-  auto rebuilt = std::make_unique<b2World>(b2Vec2_zero);
-  rebuilt->SetDestructionListener(&world);
-  box2d::InverseStep(*rebuilt) = inverse_step;
+  b2World& box2d_world = *world.world_;
+  box2d_world.SetContactListener(nullptr);
+  b2ContactManager& manager = box2d::Contacts(box2d_world);
+  while (manager.m_contactList != nullptr) manager.Destroy(manager.m_contactList);
   std::vector<BodyRecord*> records;
-  bool has_layers_alone = true;
-  world.bodies_.ForEach([&](auto, BodyRecord& record) {
-    const BodyState& of_body = bodies[records.size()];
-    b2Body* body = CopyBody(*rebuilt, *record.body, of_body);
-    for (size_t i = 0; i < record.fixtures.size(); ++i) {
-      const Material& material = of_body.materials[of_body.materials.size() == 1 ? 0 : i];
-      record.fixtures[i].fixture = CopyFixture(*body, *record.fixtures[i].fixture, material);
-    }
-    if (NearbyWalls* large = world.layers_->LargeLayerOf(record))
-      large->SetMaterials(of_body.materials);
-    record.body = body;
-    record.has_changed_material = true;
+  world.bodies_.ForEach([&](World::Body handle, BodyRecord& record) {
+    const BodyState& state = bodies[records.size()];
     records.push_back(&record);
-    has_layers_alone = has_layers_alone && record.is_layer;
-    if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*rebuilt);
+    if (NearbyWalls* large = world.layers_->LargeLayerOf(record)) {
+      large->SetMaterials(state.materials);
+    }
+    RestoreFixtures(record, state);
+    record.has_changed_material = true;
+    if (!StandsAt(*record.body, state)) world.bodies_.LetMove(handle);
   });
-  const auto copy_of = [&](b2Body* old) { return world.bodies_.RecordOf(*old).body; };
-  world.mechanisms_ = mechanisms;
+  for (BodyRecord* record : records) world.layers_->ReleaseWallsNear(box2d_world, *record);
+  for (size_t i = 0; i < records.size(); ++i) {
+    world.layers_->HoldWallsOf(box2d_world, *records[i], bodies[i].nearby);
+  }
+  tree.Restore(box2d_world, FixturesOf(world.bodies_, *world.layers_), *walls);
   size_t joint_index = 0;
-  world.joints_.ForEach([&](World::Joint, b2Joint*& joint) {
-    b2Joint* old = joint;
-    joint = box2d::CopyJoint(*rebuilt, *old, copy_of(old->GetBodyA()), copy_of(old->GetBodyB()));
-    SetImpulses(*joint, joints[joint_index++]);
-    world.mechanisms_.ReplaceJoint(old, joint);
-  });
-  world.layers_->ForgetHeldWalls();
-  world.world_ = std::move(rebuilt);
-  world.layers_->HoldWallsNearBodies(*world.world_);
+  world.joints_.ForEach(
+      [&](World::Joint, b2Joint* joint) { SetImpulses(*joint, joints[joint_index++]); });
+  RestoreMechanisms(world.mechanisms_, mechanisms);
   for (auto contact = contacts.rbegin(); contact != contacts.rend(); ++contact) {
     b2Fixture* const a =
         world.layers_->FixtureOrNull(*records[contact->a.body], contact->a.fixture);
     b2Fixture* const b =
         world.layers_->FixtureOrNull(*records[contact->b.body], contact->b.fixture);
     // A wall that Box2D does not have is too far away to be touched.
-    if (a != nullptr && b != nullptr) CopyContact(*world.world_, *a, *b, *contact);
+    if (a != nullptr && b != nullptr) MakeContact(box2d_world, *a, *b, *contact);
   }
-  for (size_t i = 0; i < records.size(); ++i) SetState(*records[i]->body, bodies[i]);
+  for (size_t i = 0; i < records.size(); ++i) RestoreMotion(*records[i]->body, bodies[i]);
+  box2d::InverseStep(box2d_world) = inverse_step;
+  box2d::NewContacts(box2d_world) = has_new_contacts;
   world.contacts_.ChooseReports();
-  world.bodies_.ForEach(
-      [](auto, BodyRecord& record) { record.may_move = record.may_move || IsWound(*record.body); });
-  world.crowds_ = crowds;
-  world.crowds_.ForEach([&](auto, Crowd& crowd) { crowd.Restore(world.bodies_); });
-  world.bodies_.ChangeStructure();
+  world.crowds_.ForEach([&](auto handle, Crowd& crowd) {
+    crowd.Take(crowds.Get(handle));
+    crowd.Restore(world.bodies_);
+  });
+  world.bodies_.ChangePoses();
 }
 
 }  // namespace flatland

@@ -6,10 +6,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "flatland_server/crowd.hpp"
 #include "flatland_server/mechanisms.hpp"
+#include "saved_tree.hpp"
 
 namespace flatland {
 
@@ -44,6 +48,10 @@ struct BodyState {
   float sleep_time = 0.0f;        // for how long it has been at rest [s]
   bool is_awake = true;
   std::vector<Material> materials;  // of its fixtures, or a single one if all are equal
+  // Not of layers:
+  std::vector<uint32_t> order;  // of its fixtures in Box2D's list: their indices
+  std::vector<b2AABB> boxes;    // around each of its fixtures, in this order, in the last step
+  BodyRecord::Nearby nearby;
 
   template <class Archive>
   void Serialize(Archive& archive) {
@@ -70,6 +78,7 @@ struct ContactState {
   End b;
   bool is_touching = false;
   bool is_enabled = true;
+  bool is_to_filter = false;  // whether they may collide is to be found out again
   float friction = 0.0f;
   float restitution = 0.0f;
   float tangent_speed = 0.0f;
@@ -77,7 +86,7 @@ struct ContactState {
 
   template <class Archive>
   void Serialize(Archive& archive) {
-    archive(a, b, is_touching, is_enabled, friction, restitution, tangent_speed);
+    archive(a, b, is_touching, is_enabled, is_to_filter, friction, restitution, tangent_speed);
     uint32_t type = manifold.type;
     archive(type, manifold.pointCount, manifold.localNormal, manifold.localPoint);
     if constexpr (Archive::kIsReader) {
@@ -98,18 +107,28 @@ struct ContactState {
 
 struct WorldState {
   static WorldState Of(const World& world);
-  /// Writes the state, or reads it: then this is the present one of the world, to be replaced.
-  template <class Archive>
-  void Serialize(Archive& archive, const World& world);
-  /// Replaces Box2D's world by a new one in this state; handles name the same bodies as before.
+  /// A state out of bytes. Throws std::invalid_argument if they are damaged, or of another world.
+  static WorldState Read(std::string_view bytes, const World& world);
+  std::string Write(const World& world);
+  /// Puts a world into this state.
   void Restore(World& world) const;
+  /// Throws std::invalid_argument unless the world has, in this state, the same materials, and the
+  /// bodies that stay at the same places.
+  void RequireSameStill(const World& world) const;
 
   float inverse_step = 0.0f;                 // one over the length of the last step [1/s]
+  bool has_new_contacts = false;             // something was moved since
   std::vector<BodyState> bodies;             // each in the order in which they were added
   std::vector<std::array<float, 5>> joints;  // the solver's impulses
   std::vector<ContactState> contacts;        // in Box2D's order: the newest first
   Mechanisms mechanisms;
   SlotMap<Crowd> crowds{"crowd"};
+  SavedTree tree;
+  std::shared_ptr<const WallTree> walls;
+
+ private:
+  template <class Archive>
+  void Serialize(Archive& archive, const World& world);
 };
 
 }  // namespace flatland

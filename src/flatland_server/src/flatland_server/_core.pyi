@@ -168,8 +168,7 @@ class World(metaclass=_Metaclass):
     def save_state(self) -> bytes:
         """The dynamic state: poses, velocities, contacts, joints, drives and tweens.
 
-        From then on, this world and one that `restore_state` puts into this state run alike, bit
-        for bit; without the call, this world would differ in the last bits.
+        This world and one that `restore_state` puts into this state run alike, bit for bit.
         """
     def restore_state(self, state: bytes) -> None:
         """Restores the saved state of a world that was built in the same way and order.
@@ -235,7 +234,7 @@ class WorldBatch(metaclass=_Metaclass):
     (n * m, 3) float64, collided (n * m,) bool, steps (n,) int64.
 
     Args:
-        world: the initial one, before its first step; it is copied.
+        world: the initial one; it is copied.
         robots: of each, its bodies, the first of which is observed; the pose of that body in the
             robot's frame; its drive; the index of the drive's number that each number of an action
             sets; and its lidar.
@@ -243,6 +242,7 @@ class WorldBatch(metaclass=_Metaclass):
         threads: number of threads that share the environments.
         models: models that `reset` can move: the bodies of each, and the pose of the first body in
             the model's frame.
+        steps: that the world has made.
     """
 
     def __init__(
@@ -255,6 +255,7 @@ class WorldBatch(metaclass=_Metaclass):
         count: int,
         threads: int,
         models: Sequence[tuple[Sequence[Body], _Triple]],
+        steps: int = 0,
     ) -> None: ...
     @property
     def beams(self) -> int:
@@ -302,6 +303,29 @@ class WorldBatch(metaclass=_Metaclass):
 
         Raises:
             ValueError: an array does not fit, or a number is not finite. Nothing has changed.
+        """
+    def save_state(self, row: int) -> bytes:
+        """The state of an environment, as `World.save_state` makes it."""
+    def load_states(
+        self,
+        mask: BoolArray | None,
+        states: Sequence[bytes],
+        chosen: IntArray,
+        steps: IntArray,
+        out: tuple[Any, ...],
+    ) -> None:
+        """Puts environments into saved states, and writes their rows. Releases the GIL.
+
+        Args:
+            mask: which environments, (n,); None: all.
+            states: of `save_state`, here or of a world that was built in the same way.
+            chosen: index of the state of each environment, (n,).
+            steps: that each environment has made in its state, (n,).
+            out: as for the class.
+
+        Raises:
+            ValueError: an array does not fit, or a state is damaged or of another world. Nothing
+                has changed.
         """
     def observe(self, out: tuple[Any, ...]) -> None:
         """Writes all rows."""

@@ -95,18 +95,11 @@ def test_a_restored_world_goes_on_bit_for_bit_like_the_one_that_was_saved(steps)
         assert second.run(seed).motion == first.run(seed).motion
 
 
-def test_saving_changes_what_follows_by_rounding_errors_alone():
+def test_saving_changes_nothing():
     saved, untouched = Parts().run(1, 200), Parts().run(1, 200)
-    saved.world.save_state()
-    saved.events.clear(), untouched.events.clear()
-
-    bodies, *_, events = saved.run(2, 5).motion
-    expected_bodies, *_, expected_events = untouched.run(2, 5).motion
-
-    for body, expected in zip(bodies, expected_bodies):
-        assert body == pytest.approx(expected, abs=1e-5)
-    # Contacts go on: they neither begin again nor lose the impulses that the solver starts from.
-    assert {e[:3] for e in events} == {e[:3] for e in expected_events}
+    for seed in range(3):
+        saved.world.save_state()
+        assert saved.run(seed).motion == untouched.run(seed).motion
 
 
 def test_a_body_falls_asleep_at_the_same_time_whether_saved_or_not():

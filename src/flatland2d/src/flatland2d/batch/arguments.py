@@ -1,12 +1,13 @@
 """Checks of the arrays that a program passes to a batch."""
 
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from flatland_server.arguments import shown, whole_number
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
-from flatland_server.exceptions import UsageError
+from flatland_server.exceptions import StateError, UsageError
+from flatland_server.simulation.world_state import WorldState
 
 MAX_COORDINATE = 5e4
 """The greatest distance of a pose from the origin along x and y [m]."""
@@ -105,6 +106,38 @@ def seeds_of(value: Any, count: int) -> IntArray:
     if array.dtype.kind not in "iu" or (array < 0).any() or (array > _MAX_SEED).any():
         raise UsageError(f"expected seeds of 0 to 2^63 - 1, found {shown(array)}")
     return np.array(array, np.intp)
+
+
+def states_of(value: Any, count: int) -> List[bytes]:
+    """The state of each chosen environment, given one for all or one for each.
+
+    Raises:
+        UsageError: they are no bytes, or not as many as environments are chosen.
+    """
+    if isinstance(value, bytes):
+        return [value] * count
+    if not isinstance(value, Sequence) or not all(isinstance(each, bytes) for each in value):
+        raise UsageError(f"expected states as bytes, or a list of these, found {shown(value)}")
+    if len(value) != count:
+        raise UsageError(f"expected {count} states, found {len(value)}")
+    return list(value)
+
+
+def steps_of(state: WorldState, step_nanoseconds: int) -> int:
+    """The number of steps that lead to the time of a state.
+
+    Raises:
+        StateError: it is between two steps, or no environment can have the state's seed.
+    """
+    if not 0 <= state.seed <= _MAX_SEED:
+        raise StateError(f"expected a state with a seed of 0 to 2^63 - 1, found {state.seed}")
+    steps, rest = divmod(state.nanoseconds, step_nanoseconds)
+    if rest:
+        raise StateError(
+            f"expected a state after whole steps of {step_nanoseconds * 1e-9:g} s, found one at "
+            f"{state.nanoseconds * 1e-9:g} s"
+        )
+    return steps
 
 
 def _array(value: Any, what: str, form: str, shape: Tuple[int, ...]) -> Any:

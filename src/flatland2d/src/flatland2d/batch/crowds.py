@@ -20,7 +20,7 @@ class BatchCrowds:
 
     def __init__(self, roles: Sequence[PluginRole], count: int) -> None:
         self._crowds = [
-            (owner, name, role.crowd) for owner, name, role in roles if role.crowd is not None
+            (owner, name, role.crowd) for owner, name, _, role in roles if role.crowd is not None
         ]
         self._seeds = np.full(count, -1, np.int64)
         self._keys = np.zeros((len(self._crowds), count), np.uint64)

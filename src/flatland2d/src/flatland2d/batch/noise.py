@@ -1,6 +1,6 @@
 """The noise of the lidars of a batch."""
 
-from typing import List, Optional, Sequence, Set
+from typing import Dict, List, Optional, Sequence, Set
 
 import numpy as np
 
@@ -68,9 +68,15 @@ class BatchNoise:
     def _make(self, seeds: IntArray) -> None:
         """Makes the noise of environments with new seeds."""
         assert self._make_noise is not None
+        made: Dict[int, _core.RangeNoise] = {}  # by seeds: it keeps nothing from call to call
         for k in self._new:
-            rng = plugin_rng(int(seeds[k]), self._robot.model.name, self._robot.lidar.name)
-            noise = self._noises[k] = self._make_noise(rng)
-            if isinstance(noise, _core.RangeNoise):
-                self._keys[k] = noise.key
+            seed = int(seeds[k])
+            if seed not in made:
+                rng = plugin_rng(seed, self._robot.model.name, self._robot.lidar.name)
+                noise = self._noises[k] = self._make_noise(rng)
+                if not isinstance(noise, _core.RangeNoise):
+                    continue
+                made[seed] = noise
+            self._noises[k] = made[seed]
+            self._keys[k] = made[seed].key
         self._new.clear()

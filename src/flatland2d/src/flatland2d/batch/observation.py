@@ -26,7 +26,7 @@ class BatchObservation(NamedTuple):
     collided: BoolArray
     """(n,), bool: whether the robot touched something solid during the last call of `step`."""
     times: FloatArray
-    """(n,), float64: simulated time since the last reset [s]."""
+    """(n,), float64: simulated time since the last reset, or that of the state [s]."""
 
     @classmethod
     def empty(cls, count: int, beams: int, robots: Optional[int] = None) -> "BatchObservation":

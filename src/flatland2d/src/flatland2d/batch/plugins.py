@@ -1,6 +1,6 @@
 """The effects of plugins in a batch: worlds that they change at random, bodies that they move."""
 
-from typing import Any, Callable, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -10,8 +10,10 @@ from flatland2d.batch.robot import PluginRole
 from flatland2d.batch.worlds import BatchWorlds
 from flatland_server import _core
 from flatland_server.arrays import BoolArray, FloatArray, IntArray
+from flatland_server.simulation.plugin_state import PluginState
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
+from flatland_server.simulation.world_state import WorldState
 
 
 class BatchPlugins:
@@ -23,6 +25,7 @@ class BatchPlugins:
         count: number of environments, n.
         step_nanoseconds: length of a step.
         open: loads the world with another seed.
+        origin: the state in which environments begin; None: that of the world's files.
     """
 
     def __init__(
@@ -32,12 +35,14 @@ class BatchPlugins:
         count: int,
         step_nanoseconds: int,
         open: Callable[[int], World],
+        origin: Optional[WorldState] = None,
     ) -> None:
         self._config = config
         self._count = count
         self._step = step_nanoseconds
-        self._worlds = BatchWorlds(roles, count, open)
-        self._crowds = BatchCrowds(roles, count)
+        self._origin = origin
+        self._worlds = BatchWorlds([] if origin else roles, count, open)
+        self._crowds = BatchCrowds([] if origin else roles, count)
         self._motions = BatchMotions(roles, count, step_nanoseconds)
 
     def load(
@@ -70,6 +75,22 @@ class BatchPlugins:
         self._crowds.begin(core, every, seeds)
         for k in every if self._motions else ():
             self._motions.begin(k, int(seeds[k]), self._worlds.walls(k))
+            if self._origin is not None:
+                self._motions.set_states(k, self._origin.plugins, self._origin.nanoseconds)
+
+    def states(self, environment: int) -> List[PluginState]:
+        """The states of those plugins that act in an environment."""
+        return self._motions.states(environment)
+
+    def restore(self, environment: int, state: WorldState) -> None:
+        """Restores the states of those plugins that act, in an environment that the core has.
+
+        Raises:
+            StateError: they do not fit.
+        """
+        if self._motions:
+            self._motions.begin(environment, state.seed, self._worlds.walls(environment))
+            self._motions.set_states(environment, state.plugins, state.nanoseconds)
 
     def step(
         self,

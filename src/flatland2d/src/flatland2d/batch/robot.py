@@ -15,6 +15,7 @@ class PluginRole(NamedTuple):
     owner: str
     """The name of its model; empty for a plugin of the world."""
     name: str
+    type: str
     role: BatchRole
 
 
@@ -48,7 +49,7 @@ def roles_of(world: World) -> List[PluginRole]:
                     "run has a batch_role, declared again where a hook is overridden: BatchRole() "
                     "if its hooks only observe"
                 )
-            roles.append(PluginRole(owner, plugin.name, role))
+            roles.append(PluginRole(owner, plugin.name, plugin.type, role))
     return roles
 
 

@@ -1,7 +1,8 @@
 """Many environments in one call, without ROS: `SimulationBatch("office", 1024).step(actions)`."""
 
 import os
-from typing import Any, Mapping, Optional, Sequence, Tuple, Union
+from dataclasses import replace
+from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from flatland2d.batch.arguments import (
     mask_of,
     poses_of,
     seeds_of,
+    states_of,
+    steps_of,
 )
 from flatland2d.batch.free_spaces import FreeSpaces
 from flatland2d.batch.noise import BatchNoise
@@ -32,9 +35,11 @@ from flatland_server.arguments import (
     whole_number,
 )
 from flatland_server.arrays import ArrayLike, BoolArray, FloatArray, IntArray
-from flatland_server.exceptions import UsageError
+from flatland_server.exceptions import StateError, UsageError
 from flatland_server.plugins.plugin_loader import PluginLoader
+from flatland_server.simulation import saved_states
 from flatland_server.simulation.world import World
+from flatland_server.simulation.world_state import WorldState
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 
@@ -83,10 +88,13 @@ class SimulationBatch:
         simplify_map: how much the outlines of map images are simplified: 0 not at all, 1 or 2.
         model_folders: where model files are looked up that are not beside the world file.
         loader: finds plugin classes; by default those that installed packages declare.
+        state: of a `Simulation` or an environment of the same world, in which all environments
+            begin, with its seed; None: they begin as the world's files say.
 
     Raises:
         FlatlandError: there is no such world, something in its files is wrong, it has no such robot
-            or lidar, or a plugin that acts by itself (`Plugin.batch_role`).
+            or lidar, or a plugin that acts by itself (`Plugin.batch_role`); or the state does not
+            fit.
     """
 
     def __init__(
@@ -105,11 +113,15 @@ class SimulationBatch:
         simplify_map: int = 0,
         model_folders: Sequence[Union[str, "os.PathLike[str]"]] = (),
         loader: Optional[PluginLoader] = None,
+        state: Optional[bytes] = None,
     ) -> None:
         self._num_envs = whole_number(num_envs, "a number of environments", 1)
         self._threads = whole_number(threads, "a number of threads", 1)
         self._step_nanoseconds = Timekeeper(step_size).step_nanoseconds
-        self._seeds = seeds_of(seed, self._num_envs)
+        origin = None if state is None else WorldState.loads(state)
+        first_step = 0 if origin is None else steps_of(origin, self._step_nanoseconds)
+        seeds = seed if origin is None else np.full(self._num_envs, origin.seed)
+        self._seeds = seeds_of(seeds, self._num_envs)
         self._params, self._loader = params_of(params), loader
         self._world = open_world(
             world,
@@ -119,6 +131,8 @@ class SimulationBatch:
             model_folders=folders_of(model_folders),
             loader=loader,
         )
+        if origin is not None:
+            saved_states.restore(origin, self._world)
         roles = roles_of(self._world)
         if robot is not None and robots is not None:
             raise UsageError(f"expected robot or robots, found both: {shown((robot, robots))}")
@@ -128,7 +142,7 @@ class SimulationBatch:
         self._robot = self._robots[0]
         self._team = None if robots is None else len(self._robots)  # m of the arrays' shapes
         self._shape = (self._num_envs,) if self._team is None else (self._num_envs, self._team)
-        self._view = BatchView(self._world, self.step_size, self._params, loader)
+        self._view = BatchView(self._world, self.step_size, self._params, loader, state)
         self._moved = [self._world.get_model(name) for name in several(moved, "moved")]
         for each in self._robots:
             if each.model in self._moved:
@@ -151,13 +165,17 @@ class SimulationBatch:
             count=self._num_envs,
             threads=self._threads,
             models=[(each.physics_bodies, each.base.config.pose) for each in self._moved],
+            steps=first_step,
         )
         self._beams = self._core.beams
-        self._steps = np.zeros(self._num_envs, np.int64)
+        self._steps = np.full(self._num_envs, first_step, np.int64)
+        self._parts: Optional[WorldState] = None
         self._plugins = BatchPlugins(
-            self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open
+            self._world.config, roles, self._num_envs, self._step_nanoseconds, self._open, origin
         )
         self._plugins.begin(self._core, None, self._seeds)
+        varies = any(each.role.varies_by_seed for each in roles)
+        self._only_seed = origin.seed if origin is not None and varies else None
         self._noises = [BatchNoise(each, self._num_envs) for each in self._robots]
         self._spaces = FreeSpaces(self._world, self._robots)
         config = self._world.config
@@ -391,6 +409,113 @@ class SimulationBatch:
 
         shown = range(min(self._num_envs, _SHOWN))
         return side_by_side([self.view(index).render((240, 180)) for index in shown])
+
+    # States
+
+    def save_states(self, mask: Optional[ArrayLike] = None) -> List[bytes]:
+        """The states of environments, for `load_states` here or in another process.
+
+        A `Simulation` of the same world loads them, too; plugins that a batch leaves out begin
+        there from scratch.
+
+        Args:
+            mask: shape (n,), bool: which environments; None: all.
+
+        Returns:
+            A state for each of them, in their order.
+
+        Raises:
+            StateError: a plugin's state cannot be saved.
+            UsageError: the mask does not fit, or the batch is closed.
+        """
+        core = self._require_open()
+        chosen = None if mask is None else mask_of(mask, self._num_envs)
+        self._plugins.load(core, chosen, self._seeds, self._steps)
+        parts, every = self._own_parts(), range(self._num_envs)
+        return [
+            replace(
+                parts,
+                seed=int(self._seeds[k]),
+                nanoseconds=int(self._steps[k]) * self._step_nanoseconds,
+                plugins=self._plugins.states(k),
+                physics=core.save_state(k),
+                is_of_batch=True,
+            ).dumps()
+            for k in (every if chosen is None else np.flatnonzero(chosen).tolist())
+        ]
+
+    def load_states(
+        self,
+        states: Union[bytes, Sequence[bytes]],
+        mask: Optional[ArrayLike] = None,
+        out: Optional[BatchObservation] = None,
+    ) -> BatchObservation:
+        """Puts environments into saved states, their times and seeds included, and observes.
+
+        Each goes on as a `Simulation` does that loads the state, bit for bit.
+
+        Args:
+            states: of `save_states`, or of a `Simulation` of the same world: one for all
+                environments, or one for each, in their order.
+            mask: shape (n,), bool: which environments; None: all.
+            out: arrays that the observation is written to: only the rows of these environments. By
+                default new arrays, with all rows.
+
+        Returns:
+            `out`, or new arrays.
+
+        Raises:
+            StateError: a state is damaged or does not fit.
+            UsageError: an argument has a wrong shape or type, or the batch is closed. Nothing has
+                changed.
+        """
+        core = self._require_open()
+        chosen = None if mask is None else mask_of(mask, self._num_envs)
+        every = np.arange(self._num_envs)
+        indices = every if chosen is None else np.flatnonzero(chosen)
+        observation = self._rows(out)
+        given = states_of(states, len(indices))
+        saved = {each: WorldState.loads(each) for each in dict.fromkeys(given)}
+        for state in saved.values():
+            self._require_loadable(state)
+        number = {each: index for index, each in enumerate(saved)}
+        seeds, steps = self._seeds.copy(), self._steps.copy()
+        numbers = np.zeros(self._num_envs, np.int64)
+        numbers[indices] = [number[each] for each in given]
+        seeds[indices] = [saved[each].seed for each in given]
+        steps[indices] = [steps_of(saved[each], self._step_nanoseconds) for each in given]
+        self._plugins.load(core, chosen, seeds, self._steps)
+        physics, arrays = [each.physics for each in saved.values()], self._arrays(observation)
+        try:
+            core.load_states(chosen, physics, numbers, steps, arrays)
+        except ValueError as error:
+            raise StateError(f"the state cannot be loaded: {error}") from None
+        for noise in self._noises:
+            noise.restart(np.flatnonzero(seeds != self._seeds).tolist())
+        self._seeds = seeds
+        for k, each in zip(indices.tolist(), given):
+            self._plugins.restore(k, saved[each])
+        self._finish(observation, chosen, is_new=out is None)
+        return observation
+
+    def _require_loadable(self, state: WorldState) -> None:
+        """Checks all of a state but its numbers.
+
+        Raises:
+            StateError: the batch's world has other models, walls or footprints.
+        """
+        saved_states.require_same_parts(state, self._own_parts(), self._world.config)
+        if self._only_seed not in (None, state.seed):
+            raise StateError(
+                f"expected a state with the seed {self._only_seed}, on which the walls of the "
+                f"batch depend, found {state.seed}"
+            )
+
+    def _own_parts(self) -> WorldState:
+        """The models, walls and footprints of all environments, as a part of a state."""
+        if self._parts is None:
+            self._parts = saved_states.parts_of(self._world)
+        return self._parts
 
     # Places
 

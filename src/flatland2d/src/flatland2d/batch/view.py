@@ -17,6 +17,7 @@ class BatchView:
         step_size: length of a step [s].
         params: of the world's plugins.
         loader: finds their classes.
+        origin: the state in which environments begin, if it is not that of the world's files.
     """
 
     def __init__(
@@ -25,11 +26,13 @@ class BatchView:
         step_size: float,
         params: Mapping[str, Any],
         loader: Optional[PluginLoader],
+        origin: Optional[bytes] = None,
     ) -> None:
         self._world = world
         self._step_size = step_size
         self._params = params
         self._loader = loader
+        self._origin = origin
         self._simulation: Optional[Simulation] = None
 
     @property
@@ -49,7 +52,9 @@ class BatchView:
                 params=self._params,
                 loader=self._loader,
             )
-        elif self._simulation.seed != seed:
+            if self._origin is not None:
+                self._simulation.load_state(self._origin)
+        elif self._simulation.seed != seed and self._origin is None:
             self._simulation.reset(seed)
         bodies = _bodies_of(self._simulation.world)
         for body, pose, velocity in zip(bodies, poses.tolist(), velocities.tolist()):

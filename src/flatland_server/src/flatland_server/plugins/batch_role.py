@@ -1,7 +1,7 @@
 """A plugin's declaration for batches of environments: `BatchRole` and its parts."""
 
 from abc import ABC, abstractmethod
-from typing import Callable, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -88,6 +88,26 @@ class BatchMotion(ABC):
         Returns:
             Velocities of the origins of `moved`, in the world's frame, (k, bodies, 3).
         """
+
+    def get_state(self, environment: int) -> Any:
+        """All that `update` depends on and that changes, but for the random numbers.
+
+        Override it for states of batches and branches of a simulation. The plugin's own
+        `get_state` has to give the same.
+
+        Args:
+            environment: its index.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no get_state")
+
+    def set_state(self, environment: int, state: Any) -> None:
+        """Restores an environment, which was begun before.
+
+        Args:
+            environment: its index.
+            state: of `get_state`, here or of the plugin.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no set_state")
 
 
 class BatchRole(NamedTuple):

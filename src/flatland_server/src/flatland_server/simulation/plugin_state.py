@@ -21,6 +21,7 @@ class PluginState:
     failure: Optional[str]
     """The reason why it was switched off; None if it runs."""
     rng: Dict[str, Any]
+    """The state of its generator; empty: it starts from scratch."""
     timer: Optional[Dict[str, Any]]
     state: Any
 
@@ -66,6 +67,8 @@ class PluginState:
             )
 
         def restore() -> None:
+            if not self.rng:
+                return
             plugin.rng.bit_generator.state = self.rng
             if self.timer is None:
                 plugin.update_timer = None
@@ -95,6 +98,16 @@ def collect(manager: PluginManager) -> List[PluginState]:
         failure = manager.failure_of(plugin)
         states.append(PluginState.of(owner, plugin, failure.reason if failure else None))
     return states
+
+
+def completed(manager: PluginManager, states: Sequence[PluginState]) -> List[PluginState]:
+    """The states of all plugins, given those of some."""
+    known = {(state.owner, state.name): state for state in states}
+    every = {
+        (owner, plugin.name): PluginState(owner, plugin.name, plugin.type, None, {}, None, None)
+        for owner, plugin in manager.all_plugins()
+    }
+    return list({**every, **known}.values())
 
 
 def restore_failures(manager: PluginManager, states: Sequence[PluginState]) -> None:

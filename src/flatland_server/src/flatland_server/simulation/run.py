@@ -240,9 +240,8 @@ class Run:
     def save_state(self) -> bytes:
         """The state of the world and the time, for `load_state`: here, or in another process.
 
-        From then on, this run and each one that loads the state are equal, bit for bit; without the
-        call this one would differ in the last bits. docs/plugins/programs_and_states.md tells what
-        is saved of plugins.
+        This run and each one that loads the state are equal from then on, bit for bit.
+        docs/plugins/programs_and_states.md tells what is saved of plugins.
 
         Raises:
             StateError: a plugin's state cannot be saved, or a model has no file that it could be

@@ -1,9 +1,11 @@
 """Saving the state of a world, and putting a world into a saved state."""
 
+from dataclasses import asdict, replace
 from operator import attrgetter
 from pathlib import Path
-from typing import Dict, Iterator, List, Union
+from typing import Any, Dict, Iterator, List, Sequence, Union
 
+from flatland_server import plain_data
 from flatland_server.exceptions import FlatlandError, StateError
 from flatland_server.geometry import Pose
 from flatland_server.models.footprint import Circle, Polygon
@@ -21,7 +23,7 @@ from flatland_server.timekeeper import Timekeeper
 
 
 def save(world: World, timekeeper: Timekeeper) -> WorldState:
-    """The present state of a world. From then on, it runs like each one that restores the state.
+    """The present state of a world, which each one that restores it continues bit for bit.
 
     Raises:
         StateError: a plugin's state cannot be saved, or a model has no file that it could be read
@@ -29,21 +31,36 @@ def save(world: World, timekeeper: Timekeeper) -> WorldState:
     """
     contents = world.contents
     contents.plugins.pass_over(timekeeper.nanoseconds - timekeeper.step_nanoseconds)
+    return replace(
+        parts_of(world),
+        nanoseconds=timekeeper.nanoseconds,
+        plugins=plugin_state.collect(contents.plugins),
+        physics=contents.physics.save_state(),
+    )
+
+
+def parts_of(world: World) -> WorldState:
+    """A state with the models, walls and footprints of a world alone.
+
+    Raises:
+        StateError: a model has no file that it could be read from again.
+    """
+    contents = world.contents
     return WorldState(
         str(contents.config.path or ""),
         contents.seed,
-        timekeeper.nanoseconds,
+        0,
         _wall_counts(contents.config),
         contents.additions.states_of(contents.models),
         contents.additions.walls,
         list(_footprints(world)),
-        plugin_state.collect(contents.plugins),
-        contents.physics.save_state(),
+        [],
+        b"",
     )
 
 
 def restore(state: WorldState, world: World) -> None:
-    """Puts a world that was just rebuilt, with the state's seed, into a state.
+    """Puts a world that was just made, with the state's seed, into a state.
 
     Raises:
         StateError: the state does not fit, or the file of a model is missing.
@@ -54,13 +71,41 @@ def restore(state: WorldState, world: World) -> None:
         _replay_additions(state, world)
         for footprint in state.footprints:
             _restore_footprint(footprint, world)
-        plugin_state.restore_failures(contents.plugins, state.plugins)
+        plugins = state.plugins
+        if state.is_of_batch:  # which leaves out some: they start from scratch
+            plugins = plugin_state.completed(contents.plugins, plugins)
+        plugin_state.restore_failures(contents.plugins, plugins)
         contents.physics.restore_state(state.physics)
-        plugin_state.restore(contents.plugins, state.plugins)
+        plugin_state.restore(contents.plugins, plugins)
     except StateError:
         raise
     except (FlatlandError, ValueError) as error:
         raise StateError(f"the state cannot be restored: {error}") from error
+
+
+def require_same_parts(state: WorldState, other: WorldState, config: WorldConfig) -> None:
+    """Checks that two states are of worlds with equal models, walls and footprints.
+
+    Raises:
+        StateError: they are not.
+    """
+    _check_walls(state, config)
+    for noun in ("models", "walls", "footprints"):
+        found, expected = _parts(getattr(state, noun)), _parts(getattr(other, noun))
+        if plain_data.dumps(found) != plain_data.dumps(expected):
+            raise StateError(
+                f"the state is of another world: {noun} were added, changed or deleted; expected "
+                f"the models {_names(other)}, found {_names(state)}"
+            )
+
+
+def _names(state: WorldState) -> str:
+    return ", ".join(model.name for model in state.models)
+
+
+def _parts(entries: Sequence[Any]) -> List[Dict[str, Any]]:
+    """What tells the parts of a world from others: all but how often models were moved."""
+    return [{**asdict(each), "move_revision": 0} for each in entries]
 
 
 def _footprints(world: World) -> Iterator[FootprintState]:
@@ -126,7 +171,7 @@ def _replay_additions(state: WorldState, world: World) -> None:
     if list(world.models) != [model.name for model in state.models]:
         raise StateError(
             f"the state is of another world: expected the models {', '.join(world.models)}; "
-            f"found {', '.join(model.name for model in state.models)}"
+            f"found {_names(state)}"
         )
     for model in state.models:
         world.models[model.name].move_revision = model.move_revision

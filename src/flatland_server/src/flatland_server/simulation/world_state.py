@@ -78,6 +78,8 @@ class WorldState:
     plugins: List[PluginState]
     physics: bytes
     """See `_core.World.save_state`."""
+    is_of_batch: bool = False
+    """True for the state of an environment: it has the states of those plugins alone that act."""
 
     def dumps(self) -> bytes:
         """The state as bytes; see `plain_data`."""

@@ -1,0 +1,75 @@
+"""States of vector environments: episodes go on from them, bit for bit."""
+
+import numpy as np
+import pytest
+from environments import assert_same, make_vector
+
+from flatland2d import FlatlandError
+from flatland_gym.fleet import BatchFleet, SimulationFleet
+
+pytestmark = pytest.mark.slow
+
+COUNT = 4
+CROWDED = {"time_limit": 2.0, "goal_distance": (0.4, 1.2), "beams": 16}
+"""Episodes end often, and draw new ones."""
+
+
+@pytest.fixture(params=[BatchFleet, SimulationFleet])
+def make_crowded(request, monkeypatch):
+    monkeypatch.setattr("flatland_gym.navigation.make_fleet", request.param)
+    return lambda count=COUNT: make_vector(count, **CROWDED)
+
+
+def drive(env, steps, seed):
+    """The results of some steps."""
+    rng = np.random.default_rng(seed)
+    actions = rng.uniform(-1.0, 2.0, (steps, *env.action_space.shape)).astype(np.float32)
+    return [env.step(each) for each in actions]
+
+
+def test_episodes_go_on_from_a_state_here_and_in_another_environment(make_crowded):
+    env, other = make_crowded(), make_crowded()
+    env.reset(seed=3)
+    drive(env, 13, 1)
+    states = env.save_states()
+    expected = drive(env, 60, 2)
+    assert any(terminated.any() or truncated.any() for _, _, terminated, truncated, _ in expected)
+
+    env.load_states(states)
+    assert_same(drive(env, 60, 2), expected)
+    other.load_states(states)
+    assert_same(drive(other, 60, 2), expected)
+    env.close(), other.close()
+
+
+def test_a_mask_chooses_and_one_state_branches_into_many(make_crowded):
+    env, wide = make_crowded(), make_crowded(7)
+    env.reset(seed=3)
+    drive(env, 5, 1)
+    mask = np.arange(COUNT) == 2
+    [state] = env.save_states(mask)
+    before, *_ = drive(env, 1, 5)[0]
+
+    after, infos = env.load_states(state, mask)
+    assert np.array_equal(after[~mask], before[~mask])
+    assert np.array_equal(infos["_goal"], mask)
+
+    observations, _ = wide.load_states(state)
+    assert (observations == after[2]).all()
+    env.close(), wide.close()
+
+
+def test_wrong_states_are_refused(make_crowded):
+    env = make_crowded()
+    with pytest.raises(FlatlandError, match="expected reset before save_states"):
+        env.save_states()
+    env.reset(seed=3)
+    states = env.save_states()
+    broken = states[0].replace(b'"steps"', b'"stops"')
+    for wrong in (states[:2], b"", b"{}", broken, None, 5):
+        with pytest.raises(FlatlandError, match="expected"):
+            env.load_states(wrong)
+    with pytest.raises(FlatlandError, match="expected mask as an array of 4 booleans"):
+        env.load_states(states[0], [True])
+    assert env.save_states() == states
+    env.close()
