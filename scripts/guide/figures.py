@@ -34,9 +34,9 @@ PACKAGES: List[Box] = [
     ("flatland_plugins", "drives and sensors, found by name", 1, 246, 210),
     ("flatland_gym", "environments for learning", 0, 472, 210),
     ("flatland2d", "simulations, batches, sweeps", 1, 472, 210),
-    ("flatland_navigation", "planner, follower, their nodes", 1, 698, 210),
-    ("flatland_server", "files, worlds, steps, plugins; no ROS", 2, 20, 888),
-    ("flatland_server._core", "bindings (pybind11), C++ core, Box2D", 3, 20, 888),
+    ("flatland_navigation", "planner, follower, their nodes", 2, 698, 210),
+    ("flatland_server", "files, worlds, steps, plugins; no ROS", 3, 20, 888),
+    ("flatland_server._core", "bindings (pybind11), C++ core, Box2D", 4, 20, 888),
 ]
 ROW, HEIGHT, TOP = 92, 52, 34
 
@@ -64,7 +64,7 @@ def imported(package: str) -> Set[str]:
 
 def architecture() -> Svg:
     """The packages and their imports."""
-    drawing = Svg(928, 376, "The packages of Flatland and what each imports")
+    drawing = Svg(928, 468, "The packages of Flatland and what each imports")
     rows = {name: row for name, _, row, _, _ in PACKAGES}
     places = {name: (x, TOP + ROW * row, width) for name, _, row, x, width in PACKAGES}
     for name, *_ in PACKAGES:

@@ -1,6 +1,7 @@
 """Odometry: the estimated pose and the measured velocity of a wheeled robot, and the true ones."""
 
 import math
+from functools import partial
 from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -81,13 +82,13 @@ class OdometryPlugin(ModelPlugin):
             BodyWriter(
                 writer,
                 self._exact_pose,
-                lambda: self._message_values(self._truth()),
+                partial(_true_values, self._body, config.twist_in_local_frame),
                 twist_in_local_frame=config.twist_in_local_frame,
             )
             for writer in (self._odom_writer, ground_truth_writer)
         )
         self._exact_twist_writer = BodyWriter(
-            self._twist_writer, self._exact_pose, lambda: (self._truth().velocity,)
+            self._twist_writer, self._exact_pose, partial(_true_twist, self._body)
         )
         self._frame: Optional[Frames] = None
         if config.enable_odom_tf_pub:
@@ -127,7 +128,7 @@ class OdometryPlugin(ModelPlugin):
 
     def read_ground_truth(self, timekeeper: Timekeeper) -> Odometry:
         """The true pose in the world, and the true velocity."""
-        return self._truth()
+        return _truth(self._body)
 
     def get_state(self) -> None:
         """Nothing: the core saves commands, velocities and the drift."""
@@ -144,7 +145,8 @@ class OdometryPlugin(ModelPlugin):
             if publisher is self._twist:
                 publisher.write(self._twist_writer, nanoseconds, estimate.velocity)
             elif publisher is self._odom:
-                publisher.write(self._odom_writer, nanoseconds, *self._message_values(estimate))
+                is_local = self._odometry_config.twist_in_local_frame
+                publisher.write(self._odom_writer, nanoseconds, *_values(estimate, is_local))
             else:
                 publisher.write(writer, nanoseconds)
         return estimate
@@ -174,14 +176,27 @@ class OdometryPlugin(ModelPlugin):
         vx, vy, omega = (value + error for value, error in zip(velocity, noise[3:]))
         return Odometry(Pose(x, y, wrap_angle(yaw)), Velocity(vx, vy, omega))
 
-    def _truth(self) -> Odometry:
-        return Odometry(self._body.pose, Velocity(*self._body.physics_body.local_velocity))
 
-    def _message_values(self, odometry: Odometry) -> Tuple[Pose, Twist]:
-        """The pose and the twist of a message."""
-        pose, twist = odometry
-        if self._odometry_config.twist_in_local_frame:
-            return pose, twist
-        vx, vy, omega = twist
-        cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-        return pose, (cos * vx - sin * vy, sin * vx + cos * vy, omega)
+# Functions of the body alone: a writer that keeps the plugin would make a cycle of references.
+
+
+def _truth(body: ModelBody) -> Odometry:
+    return Odometry(body.pose, Velocity(*body.physics_body.local_velocity))
+
+
+def _true_twist(body: ModelBody) -> Tuple[Twist]:
+    return (_truth(body).velocity,)
+
+
+def _true_values(body: ModelBody, is_local: bool) -> Tuple[Pose, Twist]:
+    return _values(_truth(body), is_local)
+
+
+def _values(odometry: Odometry, is_local: bool) -> Tuple[Pose, Twist]:
+    """The pose and the twist of a message."""
+    pose, twist = odometry
+    if is_local:
+        return pose, twist
+    vx, vy, omega = twist
+    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
+    return pose, (cos * vx - sin * vy, sin * vx + cos * vy, omega)

@@ -495,7 +495,7 @@ class SimulationBatch:
         self._seeds = seeds
         for k, each in zip(indices.tolist(), given):
             self._plugins.restore(k, saved[each])
-        self._finish(observation, chosen, is_new=out is None)
+        self._finish(observation, *self._masks(chosen), is_new=out is None)
         return observation
 
     def _require_loadable(self, state: WorldState) -> None:
