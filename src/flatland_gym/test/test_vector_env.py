@@ -108,6 +108,22 @@ def test_it_equals_so_many_single_environments(mode, count, world):
         assert (ends > 0).all()  # there was each kind of end
 
 
+@pytest.mark.parametrize("kind", [np.float16, np.float64, np.longdouble, np.int8, np.uint64, list])
+def test_actions_may_be_of_any_type_of_numbers(kind):
+    single, vector = make(world="empty_room", beams=4), make_vector(1, world="empty_room", beams=4)
+    single.reset(seed=3), vector.reset(seed=3)
+    for values in ([1, 0], [0.3, 0.7], [1, 100], [0, 3]):
+        action = values if kind is list else np.array(values, kind)
+        found, expected = (
+            single.step(action),
+            vector.step([action] if kind is list else action[None]),
+        )
+        assert_same(found[0], expected[0][0])
+        assert type(found[1]) is float
+        assert found[1] == expected[1][0]
+    single.close(), vector.close()
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -116,8 +132,28 @@ def test_it_equals_so_many_single_environments(mode, count, world):
         {"world": "office", "frame_skip": 3, "step_size": 0.01},
         {"world": "empty_room", "obstacles": (0, 6), "lidar_noise": 0.01},
         {"world": ("empty_room", "doors"), "obstacles": (0, 4), "robot_scales": (0.8, 1.2)},
+        {
+            "world": "discs",
+            "reward": lambda step: step.previous_distance - step.distance + step.actions[:, 1],
+            "terminated": lambda step: step.success | (step.ranges.min(axis=1) < 0.3),
+        },
+        {
+            "world": "discs",
+            "rewards": {"progress": np.float32(0.1), "collision": -3},
+            "goal_radius": np.float32(0.3),
+            "step_size": np.float32(0.05),
+            "collision_ends": np.bool_(False),
+        },
     ],
-    ids=["crowd", "dicts and noise", "boxes", "obstacles", "worlds, obstacles and sizes"],
+    ids=[
+        "crowd",
+        "dicts and noise",
+        "boxes",
+        "obstacles",
+        "worlds, obstacles and sizes",
+        "functions",
+        "numbers of NumPy",
+    ],
 )
 def test_it_does_so_for_each_kind_of_chance(arguments):
     arguments = {**CROWDED, **arguments}

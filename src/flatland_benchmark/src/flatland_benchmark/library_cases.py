@@ -142,6 +142,19 @@ def run_threads(worlds: Path, scans: bool, steps_per_call: int) -> Figures:
     }
 
 
+def reset(worlds: Path, world: str) -> Figures:
+    """Processor time of a reset of a world as it comes, after a step."""
+    with Simulation(worlds / world / "world.yaml") as sim:
+        sim.reset().reset()  # the first ones make what later ones use again
+        times = []
+        for _ in range(_BLOCKS):
+            begin = time.process_time()
+            for _ in range(_SELDOM):
+                sim.step().reset()
+            times.append(time.process_time() - begin)
+    return {"step and reset [us]": statistics.median(times) / _SELDOM * 1e6}
+
+
 LIBRARY_CASES = (
     Case("library_nothing", "the office and its driven robot, nothing read", read_nothing),
     Case("library_pose", "the same, its pose read", read_pose),
@@ -150,6 +163,10 @@ LIBRARY_CASES = (
             f"library_{beams}", f"the same, scans of {beams} beams", partial(read_scan, beams=beams)
         )
         for beams in _BEAMS
+    ),
+    *(
+        Case(f"library_reset_{world}", f"resets of the world {world}", partial(reset, world=world))
+        for world in ("office", "test_room")
     ),
     Case(
         "library_threads_step",

@@ -14,7 +14,7 @@ from flatland2d import BatchObservation, PluginError, Simulation, SimulationBatc
 from flatland_gym.episodes import Episode
 from flatland_gym.navigation_world import NavigationWorld
 from flatland_gym.settings import NavigationSettings
-from flatland_server import FloatArray, IntArray, ModelBody, ModelPlugin
+from flatland_server import Body, FloatArray, IntArray, ModelPlugin
 
 _ONLY = np.array([0])
 
@@ -86,10 +86,12 @@ class RobotSimulation(Fleet):
             self._simulation.move(name, pose)
         self._physics = self._simulation.world.physics
         robots = [self._simulation.models[name] for name in world.robots]
-        self._bodies: List[ModelBody] = [robot.model.base for robot in robots]
+        self._bodies: List[Body] = [robot.model.base.physics_body for robot in robots]
         self._drives: List[ModelPlugin] = [robot.plugin(world.robot.drive) for robot in robots]
         self._lidars: List[ModelPlugin] = [robot.plugin(world.robot.lidar) for robot in robots]
-        self._rows.collided[:] = False
+        rows = self._rows
+        self._views = list(zip(rows.ranges, rows.poses, rows.local_velocities))
+        rows.collided[:] = False
         self._look(range(len(robots)))
 
     def is_blocked(self, index: int, episode: Episode) -> bool:
@@ -101,9 +103,18 @@ class RobotSimulation(Fleet):
         return episode.is_near(np.concatenate([np.empty((0, 4)), *added]), self._room)
 
     def step(self, actions: FloatArray, indices: IntArray) -> None:
-        simulation, numbers, collided = self.simulation(0), indices.tolist(), self._rows.collided
-        for number in numbers:
-            self._drives[number].command(*actions[number].tolist())
+        self.drive(indices.tolist(), actions[indices].tolist())
+
+    def drive(self, numbers: Sequence[int], commands: Sequence[Sequence[float]]) -> None:
+        """Makes a step of the environment with some robots.
+
+        Args:
+            numbers: of the robots' rows.
+            commands: of each of these robots; finite.
+        """
+        simulation, collided = self.simulation(0), self._rows.collided
+        for number, command in zip(numbers, commands):
+            self._drives[number].command(*command)
         collided[:] = False
         for _ in range(self._settings.frame_skip):
             simulation.step()
@@ -126,12 +137,11 @@ class RobotSimulation(Fleet):
 
     def _look(self, numbers: Sequence[int]) -> None:
         """Writes the measurements of some robots."""
-        rows, timekeeper = self._rows, self.simulation(0).timekeeper
+        timekeeper = self.simulation(0).timekeeper
         for number in numbers:
-            body = self._bodies[number]
-            rows.ranges[number] = self._lidars[number].read(timekeeper)
-            rows.poses[number] = body.pose
-            rows.local_velocities[number] = body.physics_body.local_velocity
+            ranges, pose, velocity = self._views[number]
+            ranges[:] = self._lidars[number].read(timekeeper)
+            self._bodies[number].read_motion(pose, velocity)
 
 
 class SimulationFleet(Fleet):

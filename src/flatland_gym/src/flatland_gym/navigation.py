@@ -14,13 +14,14 @@ from flatland2d import BatchObservation, Simulation, UsageError
 from flatland_gym.episodes import EpisodeSampler
 from flatland_gym.fleet import Fleet, RobotSimulation, make_fleet
 from flatland_gym.navigation_world import NavigationWorld
-from flatland_gym.observations import as_dict, bounds, goal_distances, observe
+from flatland_gym.observations import as_dict, bounds, goal_distances
 from flatland_gym.pictures import RENDER_MODES, picture, status_line
 from flatland_gym.policy import Policy
 from flatland_gym.rewards import Transition, navigation_reward, navigation_termination
 from flatland_gym.robot import Robot
 from flatland_gym.settings import NavigationSettings
 from flatland_server import BoolArray, Float32Array, FloatArray, IntArray
+from flatland_server._core import GoalObserver
 
 Steps = Tuple[FloatArray, BoolArray, BoolArray]
 """Rewards, terminations and truncations."""
@@ -83,7 +84,9 @@ class Navigation:
         self.action_space = self.robot.action_space()
         self.observation_space = observation_space(self.robot, settings)
         self._limits = self.robot.actions
-        self._velocity_limits = np.array(self.robot.velocity_limits)
+        self._observer = GoalObserver(
+            self.robot.beams, self.robot.max_range, self.robot.velocity_limits
+        )
         self._period, self._longest_episode = settings.period, settings.longest_episode
         count = robots or count
         self.rows = BatchObservation.empty(count, self.robot.beams)
@@ -169,7 +172,7 @@ class Navigation:
             self._period,
         )
         rewards, terminated = judge(transition, settings)
-        if len(indices) == len(distances):  # quicker than with a mask, one robot above all
+        if len(indices) == len(distances):  # quicker than with a mask
             self.distances, self.successes = distances, successes
             return rewards, terminated.copy(), ~terminated & (self.steps >= self._longest_episode)
         rows = np.zeros(len(distances), dtype=bool)
@@ -181,14 +184,8 @@ class Navigation:
 
     def observe(self) -> Float32Array:
         """Flat observations of all robots: a new array."""
-        return observe(
-            self.rows.ranges,
-            self.rows.poses,
-            self.rows.local_velocities,
-            self.goals,
-            self.robot.max_range,
-            self._velocity_limits,
-        )
+        rows = self.rows
+        return self._observer.observe(rows.ranges, rows.poses, rows.local_velocities, self.goals)
 
     def formed(self, observations: Float32Array) -> Any:
         """Observations in the form of the settings: flat, or as a dict."""
@@ -262,22 +259,29 @@ class Navigation:
         Raises:
             UsageError: they have another shape, are no numbers, or are not finite.
         """
-        try:
-            found = np.asarray(actions)
-        except (TypeError, ValueError) as error:
-            raise UsageError(
-                f"expected actions of numbers, found {actions!r:.80}: {error}"
-            ) from None
-        if found.dtype.kind not in "fiu":
-            raise UsageError(f"expected actions of numbers, found {found.dtype} in {actions!r:.80}")
-        if found.shape != shape:
-            raise UsageError(f"expected actions of shape {shape}, found {found.shape}")
-        values = found.astype(np.float64)
+        values = numbers_of(actions, shape).astype(np.float64)
         if not np.isfinite(values).all():
             place = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
             raise UsageError(f"expected finite actions, found {values[place]} at {place}")
         clipped: FloatArray = np.minimum(np.maximum(values, -self._limits), self._limits)
         return clipped
+
+
+def numbers_of(actions: Any, shape: Tuple[int, ...]) -> "np.ndarray[Any, Any]":
+    """Actions as an array.
+
+    Raises:
+        UsageError: they have another shape, or are no numbers.
+    """
+    try:
+        found = np.asarray(actions)
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"expected actions of numbers, found {actions!r:.80}: {error}") from None
+    if found.dtype.kind not in "fiu":
+        raise UsageError(f"expected actions of numbers, found {found.dtype} in {actions!r:.80}")
+    if found.shape != shape:
+        raise UsageError(f"expected actions of shape {shape}, found {found.shape}")
+    return found
 
 
 def row_of(infos: Mapping[str, Any], index: int) -> Dict[str, Any]:

@@ -7,9 +7,10 @@ import numpy as np
 from gymnasium import spaces
 
 from flatland2d import UsageError
-from flatland_gym.navigation import Navigation, row_of
+from flatland_gym.navigation import row_of
 from flatland_gym.pictures import RENDER_MODES, Window, check_render_mode
 from flatland_gym.settings import NavigationSettings, require_seed
+from flatland_gym.single_navigation import SingleNavigation
 
 _ONE = np.array([0])
 
@@ -34,7 +35,7 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
     def __init__(self, render_mode: Optional[str] = None, **arguments: Any) -> None:
         check_render_mode(render_mode)
         self.render_mode = render_mode
-        self.navigation = Navigation(NavigationSettings.of(arguments), robots=1)
+        self.navigation = SingleNavigation(NavigationSettings.of(arguments))
         self.metadata = self.navigation.metadata
         self.action_space: spaces.Box = self.navigation.action_space
         self.observation_space = self.navigation.observation_space
@@ -78,13 +79,10 @@ class NavigationEnv(gymnasium.Env[Any, Any]):
         """
         if not self._is_running:
             raise UsageError("expected reset before step")
-        shape = self.action_space.shape or ()
-        actions = self.navigation.checked_actions(action, shape)[None]
-        rewards, terminated, truncated = self.navigation.step(actions, _ONE)
+        result = self.navigation.drive(action)
         if self.render_mode == "human":
             self.render()
-        ends = bool(terminated[0]), bool(truncated[0])
-        return (self._observation(), float(rewards[0]), *ends, self._info())
+        return result
 
     def render(self) -> Any:
         """A picture or a line of text, as the render mode says."""

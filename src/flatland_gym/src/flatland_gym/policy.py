@@ -14,8 +14,8 @@ import numpy as np
 
 from flatland2d import FlatlandError, UsageError
 from flatland_gym.networks import layer_values
-from flatland_gym.observations import observe
 from flatland_server import Float32Array, FloatArray, PoseLike
+from flatland_server._core import GoalObserver
 from flatland_server.config.input_files import MIB, read_input
 
 _FORMAT = "flatland policy 1"
@@ -88,8 +88,10 @@ class Policy:
         rows = _row("pose", pose, 3), _row("velocity", velocity, 3), _row("goal", goal, 2)
         scan = np.array([ranges], np.float32)
         scan[np.isnan(scan)] = np.inf
-        limits = np.array(self.velocity_limits)
-        action: List[float] = self.act(observe(scan, *rows, self.max_range, limits))[0].tolist()
+        if scan.shape[1:] != (self.beams,):
+            raise UsageError(f"expected {self.beams} ranges, found shape {scan.shape[1:]}")
+        observer = GoalObserver(self.beams, self.max_range, self.velocity_limits)
+        action: List[float] = self.act(observer.observe(scan, *rows))[0].tolist()
         return action
 
     def save(self, path: Union[str, "os.PathLike[str]"]) -> None:

@@ -1,7 +1,7 @@
 """Rewards and terminations of navigation: pure functions of arrays."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from flatland_server import BoolArray, Float32Array, FloatArray
 
@@ -50,6 +50,18 @@ class RewardWeights:
     collision: float = -10.0
     time: float = -0.1
 
+    def reward(self, progress: Any, success: Any, collision: Any, period: float) -> Any:
+        """The reward of a step: of numbers, or of arrays.
+
+        Args:
+            progress: by which the goal has come nearer [m].
+            success: whether it is reached.
+            collision: whether the robot has touched something.
+            period: length of the step [s].
+        """
+        events = self.success * success + self.collision * collision
+        return self.progress * progress + events + self.time * period
+
 
 def navigation_reward(step: Transition, weights: RewardWeights) -> FloatArray:
     """The reward of a step: progress, success, collision and time; shape (n,).
@@ -58,9 +70,9 @@ def navigation_reward(step: Transition, weights: RewardWeights) -> FloatArray:
         step: of n environments.
         weights: of these parts.
     """
-    progress = weights.progress * (step.previous_distance - step.distance)
-    events = weights.success * step.success + weights.collision * step.collision
-    reward: FloatArray = progress + events + weights.time * step.period
+    reward: FloatArray = weights.reward(
+        step.previous_distance - step.distance, step.success, step.collision, step.period
+    )
     return reward
 
 

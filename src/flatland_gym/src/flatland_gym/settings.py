@@ -131,7 +131,7 @@ class NavigationSettings:
     @property
     def period(self) -> float:
         """Length of a step of the environment [s]."""
-        return self.step_size * self.frame_skip
+        return float(self.step_size * self.frame_skip)
 
     @property
     def longest_episode(self) -> int:
@@ -190,8 +190,7 @@ def _weights(value: Any) -> RewardWeights:
     _require("rewards", value, is_right, f"RewardWeights, or a dict of: {', '.join(known)}")
     for name in known:
         _require_number(f"rewards.{name}", getattr(value, name))
-    weights: RewardWeights = value
-    return weights
+    return RewardWeights(**{name: float(getattr(value, name)) for name in known})
 
 
 def _is_number(value: Any) -> bool:

@@ -37,8 +37,8 @@ class Laser(ModelPlugin):
 
     def on_initialize(self, config: YamlReader) -> None:
         body = self._body = self.get_body(config)
-        laser = self._config = LaserConfig.read(
-            config, self.name, self.node.get_param("~no_return", "inf")
+        laser = self._config = config.read_once(
+            LaserConfig.read, self.name, self.node.get_param("~no_return", "inf")
         )
         registry = self.model.registry
         try:

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import Tuple
 
-import numpy as np
-
 from flatland_plugins.odometry_drift import DriftVariances
 from flatland_server import YamlReader
 
@@ -36,7 +34,7 @@ class OdometryConfig:
 
     @classmethod
     def read(
-        cls, config: YamlReader, *, enable_twist_pub: bool = True, enable_odom_tf_pub: bool = True
+        cls, config: YamlReader, enable_twist_pub: bool = True, enable_odom_tf_pub: bool = True
     ) -> "OdometryConfig":
         """Reads the keys, as documented, from a drive's configuration.
 
@@ -86,5 +84,6 @@ def _read_drift(config: YamlReader) -> DriftVariances:
 
 def planar_covariance(variances: Vector3) -> Vector3:
     """A 6x6 covariance, row by row, of the variances of x, y and yaw (REP 103's order of axes)."""
-    diagonal = (variances[0], variances[1], 0.0, 0.0, 0.0, variances[2])
-    return tuple(np.diag(diagonal).ravel().tolist())
+    covariance = [0.0] * 36
+    covariance[0], covariance[7], covariance[35] = variances
+    return tuple(covariance)

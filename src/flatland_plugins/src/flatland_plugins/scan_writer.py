@@ -7,6 +7,12 @@ from flatland_server import Float32Array, MessageWriter, header, messages
 
 LaserScan = messages.get("sensor_msgs/LaserScan")
 
+_CONSTANT_FIELDS = (
+    *("angle_min", "angle_max", "angle_increment"),
+    *("time_increment", "scan_time", "range_min", "range_max"),
+)
+"""In the order of the message."""
+
 
 class ScanWriter(MessageWriter):
     """Makes LaserScans that differ in their times, ranges and intensities alone.
@@ -20,17 +26,11 @@ class ScanWriter(MessageWriter):
         self._frame_id = frame_id
         self._fields = fields
         self._sequence = 0
-        constant = LaserScan(**fields)
         frame = frame_id.encode()
         self._constant = (
             struct.pack("<I", len(frame))
             + frame
-            + struct.pack(
-                "<7f",
-                *(constant.angle_min, constant.angle_max, constant.angle_increment),
-                *(constant.time_increment, constant.scan_time),
-                *(constant.range_min, constant.range_max),
-            )
+            + struct.pack("<7f", *(fields.get(name, 0.0) for name in _CONSTANT_FIELDS))
         )
 
     def message(self, nanoseconds: int, ranges: Float32Array, intensities: Float32Array) -> Any:

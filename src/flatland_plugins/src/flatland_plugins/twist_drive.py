@@ -42,10 +42,8 @@ class TwistDrive(OdometryPlugin, ABC):
         twist_sub = config.get_topic("twist_sub", "cmd_vel")
         pub_rate = config.get_rate("pub_rate", math.inf)
         self.read_frames(config)
-        odometry = OdometryConfig.read(
-            config,
-            enable_twist_pub=self.publishes_twist,
-            enable_odom_tf_pub=self.publishes_transform,
+        odometry = config.read_once(
+            OdometryConfig.read, self.publishes_twist, self.publishes_transform
         )
         self._core_drive = self.add_drive(config, body)
 
@@ -103,7 +101,7 @@ class VelocityDrive(TwistDrive):
     columns: ClassVar[Tuple[int, ...]]
 
     def add_drive(self, config: YamlReader, body: ModelBody) -> CoreDrive:
-        linear, angular = read_dynamics(config)
+        linear, angular = config.read_once(read_dynamics)
         config.finish()
         self._drive = body.physics_body.add_drive(linear, angular)
         limits = (linear.velocity_limit, linear.velocity_limit, angular.velocity_limit)

@@ -40,6 +40,7 @@ struct BodyRecord {
   bool may_move = true;  // false: it stays where it is, unless World::SetPose moves it
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
   bool is_recorded = false;                         // its collisions are recorded
+  bool has_changed_material = false;                // of a fixture
   std::vector<FixtureRecord> fixtures;  // by Fixture::index; a large layer has none here
   MassSum mass;                         // of the fixtures, for a dynamic body
   Nearby nearby;

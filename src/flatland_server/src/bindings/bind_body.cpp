@@ -1,6 +1,9 @@
 /// Body in Python: where it is and how it moves. Its fixtures are bound in bind_fixture.cpp, its
 /// joints, drives, tweens and lidars likewise.
 
+#include <cmath>
+#include <tuple>
+
 #include "bindings.hpp"
 
 namespace flatland {
@@ -13,6 +16,24 @@ std::optional<Vec2> ToPoint(const std::optional<Pair>& point) {
 
 const char* TypeName(b2BodyType type) {
   return type == b2_staticBody ? "static" : type == b2_kinematicBody ? "kinematic" : "dynamic";
+}
+
+using Row = py::array_t<double, py::array::c_style>;
+
+template <class Values>
+void Fill(Row& row, const char* name, const Values& values) {
+  if (row.ndim() != 1 || row.shape(0) != 3) {
+    throw std::invalid_argument(std::string("expected an array of 3 numbers: ") + name);
+  }
+  double* const out = row.mutable_data();  // throws std::domain_error if it is read-only
+  std::tie(out[0], out[1], out[2]) = values;
+}
+
+void ReadMotion(const PyBody& self, Row pose, Row local_velocity) {
+  const Pose found = self.world->GetPose(self.handle);
+  const double yaw = std::remainder(found.yaw, 2.0 * M_PI);
+  Fill(pose, "pose", Triple{found.x, found.y, yaw});
+  Fill(local_velocity, "local_velocity", ToTuple(self.world->GetLocalVelocity(self.handle)));
 }
 
 void BindMotion(py::class_<PyBody>& body) {
@@ -28,6 +49,8 @@ void BindMotion(py::class_<PyBody>& body) {
       .def_property_readonly(
           "local_velocity",
           [](const PyBody& self) { return ToTuple(self.world->GetLocalVelocity(self.handle)); })
+      .def("read_motion", &ReadMotion, py::arg("pose").noconvert(),
+           py::arg("local_velocity").noconvert())
       .def(
           "velocity_at",
           [](const PyBody& self, const Pair& point) {

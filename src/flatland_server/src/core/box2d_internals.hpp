@@ -125,6 +125,18 @@ struct TreeRoot {
 };
 template struct DefineMember<TreeRoot, &b2DynamicTree::m_root>;
 
+struct TreeNodeCount {
+  using Pointer = int32 b2DynamicTree::*;
+  friend constexpr Pointer Member(TreeNodeCount);
+};
+template struct DefineMember<TreeNodeCount, &b2DynamicTree::m_nodeCount>;
+
+struct TreeFreeList {
+  using Pointer = int32 b2DynamicTree::*;
+  friend constexpr Pointer Member(TreeFreeList);
+};
+template struct DefineMember<TreeFreeList, &b2DynamicTree::m_freeList>;
+
 struct TreeInsertionCount {
   using Pointer = int32 b2DynamicTree::*;
   friend constexpr Pointer Member(TreeInsertionCount);
@@ -158,8 +170,12 @@ inline int32& MoveCount(b2World& world) {
 inline b2TreeNode*& Nodes(b2World& world) { return Tree(world).*Member(TreeNodes()); }
 inline int32& Root(b2World& world) { return Tree(world).*Member(TreeRoot()); }
 inline int32 NodeCapacity(b2World& world) { return Tree(world).*Member(TreeNodeCapacity()); }
+/// The number of nodes in use.
+inline int32& NodeCount(b2World& world) { return Tree(world).*Member(TreeNodeCount()); }
+/// The first of the nodes that are not in use, each of which names the next one.
+inline int32& FreeList(b2World& world) { return Tree(world).*Member(TreeFreeList()); }
 /// Number of times that a leaf was put into the tree: when it was added, and whenever it was moved.
-inline int32 InsertionCount(b2World& world) { return Tree(world).*Member(TreeInsertionCount()); }
+inline int32& InsertionCount(b2World& world) { return Tree(world).*Member(TreeInsertionCount()); }
 
 /// Spares the next step a search for what fixtures touch that were added since the last step: those
 /// from `begin` on among the proxies that may have new contacts. They must be static, and so must

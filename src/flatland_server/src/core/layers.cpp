@@ -1,6 +1,7 @@
 #include "layers.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "box2d_internals.hpp"
 #include "flatland_server/segment_tree.hpp"
@@ -33,6 +34,28 @@ struct Reach {
 };
 
 }  // namespace
+
+bool Layers::BeginWith(const std::vector<Layer>& layers) const {
+  if (layers.size() > all_.size()) return false;
+  return std::equal(layers.begin(), layers.end(), all_.begin(), [](const Layer& a, const Layer& b) {
+    return a.walls == b.walls && a.bits == b.bits;
+  });
+}
+
+void Layers::TakeFrom(Layers& other, std::size_t count) {
+  other.all_.resize(count);
+  const auto is_large = [&](const Layer& each) {
+    return each.walls->all().segment_count() > large_;
+  };
+  other.large_layers_.resize(
+      static_cast<std::size_t>(std::count_if(other.all_.begin(), other.all_.end(), is_large)));
+  for (const auto& large : other.large_layers_) {
+    large->Clear();
+    large->SetMaterials({kDefaultMaterial});
+  }
+  all_ = std::exchange(other.all_, {});
+  large_layers_ = std::exchange(other.large_layers_, {});
+}
 
 Bodies::Body Layers::Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                          const std::function<void(std::size_t added)>& progress) {

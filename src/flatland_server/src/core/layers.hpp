@@ -32,6 +32,11 @@ class Layers {
   /// Takes the walls of an equal world, for lidars. None of the layers is large.
   void CopyFrom(const Layers& other) { all_ = other.all_; }
 
+  /// Takes the first `count` layers of another world, as they were at first. That keeps none.
+  void TakeFrom(Layers& other, std::size_t count);
+  /// True if the first layers are these.
+  bool BeginWith(const std::vector<Layer>& layers) const;
+
   /// See World::AddLayer.
   Bodies::Body Add(b2World& world, std::vector<Segment> walls, LayerBits bits,
                    const std::function<void(std::size_t added)>& progress);

@@ -50,16 +50,36 @@ class Occluders {
   const SegmentTree& tree() const { return tree_; }
   Occluder Get(uint32_t index) const {
     return {tree_.segments()[index],
-            index < wall_count_ ? nullptr : &chains_[index - wall_count_].box};
+            chains_.empty() || index < long_.size() ? nullptr : &chains_[index - long_.size()].box};
   }
+
+  /// A chain that ends where it begins and does not cross itself: a wall of it that turns its back
+  /// on a place is hidden by others of it.
+  struct Outline {
+    size_t begin, end;  ///< of its walls, in in_order()
+  };
+  const std::vector<Outline>& outlines() const { return outlines_; }
+  /// All walls, chain by chain; empty if there are too many.
+  const std::vector<uint32_t>& in_order() const { return in_order_; }
+  /// The side of a wall of an outline.
+  struct Side {
+    int32_t outline = -1;  ///< none
+    bool is_inside_left =
+        false;  ///< the inside of the outline is to the left of the way from a to b
+  };
+  Side SideOf(uint32_t wall) const { return sides_.empty() ? Side() : sides_[wall]; }
 
   /// For each occluder, whether it is one of these walls, or its chain has one.
   std::vector<bool> AreOf(const std::vector<uint32_t>& walls) const;
+
+  struct Walk;
 
   /// With more walls there are no chords: it takes too long to sort them.
   static constexpr size_t kMaxWalls = 100'000;
 
  private:
+  std::unique_ptr<const SegmentTree> AddChains(const SegmentTree& walls);
+  void AddOutline(const Walk& chain, const std::vector<Segment>& walls);
   template <class Place, class Visitor>
   bool ForEachIn(const SegmentTree::Child& child, const Place& place, const Visitor& visit) const {
     if (!place.Meets(child.box)) return true;
@@ -73,7 +93,10 @@ class Occluders {
 
   size_t wall_count_;
   std::vector<Chain> chains_;       // of the chords, which come after the walls
+  std::vector<uint32_t> long_;      // those walls that are occluders, if there are chords
   std::vector<uint32_t> in_order_;  // all walls, chain by chain
+  std::vector<Outline> outlines_;
+  std::vector<Side> sides_;  // of each wall
   std::unique_ptr<const SegmentTree> with_chords_;
   const SegmentTree& tree_;
 };

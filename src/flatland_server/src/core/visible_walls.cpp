@@ -18,7 +18,7 @@ constexpr size_t kMinWalls = 64;
 /// Of all cells together: 10 to 16 bytes each.
 constexpr size_t kMaxFoundWalls = 4'000'000;
 /// The number of occluders that a scan looks at for the walls of its cell, in about 40 us.
-constexpr int kEffort = 4000;
+constexpr int kEffort = 2000;
 /// Stands for the number of scans of a cell from which too many walls can be seen.
 constexpr int kGivenUp = INT_MAX;
 /// Cells are made wider by this, for rounding errors [m].

@@ -5,14 +5,22 @@
 #include <cmath>
 #include <optional>
 
+#include "flatland_server/depth_buffer.hpp"
+
 namespace flatland {
 namespace {
 
 /// A wall reaches past its ends by this fraction of its length, as it does for DepthBuffer.
 constexpr double kEndTolerance = 1e-9;
 /// Cells and walls are halved, and lines followed, this many times before a wall counts as seen.
-constexpr int kMaxHalvings = 10;
-constexpr int kMaxLines = 48;
+constexpr int kMaxHalvings = 7;
+constexpr int kMaxLines = 16;
+/// Scans from the corners of the cell find walls that are seen for sure: nothing is to be proven.
+constexpr size_t kSamples = 4;
+constexpr int kSampleBeams = 720;
+constexpr int kSampleEffort = 1000;
+/// Allowance for rounding errors [m].
+constexpr double kRounding = 1e-9;
 
 Vec2 Middle(const Box& box) { return 0.5 * (box.low + box.high); }
 Box BoxOf(const Segment& segment) {
@@ -172,7 +180,7 @@ class WallSearch::Finder {
  public:
   Finder(const SegmentTree& walls, const Occluders& occluders, const Box& from,
          const std::vector<uint32_t>* among)
-      : walls_(walls), occluders_(occluders), from_(from) {
+      : walls_(walls), occluders_(occluders), from_(from), places_(occluders.outlines().size()) {
     if (among != nullptr) {
       for (auto i = among->rbegin(); i != among->rend(); ++i) {
         pending_.push_back({{{}, static_cast<int32_t>(*i)}, true});
@@ -187,7 +195,9 @@ class WallSearch::Finder {
     effort_ = effort;
     while (effort_ > 0 && (!parts_.empty() || !pending_.empty())) {
       --effort_;
-      if (!unsearched_.empty()) {
+      if (samples_.size() < kSamples) {
+        AddSample();
+      } else if (!unsearched_.empty()) {
         CollectCandidates();
       } else if (!parts_.empty()) {
         VisitPart();
@@ -203,6 +213,51 @@ class WallSearch::Finder {
  private:
   static constexpr int kRecent = 8;
 
+  /// Where the cell is, as seen from an outline.
+  enum class Place : uint8_t { kUnknown, kInside, kOutside, kOnIt };
+
+  /// A scan from a point of the cell.
+  struct Sample {
+    Vec2 point;
+    std::vector<float> ranges;
+  };
+
+  static const BeamFan& Fan() {
+    static const BeamFan fan(-M_PI, 2.0 * M_PI / kSampleBeams, kSampleBeams);
+    return fan;
+  }
+
+  void AddSample() {
+    const Vec2 point = CornersOf(from_)[samples_.size()];
+    Sample& sample = samples_.emplace_back(Sample{point, std::vector<float>(kSampleBeams)});
+    buffer_.Begin(Fan(), 1e9);
+    buffer_.Draw(walls_, {point.x, point.y, 0.0});
+    buffer_.GetRanges(sample.ranges.data());
+    effort_ -= kSampleEffort;
+  }
+
+  /// True if a beam of a sample ends on a wall.
+  bool IsSampled(uint32_t wall) {
+    const Segment& line = walls_.segments()[wall];
+    for (const Sample& sample : samples_) {
+      const Vec2 a = line.a - sample.point, b = line.b - sample.point, along = b - a;
+      const double cross = Cross(a, b);
+      const Vec2 &right = cross > 0.0 ? a : b, &left = cross > 0.0 ? b : a;
+      const double unit = kSampleBeams / (2.0 * M_PI);
+      int beam = static_cast<int>((std::atan2(right.y, right.x) + M_PI) * unit) + 1;
+      double width = std::atan2(std::abs(cross), Dot(a, b)) * unit;
+      for (int n = static_cast<int>(width); n >= 0; --n, ++beam) {
+        const int k = beam % kSampleBeams;
+        const Vec2 way = Fan().direction(k);
+        const double across = Cross(way, along);
+        const double distance = Cross(a, along) / across;
+        if (Cross(way, right) > 0.0 || Cross(way, left) < 0.0) continue;
+        if (distance <= sample.ranges[k] * (1.0 + 1e-6)) return true;
+      }
+    }
+    return false;
+  }
+
   /// A box of the tree, or a wall, that is still to be looked at.
   struct Pending {
     SegmentTree::Child child;  // of a wall, only `index` counts: in segments()
@@ -213,7 +268,8 @@ class WallSearch::Finder {
   struct Part {
     Box from;
     Target target;
-    int halvings;  // that may still be made
+    int halvings;       // that may still be made
+    size_t begin, end;  // in candidates_: what may hide a part around it
   };
 
   void VisitPending() {
@@ -221,10 +277,15 @@ class WallSearch::Finder {
     pending_.pop_back();
     if (next.is_wall) {
       wall_ = static_cast<uint32_t>(next.child.index);
+      if (TurnsBack(wall_)) return;
+      if (IsSampled(wall_)) {
+        seen_.push_back(wall_);
+        return;
+      }
       shaft_.reset();
       candidates_.clear();
       lines_ = kMaxLines;
-      parts_.push_back({from_, Target(walls_.segments()[wall_]), kMaxHalvings});
+      parts_.push_back({from_, Target(walls_.segments()[wall_]), kMaxHalvings, 0, 0});
       return;
     }
     const SegmentTree::Child& child = next.child;
@@ -255,18 +316,54 @@ class WallSearch::Finder {
     });
   }
 
+  /// True if a wall is hidden by others of its outline: all of the cell is behind its back.
+  bool TurnsBack(uint32_t wall) {
+    const Occluders::Side side = occluders_.SideOf(wall);
+    if (side.outline < 0) return false;
+    Place& place = places_[side.outline];
+    if (place == Place::kUnknown) place = PlaceIn(occluders_.outlines()[side.outline]);
+    if (place == Place::kOnIt) return false;
+    const bool is_front_left = (place == Place::kInside) == side.is_inside_left;
+    const Segment& line = walls_.segments()[wall];
+    const Vec2 along = line.b - line.a;
+    for (const Vec2& corner : CornersOf(from_)) {
+      const double left = Cross(along, corner - line.a);
+      if ((is_front_left ? left : -left) > -kRounding * (std::abs(along.x) + std::abs(along.y))) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  Place PlaceIn(const Occluders::Outline& outline) const {
+    const Vec2 middle = Middle(from_);
+    bool is_inside = false;
+    for (size_t i = outline.begin; i < outline.end; ++i) {
+      const Segment& line = walls_.segments()[occluders_.in_order()[i]];
+      if (!AreApart(BoxOf(line), from_)) return Place::kOnIt;
+      const Vec2 a = line.a - middle, b = line.b - middle;
+      if ((a.y > 0.0) != (b.y > 0.0) && (Cross(a, b) > 0.0) == (b.y > a.y)) is_inside = !is_inside;
+    }
+    return is_inside ? Place::kInside : Place::kOutside;
+  }
+
   /// The present wall is hidden if all of its parts are.
   void VisitPart() {
-    const Part part = parts_.back();
+    Part part = parts_.back();
     const bool may_be_hidden = AreApart(part.from, part.target.bounds);
     if (may_be_hidden && BlocksRecent(part.from, part.target)) {
       parts_.pop_back();
     } else if (may_be_hidden && !shaft_) {
+      if (IsBoxHidden(part.target)) {
+        parts_.pop_back();
+        return;
+      }
       // It is visited again when what may hide the wall has been collected.
       shaft_.emplace(from_, Target(walls_.segments()[wall_]));
       unsearched_.push_back(occluders_.tree().root());
     } else {
       parts_.pop_back();
+      if (part.halvings == kMaxHalvings) part.end = candidates_.size();
       if (may_be_hidden && lines_-- > 0 && IsHiddenOrDivided(part)) return;
       parts_.clear();
       seen_.push_back(wall_);
@@ -293,30 +390,37 @@ class WallSearch::Finder {
     });
   }
 
-  /// True if a candidate hides a part, or else one blocks its middle line, so that its halves may
+  /// `part` has the candidates for a part around it; those that may hide this one are put behind
+  /// them. True if a candidate hides it, or else one blocks its middle line, so that its halves may
   /// be hidden, which are to be visited then.
   bool IsHiddenOrDivided(const Part& part) {
     const Line line(Middle(part.from), Middle(part.target));
+    const Shaft shaft(part.from, part.target);
+    candidates_.resize(part.end);
     bool is_blocked = false;
-    for (const Occluder& each : candidates_) {
+    for (size_t i = part.begin; i < part.end; ++i) {
+      const Occluder each = candidates_[i];
       --effort_;
-      if (!line.Crosses(each.line) || !Counts(each, part.from, part.target)) continue;
+      if (!shaft.Meets(each.line) || !Counts(each, part.from, part.target)) continue;
+      candidates_.push_back(each);
+      if (!line.Crosses(each.line)) continue;
       is_blocked = true;
       if (!Blocks(each, part.from, part.target)) continue;
       Remember(each);
       return true;
     }
+    const size_t begin = part.end, end = candidates_.size();
     if (!is_blocked || part.halvings == 0) return false;
     const Vec2 size = part.from.high - part.from.low;
     const Vec2 target_size = part.target.bounds.high - part.target.bounds.low;
     if (std::max(size.x, size.y) > std::max(target_size.x, target_size.y)) {
       const auto [low, high] = Halves(part.from);
-      parts_.push_back({high, part.target, part.halvings - 1});
-      parts_.push_back({low, part.target, part.halvings - 1});
+      parts_.push_back({high, part.target, part.halvings - 1, begin, end});
+      parts_.push_back({low, part.target, part.halvings - 1, begin, end});
     } else {
       const auto [first, second] = part.target.Halves();
-      parts_.push_back({part.from, second, part.halvings - 1});
-      parts_.push_back({part.from, first, part.halvings - 1});
+      parts_.push_back({part.from, second, part.halvings - 1, begin, end});
+      parts_.push_back({part.from, first, part.halvings - 1, begin, end});
     }
     return true;
   }
@@ -341,6 +445,9 @@ class WallSearch::Finder {
   const SegmentTree& walls_;
   const Occluders& occluders_;
   const Box from_;
+  std::vector<Place> places_;  // of the cell, by outline
+  std::vector<Sample> samples_;
+  DepthBuffer buffer_;
   std::vector<bool> among_;       // for each occluder, whether it counts; empty if all do
   int effort_ = 0;                // that is left in this portion
   std::vector<Pending> pending_;  // the next one last, as in those below

@@ -258,7 +258,9 @@ void World::SetFriction(Fixture fixture, double friction) {
     large->SetMaterial(fixture.index, {static_cast<float>(friction), restitution});
     return;
   }
-  Find(fixture).SetFriction(static_cast<float>(friction));
+  b2Fixture& found = Find(fixture);
+  bodies_.Get(fixture.body).has_changed_material = true;
+  found.SetFriction(static_cast<float>(friction));
 }
 
 void World::SetRestitution(Fixture fixture, double restitution) {
@@ -268,7 +270,9 @@ void World::SetRestitution(Fixture fixture, double restitution) {
     large->SetMaterial(fixture.index, {friction, static_cast<float>(restitution)});
     return;
   }
-  Find(fixture).SetRestitution(static_cast<float>(restitution));
+  b2Fixture& found = Find(fixture);
+  bodies_.Get(fixture.body).has_changed_material = true;
+  found.SetRestitution(static_cast<float>(restitution));
 }
 
 void World::SetVisible(Fixture handle, bool visible) {

@@ -271,6 +271,7 @@ void WorldState::Restore(World& world) const {
     if (NearbyWalls* large = world.layers_->LargeLayerOf(record))
       large->SetMaterials(of_body.materials);
     record.body = body;
+    record.has_changed_material = true;
     records.push_back(&record);
     has_layers_alone = has_layers_alone && record.is_layer;
     if (has_layers_alone) box2d::SkipPairsOfNewFixtures(*rebuilt);

@@ -63,6 +63,24 @@ class World(metaclass=_Metaclass):
             progress: called with the number of walls added so far, about every 50,000 and at the
                 end. It must not use the world.
         """
+    @property
+    def layers(self) -> list[Body]:
+        """The bodies of the layers, in the order in which they were added."""
+    def remember_layers(self) -> None:
+        """Lets `take_layers` go back to this point, at which only layers may have been added."""
+    def take_layers(self, former: World, equal: World) -> bool:
+        """Takes layers, into a world without bodies, from one that is not used any more.
+
+        The world then makes the steps, bit for bit, of one to which the layers were added; it takes
+        a tenth of the time.
+
+        Args:
+            former: loses all that it has: handles raise a GoneError.
+            equal: its layers at its `remember_layers` are those that are taken.
+
+        Returns:
+            False, and nothing has changed, if the first layers of `former` are others.
+        """
     def add_body(
         self,
         type: str,
@@ -533,6 +551,13 @@ class Body(_WithoutConstructor):
     @property
     def local_velocity(self) -> _Triple:
         """Velocity of its origin, in its own frame [m/s, m/s, rad/s]."""
+    def read_motion(self, pose: FloatArray, local_velocity: FloatArray) -> None:
+        """Writes the pose, with its yaw in [-pi, pi], and the local velocity into arrays.
+
+        Args:
+            pose: x, y [m] and yaw [rad] in the world, shape (3,).
+            local_velocity: see `local_velocity`, shape (3,).
+        """
     def velocity_at(self, point: _PairLike) -> _Pair:
         """Velocity of the body at a point, in the world's frame [m/s].
 
@@ -913,6 +938,31 @@ class Drift(_WithoutConstructor):
     @property
     def pose(self) -> _Triple:
         """The present estimate in the world [m, m, rad], the yaw within [-pi, pi]."""
+
+class GoalObserver(metaclass=_Metaclass):
+    """Makes observations of robots that drive to goals; docs/learning.md describes them.
+
+    Args:
+        beams: of the lidar.
+        max_range: of the lidar [m].
+        velocity_limits: by which the velocities forwards, to the left and turning are divided;
+            0 leaves the part out.
+    """
+
+    def __init__(self, beams: int, max_range: float, velocity_limits: Sequence[float]) -> None: ...
+    def observe(
+        self, ranges: Float32Array, poses: FloatArray, velocities: FloatArray, goals: FloatArray
+    ) -> Float32Array:
+        """Flat observations: a new array of shape (n, beams + 3 + parts of the velocity).
+
+        A row does not depend on the other rows. Releases the GIL.
+
+        Args:
+            ranges: [m], shape (n, beams); +inf for no return.
+            poses: x, y [m] and yaw [rad], shape (n, 3).
+            velocities: in the robots' frames, shape (n, 3): forwards, to the left, turning.
+            goals: x, y [m], shape (n, 2).
+        """
 
 class RangeNoise(metaclass=_Metaclass):
     """Gaussian noise of a lidar's ranges, different at each time.

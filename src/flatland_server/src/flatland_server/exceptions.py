@@ -16,7 +16,6 @@ The core adds `GoneError`, a `ReferenceError`: a handle to a deleted body, joint
 Messages tell the user where the problem is, what was expected and what was found.
 """
 
-import difflib
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -206,5 +205,7 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     """
     if len(word) > _LONGEST_WORD:
         return ""
+    import difflib  # takes a millisecond
+
     near = difflib.get_close_matches(word, list(islice(known, _MAX_COMPARED)), n=1)
     return f' (did you mean "{near[0]}"?)' if near else ""

@@ -109,6 +109,31 @@ TEST(VisibleWallsTest, WallsBehindOthersAreLeftOut) {
   EXPECT_TRUE(WallsSeenFrom(SegmentTree({}), box).empty());
 }
 
+TEST(VisibleWallsTest, WallsThatTurnTheirBackAreLeftOut) {
+  std::vector<Segment> walls;
+  AddOutline(walls, {0, 0}, {10, 10});
+  AddOutline(walls, {6, 4.5}, {7, 5.5});  // a pillar: one side of it faces the cell
+  Box box;
+  box.Add(Segment{{1, 4.6}, {2, 5.4}});
+  EXPECT_EQ(WallsSeenFrom(SegmentTree(walls), box).size(), 5u);
+}
+
+TEST(VisibleWallsTest, OutlinesThatCrossThemselvesHaveNoBack) {
+  // Two loops of one chain, each around the other way.
+  const std::vector<Vec2> corners{{0, 0}, {10, 10}, {10, 0}, {0, 10}};
+  std::vector<Segment> walls;
+  for (size_t i = 0; i < 4; ++i) walls.push_back({corners[i], corners[(i + 1) % 4]});
+  const SegmentTree all(walls);
+  const BeamFan fan(-3.1, 0.01, 620);
+  for (const Vec2 low : {Vec2{-2.0, 4.5}, Vec2{11.0, 4.5}}) {
+    Box box;
+    box.Add(Segment{low, low + Vec2{1, 1}});
+    const WallList seen(walls, WallsSeenFrom(all, box), low);
+    const Pose pose{low.x + 0.3, low.y + 0.6, 0.4};
+    EXPECT_EQ(Scan(fan, seen, pose), Scan(fan, all, pose)) << low.x;
+  }
+}
+
 /// Outlines with steps of 5 cm, as map images give them, and open chains in all directions.
 std::vector<Segment> Chains(int seed) {
   Dice dice(seed);

@@ -8,7 +8,6 @@ take ten.
 import errno
 import os
 import stat
-import uuid
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Callable, Iterator
@@ -83,7 +82,7 @@ def replacing(path: Path) -> Iterator[Path]:
     Its value is a path beside the file. What is written there replaces the file at the end, and is
     deleted after an error.
     """
-    partial = path.parent / f".{uuid.uuid4().hex}.partial"
+    partial = path.parent / f".{os.urandom(16).hex()}.partial"
     try:
         yield partial
         partial.replace(path)

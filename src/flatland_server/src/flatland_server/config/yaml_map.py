@@ -49,6 +49,7 @@ class YamlMap:
         self._values: Dict[str, yaml.Node] = {}
         self._read: Set[str] = set()
         self._repeated: List[YamlError] = []
+        self._results: Dict[Any, Any] = {}  # of `YamlReader.read_once`
         self._problems = ProblemCollector() if problems is None else problems
         if not isinstance(node, yaml.MappingNode):
             raise error_at(node, f"expected a map, found {describe(node)}", path)

@@ -11,7 +11,7 @@ placeholder of the right type; `finish` raises what was noted. Do not use a valu
 import math
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Callable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
+from typing import Any, Callable, Hashable, List, Optional, Sequence, Set, Tuple, TypeVar, cast
 
 import yaml
 
@@ -120,6 +120,21 @@ class YamlReader(YamlMap):
             return cls(preprocessor.read_text(text, file), root=root)
         with closing(YamlPreprocessor()) as own:
             return cls(own.read_text(text, file), root=root)
+
+    def read_once(self, read: Callable[..., T], *arguments: Hashable) -> T:
+        """The result of `read(self, *arguments)`, kept for plugins that a reset starts again.
+
+        Args:
+            read: reads values into an object that does not change, and has no other effects.
+            arguments: of `read`, after the reader.
+        """
+        key = (read, arguments)
+        if key not in self._results:
+            result = read(self, *arguments)
+            if not self.is_sound:
+                return result
+            self._results[key] = result
+        return cast(T, self._results[key])
 
     # Values
 

@@ -34,7 +34,8 @@ _FARTHEST = 1e5  # m from the origin of the world; the limit of the core
 _SHORTEST = 1e-6  # m; shorter walls are lost to rounding
 
 # Formats that Pillow decodes by itself: for EPS it would start Ghostscript.
-_FORMATS = ("BMP", "GIF", "JPEG", "PCX", "PNG", "PPM", "TGA", "TIFF", "WEBP")
+# Pillow imports all it knows, 30 formats, when it tries one besides the first five.
+_FORMATS = ("BMP", "GIF", "JPEG", "PNG", "PPM", "PCX", "TGA", "TIFF", "WEBP")
 _MAX_PIXELS = 80_000_000  # less than a gigabyte while outlines are computed
 
 

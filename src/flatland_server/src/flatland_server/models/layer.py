@@ -86,6 +86,7 @@ class Layer(Entity):
         physics: the physical world that it is added to.
         entities: the entities of that world; the layer adds itself.
         progress: called with the number of walls added so far, now and then.
+        body: of its walls, if that world has it already.
     """
 
     def __init__(
@@ -95,13 +96,17 @@ class Layer(Entity):
         physics: _core.World,
         entities: Entities,
         progress: Optional[Callable[[int], None]] = None,
+        body: Optional[_core.Body] = None,
     ) -> None:
         self.config = config
         self._physics = physics
         self._entities = entities
         self._bodies: List[_core.Body] = []
         self._segments = segments
-        self._add_bodies(segments, progress)
+        if body is None:
+            self._add_bodies(segments, progress)
+        else:
+            self._own(body)
 
     @property
     def name(self) -> str:
@@ -137,6 +142,8 @@ class Layer(Entity):
     ) -> None:
         if len(segments) == 0:
             return
-        body = self._physics.add_layer(segments, self.config.bits, progress)
+        self._own(self._physics.add_layer(segments, self.config.bits, progress))
+
+    def _own(self, body: _core.Body) -> None:
         self._bodies.append(body)
         self._entities.add(self, [body])

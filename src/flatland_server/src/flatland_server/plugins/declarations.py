@@ -23,12 +23,10 @@ plugins in both ways, with the same files under catkin and under pip: a class th
 counts once.
 """
 
-import configparser
 import logging
 import os
 import re
 import sys
-import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -107,6 +105,8 @@ def _identities(declaration: PluginDeclaration) -> Set[Tuple[str, str]]:
 
 def exported_plugins() -> List[PluginDeclaration]:
     """The plugins that packages on ROS_PACKAGE_PATH export; a faulty declaration is logged."""
+    from xml.etree.ElementTree import ParseError
+
     exports: Dict[str, List[Path]] = {}
     for folder in ros_package_folders(os.environ.get("ROS_PACKAGE_PATH", "")):
         name, files = _exported_files(folder)
@@ -117,13 +117,15 @@ def exported_plugins() -> List[PluginDeclaration]:
         for xml in files:
             try:
                 declarations.extend(read_declarations(package, xml))
-            except (OSError, ElementTree.ParseError, ValueError) as error:
+            except (OSError, ParseError, ValueError) as error:
                 logger.warning("the plugins of the package %s are left out: %s", package, error)
     return declarations
 
 
 def _exported_files(folder: Path) -> Tuple[str, List[Path]]:
     """A package's name, and the plugin files that it exports. Most packages export none."""
+    from xml.etree import ElementTree  # takes 4 ms
+
     manifest = folder / "package.xml"
     try:
         text = manifest.read_text(encoding="utf-8")
@@ -146,6 +148,8 @@ def read_declarations(package: str, xml: Path) -> List[PluginDeclaration]:
         ValueError: it names no class of a module.
         OSError: it cannot be read.
     """
+    from xml.etree import ElementTree
+
     root = ElementTree.fromstring(xml.read_text(encoding="utf-8"))
     declarations = []
     for element in root.iter("class"):
@@ -190,6 +194,8 @@ def _entry_point_plugins(_: Tuple[Tuple[str, int], ...]) -> Tuple[PluginDeclarat
 
 def _read_declarations(distribution: str, text: str) -> Iterator[PluginDeclaration]:
     """The plugins in the entry_points.txt of a package."""
+    import configparser
+
     parser = configparser.ConfigParser(delimiters=("=",), interpolation=None)
     parser.optionxform = str  # type: ignore[assignment,method-assign]  # names keep their case
     try:

@@ -9,7 +9,7 @@ import importlib
 import inspect
 import logging
 import os
-from typing import Iterable, Optional, Type, TypeVar
+from typing import Dict, Iterable, Optional, Type, TypeVar
 
 from flatland_server.exceptions import PluginError, shortened, suggestion
 from flatland_server.plugins.declarations import PluginDeclaration, discover
@@ -47,6 +47,7 @@ class PluginLoader:
 
     def __init__(self, declarations: Optional[Iterable[PluginDeclaration]] = None) -> None:
         self._declarations = None if declarations is None else list(declarations)
+        self._found: Dict[str, PluginDeclaration] = {}
 
     def load(self, type: str, base: Type[P]) -> Type[P]:
         """The class of a type in a YAML file.
@@ -59,6 +60,15 @@ class PluginLoader:
             PluginError: there is no such plugin or more than one, it cannot be imported, or it is
                 not derived from `base`.
         """
+        declaration = self._found.get(type)
+        if declaration is None:
+            declaration = self._found[type] = self._find(type)
+        cls = _import(declaration)
+        if not (inspect.isclass(cls) and issubclass(cls, base)):
+            raise PluginError(f'"{type}" is not a {base.__name__}: {declaration.class_path}')
+        return cls
+
+    def _find(self, type: str) -> PluginDeclaration:
         if self._declarations is None:
             self._declarations = discover()
         answering = [d for d in self._declarations if d.answers_to(type)]
@@ -84,10 +94,7 @@ class PluginLoader:
         if len(found) > 1:
             choices = " or ".join(f"{d.package}::{d.name}" for d in found)
             raise PluginError(f'the plugin type "{type}" is ambiguous: write {choices}')
-        cls = _import(found[0])
-        if not (inspect.isclass(cls) and issubclass(cls, base)):
-            raise PluginError(f'"{type}" is not a {base.__name__}: {found[0].class_path}')
-        return cls
+        return found[0]
 
 
 def _question() -> str:

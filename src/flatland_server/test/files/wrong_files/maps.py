@@ -4,7 +4,7 @@ from typing import Dict
 
 from wrong_files.case import DATA, LINES, MAP, Case
 
-FORMATS = "BMP, GIF, JPEG, PCX, PNG, PPM, TGA, TIFF, WEBP"
+FORMATS = "BMP, GIF, JPEG, PNG, PPM, PCX, TGA, TIFF, WEBP"
 
 # fmt: off
 WRONG_MAPS: Dict[str, Case] = {

@@ -29,6 +29,7 @@ CALLS = {
         "pose": (),
         "velocity": (),
         "local_velocity": (),
+        "read_motion": (np.zeros(3), np.zeros(3)),
         "velocity_at": ((0, 0),),
         "apply_force": ((0, 0),),
         "apply_torque": (0,),

@@ -251,3 +251,68 @@ def test_the_former_contents_are_freed_at_once(load):
         assert [each() for each in former] == [None] * 3
     finally:
         gc.enable()
+
+
+PUSHES = """
+bodies:
+  - name: base
+    footprints: [{type: circle, radius: 0.3, density: 1}]
+"""
+
+
+@pytest.fixture
+def collide(models, simulate):
+    """Loads a room of discs, and lets them bounce about; returns where they have been."""
+    walls = "\n".join(f"{-4 + i % 9} {i // 9} {-3.5 + i % 9} {i // 9 + 0.2}" for i in range(40))
+    models.write("disc.yaml", PUSHES)
+    text = (
+        f"properties: {{}}\nlayers: [{{name: map, map: {models.walls('map', walls)}}}]\nmodels:\n"
+    )
+    text += "".join(
+        f"  - {{name: disc{i}, model: disc.yaml, pose: [{i - 3.7}, {0.3 * i}, 0]}}\n"
+        for i in range(7)
+    )
+
+    def run(simulation=None):
+        simulation = simulation or simulate(models.load(text))
+        poses, touches = [], 0
+        for i, model in enumerate(simulation.world.models.values()):
+            model.base.physics_body.velocity = (3.0 - i, 2.0, 1.0)
+        for _ in range(100):
+            simulation.run()
+            poses.append([tuple(each.pose) for each in simulation.world.models.values()])
+            touches += len(simulation.world.physics.touches)
+        assert touches > 0
+        return simulation, poses
+
+    return run
+
+
+def test_runs_after_any_number_of_resets_are_those_of_a_new_world(collide):
+    _, of_a_new_world = collide()
+    simulation, _ = collide()
+    for index in range(5):
+        world = simulation.world
+        if index == 1:
+            world.add_walls("map", [[-4.0, 5.0, 4.0, 5.5]])
+        if index == 2:
+            wall = world.layers[0].physics_bodies[0].fixture(3)
+            wall.friction = wall.restitution = 1.0
+        if index == 3:
+            simulation.load_state(simulation.save_state())
+        simulation.reset()
+        assert collide(simulation)[1] == of_a_new_world, index
+
+
+def test_resets_make_no_more_worlds_of_walls_than_two(load):
+    simulation = load().reset()
+    former = simulation.world.layers[0].physics_bodies[0]
+    held = []
+    for _ in range(4):
+        simulation.reset()
+        held.append(weakref.ref(simulation.world.physics))
+    gc.collect()
+
+    assert not former.alive
+    assert simulation.world.layers[0].physics_bodies[0].alive
+    assert [each() is not None for each in held] == [False, False, False, True]
