@@ -36,6 +36,7 @@ struct BodyRecord {
 
   b2Body* body = nullptr;
   bool is_layer = false;
+  bool is_person = false;  // of a crowd
   int large_layer = -1;  // its number among the large layers, or -1
   bool may_move = true;  // false: it stays where it is, unless World::SetPose moves it
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives

@@ -27,10 +27,10 @@ struct HalfPlane {
 
 /// A moving disc that is avoided.
 struct OrcaNeighbor {
-  Vec2 offset;         ///< from the agent [m]
-  Vec2 velocity;       ///< [m/s]
+  Vec2 offset;          ///< from the agent [m]
+  Vec2 velocity;        ///< [m/s]
   double radius = 0.0;  ///< its own and the agent's [m]
-  double share = 0.5;  ///< of the change of the relative velocity that the agent makes
+  double share = 0.5;   ///< of the change of the relative velocity that the agent makes
 };
 
 struct OrcaSettings {
@@ -49,8 +49,8 @@ HalfPlane AvoidNeighbor(const OrcaNeighbor& other, Vec2 velocity, double horizon
 /// The half plane of the nearest point of a wall, its gap less the agent's radius: approached so
 /// slowly that it takes the horizon [s].
 HalfPlane AvoidWall(const Obstacle& wall, double horizon);
-/// The velocity in all half planes, at most `most` [m/s] long, that is nearest to the preferred one.
-/// The first `walls` half planes are kept to even if others cannot be.
+/// The velocity in all half planes, at most `most` [m/s] long, that is nearest to the preferred
+/// one. The first `walls` half planes are kept to even if others cannot be.
 Vec2 ChooseVelocity(const std::vector<HalfPlane>& planes, size_t walls, Vec2 preferred,
                     double most);
 

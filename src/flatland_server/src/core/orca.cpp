@@ -111,8 +111,8 @@ HalfPlane AvoidNeighbor(const OrcaNeighbor& other, Vec2 velocity, double horizon
   } else {
     const double side = Cross(offset, from_circle) > 0.0 ? 1.0 : -1.0;
     const double leg = side * std::sqrt(square - radius * radius);
-    direction = (1.0 / square) * Vec2{offset.x * leg - offset.y * radius,
-                                      offset.x * radius + offset.y * leg};
+    direction = (1.0 / square) *
+                Vec2{offset.x * leg - offset.y * radius, offset.x * radius + offset.y * leg};
     change = Dot(relative, direction) * direction - relative;
   }
   return {velocity + other.share * change, direction};

@@ -155,7 +155,9 @@ void WorldBatch::Replace(int row, const World& world) {
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
   ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
-    shared.Enter(*environment.state).Get(crowd).Seed(keys[row]);
+    World& world = shared.Enter(*environment.state);
+    world.Get(crowd).Seed(keys[row]);
+    world.ScatterCrowd(crowd);
     shared.Leave(*environment.state);
   });
 }
