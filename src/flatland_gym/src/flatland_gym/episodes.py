@@ -82,6 +82,7 @@ class EpisodeSampler:
         chosen = _checked(options)
         index = self._world(rng, chosen.get("world"))
         world = self._worlds[index]
+        chosen = {**world.ends, **chosen}
         seed = int(rng.integers(2**31))
         if world.space.free_space(world.radius + self._settings.margin).area == 0.0:
             raise UsageError(

@@ -76,8 +76,9 @@ class Crowd(WorldPlugin):
 
     @property
     def batch_role(self) -> BatchRole:
-        """The people."""
-        return BatchRole(crowd=self._crowd)
+        """The people; worlds differ if their places are drawn."""
+        is_drawn = any(person.config.area is not None for person in self._people)
+        return BatchRole(crowd=self._crowd, varies_by_seed=is_drawn)
 
     def has_work(self) -> bool:
         """True if the topic has a subscriber."""

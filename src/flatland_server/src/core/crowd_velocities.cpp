@@ -71,6 +71,10 @@ Vec2 Crowd::WayOf(size_t index, const Layers& layers) {
 }
 
 void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
+  // The walk has numbers of its own: a batch begins them again after loading a world.
+  const NormalNumbers of_walk = clock_.numbers;
+  const double seed = clock_.numbers.DrawUniform();
+  clock_.numbers = NormalNumbers(NormalNumbers::Mixed(static_cast<uint64_t>(seed * 0x1p53)));
   FindOthers(bodies);
   std::vector<std::pair<Vec2, double>> taken;  // points and radii of people
   for (size_t i = 0; i < people_.size(); ++i) {
@@ -100,6 +104,7 @@ void Crowd::Scatter(Bodies& bodies, const Layers& layers) {
     progress_[i].has_drawn = person.stands;
     progress_[i].drawn_goal = *point;
   }
+  clock_.numbers = of_walk;
 }
 
 // ---- Attention ----

@@ -155,9 +155,7 @@ void WorldBatch::Replace(int row, const World& world) {
 
 void WorldBatch::SeedCrowd(const bool* mask, World::CrowdHandle crowd, const uint64_t* keys) {
   ForEach(mask, [&](SharedWorld& shared, Environment& environment, int row) {
-    World& world = shared.Enter(*environment.state);
-    world.Get(crowd).Seed(keys[row]);
-    world.ScatterCrowd(crowd);
+    shared.Enter(*environment.state).Get(crowd).Seed(keys[row]);
     shared.Leave(*environment.state);
   });
 }
