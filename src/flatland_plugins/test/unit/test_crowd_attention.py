@@ -186,7 +186,5 @@ def test_with_orca_they_stay_behind_walls_and_pass_robots(town, files):
 
 
 def test_with_orca_who_does_not_yield_walks_into_robots(town, files):
-    people = town(
-        TOWARDS_THE_ROBOT, keys="motion: orca, sees_robots: false", robots=robot(files)
-    )
+    people = town(TOWARDS_THE_ROBOT, keys="motion: orca, sees_robots: false", robots=robot(files))
     assert np.linalg.norm(walk(people, 5.0), axis=-1).min() < TOUCH + 0.01
