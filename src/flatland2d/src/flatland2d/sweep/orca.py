@@ -6,8 +6,9 @@ from typing import List, Sequence
 import numpy as np
 
 from flatland2d.sweep.run import SweepRun
-from flatland_server import FloatArray, Segments, from_segments
 from flatland_server._core import orca_velocity
+from flatland_server.array_math import from_segments
+from flatland_server.arrays import FloatArray, Segments
 
 
 def orca(
