@@ -67,6 +67,11 @@ PERSON = {
     "radius": 0.3,
     "legs": True,
     "color": [1, 1, 1, 1],
+    "sees_robots": True,
+    "yields": 0.5,
+    "reaction_time": 0.5,
+    "field_of_view": 3,
+    "group": "friends",
 }
 PLUGINS: Dict[str, List[Dict[str, Any]]] = {
     "BoolSensor": [{}, {}],
@@ -79,6 +84,8 @@ PLUGINS: Dict[str, List[Dict[str, Any]]] = {
             "radius": 0.3,
             "legs": True,
             "color": [1, 1, 1, 1],
+            "random": {"count": 1, "area": [[-3, -3], [3, 3]]},
+            "circle": {"count": 1, "radius": 5},
         },
     ],
     "DiffDrive": [ON_BASE, {**ON_BASE, **NOISE, **LIMITS}, {**ON_BASE, "odom_drift": [1, 1, 1]}],

@@ -47,7 +47,8 @@ def test_the_shipped_worlds_are_listed(capsys):
     assert main(["worlds"]) == 0
 
     lines = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
-    assert [name for name, _ in lines] == ["office", "test_room"]
+    scenes = ["circle_crossing", "corridor_frontal", "crossing", "doorway", "intersection"]
+    assert [name for name, _ in lines] == [*scenes, "office", "overtaking", "test_room"]
     assert all(Path(path).is_file() for _, path in lines)
 
 

@@ -52,7 +52,8 @@ def test_tab_offers_arguments_values_commands_options_and_worlds(offers, tmp_pat
         "roslaunch roslaunch flatland_server server.launch use": "use_rviz:=",
         "flatland flatland check --r": "--render",
         "rosrun rosrun flatland2d flatland r": "recover render run",
-        "rosrun rosrun flatland2d flatland run ''": "office test_room mine.yaml",
+        "rosrun rosrun flatland2d flatland run ''": "circle_crossing corridor_frontal crossing "
+        "doorway intersection office overtaking test_room mine.yaml",
         "rosrun rosrun flatland2d flatland run --s": "--seed --step-size --seconds",
     }
 

@@ -155,7 +155,22 @@ def reset(worlds: Path, world: str) -> Figures:
     return {"step and reset [us]": statistics.median(times) / _SELDOM * 1e6}
 
 
+def walk_crowd(worlds: Path, motion: str) -> Figures:
+    """Processor time of a crowd of 200 that crosses a circle, as a share of a core."""
+    circle = {"count": 200, "radius": 25}
+    crowd = {"type": "Crowd", "name": "people", "motion": motion, "circle": circle}
+    world = {"properties": {}, "layers": [{"name": "map"}], "plugins": [crowd]}
+    with Simulation(world) as simulation:
+        begin = time.process_time()
+        simulation.step(round(30.0 / simulation.step_size))
+        return {"share of a core [%]": (time.process_time() - begin) / 30.0 * 100.0}
+
+
 LIBRARY_CASES = (
+    *(
+        Case(f"library_crowd_{motion}", f"200 people, {motion}", partial(walk_crowd, motion=motion))
+        for motion in ("orca", "social_force")
+    ),
     Case("library_nothing", "the office and its driven robot, nothing read", read_nothing),
     Case("library_pose", "the same, its pose read", read_pose),
     *(

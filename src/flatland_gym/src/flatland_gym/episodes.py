@@ -127,6 +127,7 @@ class EpisodeSampler:
         count = len(choice.worlds)
         index = choice.worlds[int(rng.integers(count)) if count > 1 else 0]
         world = self._worlds[index]
+        chosen = {**world.ends, **chosen}
         seed = int(rng.integers(2**31))
         if world.space.free_space(world.radius + self._settings.margin).area == 0.0:
             raise UsageError(

@@ -3,7 +3,7 @@
 import itertools
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Any, Dict, List, Sequence, Set, Tuple
+from typing import Any, Dict, List, Mapping, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -54,6 +54,7 @@ class NavigationWorld:
         standing: the models that stay where the world file puts them.
         scattered: the models that each episode places at random.
         obstacles: the added columns, of which each episode uses some.
+        ends: the `start` and the `goal` of its episodes, unless options give others.
     """
 
     name: str
@@ -66,6 +67,7 @@ class NavigationWorld:
     standing: Tuple[Disc, ...]
     scattered: Tuple[Disc, ...]
     obstacles: Tuple[Disc, ...]
+    ends: Mapping[str, Sequence[float]]
 
     @property
     def others(self) -> Tuple[str, ...]:
@@ -124,6 +126,7 @@ class NavigationWorld:
             tuple(disc for disc in discs.values() if disc.name not in moved | added),
             tuple(disc for disc in discs.values() if disc.name in moved),
             tuple(disc for disc in discs.values() if disc.name in added),
+            scenario.ends if scenario is not None and robots == 1 else {},
         )
 
 

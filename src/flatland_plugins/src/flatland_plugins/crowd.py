@@ -1,12 +1,13 @@
 """Crowd: people that walk between goals and give way to walls, robots and each other."""
 
-from typing import List
+from typing import Dict, List, Sequence
 
 from flatland_plugins.crowd_config import CrowdConfig
 from flatland_plugins.people import Person, model_of
 from flatland_plugins.timed_noise import draw_key
 from flatland_server import (
     BatchRole,
+    Model,
     ModelEntry,
     Timekeeper,
     UpdateTimer,
@@ -41,13 +42,16 @@ class Crowd(WorldPlugin):
         self._publisher = self.node.advertise(crowd.poses_pub, "geometry_msgs/PoseArray")
         self._crowd = self.world.physics.add_crowd(draw_key(self.rng), **walk.settings)
         self._people: List[Person] = []
+        groups: Dict[str, int] = {}
         try:
             for each in crowd.pedestrians:
                 model = model_of(each, config.file, walk.layers, walk.layer_bits)
                 entry = ModelEntry(each.name, "", each.pose, model)
                 person = Person.of(each, self.world.add_model(entry))
                 self._people.append(person)
-                person.join(self._crowd)
+                group = -1 if each.group is None else groups.setdefault(each.group, len(groups))
+                person.join(self._crowd, group=group)
+            self._crowd.scatter()
             self._check_room(config)
         except BaseException:
             self.on_shutdown()
@@ -61,13 +65,20 @@ class Crowd(WorldPlugin):
                 if left < radius - _TOLERANCE:
                     problem = f"expected room for a radius of {radius:g} m, found {what}"
                     after = f"after {max(left, 0.0):.2g} m"
-                    config.note(person.config.reader.error(f"{problem} {after}", "pose"))
+                    key = "pose" if person.config.area is None else "area"
+                    config.note(person.config.reader.error(f"{problem} {after}", key))
         config.raise_problems()
 
     @property
+    def people(self) -> Sequence[Model]:
+        """The models of those who are there."""
+        return [person.model for person in self._people if self._is_there(person)]
+
+    @property
     def batch_role(self) -> BatchRole:
-        """The people."""
-        return BatchRole(crowd=self._crowd)
+        """The people; worlds differ if their places are drawn."""
+        is_drawn = any(person.config.area is not None for person in self._people)
+        return BatchRole(crowd=self._crowd, varies_by_seed=is_drawn)
 
     def has_work(self) -> bool:
         """True if the topic has a subscriber."""
@@ -76,9 +87,9 @@ class Crowd(WorldPlugin):
     def before_physics_step(self, timekeeper: Timekeeper) -> None:
         """Publishes the poses of those who are there."""
         poses = PoseArray(header=header(timekeeper.nanoseconds, self._frame_id))
-        for person in filter(self._is_there, self._people):
+        for model in self.people:
             poses.poses.append(PoseMessage())
-            fill_pose(poses.poses[-1], person.model.pose)
+            fill_pose(poses.poses[-1], model.pose)
         self._publisher.publish(poses)
 
     def _is_there(self, person: Person) -> bool:

@@ -1,7 +1,9 @@
 """The keys of a Crowd, and those that a Pedestrian shares with it."""
 
-from dataclasses import astuple, dataclass
-from typing import Any, Collection, Dict, Optional, Tuple
+import itertools
+import math
+from dataclasses import astuple, dataclass, replace
+from typing import Any, Collection, Dict, Iterator, List, Optional, Tuple
 
 from flatland_server import (
     CollisionFilterRegistry,
@@ -48,6 +50,61 @@ class SocialForce:
 
 
 @dataclass(frozen=True)
+class Orca:
+    """The constants of optimal reciprocal collision avoidance.
+
+    J. van den Berg, S. J. Guy, M. Lin and D. Manocha, "Reciprocal n-body collision avoidance",
+    Robotics Research, 2011.
+
+    Attributes:
+        horizon: time without collisions with people and robots [s].
+        wall_horizon: with walls [s].
+        distance: up to which people count [m].
+        neighbors: of the people within this distance, so many of the nearest count.
+    """
+
+    horizon: float = 2.0
+    wall_horizon: float = 1.0
+    distance: float = 5.0
+    neighbors: int = 10
+
+
+@dataclass(frozen=True)
+class Attention:
+    """Giving way to robots: the crowd's, unless a pedestrian's own entry says otherwise.
+
+    Attributes:
+        sees_robots: False: it never gives way to them.
+        yields: probability that it gives way in an encounter.
+        reaction_time: from seeing a robot to giving way [s].
+        field_of_view: in which it sees people and robots, about its heading [rad].
+    """
+
+    sees_robots: bool = True
+    yields: float = 1.0
+    reaction_time: float = 0.0
+    field_of_view: float = 2.0 * math.pi
+
+    @property
+    def numbers(self) -> Tuple[float, float, float]:
+        """As the core takes them."""
+        return self.yields if self.sees_robots else 0.0, self.reaction_time, self.field_of_view
+
+    @classmethod
+    def read(cls, reader: YamlReader, default: "Attention") -> "Attention":
+        """Reads the keys."""
+        attention = cls(
+            reader.get_bool("sees_robots", default.sees_robots),
+            reader.get_float("yields", default.yields, minimum=0.0),
+            reader.get_float("reaction_time", default.reaction_time, minimum=0.0),
+            reader.get_float("field_of_view", default.field_of_view, minimum=0.0),
+        )
+        if attention.yields > 1.0:
+            reader.problem(f"expected a number up to 1, found {attention.yields:g}", "yields")
+        return attention
+
+
+@dataclass(frozen=True)
 class Build:
     """Speed and appearance of a pedestrian: the crowd's, unless its own entry says otherwise.
 
@@ -76,17 +133,31 @@ class Build:
 
 @dataclass(frozen=True)
 class PedestrianConfig:
-    """An entry of `pedestrians`. Without goals, it stays at its pose."""
+    """An entry of `pedestrians`, or one of those that are put into the world at random.
+
+    Without goals, it stays at its pose.
+
+    Attributes:
+        group: people of the same one keep together; None: of none.
+        area: two corners [m]; its place and its goals are drawn there.
+        stands: it stays at its drawn place.
+    """
 
     name: str
     pose: Pose
     goals: Tuple[Point, ...]
     build: Build
     reader: YamlReader
+    attention: Attention = Attention()
+    group: Optional[str] = None
+    area: Optional[Tuple[Point, Point]] = None
+    stands: bool = False
 
     @classmethod
-    def read(cls, reader: YamlReader, name: str, build: Build) -> "PedestrianConfig":
-        """Reads an entry; `name` and `build` are the defaults.
+    def read(
+        cls, reader: YamlReader, name: str, build: Build, attention: Attention
+    ) -> "PedestrianConfig":
+        """Reads an entry; `name`, `build` and `attention` are the defaults.
 
         Raises:
             YamlError: something in it is wrong.
@@ -95,7 +166,15 @@ class PedestrianConfig:
         check_topic_name(reader, "name", name)
         pose = reader.get_pose("pose")
         goals = reader.get_points("goals", 1, 10_000, [pose[:2]])
-        pedestrian = cls(name, pose, tuple(goals), Build.read(reader, build), reader)
+        pedestrian = cls(
+            name,
+            pose,
+            tuple(goals),
+            Build.read(reader, build),
+            reader,
+            Attention.read(reader, attention),
+            reader.get_string("group", None),
+        )
         reader.finish()
         return pedestrian
 
@@ -110,6 +189,7 @@ class WalkConfig:
         update_rate: of the forces [Hz].
         goal_radius: distance at which a goal counts as reached [m].
         force: the social force model.
+        orca: moves them instead of the forces.
     """
 
     layers: Tuple[str, ...]
@@ -117,6 +197,7 @@ class WalkConfig:
     update_rate: float
     goal_radius: float
     force: SocialForce
+    orca: Optional[Orca]
 
     @property
     def settings(self) -> Dict[str, Any]:
@@ -126,6 +207,7 @@ class WalkConfig:
             "period": UpdateTimer(self.update_rate).period,
             "goal_radius": self.goal_radius,
             "forces": astuple(self.force),
+            "orca": None if self.orca is None else astuple(self.orca),
         }
 
     @classmethod
@@ -142,12 +224,15 @@ class WalkConfig:
             layer_bits = registry.bits(layers)
         except ValueError as error:
             config.problem(str(error), "layers")
+        is_orca = config.get_choice("motion", ["social_force", "orca"], "social_force") == "orca"
+        orca = _read_orca(config.get_section("orca"))
         return cls(
             layers=layers,
             layer_bits=layer_bits,
             update_rate=config.get_rate("update_rate", 20.0),
             goal_radius=config.get_float("goal_radius", 0.3, above=0.0),
             force=_read_force(config.get_section("force")),
+            orca=orca if is_orca else None,
         )
 
 
@@ -181,10 +266,11 @@ class CrowdConfig:
         check_topic_name(config, "name", name)
         walk = WalkConfig.read(config, registry)
         build = Build.read(config, Build())
+        attention = Attention.read(config, Attention())
         names: Dict[str, int] = {}
 
         def read_pedestrian(section: YamlReader) -> PedestrianConfig:
-            pedestrian = PedestrianConfig.read(section, f"{name}_{len(names)}", build)
+            pedestrian = PedestrianConfig.read(section, f"{name}_{len(names)}", build, attention)
             names[pedestrian.name] = names.get(pedestrian.name, 0) + 1
             if names[pedestrian.name] > 1:
                 raise section.error(f'the name "{pedestrian.name}" is given twice', "name")
@@ -192,13 +278,79 @@ class CrowdConfig:
                 raise section.error(f'a model named "{pedestrian.name}" is already there', "name")
             return pedestrian
 
+        is_drawn = config.has("random") or config.has("circle")
+        pedestrians = config.get_sections("pedestrians", read_pedestrian, required=not is_drawn)
+        drawn: List[PedestrianConfig] = []
+        for key, read in (("random", _read_random), ("circle", _read_circle)):
+            if config.has(key):
+                section = config.get_section(key)
+                first = len(names) + len(drawn)
+                drawn += read(section, _names(name, first), build, attention)
+        for each in drawn:
+            if each.name in names or each.name in taken:
+                each.reader.problem(f'a model named "{each.name}" is already there')
         crowd = cls(
             walk=walk,
             poses_pub=config.get_topic("poses_pub", f"{name}/poses"),
-            pedestrians=tuple(config.get_sections("pedestrians", read_pedestrian, required=True)),
+            pedestrians=(*pedestrians, *drawn),
         )
         config.finish()
         return crowd
+
+
+_MOST_DRAWN = 10_000
+
+
+def _names(name: str, first: int) -> Iterator[str]:
+    return (f"{name}_{number}" for number in itertools.count(first))
+
+
+def _read_random(
+    section: YamlReader, names: Iterator[str], build: Build, attention: Attention
+) -> List[PedestrianConfig]:
+    """The pedestrians whose places and goals are drawn."""
+    count = section.get_int("count", minimum=1, maximum=_MOST_DRAWN)
+    standing = section.get_int("standing", 0, minimum=0, maximum=_MOST_DRAWN)
+    corners = section.get_points("area", 2, 2)
+    section.finish()
+    xs, ys = ([corner[axis] for corner in corners] for axis in range(2))
+    low, high = (min(xs), min(ys)), (max(xs), max(ys))
+    middle = ((low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0)
+    person = PedestrianConfig(
+        "", Pose(*middle), (middle,), build, section, attention, area=(low, high)
+    )
+    return [
+        replace(person, name=name, stands=number < standing)
+        for number, name in zip(range(count), names)
+    ]
+
+
+def _read_circle(
+    section: YamlReader, names: Iterator[str], build: Build, attention: Attention
+) -> List[PedestrianConfig]:
+    """The pedestrians on a circle, who cross it; a robot is to begin at its place at angle 0."""
+    count = section.get_int("count", minimum=1, maximum=_MOST_DRAWN)
+    radius = section.get_float("radius", above=0.0)
+    section.finish()
+    people = []
+    for number, name in zip(range(1, count + 1), names):
+        angle = math.tau * number / (count + 1)
+        x, y = radius * math.cos(angle), radius * math.sin(angle)
+        pose = Pose(x, y, math.atan2(-y, -x))
+        people.append(PedestrianConfig(name, pose, ((-x, -y),), build, section, attention))
+    return people
+
+
+def _read_orca(section: YamlReader) -> Orca:
+    default = Orca()
+    orca = Orca(
+        horizon=section.get_float("horizon", default.horizon, above=0.0),
+        wall_horizon=section.get_float("wall_horizon", default.wall_horizon, above=0.0),
+        distance=section.get_float("distance", default.distance, above=0.0),
+        neighbors=section.get_int("neighbors", default.neighbors, minimum=1, maximum=1000),
+    )
+    section.finish()
+    return orca
 
 
 def _read_force(section: YamlReader) -> SocialForce:

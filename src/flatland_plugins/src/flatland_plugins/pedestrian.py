@@ -2,7 +2,7 @@
 
 import contextlib
 import logging
-from typing import Any, Optional
+from typing import Any, Optional, Sequence
 
 from flatland_plugins.agents import FARTHEST, Agent, from_agent_states, from_odometry
 from flatland_plugins.other_names import given_name
@@ -15,6 +15,7 @@ from flatland_server import (
     FlatlandError,
     GoneError,
     MessageError,
+    Model,
     ModelBody,
     ModelPlugin,
     Pose,
@@ -96,6 +97,11 @@ class Pedestrian(ModelPlugin):
             leg.physics_body.pose = self._body.pose.compose(Pose(0.0, side * offset))
         if self._circle is not None:
             self._circle.physics_body.pose = self._body.pose
+
+    @property
+    def people(self) -> Sequence[Model]:
+        """Its model."""
+        return [self.model]
 
     @property
     def batch_role(self) -> Optional[BatchRole]:

@@ -7,7 +7,7 @@ from typing import Optional, Sequence
 
 import numpy as np
 
-from flatland_plugins.crowd_config import WALK_RATIO, Build, PedestrianConfig, WalkConfig
+from flatland_plugins.crowd_config import WALK_RATIO, Attention, Build, PedestrianConfig, WalkConfig
 from flatland_plugins.people import LEG_RADIUS, leg_offset
 from flatland_server import Circle, Model, ModelBody, YamlReader
 
@@ -83,7 +83,14 @@ class PedestrianKeys:
         number = re.search(r"\d+$", model.name)
         return cls(
             walk=walk,
-            person=PedestrianConfig(model.name, model.pose, tuple(goals), build, config),
+            person=PedestrianConfig(
+                model.name,
+                model.pose,
+                tuple(goals),
+                build,
+                config,
+                Attention.read(config, Attention()),
+            ),
             leg_radius=leg_radius,
             swing_radius=swing_radius,
             safety_dist=safety_dist,

@@ -75,12 +75,15 @@ class Person(NamedTuple):
     legs: Sequence[ModelBody]
     circle: Optional[ModelBody] = None
 
-    def join(self, crowd: Crowd, leg_radii: Tuple[float, float] = (0.0, 0.0)) -> None:
+    def join(
+        self, crowd: Crowd, leg_radii: Tuple[float, float] = (0.0, 0.0), group: int = -1
+    ) -> None:
         """Lets it walk as one of a crowd.
 
         Args:
             crowd: in the core.
             leg_radii: of a leg on the floor, and in the middle of its swing [m].
+            group: the number of its group; -1: none.
         """
         build = self.config.build
         crowd.add_person(
@@ -93,6 +96,10 @@ class Person(NamedTuple):
             leg_offset=leg_offset(build),
             walk_ratio=build.walk_ratio,
             leg_radii=leg_radii,
+            attention=self.config.attention.numbers,
+            group=group,
+            area=self.config.area,
+            stands=self.config.stands,
         )
 
     @classmethod

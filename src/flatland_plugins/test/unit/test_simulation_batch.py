@@ -131,6 +131,23 @@ def test_a_crowd_is_that_of_a_simulation(world_of, monkeypatch, count):
         assert_are_simulations(found, expected)
 
 
+DRAWN = """
+  - {type: Crowd, name: agents, motion: orca, pedestrians: [
+      {pose: [-2.5, 0.6, 0], goals: [[2.5, 2]], group: a},
+      {pose: [-2.5, 1.4, 0], goals: [[2.5, 1]], group: a}]}
+  - {type: Crowd, name: drawn, yields: 0.5, reaction_time: 0.2, field_of_view: 3, speed: 0.6,
+     random: {count: 3, standing: 1, area: [[-2.5, -2.5], [2.5, 2.5]]}}
+"""
+
+
+def test_drawn_people_are_those_of_a_simulation(world_of):
+    world = world_of(models=WORLD + CROWD + DRAWN)
+    expected = {k: run_simulation(world, k, 2) for k in range(4)}
+
+    for threads in (1, 2):
+        assert_are_simulations(run_batch(world, 4, threads, 2), expected)
+
+
 MORE_WALLS = """
   - {type: RandomWall, name: more, layer: map, num_of_walls: 2, wall_wall_dist: 0.4,
      robot_name: robot}

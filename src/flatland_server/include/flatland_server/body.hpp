@@ -36,8 +36,9 @@ struct BodyRecord {
 
   b2Body* body = nullptr;
   bool is_layer = false;
-  int large_layer = -1;  // its number among the large layers, or -1
-  bool may_move = true;  // false: it stays where it is, unless World::SetPose moves it
+  bool is_person = false;  // of a crowd
+  int large_layer = -1;    // its number among the large layers, or -1
+  bool may_move = true;    // false: it stays where it is, unless World::SetPose moves it
   ContactEvents contact_events = kNoContactEvents;  // that the contact listener receives
   bool is_recorded = false;                         // its collisions are recorded
   bool has_changed_material = false;                // of a fixture

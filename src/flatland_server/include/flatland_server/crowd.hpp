@@ -5,19 +5,25 @@
 /// A crowd sets the velocities of its people at its updates, several times a second. Between two
 /// updates Box2D moves them, and resolves collisions: they are bodies like others, without a drive.
 /// The next update starts from the result. In an update, each person chooses a velocity by the
-/// forces of what is around it (social_force.hpp, surroundings.hpp) or follows an agent of another
-/// program; then turns that way, and its legs step.
+/// forces of what is around it (social_force.hpp, surroundings.hpp), or by ORCA (orca.hpp), or
+/// follows an agent of another program; then turns that way, and its legs step.
+///
+/// Dynamic bodies that are no people are robots. A person may give way to them late, or not at all:
+/// that is decided by chance at the beginning of an encounter, when a robot comes near.
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "flatland_server/bodies.hpp"
 #include "flatland_server/collision_layers.hpp"
 #include "flatland_server/normal_numbers.hpp"
+#include "flatland_server/orca.hpp"
 #include "flatland_server/social_force.hpp"
 
 namespace flatland {
@@ -30,6 +36,12 @@ struct CrowdSettings {
   double period = 0.0;            ///< between two updates [ns]; 0: one before each step
   double goal_radius = 0.3;       ///< distance at which a goal counts as reached [m]
   SocialForce force;
+  std::optional<OrcaSettings> orca;  ///< moves the people instead of the forces
+};
+
+/// A rectangle [m].
+struct Area {
+  Vec2 low, high;
 };
 
 struct PersonSettings {
@@ -43,6 +55,12 @@ struct PersonSettings {
   double walk_ratio = 0.384;           ///< a step's length by the steps per second [m s]
   double leg_radius = 0.0;             ///< of a leg on the floor, as lidars see it [m]
   double swing_radius = 0.0;           ///< in the middle of its swing; if equal, radii stay [m]
+  double yields = 1.0;                 ///< probability that it gives way in an encounter
+  double reaction_time = 0.0;          ///< from seeing a robot to giving way [s]
+  double field_of_view = 2.0 * M_PI;   ///< in which it sees people and robots [rad]
+  int group = -1;                      ///< whose people keep together; -1: none
+  std::optional<Area> area;            ///< in which places and goals are drawn, instead of `goals`
+  bool stands = false;                 ///< at its drawn place
 };
 
 class Crowd {
@@ -72,6 +90,9 @@ class Crowd {
 
   /// Before a step of `dt` [s]: makes an update, if one is due.
   void BeginStep(Bodies& bodies, const Layers& layers, double dt);
+  /// Puts people with areas at drawn places, away from walls, bodies and each other. One for which
+  /// none is found stays.
+  void Scatter(Bodies& bodies, const Layers& layers);
   /// The present room of each person.
   std::vector<Room> Rooms(const Bodies& bodies, const Layers& layers);
   /// Takes what changes of an equal crowd.
@@ -124,10 +145,15 @@ class Crowd {
     double stride = 0.25;  // completed fraction of a double step: at first, both feet are abreast
     double lifted = 0.0;   // height of the lifted foot, 0 to 1; negative for the right one
     Agent agent;
+    bool has_met = false;    // a robot is near
+    bool gives_way = true;   // to the robots of this encounter
+    double seen_for = 0.0;   // time for which it has seen robots in this encounter [s]
+    bool has_drawn = false;  // a goal
+    Vec2 drawn_goal;         // [m]
 
     template <class Archive>
     void Serialize(Archive& archive) {
-      archive(goal, stride, lifted, agent);
+      archive(goal, stride, lifted, agent, has_met, gives_way, seen_for, has_drawn, drawn_goal);
     }
   };
 
@@ -148,10 +174,24 @@ class Crowd {
   /// Finds the other bodies again, if any have been added or removed.
   void FindOthers(const Bodies& bodies);
   /// The desired direction, of length 1 at full speed; goes on to the next goal.
-  Vec2 WayOf(size_t person);
+  Vec2 WayOf(size_t person, const Layers& layers);
+  /// A free point of a person's area, if some tries find one: so far from walls, and from the
+  /// bodies and people that `is_free` asks for.
+  template <class IsFree>
+  std::optional<Vec2> DrawPoint(size_t person, const Layers& layers, IsFree is_free);
+  /// Decides which people give way to robots.
+  void Meet(double dt);
+  /// True if something in this direction, of length 1, is in a person's field of view.
+  bool Sees(size_t person, Vec2 direction) const;
+  Obstacle SeenOther(size_t person, size_t other) const;
   /// The forces of all that is around each person.
   void SumForces(const Layers& layers);
-  Vec2 ForcedVelocity(size_t person, Vec2 noise, double dt);
+  Vec2 GroupForce(size_t person) const;
+  Vec2 ForcedVelocity(size_t person, Vec2 way, Vec2 noise, double dt);
+  Vec2 OrcaVelocity(size_t person, Vec2 way, Vec2 noise, const Layers& layers, double dt);
+  void SortByX();
+  /// Finds the nearest people whom a person sees, of those within the distance of ORCA.
+  void FindNeighbors(size_t person);
   /// The velocity that leads to the agent in `dt` [s]; if that is far, jumps there.
   Vec2 FollowingVelocity(size_t person, Bodies& bodies, double dt);
   void JumpTo(const PersonSettings& person, Vec2 point, Bodies& bodies) const;
@@ -173,6 +213,12 @@ class Crowd {
   std::vector<Forces> forces_;
   std::vector<Obstacle> found_, walls_;
   std::vector<Vec2> new_velocities_;
+  std::vector<char> gives_way_;  // of each person, to robots
+  std::vector<uint32_t> by_x_;   // people in the order of their x
+  std::vector<uint32_t> rank_;   // of each person in `by_x_`
+  std::vector<std::pair<double, uint32_t>> near_;
+  std::vector<OrcaNeighbor> neighbors_;
+  std::vector<HalfPlane> planes_;
 };
 
 }  // namespace flatland

@@ -17,6 +17,11 @@ class NormalNumbers {
   explicit NormalNumbers(uint64_t state = 0) : state_(state) {}
 
   double Draw() { return Quantile(DrawUniform()); }
+  /// Between 0 and 1, neither of them included.
+  double DrawUniform() {
+    state_ += 0x9e3779b97f4a7c15u;
+    return (static_cast<double>(Mixed(state_) >> 11) + 0.5) * 0x1p-53;
+  }
 
   /// Scrambles the bits of a number.
   static uint64_t Mixed(uint64_t z) {
@@ -32,12 +37,6 @@ class NormalNumbers {
   }
 
  private:
-  /// Between 0 and 1, neither of them included.
-  double DrawUniform() {
-    state_ += 0x9e3779b97f4a7c15u;
-    return (static_cast<double>(Mixed(state_) >> 11) + 0.5) * 0x1p-53;
-  }
-
   /// A quotient of polynomials; the first coefficient is that of the constant.
   template <int n, int m>
   static double Quotient(const double (&above)[n], const double (&below)[m], double x) {

@@ -219,6 +219,8 @@ class World : public Access, private b2DestructionListener {
   void AddPerson(CrowdHandle crowd, const PersonSettings& person);
   /// From then on, the bodies of its people move like others.
   void RemoveCrowd(CrowdHandle crowd);
+  /// See Crowd::Scatter.
+  void ScatterCrowd(CrowdHandle crowd);
   /// See Crowd::Rooms.
   std::vector<Crowd::Room> GetRooms(CrowdHandle crowd);
   Crowd& Get(CrowdHandle handle) {

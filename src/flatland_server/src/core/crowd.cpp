@@ -11,9 +11,7 @@
 namespace flatland {
 namespace {
 
-constexpr double kMostSpeed =
-    1.3;                        // over desired speed (Helbing and Molnar, Phys. Rev. E 51, 1995)
-constexpr double kReach = 8.0;  // of walls, in ranges of the repulsion: it has fallen to e^-8
+constexpr double kReach = 8.0;           // of walls, in ranges of the repulsion: it is down to e^-8
 constexpr double kTurnRate = M_PI;       // at most [rad/s]
 constexpr double kLeastSpeed = 0.1;      // people that are slower keep their heading [m/s]
 constexpr double kPatience = 1.0;        // an agent walks on for so long after its last state [s]
@@ -49,6 +47,7 @@ Crowd& Crowd::operator=(const Crowd&) = default;
 
 Crowd::Crowd(const CrowdSettings& settings, uint64_t key) : settings_(settings) {
   settings.force.Require();
+  if (settings.orca) settings.orca->Require();
   Require(settings.period >= 0.0, "a period must not be negative");
   Require(IsUsable(settings.goal_radius) && settings.goal_radius > 0.0,
           "a radius must be above zero");
@@ -61,9 +60,16 @@ void Crowd::Add(const PersonSettings& person) {
   for (const Vec2& goal : person.goals) {
     Require(std::isfinite(goal.x) && std::isfinite(goal.y), "a goal must be finite");
   }
+  Require(person.yields <= 1.0, "a probability must not be above one");
+  if (person.area) {
+    Require(IsUsable(person.area->low) && IsUsable(person.area->high), "an area must be finite");
+    Require(person.area->low.x <= person.area->high.x && person.area->low.y <= person.area->high.y,
+            "an area must begin at its lower corner");
+  }
   Require(person.legs.empty() || person.legs.size() == 2, "a person has two legs or none");
-  for (const double each : {person.radius, person.speed, person.leg_offset, person.walk_ratio,
-                            person.leg_radius, person.swing_radius}) {
+  for (const double each :
+       {person.radius, person.speed, person.leg_offset, person.walk_ratio, person.leg_radius,
+        person.swing_radius, person.yields, person.reaction_time, person.field_of_view}) {
     RequireNotNegative(each, "a person's numbers must be finite and not negative");
   }
   people_.push_back(person);
@@ -97,6 +103,7 @@ bool Crowd::IsValid() const {
     if (progress_[i].goal >= people_[i].goals.size()) return false;
     const Agent& agent = progress_[i].agent;
     if (LengthOf(agent.point) > 4.0 * kMaxCoordinate) return false;
+    if (!IsUsable(progress_[i].drawn_goal) || !IsUsable(progress_[i].seen_for)) return false;
   }
   return true;
 }
@@ -127,14 +134,23 @@ void Crowd::Update(Bodies& bodies, const Layers& layers, double dt) {
     motions_of_others_.push_back(MotionOf(*each.body));
     headings_of_others_.emplace_back(motions_of_others_.back().yaw);
   }
-  SumForces(layers);
+  Meet(dt);
+  if (settings_.orca) {
+    SortByX();
+  } else {
+    SumForces(layers);
+  }
   new_velocities_.clear();
   const double scatter = settings_.force.ScatterAfter(dt);
   for (size_t i = 0; i < people_.size(); ++i) {
     const double x = clock_.numbers.Draw(), y = clock_.numbers.Draw();  // whether needed or not
-    new_velocities_.push_back(progress_[i].agent.is_followed
-                                  ? FollowingVelocity(i, bodies, dt)
-                                  : ForcedVelocity(i, {scatter * x, scatter * y}, dt));
+    if (progress_[i].agent.is_followed) {
+      new_velocities_.push_back(FollowingVelocity(i, bodies, dt));
+      continue;
+    }
+    const Vec2 noise{scatter * x, scatter * y}, way = WayOf(i, layers);
+    new_velocities_.push_back(settings_.orca ? OrcaVelocity(i, way, noise, layers, dt)
+                                             : ForcedVelocity(i, way, noise, dt));
   }
   for (size_t i = 0; i < people_.size(); ++i) Walk(i, new_velocities_[i], bodies, dt);
 }
@@ -158,68 +174,6 @@ Crowd::Motion Crowd::MotionOf(const b2Body& body) {
 
 double Crowd::ReachOf(const PersonSettings& person) const {
   return person.radius + kReach * settings_.force.range;
-}
-
-Vec2 Crowd::WayOf(size_t index) {
-  const std::vector<Vec2>& goals = people_[index].goals;
-  uint32_t& goal = progress_[index].goal;
-  const Vec2 point = motions_[index].point;
-  if (LengthOf(goals[goal] - point) <= settings_.goal_radius) {
-    goal = goal + 1 < goals.size() ? goal + 1 : 0;
-  }
-  const Vec2 left = goals[goal] - point;
-  // With a single goal, slows down when it would arrive in less than twice the relaxation time.
-  const double slow_down =
-      goals.size() == 1 ? people_[index].speed * 2.0 * settings_.force.relaxation_time : 1e-9;
-  return (1.0 / std::max(LengthOf(left), slow_down)) * left;
-}
-
-/// Two people avoid each other with opposite accelerations: gap, direction and relative velocity
-/// are the same for both, but for their signs, and with these the forces change theirs.
-void Crowd::SumForces(const Layers& layers) {
-  const SocialForce& force = settings_.force;
-  forces_.assign(people_.size(), {});
-  for (size_t i = 0; i < people_.size(); ++i) {
-    const Motion& own = motions_[i];
-    const double radius = people_[i].radius;
-    Forces& sum = forces_[i];
-    for (size_t j = i + 1; j < people_.size(); ++j) {
-      const Vec2 away = own.point - motions_[j].point;
-      const double distance = LengthOf(away);
-      const Obstacle other{distance - radius - people_[j].radius,
-                           distance > 0.0 ? (1.0 / distance) * away : away};
-      const Vec2 push = force.Repel(other);
-      const Vec2 evasion = force.Evade(other, own.velocity - motions_[j].velocity);
-      sum.repulsion = sum.repulsion + push;
-      sum.evasion = sum.evasion + evasion;
-      forces_[j].repulsion = forces_[j].repulsion - push;
-      forces_[j].evasion = forces_[j].evasion - evasion;
-    }
-    for (size_t k = 0; k < others_.size(); ++k) {
-      const Motion& other = motions_of_others_[k];
-      Obstacle seen = others_[k].SeenFrom(own.point, other.point, headings_of_others_[k]);
-      seen.gap -= radius;
-      sum.repulsion = sum.repulsion + force.Repel(seen);
-      sum.evasion = sum.evasion + force.Evade(seen, own.velocity - other.velocity);
-    }
-    SeeWalls(layers, settings_.layers, own.point, ReachOf(people_[i]), found_, walls_);
-    for (Obstacle& wall : walls_) {
-      wall.gap -= radius;
-      sum.repulsion = sum.repulsion + force.Repel(wall);
-    }
-  }
-}
-
-Vec2 Crowd::ForcedVelocity(size_t index, Vec2 noise, double dt) {
-  const SocialForce& force = settings_.force;
-  const double desired = people_[index].speed;
-  const Vec2 way = WayOf(index);
-  const double will = LengthOf(way);  // a person that stands neither evades nor sways
-  const Vec2 acceleration = forces_[index].repulsion + will * forces_[index].evasion;
-  const Vec2 velocity =
-      force.Relax(motions_[index].velocity, desired * way, acceleration, dt) + will * noise;
-  const double speed = LengthOf(velocity), most = kMostSpeed * desired;
-  return speed > most ? (most / speed) * velocity : velocity;
 }
 
 Vec2 Crowd::FollowingVelocity(size_t index, Bodies& bodies, double dt) {

@@ -60,7 +60,8 @@ std::vector<Outline> FindOutlines(const Bodies& bodies, LayerBits layers,
   std::vector<Outline> outlines;
   bodies.ForEach([&](Bodies::Body handle, const BodyRecord& record) {
     if (record.is_layer || is_left_out(handle)) return;
-    Outline outline{record.body, {}};
+    const bool is_dynamic = record.body->GetType() == b2_dynamicBody;
+    Outline outline{record.body, {}, is_dynamic && !record.is_person};
     for (const BodyRecord::FixtureRecord& each : record.fixtures) {
       const b2Fixture& fixture = *each.fixture;
       const bool shares_layer = (fixture.GetFilterData().maskBits & layers) != 0;

@@ -18,6 +18,7 @@ namespace flatland {
 struct Outline {
   b2Body* body = nullptr;
   std::vector<const b2Shape*> shapes;
+  bool is_robot = false;  // a dynamic body that is no person
 
   /// The nearest point of a body that is at `pose`, as seen from a point of the world: its distance
   /// [m], and the direction away from it.

@@ -20,6 +20,13 @@ void World::AddPerson(CrowdHandle crowd, const PersonSettings& person) {
   }
   const AccessGuard guard(*this);
   crowds_.Get(crowd).Add(person);
+  for (const Body& body : bodies) bodies_.Get(body).is_person = true;
+  bodies_.ChangeStructure();
+}
+
+void World::ScatterCrowd(CrowdHandle crowd) {
+  const AccessGuard guard(*this);
+  crowds_.Get(crowd).Scatter(bodies_, *layers_);
 }
 
 void World::RemoveCrowd(CrowdHandle crowd) {

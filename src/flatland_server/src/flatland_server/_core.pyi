@@ -104,6 +104,7 @@ class World(metaclass=_Metaclass):
         period: float,
         goal_radius: float,
         forces: tuple[float, float, float, float, float, float],
+        orca: tuple[float, float, float, int] | None = None,
     ) -> Crowd:
         """Adds a crowd without people, which moves them in the steps.
 
@@ -115,6 +116,9 @@ class World(metaclass=_Metaclass):
             forces: the constants of the social force model: the relaxation time [s], the repulsion
                 [m/s^2] and its range [m], the evasion [m/s^2], the preference of a side [rad/m],
                 and the noise of the velocity [m/s].
+            orca: moves them by optimal reciprocal collision avoidance instead: time without
+                collisions with people and robots, and with walls [s], the distance up to which
+                people count [m], and how many of them.
         """
     def step(self, dt: float) -> None:
         """Advances the simulation by `dt` [s], 1e-9 or more. Releases the GIL.
@@ -969,6 +973,10 @@ class Crowd(_WithoutConstructor):
         leg_offset: float = 0.0,
         walk_ratio: float = 0.0,
         leg_radii: _PairLike = ...,
+        attention: _TripleLike = ...,
+        group: int = -1,
+        area: tuple[_Pair, _Pair] | None = None,
+        stands: bool = False,
     ) -> None:
         """Adds a person, on the way to the first goal. It leaves when one of its bodies is removed.
 
@@ -983,6 +991,11 @@ class Crowd(_WithoutConstructor):
             walk_ratio: a step's length by the steps per second [m s].
             leg_radii: of a leg's first footprint as lidars see it, on the floor and in the middle
                 of its swing [m]; if they are equal, it stays as it is.
+            attention: the probability that it gives way to robots in an encounter, its reaction
+                time [s] and its field of view [rad].
+            group: the people of a group keep together; -1: none.
+            area: lower and upper corner of a rectangle in which goals are drawn [m].
+            stands: at the place in the area at which `scatter` puts it.
         """
     def follow(self, person: int, point: _PairLike, velocity: _PairLike) -> None:
         """Lets a person follow an agent from now on, instead of walking to its goals.
@@ -1001,6 +1014,39 @@ class Crowd(_WithoutConstructor):
 
         Infinite if there is none, or no wall within the reach of the forces.
         """
+    def scatter(self) -> None:
+        """Puts people with an area at drawn places in it. One for which none is found stays."""
+
+def orca_velocity(
+    velocity: _PairLike,
+    preferred: _PairLike,
+    neighbors: FloatArray,
+    walls: FloatArray,
+    *,
+    most: float,
+    horizon: float,
+    wall_horizon: float,
+    dt: float,
+) -> _Pair:
+    """The velocity [m/s] nearest to the preferred one that avoids collisions (ORCA).
+
+    J. van den Berg et al., "Reciprocal n-body collision avoidance", Robotics Research, 2011.
+
+    Args:
+        velocity: the present one [m/s].
+        preferred: [m/s].
+        neighbors: offset from the agent [m], velocity [m/s], the sum of both radii [m] and the
+            agent's share of the avoidance, commonly 0.5; shape (n, 6), contiguous.
+        walls: distance of the nearest point less the agent's radius [m], and the direction away
+            from it, of length 1; shape (n, 3), contiguous.
+        most: the largest speed [m/s].
+        horizon: time without collisions with neighbours [s].
+        wall_horizon: time without collisions with walls [s].
+        dt: after which agents that overlap are to be apart [s].
+
+    Raises:
+        ValueError: an array has another shape, or a time is not above zero.
+    """
 
 class Drift(_WithoutConstructor):
     """A handle of a body's drift: the pose that it estimates by adding up motions with errors."""

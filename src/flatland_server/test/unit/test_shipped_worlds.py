@@ -9,12 +9,12 @@ from flatland_server.config.shipped_worlds import find_world, shipped_worlds
 from flatland_server.exceptions import FlatlandError
 
 PACKAGE = Path(__file__).resolve().parents[2]
+SCENES = ("circle_crossing", "corridor_frontal", "crossing", "doorway", "intersection")
+WORLDS = (*SCENES, "office", "overtaking", "test_room")
 
 
 def test_the_worlds_are_found_beside_the_sources():
-    assert shipped_worlds() == {
-        name: PACKAGE / "worlds" / name / "world.yaml" for name in ("office", "test_room")
-    }
+    assert shipped_worlds() == {name: PACKAGE / "worlds" / name / "world.yaml" for name in WORLDS}
 
 
 @pytest.mark.parametrize(
@@ -60,6 +60,6 @@ def test_the_error_for_an_unknown_world_names_those_that_there_are(tmp_path, mon
         find_world("offise")
 
     assert str(error.value) == (
-        'no world is named "offise" (did you mean "office"?); there are: office, test_room, '
-        "and any file by its path"
+        'no world is named "offise" (did you mean "office"?); '
+        f"there are: {', '.join(WORLDS)}, and any file by its path"
     )

@@ -1,0 +1,190 @@
+"""Crowd: people who do not give way, groups, drawn places and ORCA."""
+
+import math
+
+import numpy as np
+import pytest
+from townspeople import CALM, RADIUS, ROOM, TOWARDS_EACH_OTHER, position, robot, walk
+
+from flatland_server.exceptions import FlatlandError
+
+TOWARDS_THE_ROBOT = "pose: [-4, 0, 0], goals: [[4, 0], [9, 0]]"
+TOUCH = 0.2 + RADIUS
+
+
+def nearest(town, files, person: str, seconds: float = 8.0) -> float:
+    """The least distance of a person from a heavy robot that stands in the way [m]."""
+    disc = "{type: circle, radius: 0.2, density: 100000}"
+    people = town(
+        f"{TOWARDS_THE_ROBOT}, {person}",
+        keys=CALM,
+        robots=robot(files, footprint=disc),
+    )
+    path = walk(people, seconds, "people_0", "robot")
+    return float(np.linalg.norm(path[:, 0] - path[:, 1], axis=-1).min())
+
+
+# Giving way to robots
+
+
+@pytest.mark.parametrize("keys", ["sees_robots: false", "yields: 0", "field_of_view: 0"])
+def test_who_sees_no_robots_walks_into_them(town, files, keys):
+    assert nearest(town, files, keys) == pytest.approx(TOUCH, abs=0.02)
+
+
+def test_who_does_not_yield_still_passes_people_and_stays_behind_walls(town):
+    keys = "force: {noise: 0}, sees_robots: false"
+    people = town(*TOWARDS_EACH_OTHER, keys=keys, walls=("4.5 -9 4.5 9",))
+
+    path = walk(people, 8.0, "people_0", "people_1")
+
+    assert np.linalg.norm(path[:, 0] - path[:, 1], axis=1).min() > 2 * RADIUS + 0.05
+    assert path[:, 0, 0].max() < 4.5 - RADIUS
+
+
+def test_people_of_other_crowds_are_no_robots(town, files):
+    town(TOWARDS_EACH_OTHER[0], keys=f"{CALM}, sees_robots: false")
+    text = (files.folder / "world.yaml").read_text()
+    second = f"  - {{type: Crowd, name: others, {CALM}, sees_robots: false, "
+    people = files.load(f"{text}\n{second}pedestrians: [{{{TOWARDS_EACH_OTHER[1]}}}]}}\n")
+
+    path = walk(people, 7.0, "people_0", "others_0")
+
+    assert np.linalg.norm(path[:, 0] - path[:, 1], axis=1).min() > 2 * RADIUS + 0.05
+
+
+def test_an_entry_may_see_robots_in_a_crowd_that_does_not(town, files):
+    assert nearest(town, files, "sees_robots: true, yields: 1") > TOUCH + 0.1
+
+
+def test_who_reacts_late_passes_closer(town, files):
+    # The robot is seen at 5 m, 3 s away: within a second nothing is lost.
+    distances = [nearest(town, files, f"reaction_time: {t}") for t in (0.0, 2.6, 30.0)]
+
+    assert distances[0] > distances[1] + 0.01
+    assert distances[2] == pytest.approx(TOUCH, abs=0.02)
+
+
+def test_of_many_people_as_many_yield_as_the_probability_says(town, files):
+    lanes = range(60)
+    disc = "{type: circle, radius: 0.2, density: 100000}"
+    robots = {}
+    for lane in lanes:
+        model = files.model(f"robot_{lane}", footprint=disc)
+        robots[f"robot_{lane}"] = f"model: {model}, pose: [0, {12 * lane}, 0]"
+    people = town(
+        *(f"pose: [-3, {12 * k}, 0], goals: [[9, {12 * k}], [-9, {12 * k}]]" for k in lanes),
+        keys=f"{CALM}, yields: 0.3",
+        robots=robots,
+    )
+    path = walk(people, 4.0, *(f"people_{k}" for k in lanes))
+    middles = np.array([[0.0, 12.0 * k] for k in lanes])
+
+    walked_into = np.linalg.norm(path - middles, axis=-1).min(axis=0) < TOUCH + 0.05
+
+    # 42 expected; binomial, 4 standard deviations
+    assert abs(int(walked_into.sum()) - 42) < 4 * math.sqrt(60 * 0.3 * 0.7)
+
+
+def test_who_stands_and_sees_no_robots_stays(town, files):
+    people = town("pose: [0.7, 0, 0]", keys=f"{CALM}, sees_robots: false", robots=robot(files))
+
+    people.run(3.0)
+
+    assert position(people) == pytest.approx((0.7, 0.0), abs=1e-3)
+
+
+# Groups
+
+
+def test_a_group_waits_for_who_is_slower(town):
+    def spread(keys: str) -> float:
+        people = town(
+            f"pose: [0, 0, 0], goals: [[40, 0]], speed: 1.4{keys}",
+            f"pose: [0, 1, 0], goals: [[40, 1]], speed: 0.9{keys}",
+            keys=CALM,
+        )
+        path = walk(people, 12.0, "people_0", "people_1")
+        return float(np.linalg.norm(path[-1, 0] - path[-1, 1]))
+
+    assert spread("") > 5.0
+    assert spread(", group: pair") < 2.5
+
+
+# Drawn places
+
+
+def test_drawn_people_begin_at_other_places_with_another_seed_and_stay_in_the_area(town):
+    keys = "random: {count: 6, standing: 2, area: [[-4, -2], [4, 2]]}"
+    names = [f"people_{i}" for i in range(6)]
+    starts = []
+    for seed in (1, 1, 2):
+        people = town(keys=keys, walls=ROOM, seed=seed)
+        starts.append([position(people, name) for name in names])
+    path = walk(people, 20.0, *names)
+
+    assert starts[0] == starts[1]
+    assert starts[0] != starts[2]
+    travelled = np.linalg.norm(np.diff(path, axis=0), axis=-1).sum(axis=0)
+    assert travelled[2:].min() > 5.0
+    assert np.linalg.norm(path[-1, :2] - path[0, :2], axis=-1).max() < 1.0
+    assert np.abs(path[..., 0]).max() < 5 - RADIUS
+    assert np.abs(path[..., 1]).max() < 3 - RADIUS
+
+
+def test_more_people_than_there_is_room_for_are_refused(town):
+    with pytest.raises(FlatlandError, match="expected room for a radius"):
+        town(keys="random: {count: 50, area: [[0, 0], [1, 1]]}")
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ("yields: 1.5", "yields: expected a number up to 1, found 1.5"),
+        ("yields: -1", "yields: expected a number of 0 or more"),
+        ("random: {area: [[0, 0], [1, 1]]}", 'random: the required key "count" is missing'),
+        ("random: {count: 1, area: [[0, 0]]}", "random.area: expected a list of 2"),
+        ("circle: {count: 0, radius: 2}", "circle.count: expected"),
+        ("motion: orcas", "motion: expected"),
+    ],
+)
+def test_wrong_keys_are_refused(town, keys, message):
+    with pytest.raises(FlatlandError) as caught:
+        town("pose: [9, 9, 0]", keys=keys)
+    assert message in str(caught.value)
+
+
+# ORCA
+
+
+def test_with_orca_forty_cross_a_circle_without_touching(town):
+    people = town(keys="motion: orca, circle: {count: 40, radius: 8}")
+    names = [f"people_{i}" for i in range(40)]
+
+    path = walk(people, 40.0, *names)
+
+    offsets = path[::10, :, np.newaxis] - path[::10, np.newaxis]
+    apart = np.linalg.norm(offsets, axis=-1) + np.where(np.eye(40, dtype=bool), np.inf, 0.0)
+    assert apart.min() > 2 * RADIUS - 0.02
+    assert path[-1] == pytest.approx(-path[0], abs=0.4)
+
+
+def test_with_orca_they_stay_behind_walls_and_pass_robots(town, files):
+    people = town(
+        TOWARDS_THE_ROBOT,
+        keys="motion: orca",
+        walls=("-9 1.2 3 1.2", "-9 -1.2 3 -1.2"),
+        robots=robot(files),
+    )
+    path = walk(people, 8.0)[:, 0]
+
+    assert np.linalg.norm(path, axis=-1).min() > TOUCH - 0.01
+    beside = path[path[:, 0] < 2.9]
+    assert np.abs(beside[:, 1]).max() < 1.2 - RADIUS + 0.01
+    assert path[-1, 0] > 3.7
+    assert people.model("robot").pose == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
+
+
+def test_with_orca_who_does_not_yield_walks_into_robots(town, files):
+    people = town(TOWARDS_THE_ROBOT, keys="motion: orca, sees_robots: false", robots=robot(files))
+    assert np.linalg.norm(walk(people, 5.0), axis=-1).min() < TOUCH + 0.01
