@@ -17,7 +17,8 @@ from flatland_benchmark.compare import changes, comparison
 from flatland_benchmark.machine import Machine
 from flatland_benchmark.report import CaseReport, Figure, Report
 
-PAGE = Path(__file__).resolve().parents[4] / "docs/speed.md"
+DOCS = Path(__file__).resolve().parents[4] / "docs"
+PAGE = DOCS / "speed.md"
 SRC = Path(__file__).resolve().parents[3]
 LAUNCH_FILES = [
     SRC / "flatland_benchmark/launch/benchmark.launch",
@@ -254,7 +255,8 @@ def test_pictures_of_a_report(written, tmp_path):
 
 
 def test_the_page_has_all_cases_and_no_others():
-    cells = re.findall(r"^\| (`.*?) \|", PAGE.read_text(), flags=re.MULTILINE)
+    text = PAGE.read_text() + (DOCS / "speed_of_programs.md").read_text()
+    cells = re.findall(r"^\| (`.*?) \|", text, flags=re.MULTILINE)
     names = [name for cell in cells for name in re.findall(r"`(\w+_\w+|spawn|plugins)`", cell)]
 
     assert sorted(names) == sorted(CASES)

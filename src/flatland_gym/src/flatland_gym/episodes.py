@@ -127,7 +127,11 @@ class EpisodeSampler:
         count = len(choice.worlds)
         index = choice.worlds[int(rng.integers(count)) if count > 1 else 0]
         world = self._worlds[index]
-        chosen = {**world.ends, **chosen}
+        usual = _given_ends(world.ends, world.robots)
+        given = [
+            _Ends(option.start or own.start, option.goal or own.goal, option.of)
+            for option, own in zip(choice.ends, usual)
+        ]
         seed = int(rng.integers(2**31))
         if world.space.free_space(world.radius + self._settings.margin).area == 0.0:
             raise UsageError(
@@ -138,8 +142,8 @@ class EpisodeSampler:
         near_starts, near_goals = list(standing), list(standing)
         starts: List[Pose] = []
         goals: List[Point] = []
-        for number, ends in enumerate(choice.ends, 1):
-            later = choice.ends[number:]
+        for number, ends in enumerate(given, 1):
+            later = given[number:]
             later_starts = [
                 (each.start[0], each.start[1], world.radius) for each in later if each.start
             ]

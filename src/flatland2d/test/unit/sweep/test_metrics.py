@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from flatland2d.sweep.metrics import barn_score, motion_metrics, spl
@@ -119,3 +120,35 @@ def test_without_a_collision_nothing_was_hit(settings_of):
     row = result_of(settings_of(controllers=AHEAD, start="[0, 0, 0]", goal=None, time_limit=1))
 
     assert (row["collision"], row["collision_with"]) == (False, None)
+
+
+CROWD = """
+plugins:
+  - type: Crowd
+    name: people
+    sees_robots: false
+    pedestrians: [{pose: [0, 1, 0], radius: 0.25}]
+"""
+
+
+def test_distances_from_people_and_the_time_in_their_zones(folder, settings_of):
+    with (folder / "world.yaml").open("a") as world:
+        world.write(CROWD)
+    keys = {"start": "[-3, 0, 0]", "goal": None, "time_limit": 8.0}
+
+    row = result_of(settings_of(controllers=AHEAD, **keys))  # from x = -3 to 1 at 0.5 m/s
+
+    ahead = -3.0 + 0.5 * 0.05 * np.arange(1, 161)  # at control steps of 0.05 s
+    distances = np.hypot(ahead, 1.0) - 0.2 - 0.25  # less the radii of the robot and the person
+    assert row["people_distance"] == pytest.approx(0.55, abs=0.005)
+    assert row["mean_people_distance"] == pytest.approx(distances.mean(), abs=0.01)
+    assert row["intimate_time"] == 0.0
+    assert row["personal_time"] == pytest.approx(0.05 * (distances < 1.2).sum(), abs=0.11)
+    assert row["social_time"] == pytest.approx(0.05 * (distances >= 1.2).sum(), abs=0.11)
+
+
+def test_without_people_there_are_no_distances_from_them(settings_of):
+    row = result_of(settings_of(controllers=AHEAD, start="[0, 0, 0]", goal=None, time_limit=1))
+
+    assert row["people_distance"] is None
+    assert row["personal_time"] is None
