@@ -218,17 +218,17 @@ std::vector<BatchModel> ToModels(
 
 void BindWorldBatch(py::module_& m) {
   py::class_<PyWorldBatch>(m, "WorldBatch")
-      .def(py::init([](const PyWorld& world, const std::vector<PyRobot>& robots, int count,
-                       int threads,
-                       const std::vector<std::pair<std::vector<PyBody>, Triple>>& models,
-                       int64_t steps) {
-             std::vector<BatchRobot> converted;
-             for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
-             return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
-                 {*world.world, converted, count, threads, ToModels(models), steps}});
-           }),
-           py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
-           py::arg("models"), py::arg("steps") = 0)
+      .def(
+          py::init(
+              [](const PyWorld& world, const std::vector<PyRobot>& robots, int count, int threads,
+                 const std::vector<std::pair<std::vector<PyBody>, Triple>>& models, int64_t steps) {
+                std::vector<BatchRobot> converted;
+                for (const PyRobot& robot : robots) converted.push_back(ToRobot(robot));
+                return std::unique_ptr<PyWorldBatch>(new PyWorldBatch{
+                    {*world.world, converted, count, threads, ToModels(models), steps}});
+              }),
+          py::arg("world"), py::kw_only(), py::arg("robots"), py::arg("count"), py::arg("threads"),
+          py::arg("models"), py::arg("steps") = 0)
       .def_property_readonly("beams", [](const PyWorldBatch& self) { return self.batch.beams(); })
       .def("require_actions", &RequireActions, py::arg("actions").noconvert(),
            py::arg("mask").noconvert().none(true))

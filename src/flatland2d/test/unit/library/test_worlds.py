@@ -136,7 +136,7 @@ def test_what_is_no_world_is_refused(source):
 
 
 def test_an_unknown_world_is_refused_with_what_there_is():
-    with pytest.raises(FlatlandError, match=r'"ofice" \(did you mean "office"\?\); there are: off'):
+    with pytest.raises(FlatlandError, match=r'"ofice" \(did you mean "office"\?\); there are: '):
         Simulation("ofice")
     with pytest.raises(YamlError, match=r"ofice\.yaml: cannot be read: No such file"):
         Simulation(os.path.join(".", "ofice.yaml"))

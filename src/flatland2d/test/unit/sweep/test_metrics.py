@@ -127,7 +127,7 @@ plugins:
   - type: Crowd
     name: people
     sees_robots: false
-    pedestrians: [{pose: [0, 1, 0], radius: 0.25}]
+    pedestrians: [{pose: [0, -1, 0], radius: 0.25}]
 """
 
 
