@@ -106,17 +106,17 @@ def test_rewards_see_the_other_models():
         for _ in range(5):
             env.step(action)
     names, poses, velocities = seen[4]
-    assert names == (*(f"person_{k}" for k in range(6)), "obstacle_1")
+    assert names == (*(f"person_{k}" for k in range(12)), "obstacle_1")
     for index in range(3):
         simulation = many.navigation.simulation(index)
         rows = [list(simulation.models).index(name) for name in names]
-        assert np.array_equal(poses[index], simulation.poses[rows])
+        assert np.allclose(poses[index], simulation.poses[rows], rtol=0.0, atol=1e-6)
         assert np.array_equal(velocities[index], simulation.velocities[rows])
     assert np.hypot(*velocities[0, :6, :2].T).min() > 0
-    assert np.array_equal(seen[-1][1][0], poses[0])
+    assert np.allclose(seen[-1][1][0], poses[0], rtol=0.0, atol=1e-6)
     single.reset(options={"world": "empty_room"})
     single.step(np.zeros(2))
-    assert np.isnan(seen[-1][1][0, :6]).all()
-    assert not np.isnan(seen[-1][1][0, 6]).any()
+    assert np.isnan(seen[-1][1][0, :12]).all()
+    assert not np.isnan(seen[-1][1][0, 12]).any()
     many.close()
     single.close()
