@@ -33,6 +33,14 @@ class Arrivals:
         for each in self._subscriptions.get(topic, []):
             each.note()
 
+    def is_first(self, arrival: "Arrival") -> bool:
+        """True if a subscription is the oldest one of its topic.
+
+        Args:
+            arrival: the subscription.
+        """
+        return self._subscriptions.get(arrival.topic, [None])[0] is arrival
+
     def next_step(self) -> None:
         """Notes the end of a step: no subscription has got a message since."""
         self.step += 1

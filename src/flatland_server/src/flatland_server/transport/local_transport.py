@@ -75,6 +75,10 @@ class LocalTransport(Transport):
         return self._last.get(absolute_name(topic), (None, None))[1]
 
     @property
+    def delivers_own(self) -> bool:
+        return True
+
+    @property
     def topics(self) -> Set[str]:
         """The topics that have a publisher."""
         return set(self._publishers)
@@ -168,7 +172,10 @@ class LocalTransport(Transport):
         while self._inbox:
             topic, message = self._inbox.popleft()
             self.arrivals.note(topic)
-            for callback in list(self._callbacks.get(topic, [])):
+            callbacks = list(self._callbacks.get(topic, []))
+            if callbacks and self.on_message is not None:
+                self.on_message(topic, message)
+            for callback in callbacks:
                 callback(message)
 
     def flush(self) -> None:
