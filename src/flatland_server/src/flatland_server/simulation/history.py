@@ -19,8 +19,8 @@ from flatland_server.simulation.replay import Command, Input, Message, Replay
 if TYPE_CHECKING:
     from flatland_server.simulation.run import Run
 
-_SPARE = 4
-"""A quarter of the moments is forgotten if there is no other way to keep within the memory."""
+_MOST_INPUTS = 100
+"""As many inputs are packed at once."""
 _INPUT_SIZE = 300
 """Bytes of an input that is not packed yet, roughly."""
 
@@ -124,13 +124,13 @@ class History:
             UsageError: the time is no number, or not within these.
             StateError: the states could not be kept, or do not fit.
         """
+        self._require_states()
         target = self._step_at(time)
-        if not self.is_in_past and self._problem is None:
+        if not self.is_in_past:
             if target == self._timekeeper.nanoseconds:
                 return
             self._keep(is_needed=self._has_changed())  # to be able to come back
-        if self._problem is not None:
-            raise StateError(f"there is no history: {self._problem}")
+            self._require_states()
         moments = self._moments
         index = next(i for i in reversed(range(len(moments))) if self._nanoseconds(i) <= target)
         state = self._state_at(index, target)
@@ -180,6 +180,8 @@ class History:
 
     def _note(self, event: Any) -> None:
         self._inputs.append((self._timekeeper.nanoseconds, event))
+        if len(self._inputs) >= _MOST_INPUTS and self._moments and not self.is_in_past:
+            self._pack_inputs()
 
     def _follow(self) -> None:
         """Keeps a state if one is due; called after each step."""
@@ -236,8 +238,7 @@ class History:
             return
         self._problem = None
         if self._moments:
-            self._close_last(self._inputs)
-        self._inputs = []
+            self._pack_inputs()
         moment = _Moment(self._timekeeper.nanoseconds, state, is_needed or not self._moments)
         self._moments.append(moment)
         self._size += moment.size
@@ -246,11 +247,12 @@ class History:
         end = time.monotonic()
         self._may_keep = end + (end - begin) / self._share
 
-    def _close_last(self, inputs: List[Input]) -> None:
+    def _pack_inputs(self) -> None:
         last = self._moments[-1]
         self._size -= last.size
-        last.pack(inputs)
+        last.pack(self._inputs)
         self._size += last.size
+        self._inputs = []
 
     def _go_on(self, index: int) -> None:
         """Drops what came after the moment that was sought: the run goes on from there."""
@@ -265,22 +267,27 @@ class History:
         self._due = last.nanoseconds + self._interval
 
     def _shrink(self) -> None:
-        """Drops every second moment; if that is not enough, the oldest ones."""
-        kept = [self._moments[0]]
-        for index, moment in enumerate(self._moments[1:-1], 1):
-            if moment.is_needed or index % 2 == 0:
-                kept.append(moment)
-            else:
-                kept[-1].packed += moment.packed
-        kept.append(self._moments[-1])
-        self._interval *= 2
-        size = sum(moment.size for moment in kept)
-        if size > self._memory * (1 - 1 / _SPARE):
-            del kept[: max(1, len(kept) // _SPARE)]
-            size = sum(moment.size for moment in kept)
-        self._moments, self._size = kept, size
+        """Drops every second moment; or the oldest ones, if inputs need most of the memory."""
+        moments = self._moments
+        if sum(len(moment.state) for moment in moments) > self._memory / 2:
+            thinned = [moments[0]]
+            for index, moment in enumerate(moments[1:-1], 1):
+                if moment.is_needed or index % 2 == 0:
+                    thinned.append(moment)
+                else:
+                    thinned[-1].packed += moment.packed
+            moments = [*thinned, moments[-1]]
+            self._interval *= 2
+        if sum(moment.size for moment in moments) > self._memory * 3 / 4:
+            moments = moments[max(1, len(moments) // 4) :] or moments[-1:]
+        self._moments = moments
+        self._size = sum(moment.size for moment in moments)
 
     # Times
+
+    def _require_states(self) -> None:
+        if self._problem is not None:
+            raise StateError(f"there is no history: {self._problem}")
 
     def _nanoseconds(self, index: int) -> int:
         return self._moments[index].nanoseconds if self._moments else self._timekeeper.nanoseconds
@@ -302,8 +309,8 @@ class History:
             count = -1
         if not 0 <= count * step <= self._end - first:
             raise UsageError(
-                f"expected a time from {self.begin:.10g} to {self.end:.10g} s, which the history has, "
-                f"found {shown(seconds)}"
+                f"expected a time from {self.begin:.10g} to {self.end:.10g} s, which the history "
+                f"has, found {shown(seconds)}"
             )
         return first + count * step
 

@@ -284,12 +284,12 @@ class Run:
     def keep_history(
         self, interval: float = 1.0, memory: int = 64_000_000, share: float = 1.0
     ) -> "History":
-        """Begins to keep states of the run as it goes, for `seek`. See `History`.
+        """Begins to keep states of the run as it goes, for `seek`; replaces a former history.
 
         Args:
-            interval: simulated time between two states [s]; moments in between are computed.
-            memory: limit of the memory for them [bytes].
-            share: the largest part of the real time that may be spent on keeping them.
+            interval: as for `History`.
+            memory: as for `History`.
+            share: as for `History`.
 
         Raises:
             FlatlandError: the state cannot be saved, or an argument is not above zero.
@@ -302,8 +302,7 @@ class Run:
     def seek(self: R, time: float) -> R:
         """Puts the run into its state at another time, bit for bit, and returns this run.
 
-        Once the run goes on from there, what came later is forgotten. Models and plugins are new
-        objects, as after `load_state`.
+        Once it goes on from there, what came later is forgotten. See `load_state`.
 
         Args:
             time: since `keep_history` was called [s]; the nearest step.
@@ -312,9 +311,9 @@ class Run:
             FlatlandError: the history does not have this time, or a step is being made.
         """
         self.require_open()
+        self.world.require_between_steps("seek")
         if self.history is None:
             raise UsageError("expected keep_history() before the steps to which seek goes back")
-        self.world.require_between_steps("seek")
         self.history.seek(time)
         return self
 
