@@ -189,5 +189,5 @@ def test_a_world_that_cannot_be_saved_has_no_history_until_it_can(simulation):
 
     simulation.delete("toy")
     simulation.step(10)
-    assert simulation.history.begin == pytest.approx(0.15)
+    assert simulation.history.begin == pytest.approx(0.105)
     assert simulation.step(10).seek(0.16).time == pytest.approx(0.16)

@@ -129,7 +129,7 @@ class History:
         if not self.is_in_past:
             if target == self._timekeeper.nanoseconds:
                 return
-            self._keep(is_needed=self._has_changed())  # to be able to come back
+            self._keep_present()  # to be able to come back
             self._require_states()
         moments = self._moments
         index = next(i for i in reversed(range(len(moments))) if self._nanoseconds(i) <= target)
@@ -198,6 +198,8 @@ class History:
             ):
                 return  # states have no messages that are on their way
         self._keep(is_needed=has_changed)
+        if self._size > self._memory:
+            self._shrink()
 
     def _on_jump(self) -> None:
         if not self._is_seeking:
@@ -242,10 +244,14 @@ class History:
         moment = _Moment(self._timekeeper.nanoseconds, state, is_needed or not self._moments)
         self._moments.append(moment)
         self._size += moment.size
-        if self._size > self._memory:
-            self._shrink()
         end = time.monotonic()
         self._may_keep = end + (end - begin) / self._share
+
+    def _keep_present(self) -> None:
+        """Keeps the present state, unless the last moment has it."""
+        has_changed = self._has_changed()
+        if has_changed or self._inputs or self._nanoseconds(-1) != self._timekeeper.nanoseconds:
+            self._keep(is_needed=has_changed)
 
     def _pack_inputs(self) -> None:
         last = self._moments[-1]

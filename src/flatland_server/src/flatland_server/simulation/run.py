@@ -1,19 +1,17 @@
 """A world and its time: steps, resets, and saved states."""
 
-from typing import TYPE_CHECKING, Callable, List, Optional, Tuple, TypeVar
+from typing import Callable, List, Optional, Tuple, TypeVar
 
 from flatland_server.arguments import whole_number
 from flatland_server.exceptions import FlatlandError, PluginError, UsageError
 from flatland_server.plugins.plugin_manager import PluginFailure
 from flatland_server.simulation import saved_states
+from flatland_server.simulation.history import History
 from flatland_server.simulation.world import World
 from flatland_server.simulation.world_config import WorldConfig
 from flatland_server.simulation.world_state import WorldState
 from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.transport import Transport
-
-if TYPE_CHECKING:
-    from flatland_server.simulation.history import History
 
 R = TypeVar("R", bound="Run")
 
@@ -281,23 +279,18 @@ class Run:
         world.rebuild(world.config, loaded.seed, lambda: saved_states.restore(loaded, world))
         return self._jump_to(loaded.nanoseconds)
 
-    def keep_history(
-        self, interval: float = 1.0, memory: int = 64_000_000, share: float = 1.0
-    ) -> "History":
+    def keep_history(self, interval: float = 1.0, memory: int = 64_000_000) -> History:
         """Begins to keep states of the run as it goes, for `seek`; replaces a former history.
 
         Args:
             interval: as for `History`.
             memory: as for `History`.
-            share: as for `History`.
 
         Raises:
             FlatlandError: the state cannot be saved, or an argument is not above zero.
         """
-        from flatland_server.simulation.history import History  # few runs need it
-
         self.require_open()
-        return History(self, interval, memory, share)
+        return History(self, interval, memory)
 
     def seek(self: R, time: float) -> R:
         """Puts the run into its state at another time, bit for bit, and returns this run.
