@@ -155,7 +155,7 @@ def test_a_time_that_the_history_does_not_have_is_refused(simulation, time):
     assert simulation.time == 2.5
 
 
-@pytest.mark.parametrize("wrong", [{"interval": 0}, {"memory": -1}, {"share": "all"}])
+@pytest.mark.parametrize("wrong", [{"interval": 0}, {"memory": -1}, {"memory": "all"}])
 def test_a_history_of_wrong_arguments_is_refused(simulation, wrong):
     history = simulation.history
     with pytest.raises(UsageError, match=f"expected an? {next(iter(wrong))} above 0, found"):
