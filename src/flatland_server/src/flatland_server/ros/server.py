@@ -10,7 +10,7 @@ from typing import Callable
 
 import rospy
 
-from flatland_server.exceptions import FlatlandError, counted
+from flatland_server.exceptions import FlatlandError, StateError, counted
 from flatland_server.ros import open_files, rospy_patches
 from flatland_server.ros.client_files import ClientFiles
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
@@ -27,6 +27,7 @@ from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import ServiceManager
 from flatland_server.ros.shutdown import Shutdown
 from flatland_server.ros.state_publisher import StatePublisher
+from flatland_server.simulation.history import History
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
 from flatland_server.simulation.thread_priority import ThreadPriority
@@ -35,6 +36,9 @@ from flatland_server.timekeeper import Timekeeper
 
 _REGISTRATION_LIMIT = 10.0
 """Real time that the ROS master has to register the topics of the world [s]."""
+
+_HISTORY_SHARE = 0.05
+"""The largest part of the real time that is spent on keeping states."""
 
 Simulate = Callable[[SimulationManager, Callable[[], bool]], None]
 """Runs a simulation while the second argument returns true."""
@@ -129,6 +133,11 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
         manager.on_tick.append(ModelPublisher(manager, config.viz_pub_rate).update)
         handles = InteractiveMarkerManager(manager, transport, config.viz_pub_rate, FRAME_ID)
         manager.on_tick.append(handles.update)
+    if config.history:
+        try:
+            History(manager, share=_HISTORY_SHARE)
+        except StateError as error:
+            rospy.logwarn("there is no history, so /seek will fail: %s", error)
     manager.on_tick.append(Diagnostics(manager).update)
     manager.on_tick.append(StatePublisher(manager).update)
     if config.realtime_priority:

@@ -30,6 +30,16 @@ class StatePublisher:
             return
         self._due = now + _PERIOD
         self._published = requested
-        stamp = ros_time(manager.timekeeper.nanoseconds)
+        now_simulated = manager.timekeeper.nanoseconds
+        begin, end = manager.history.span if manager.history else (now_simulated, now_simulated)
         paused, rate = requested
-        self._publisher.publish(SimulationState(stamp, paused, rate, manager.real_time_factor))
+        self._publisher.publish(
+            SimulationState(
+                ros_time(now_simulated),
+                paused,
+                rate,
+                manager.real_time_factor,
+                ros_time(begin),
+                ros_time(end),
+            )
+        )

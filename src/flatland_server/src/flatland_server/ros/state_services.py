@@ -18,6 +18,9 @@ from flatland_msgs.srv import (
     SaveState,
     SaveStateRequest,
     SaveStateResponse,
+    Seek,
+    SeekRequest,
+    SeekResponse,
     Step,
     StepRequest,
     StepResponse,
@@ -43,7 +46,7 @@ _DEFAULT_TIMEOUT = 10.0
 
 
 class StateServices:
-    """Offers /step, /reset, /reload_world, /open_world, /save_state and /load_state.
+    """Offers /step, /reset, /reload_world, /open_world, /save_state, /load_state and /seek.
 
     Like the services for models, they read and write files on rospy's threads, and change the world
     on the simulation's thread, between two steps.
@@ -74,6 +77,7 @@ class StateServices:
         offer("open_world", OpenWorld, OpenWorldResponse, self._open_world)
         offer("save_state", SaveState, SaveStateResponse, self._save_state)
         offer("load_state", LoadState, LoadStateResponse, self._load_state)
+        offer("seek", Seek, SeekResponse, self._seek)
 
     def _step(self, request: StepRequest) -> StepResponse:
         expected = [rospy.resolve_name(topic) for topic in request.expect]
@@ -145,6 +149,13 @@ class StateServices:
     def _load_state(self, request: LoadStateRequest) -> None:
         state = read_state(self._files.state(request.path))
         self._change(lambda: self._manager.load_state(state))
+
+    def _seek(self, request: SeekRequest) -> None:
+        def seek() -> None:
+            self._manager.seek(request.time)
+            self._manager.pause()  # else the moment would be gone before it is seen
+
+        self._change(seek)
 
     def _change(self, action: Callable[[], None]) -> None:
         """Rebuilds the world on the simulation's thread."""

@@ -95,14 +95,26 @@ class History:
         run.world.plugin_revision.change()  # handles of drives note commands from now on
 
     @property
+    def span(self) -> Tuple[int, int]:
+        """The times of the first and the last moment [ns].
+
+        The last one is the present, unless an earlier one was sought.
+        """
+        now = self._timekeeper.nanoseconds
+        if not self._moments:
+            return now, now
+        last = self._moments[-1].nanoseconds if self.is_in_past else now
+        return self._moments[0].nanoseconds, last
+
+    @property
     def begin(self) -> float:
         """The time of the first moment [s]."""
-        return self._nanoseconds(0) * 1e-9
+        return self.span[0] * 1e-9
 
     @property
     def end(self) -> float:
-        """The time of the last moment [s]: the present, unless an earlier one was sought."""
-        return self._end * 1e-9
+        """The time of the last moment [s]."""
+        return self.span[1] * 1e-9
 
     @property
     def size(self) -> int:
@@ -132,7 +144,7 @@ class History:
             self._keep_present()  # to be able to come back
             self._require_states()
         moments = self._moments
-        index = next(i for i in reversed(range(len(moments))) if self._nanoseconds(i) <= target)
+        index = next(i for i in reversed(range(len(moments))) if moments[i].nanoseconds <= target)
         state = self._state_at(index, target)
         self._is_seeking = True
         try:
@@ -249,8 +261,8 @@ class History:
 
     def _keep_present(self) -> None:
         """Keeps the present state, unless the last moment has it."""
-        has_changed = self._has_changed()
-        if has_changed or self._inputs or self._nanoseconds(-1) != self._timekeeper.nanoseconds:
+        has_changed, last = self._has_changed(), self._moments[-1].nanoseconds
+        if has_changed or self._inputs or last != self._timekeeper.nanoseconds:
             self._keep(is_needed=has_changed)
 
     def _pack_inputs(self) -> None:
@@ -295,25 +307,18 @@ class History:
         if self._problem is not None:
             raise StateError(f"there is no history: {self._problem}")
 
-    def _nanoseconds(self, index: int) -> int:
-        return self._moments[index].nanoseconds if self._moments else self._timekeeper.nanoseconds
-
-    @property
-    def _end(self) -> int:
-        return self._nanoseconds(-1) if self.is_in_past else self._timekeeper.nanoseconds
-
     def _step_at(self, seconds: float) -> int:
         """The time of the step that is nearest to a time [ns].
 
         Raises:
             UsageError: the time is no number, or not within the history.
         """
-        first, step = self._nanoseconds(0), self._timekeeper.step_nanoseconds
+        (first, last), step = self.span, self._timekeeper.step_nanoseconds
         try:
             count = round((float(seconds) * 1e9 - first) / step)
         except (TypeError, ValueError, OverflowError):
             count = -1
-        if not 0 <= count * step <= self._end - first:
+        if not 0 <= count * step <= last - first:
             raise UsageError(
                 f"expected a time from {self.begin:.10g} to {self.end:.10g} s, which the history "
                 f"has, found {shown(seconds)}"
