@@ -69,6 +69,26 @@ def test_single_steps_and_several(paused):
     paused.wait_for_state(stamp=pytest.approx(before + 0.42))
 
 
+def test_the_timeline_goes_back_and_the_run_goes_on_from_there(window):
+    window.ros.call("/reset", keep_time=False, new_seed=False, seed=0)
+    window.waiting(lambda: window.ros.state()["stamp"] > 3.0, "three seconds")
+    left, _, right, bottom = window.screen.inside(window.id)
+    row = bottom - window.screen.px(27 + 14)  # above the status line
+
+    window.screen.click((left + (right - left) // 3, row))
+    window.wait_for_state(paused=True)
+    past = window.ros.state()
+    assert 0.3 < past["stamp"] < 0.7 * past["history_end"]
+    window.waiting(lambda: window.says("paused"), '"paused" in the status line')
+    window.screen.picture("window_past")
+    window.key("alt+End")
+    window.wait_for_state(stamp=past["history_end"])
+    window.key("alt+Left")
+    window.wait_for_state(stamp=0.0)
+    window.ros.call("/resume")
+    window.waiting(lambda: 0.0 < window.ros.state()["history_end"] < 2.9, "the run to go on")
+
+
 def test_files_are_reloaded_after_an_edit(window):
     crate = f"  - {{name: crate, pose: [2, 1, 0], model: {BOX}}}\n"
     window.world.write_text(WORLD + crate)
