@@ -13,13 +13,14 @@ class Timeline:
 
     Args:
         simulation: is shown; it may have a history already.
+        keeps: whether to keep one otherwise.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, keeps: bool = True) -> None:
         self._simulation = simulation
         self.problem = ""
         """The reason why there is no history; empty if there is one."""
-        if simulation.history is None:
+        if keeps and simulation.history is None:
             try:
                 History(simulation, share=_SHARE)
             except StateError as error:

@@ -37,6 +37,7 @@ class Viewer:
         rate: simulated seconds per second of real time.
         follow: the model that is chosen and followed; by default the first one with a drive is
             chosen, and the whole world shown.
+        history: whether states are kept, to go back in time.
         clock: returns the real time [s].
 
     Raises:
@@ -50,11 +51,12 @@ class Viewer:
         *,
         rate: float = 1.0,
         follow: Optional[str] = None,
+        history: bool = True,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.simulation = simulation
         self.playback = Playback(rate)
-        self.timeline = Timeline(simulation)
+        self.timeline = Timeline(simulation, history)
         self.drive = KeyboardDrive(simulation)
         self.chosen = ""
         """The name of the model that is driven and followed; empty if there is none."""
