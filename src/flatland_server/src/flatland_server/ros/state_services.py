@@ -152,6 +152,8 @@ class StateServices:
 
     def _seek(self, request: SeekRequest) -> None:
         def seek() -> None:
+            if self._manager.history is None:
+                raise FlatlandError("no history is kept; start the server with history:=true")
             self._manager.seek(request.time)
             self._manager.pause()  # else the moment would be gone before it is seen
 
