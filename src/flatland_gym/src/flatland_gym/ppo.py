@@ -139,8 +139,7 @@ class Ppo:
             TrainingInterrupted: Ctrl-C.
         """
         started, done = time.monotonic(), 0
-        total, unit = (seconds, "s") if seconds < math.inf else (steps, "steps")
-        bar = _bar(total, unit) if progress_bar else None
+        bar = TrainingBar(steps, seconds) if progress_bar else None
         try:
             while done < steps and time.monotonic() - started < seconds:
                 spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
@@ -151,10 +150,10 @@ class Ppo:
                 done += self._settings.rollout * self._env.num_envs
                 elapsed = time.monotonic() - started
                 means = np.mean(self._ended, axis=0) if self._ended else (math.nan, math.nan)
-                report(Progress(done, elapsed, len(self._ended), float(means[0]), float(means[1])))
+                now = Progress(done, elapsed, len(self._ended), float(means[0]), float(means[1]))
+                report(now)
                 if bar is not None:
-                    bar.set_postfix_str(f"{done} steps, success {means[0]:.1%}", refresh=False)
-                    bar.update(min(elapsed if unit == "s" else done, total) - bar.n)
+                    bar.show(now)
         except KeyboardInterrupt:
             raise TrainingInterrupted(self.policy()) from None
         finally:
@@ -247,13 +246,38 @@ class Ppo:
         self._optimiser.step([*actor, *critic, log_std], rate)
 
 
-def _bar(total: float, unit: str) -> Any:
-    """A bar of tqdm, for a terminal or a notebook."""
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
-    return tqdm(total=total, unit=unit, bar_format=_BAR)
+class TrainingBar:
+    """A bar of tqdm, for a terminal or a notebook: of the time, or of the steps without a limit.
+
+    Args:
+        steps: to train at most.
+        seconds: to train at most.
+
+    Raises:
+        MissingPackageError: tqdm is not installed.
+    """
+
+    def __init__(self, steps: int, seconds: float) -> None:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            raise MissingPackageError("a progress bar needs tqdm: pip install tqdm") from None
+        self._is_timed = seconds < math.inf
+        self._bar = tqdm(
+            total=seconds if self._is_timed else steps,
+            unit="s" if self._is_timed else "steps",
+            bar_format=_BAR,
+        )
+
+    def show(self, now: Progress) -> None:
+        """Shows the progress."""
+        bar = self._bar
+        bar.set_postfix_str(f"{now.steps} steps, success {now.success:.1%}", refresh=False)
+        bar.update(min(now.seconds if self._is_timed else now.steps, bar.total) - bar.n)
+
+    def close(self) -> None:
+        """Leaves the bar as it is."""
+        self._bar.close()
 
 
 def _advantages(

@@ -55,7 +55,7 @@ def _train(options: argparse.Namespace) -> int:
         **dict(options.set),
     }
     progress: List[Progress] = []
-    has_bar = options.library == "numpy" and _has_bar()
+    has_bar = _has_bar()
 
     def report(now: "Progress") -> None:
         progress.append(now)
@@ -119,7 +119,7 @@ def _learn_by_sb3(
     from flatland_gym.sb3_training import train
 
     env = NavigationVecEnv(options.envs, threads=options.threads, **settings)
-    return train(env, options.seed, options.steps, 60.0 * options.minutes, report)
+    return train(env, options.seed, options.steps, 60.0 * options.minutes, report, _has_bar())
 
 
 def save_curve(progress: List["Progress"], path: Path) -> None:

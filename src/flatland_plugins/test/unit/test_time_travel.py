@@ -150,7 +150,7 @@ def test_the_memory_is_bounded_and_each_moment_that_is_left_is_exact(world_of, m
 @pytest.mark.parametrize("time", [-0.01, 2.51, np.nan, np.inf, "now", None])
 def test_a_time_that_the_history_does_not_have_is_refused(simulation, time):
     simulation.step(500)
-    with pytest.raises(UsageError, match="expected a time from 0 to 2.5 s, which the history has"):
+    with pytest.raises(UsageError, match=r"expected a time from 0 to 2\.5 s, which the history has"):
         simulation.seek(time)
     assert simulation.time == 2.5
 
@@ -184,7 +184,7 @@ def test_a_world_that_cannot_be_saved_has_no_history_until_it_can(simulation):
     config = replace(simulation.world.read_model(BOX), is_read=False)
     simulation.world.add_model(ModelEntry("toy", "", Pose(1, 1, 0), config))
     simulation.step(10)
-    with pytest.raises(StateError, match='there is no history: .*"toy"'):
+    with pytest.raises(StateError, match=r'there is no history: .*"toy"'):
         simulation.seek(0.05)
 
     simulation.delete("toy")

@@ -56,7 +56,7 @@ def made(cls: Type[T], content: Any, where: str) -> T:
         ValueError: an attribute is missing, unknown or of another type, a number is not finite, or
             an integer has more than 64 bits.
     """
-    kinds = _kinds(cls)
+    kinds = _kinds(cls)  # type: ignore[arg-type] # a class is hashable
     if not isinstance(content, dict) or content.keys() != kinds.keys():
         raise ValueError(f"{where}: expected {', '.join(kinds)}")
     for name, kind in kinds.items():

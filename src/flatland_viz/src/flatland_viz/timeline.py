@@ -63,7 +63,7 @@ class Timeline(QToolBar):
     @property
     def _time(self) -> float:
         """The time at the knob [s]."""
-        return min(self._begin + self._slider.sliderPosition() * _RESOLUTION, self._end)
+        return min(self._begin + float(self._slider.sliderPosition()) * _RESOLUTION, self._end)
 
     def show_simulation(self, simulation: Optional[Simulation]) -> None:
         """Shows the present time, unless the knob is held; None: there is no server."""

@@ -285,9 +285,6 @@ class Run:
         Args:
             interval: as for `History`.
             memory: as for `History`.
-
-        Raises:
-            FlatlandError: the state cannot be saved, or an argument is not above zero.
         """
         self.require_open()
         return History(self, interval, memory)
