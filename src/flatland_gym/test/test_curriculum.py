@@ -80,7 +80,10 @@ def test_options_are_the_same_in_single_and_in_vector_environments():
         ({"robot_scales": 1.2}, "robot_scales to be a sequence of numbers"),
         ({"obstacles": (0, 5)}, "obstacles of at most 4, the environment's largest number"),
         ({"goal_distance": (3, 1)}, "two increasing lengths above 0 m"),
-        ({"margin": 1}, "option margin of at most 0.1 m, as in the environment's arguments, found 1"),
+        (
+            {"margin": 1},
+            "option margin of at most 0.1 m, as in the environment's arguments, found 1",
+        ),
         ({"margin": -1}, "margin"),
         ({"lidar_noise": 1}, "unknown option 'lidar_noise'"),
         (3, "expected options as a dict, found 3"),

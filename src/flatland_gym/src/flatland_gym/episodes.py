@@ -247,7 +247,9 @@ class EpisodeSampler:
         count = len(world.scattered) + (int(rng.integers(low, high + 1)) if high else 0)
         places: Dict[str, Pose] = {}
         for number, disc in enumerate((*world.scattered, *world.obstacles)):
-            place = self._place(world, disc, settings.margin, taken, rng) if number < count else None
+            place = (
+                self._place(world, disc, settings.margin, taken, rng) if number < count else None
+            )
             places[disc.name] = place or parking_place(number)
             if place is not None:
                 taken.append((place.x, place.y, disc.radius))

@@ -7,7 +7,7 @@ enough for matrices of 64 x 64 and tens of thousands of rows at a time.
 import math
 import time
 from dataclasses import dataclass
-from typing import Any, Callable, List, NamedTuple, Tuple
+from typing import Callable, List, NamedTuple, Tuple
 
 import numpy as np
 

@@ -242,9 +242,9 @@ def test_branches_have_changed_footprints(world_of, shape):
         with Simulation(world) as other:
             assert np.array_equal(other.load_state(saved).poses[0], other.poses[0])
             assert other.models["robot"].model.footprint_revision
-        with SimulationBatch(world, 2) as batch:
-            with pytest.raises(StateError, match="another world: footprints were"):
-                batch.load_states(state)
+        unlike = pytest.raises(StateError, match="another world: footprints were")
+        with SimulationBatch(world, 2) as batch, unlike:
+            batch.load_states(state)
 
 
 def damaged(state, **changes):

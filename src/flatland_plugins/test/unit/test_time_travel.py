@@ -150,7 +150,9 @@ def test_the_memory_is_bounded_and_each_moment_that_is_left_is_exact(world_of, m
 @pytest.mark.parametrize("time", [-0.01, 2.51, np.nan, np.inf, "now", None])
 def test_a_time_that_the_history_does_not_have_is_refused(simulation, time):
     simulation.step(500)
-    with pytest.raises(UsageError, match=r"expected a time from 0 to 2\.5 s, which the history has"):
+    with pytest.raises(
+        UsageError, match=r"expected a time from 0 to 2\.5 s, which the history has"
+    ):
         simulation.seek(time)
     assert simulation.time == 2.5
 
