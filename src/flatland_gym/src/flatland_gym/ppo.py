@@ -51,6 +51,47 @@ class PpoSettings:
     log_std: float = -0.5
 
 
+class Scale:
+    """Normalises observations by their means and standard deviations so far.
+
+    Args:
+        rows: the first observations, shape (n, size).
+    """
+
+    _LEAST = 0.05  # standard deviation
+
+    def __init__(self, rows: Float32Array) -> None:
+        self._count = 0
+        self._mean, self._variance = np.zeros(rows.shape[1]), np.zeros(rows.shape[1])
+        self._set(np.zeros(rows.shape[1]), np.ones(rows.shape[1]))
+        self.take(rows)
+
+    def of(self, rows: Float32Array) -> Float32Array:
+        """Normalised observations."""
+        return (rows - self._shift) / self._width
+
+    def take(self, rows: Float32Array) -> None:
+        """Learns from normalised observations; those before count as well."""
+        mean = self._shift + self._width * rows.mean(axis=0, dtype=np.float64)
+        variance = self._width**2 * rows.var(axis=0, dtype=np.float64)
+        part = len(rows) / (self._count + len(rows))
+        away = mean - self._mean
+        self._mean += part * away
+        self._variance += part * (variance - self._variance + (1.0 - part) * away**2)
+        self._count += len(rows)
+        self._set(self._mean, np.maximum(np.sqrt(self._variance), self._LEAST))
+
+    def folded(
+        self, weights: Float32Array, biases: Float32Array
+    ) -> Tuple[Float32Array, Float32Array]:
+        """A first layer for observations as they are."""
+        scaled = weights / self._width[:, None]
+        return scaled, biases - self._shift @ scaled
+
+    def _set(self, shift: FloatArray, width: FloatArray) -> None:
+        self._shift, self._width = shift.astype(np.float32), width.astype(np.float32)
+
+
 class Progress(NamedTuple):
     """The state of a training, after an update."""
 
@@ -114,6 +155,7 @@ class Ppo:
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
         self._observations, _ = env.reset(seed=seed)
+        self._scale = Scale(self._observations)
         self._rewards = np.zeros(env.num_envs)
         self._ended: List[Tuple[bool, float]] = []
 
@@ -166,6 +208,7 @@ class Ppo:
         """The policy as it is now."""
         layers = self._actor.weights, self._actor.biases
         weights, biases = ([array.copy() for array in arrays] for arrays in layers)
+        weights[0], biases[0] = self._scale.folded(weights[0], biases[0])
         return self._env.navigation.policy(weights, biases)
 
     def _roll_out(self) -> _Rollout:
@@ -180,12 +223,12 @@ class Ppo:
         ends = np.empty(shape, bool)
         std = np.exp(self._log_std)
         for step in range(settings.rollout):
-            observations[step] = self._observations
-            mean = self._actor.forward(self._observations)[-1]
+            seen = observations[step] = self._scale.of(self._observations)
+            mean = self._actor.forward(seen)[-1]
             noise = self._rng.standard_normal(mean.shape, dtype=np.float32)
             actions[step] = mean + std * noise
             log_probabilities[step] = (-0.5 * (noise**2 + _LOG_TWO_PI) - self._log_std).sum(axis=1)
-            values[step] = self._critic.forward(self._observations)[-1][:, 0]
+            values[step] = self._critic.forward(seen)[-1][:, 0]
             self._observations, rewards[step], terminated, truncated, infos = self._env.step(
                 np.clip(actions[step], -1.0, 1.0) * self._limits
             )
@@ -205,7 +248,7 @@ class Ppo:
             last = last.copy()
             for index in np.flatnonzero(ended):
                 last[index] = infos["final_obs"][index]
-        values: Float32Array = np.where(terminated, 0.0, self._critic.forward(last)[-1][:, 0])
+        values: Float32Array = np.where(terminated, 0.0, self._critic.forward(self._scale.of(last))[-1][:, 0])
         return values
 
     def _note(self, rewards: Float32Array, ended: BoolArray, infos: dict) -> None:  # type: ignore[type-arg]
@@ -225,6 +268,7 @@ class Ppo:
             for start in range(0, size, minibatch):
                 chosen = order[start : start + minibatch]
                 self._descend(_Rollout(*(each[chosen] for each in flat)), rate)
+        self._scale.take(flat.observations)
 
     def _descend(self, rows: _Rollout, rate: float) -> None:
         """Makes a step of the optimiser: the gradients of PPO's clipped objective."""
