@@ -42,7 +42,7 @@ class PpoSettings:
     rollout: int = 64
     minibatch: int = 1024
     epochs: int = 6
-    learning_rate: float = 1e-3
+    learning_rate: float = 5e-4
     discount: float = 0.99
     trace: float = 0.95
     clip: float = 0.2
@@ -55,16 +55,15 @@ class Scale:
     """Normalises observations by their means and standard deviations so far.
 
     Args:
-        rows: the first observations, shape (n, size).
+        size: of an observation.
     """
 
     _LEAST = 0.05  # standard deviation
 
-    def __init__(self, rows: Float32Array) -> None:
+    def __init__(self, size: int) -> None:
         self._count = 0
-        self._mean, self._variance = np.zeros(rows.shape[1]), np.zeros(rows.shape[1])
-        self._set(np.zeros(rows.shape[1]), np.ones(rows.shape[1]))
-        self.take(rows)
+        self._mean, self._variance = np.zeros(size), np.zeros(size)
+        self._set(np.zeros(size), np.ones(size))
 
     def of(self, rows: Float32Array) -> Float32Array:
         """Normalised observations."""
@@ -154,10 +153,14 @@ class Ppo:
         self._log_std = np.full(len(self._limits), settings.log_std, np.float32)
         parameters = [*self._actor.parameters, *self._critic.parameters, self._log_std]
         self._optimiser = Adam(parameters)
-        self._observations, _ = env.reset(seed=seed)
-        self._scale = Scale(self._observations)
         self._rewards = np.zeros(env.num_envs)
         self._ended: List[Tuple[bool, float]] = []
+        self._observations, _ = env.reset(seed=seed)
+        self._scale = Scale(size)
+        rows = self._roll_out().observations.reshape(-1, size)
+        self._scale.take(rows)  # at a reset, all stand still
+        self._observations, _ = env.reset(seed=seed)
+        self._rewards[:] = 0.0
 
     def train(
         self,
