@@ -65,6 +65,11 @@ class Scale:
         self._mean, self._variance = np.zeros(size), np.zeros(size)
         self._set(np.zeros(size), np.ones(size))
 
+    @property
+    def is_known(self) -> bool:
+        """True if it has learnt from rows."""
+        return self._count > 0
+
     def of(self, rows: Float32Array) -> Float32Array:
         """Normalised observations."""
         return (rows - self._shift) / self._width
@@ -157,10 +162,7 @@ class Ppo:
         self._ended: List[Tuple[bool, float]] = []
         self._observations, _ = env.reset(seed=seed)
         self._scale = Scale(size)
-        rows = self._roll_out().observations.reshape(-1, size)
-        self._scale.take(rows)  # at a reset, all stand still
-        self._observations, _ = env.reset(seed=seed)
-        self._rewards[:] = 0.0
+        self._seed = seed
 
     def train(
         self,
@@ -187,6 +189,8 @@ class Ppo:
         total, unit = (seconds, "s") if seconds < math.inf else (steps, "steps")
         bar = _bar(total, unit) if progress_bar else None
         try:
+            if not self._scale.is_known:
+                self._learn_scale()
             while done < steps and time.monotonic() - started < seconds:
                 spent = (time.monotonic() - started) / seconds if seconds < math.inf else 0.0
                 part = min(max(done / steps, spent), 1.0)
@@ -213,6 +217,13 @@ class Ppo:
         weights, biases = ([array.copy() for array in arrays] for arrays in layers)
         weights[0], biases[0] = self._scale.folded(weights[0], biases[0])
         return self._env.navigation.policy(weights, biases)
+
+    def _learn_scale(self) -> None:
+        """Makes a rollout for the scale alone: at a reset all stand still."""
+        rows = self._roll_out().observations
+        self._scale.take(rows.reshape(-1, rows.shape[-1]))
+        self._observations, _ = self._env.reset(seed=self._seed)
+        self._rewards[:] = 0.0
 
     def _roll_out(self) -> _Rollout:
         """Collects a rollout of all environments."""
