@@ -11,7 +11,7 @@ from typing import Callable
 import rospy
 
 from flatland_server.exceptions import FlatlandError, counted
-from flatland_server.ros import open_files, rospy_patches
+from flatland_server.ros import open_files, other_publishers, rospy_patches
 from flatland_server.ros.client_files import ClientFiles
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
@@ -100,6 +100,7 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
         warn_of_other_times()  # of two nodes that start together, the second one sees the first
     else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
+    other_publishers.watch(transport.publisher_counts)
     rospy.loginfo(
         "%s: %s, %s; running",
         config.world_path,
