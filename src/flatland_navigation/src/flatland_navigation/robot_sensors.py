@@ -22,15 +22,16 @@ class Localization:
     """The robot's pose on the map, from an odometry message.
 
     Args:
-        source: "ground_truth", the topic odometry/ground_truth; or "tf", the topic
-            odometry/filtered and the newest transform from the map to its frame.
+        source: "ground_truth", the topic odometry/ground_truth; or "tf", the topic of odometry
+            and the newest transform from the map to its frame.
         map_frame: the frame of the map.
+        odom_topic: the topic of odometry.
     """
 
-    def __init__(self, source: str, map_frame: str) -> None:
+    def __init__(self, source: str, map_frame: str, odom_topic: str) -> None:
         self._map_frame = map_frame
         self._tf: Optional[_Transforms] = _Transforms() if source == "tf" else None
-        self.topic = "odometry/filtered" if source == "tf" else "odometry/ground_truth"
+        self.topic = odom_topic if source == "tf" else "odometry/ground_truth"
         """The topic of the odometry."""
 
     def pose(self, message: Any) -> Optional[Pose]:
