@@ -93,7 +93,9 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
             simplify_map=config.simplify_map,
             model_folders=config.models,
         )
-        manager = SimulationManager(world, timekeeper, config.update_rate)
+        manager = SimulationManager(
+            world, timekeeper, config.update_rate, command_age=config.command_age
+        )
         _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
     if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):

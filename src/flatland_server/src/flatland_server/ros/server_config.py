@@ -27,6 +27,7 @@ class ServerConfig(NamedTuple):
     realtime_priority: bool
     rospy_patches: bool
     map_to_odom: bool
+    command_age: float
     models: Tuple[Path, ...]
     state_folder: Optional[Path] = None
     """For relative names of states; if there is one, clients name files in few folders only."""
@@ -66,6 +67,7 @@ class ServerConfig(NamedTuple):
             realtime_priority=_flag("~realtime_priority", True),
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),
+            command_age=positive_param("~command_age", math.inf, allow_infinity=True),
             models=_folders("~models"),
             state_folder=next(iter(_folders("~state_folder")), None),
             launch_file=Path(launch_file) if launch_file else None,
