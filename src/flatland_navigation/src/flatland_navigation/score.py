@@ -1,14 +1,13 @@
 """A score of a robot's way to a goal, from its poses, commands and contacts.
 
-Names and formulas are those of sweeps, so that runs with ROS and without it compare.
+Names and units are those of the columns of sweeps, so that runs with ROS and without it compare.
 """
 
 import math
 from dataclasses import dataclass, field
 from typing import Dict, List, Optional, Set, Tuple, Union
 
-from flatland2d.sweep.metrics import motion_metrics, spl
-from flatland_server import Pose
+from flatland_server import Pose, wrap_angle
 
 Value = Union[int, float, bool, str, None]
 
@@ -69,7 +68,7 @@ class GoalScore:
         """
         success = outcome == SUCCEEDED and self.contacts == 0
         length = sum(math.dist(a[:2], b[:2]) for a, b in zip(self._poses, self._poses[1:]))
-        motion = motion_metrics(self._times, self._poses) if len(self._poses) > 1 else {}
+        turns = (abs(wrap_angle(b.yaw - a.yaw)) for a, b in zip(self._poses, self._poses[1:]))
         shortest, errors = self.shortest_path, self._errors
         return {
             "goal": self.goal,
@@ -78,16 +77,20 @@ class GoalScore:
             "time": self._times[-1] - self._times[0] if self._times else 0.0,
             "path_length": length,
             "shortest_path": shortest,
-            "spl": None if shortest is None else spl(success, shortest, length),
+            "spl": None if shortest is None else _spl(success, shortest, length),
             "min_clearance": self.min_clearance if self._poses else None,
             "contacts": self.contacts,
             "localization_error": sum(errors) / len(errors) if errors else None,
             "max_localization_error": max(errors) if errors else None,
-            "heading_change": motion.get("heading_change"),
-            "stalled_time": motion.get("stalled_time"),
+            "heading_change": sum(turns),
             "speed_change": self._speed_change,
             "turn_change": self._turn_change,
         }
+
+
+def _spl(success: bool, shortest: float, length: float) -> float:
+    """Success weighted by path length (Anderson et al., 2018), as in sweeps."""
+    return shortest / max(length, shortest) if success and shortest > 0.0 else float(success)
 
 
 def table(rows: List[Dict[str, Value]]) -> str:

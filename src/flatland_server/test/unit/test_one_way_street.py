@@ -144,7 +144,7 @@ def test_messages_are_asked_for_by_name():
         ("flatland_server", ("flatland2d", *OTHERS)),
         ("flatland2d", (*OTHERS, *ROSPY)),
         ("flatland_plugins", ("flatland2d", "flatland_benchmark", "flatland_viz", *ROSPY)),
-        ("flatland_navigation", ("flatland_benchmark", "flatland_gym")),  # the score is of sweeps
+        ("flatland_navigation", ("flatland2d", "flatland_benchmark", "flatland_gym")),
         ("flatland_teleop", ("flatland2d", "flatland_server")),
         (
             "flatland_viz",
