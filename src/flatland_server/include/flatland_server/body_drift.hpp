@@ -73,9 +73,9 @@ class BodyDrift {
   double dt_ = 0.0;  // of the present step [s]
   Pose trip_;        // the measured motion since the last update
   // Times since the first step, in whole nanoseconds, as those of a plugin's updates.
-  double now_ = 0.0;
-  double updated_ = 0.0;
-  double due_ = 0.0;
+  uint64_t now_ = 0;
+  uint64_t updated_ = 0;
+  uint64_t due_ = 0;
 };
 
 /// The distances [m] driven along a body's x and y axes, if its motion is an arc.

@@ -1,5 +1,6 @@
 #include "flatland_server/body_drift.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -36,6 +37,7 @@ BodyDrift::BodyDrift(const DriftVariances& variances, double period, uint64_t ke
     RequireNotNegative(each, "a variance must be finite and not negative");
   }
   RequireNotNegative(period, "the period of updates must be finite and not negative");
+  period_ = std::min(period_, 1e18);  // of UpdateTimer, too
   deviations_ = {std::sqrt(x), std::sqrt(y), std::sqrt(yaw)};
   for (auto [deviation, bias] : {std::pair{radius, &biases_.radius},
                                  std::pair{track_width, &biases_.track_width},
@@ -46,12 +48,13 @@ BodyDrift::BodyDrift(const DriftVariances& variances, double period, uint64_t ke
 
 void BodyDrift::BeginStep(const b2Body& body, double dt) {
   dt_ = dt;
-  if (now_ + 0.5 >= due_) {
+  if (now_ >= due_) {
     trip_ = kNone;
     updated_ = now_;
     // As UpdateTimer does.
     if (period_ > 0.0) {
-      due_ = std::nearbyint((std::floor((now_ + 0.5) / period_) + 1.0) * period_);
+      const double passed = std::floor((static_cast<double>(now_) + 0.5) / period_);
+      due_ = static_cast<uint64_t>(std::nearbyint((passed + 1.0) * period_));
     }
   }
   const Pose truth = PoseOf(body);
@@ -61,7 +64,7 @@ void BodyDrift::BeginStep(const b2Body& body, double dt) {
 }
 
 void BodyDrift::EndStep(const b2Body& body) {
-  now_ += std::nearbyint(dt_ * 1e9);
+  now_ += static_cast<uint64_t>(std::nearbyint(dt_ * 1e9));
   const Pose truth = PoseOf(body);
   if (truth == last_ && !drifts_at_rest_) return;
   const Pose motion = MotionBetween(last_, truth);
@@ -79,7 +82,7 @@ Pose BodyDrift::Estimate(const Pose& truth) const {
 
 Twist BodyDrift::MeasuredVelocity() const {
   if (now_ == updated_) return {};
-  const double seconds = (now_ - updated_) * 1e-9;
+  const double seconds = static_cast<double>(now_ - updated_) * 1e-9;
   return {trip_.x / seconds, trip_.y / seconds, trip_.yaw / seconds};
 }
 
