@@ -10,7 +10,9 @@ from flatland_navigation.planner import PlanningError, plan, shortcut, shortest_
 
 ROOM = np.array([[0.0, 0, 6, 0], [6, 0, 6, 4], [6, 4, 0, 4], [0, 4, 0, 0]])
 PARTITION = np.array([[3.0, 0, 3, 3]])
-NICHE = np.array([[4.7, 4.0, 4.7, 3.7], [4.7, 3.4, 4.7, 2.7], [4.7, 2.7, 6, 2.7]])  # too narrow to enter
+NICHE = np.array(
+    [[4.7, 4.0, 4.7, 3.7], [4.7, 3.4, 4.7, 2.7], [4.7, 2.7, 6, 2.7]]
+)  # too narrow to enter
 CELL = np.array([[4.0, 1, 5, 1], [5, 1, 5, 2], [5, 2, 4, 2], [4, 2, 4, 1]])
 
 

@@ -253,7 +253,9 @@ def test_the_pose_is_the_integral_of_the_twist(files, drive, rate):
         pose, time = after(pose, twist_of(message), stamp - time), stamp
         # Slip between two messages bends the path: to second order, not seen in their mean.
         assert np.subtract(pose_of(message)[:2], pose[:2]) == pytest.approx(0.0, abs=0.02)
-        assert math.remainder(pose_of(message)[2] - pose.yaw, math.tau) == pytest.approx(0, abs=1e-6)
+        assert math.remainder(pose_of(message)[2] - pose.yaw, math.tau) == pytest.approx(
+            0, abs=1e-6
+        )
 
     truth = pose_of(robot.last(GROUND_TRUTH))
     assert math.dist(truth[:2], pose_of(message)[:2]) > 0.1
@@ -262,7 +264,9 @@ def test_the_pose_is_the_integral_of_the_twist(files, drive, rate):
 def test_a_bias_is_one_of_the_run_and_scales_what_is_measured(files):
     measured = []
     for seed in (1, 2, 2):
-        robot = files.robot(f"{DRIVE}, odom_drift: {{{BIASES}}}", seed=seed).drive(0.5, 0.4).run(1.0)
+        robot = (
+            files.robot(f"{DRIVE}, odom_drift: {{{BIASES}}}", seed=seed).drive(0.5, 0.4).run(1.0)
+        )
         early, late = twist_of(robot.last(TWIST)), twist_of(robot.run(2.0).last(TWIST))
         assert late == pytest.approx(early, abs=1e-4)
         measured.append(late)

@@ -26,7 +26,7 @@ struct DriftVariances {
   double rotation_per_metre = 0.0;      ///< [rad^2/m]
   double rotation_per_radian = 0.0;     ///< [rad^2/rad]
   Pose per_second;  ///< in the body's frame, also at rest [m^2/s, m^2/s, rad^2/s]
-  WheelBiases biases;
+  WheelBiases biases{};
 };
 
 /// The odometry of wheels: the velocity that they measure, and the pose that is its integral.

@@ -47,8 +47,7 @@ void BindDrive(py::module_& m) {
           "progress", [](const PyTween& self) { return self.world->Get(self.handle).progress(); });
   py::class_<PyDrift>(m, "Drift")
       .def_property_readonly(
-          "pose",
-          [](const PyDrift& self) { return ToTuple(self.world->GetEstimate(self.handle)); })
+          "pose", [](const PyDrift& self) { return ToTuple(self.world->GetEstimate(self.handle)); })
       .def_property_readonly("velocity", [](const PyDrift& self) {
         return ToTuple(self.world->Get(self.handle).MeasuredVelocity());
       });
@@ -96,9 +95,9 @@ void BindDrivesOf(py::class_<PyBody>& body) {
           [](PyBody& self, uint64_t key, const Pair& translation, const Pair& rotation,
              const Triple& per_second, const Triple& biases, double period) {
             const auto [radius, track_width, curvature] = biases;
-            const DriftVariances variances{
-                translation.first, translation.second, rotation.first, rotation.second,
-                ToPose(per_second), {radius, track_width, curvature}};
+            const DriftVariances variances{translation.first,  translation.second,
+                                           rotation.first,     rotation.second,
+                                           ToPose(per_second), {radius, track_width, curvature}};
             return PyDrift{self.world, self.world->AddDrift(self.handle, variances, period, key)};
           },
           py::arg("key"), py::arg("translation") = Pair{0.0, 0.0},

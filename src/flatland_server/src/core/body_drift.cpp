@@ -30,18 +30,17 @@ BodyDrift::BodyDrift(const DriftVariances& variances, double period, uint64_t ke
       numbers_(NormalNumbers::Mixed(key)) {
   const auto& [x, y, yaw] = variances.per_second;
   const auto& [radius, track_width, curvature] = variances.biases;
-  for (const double each :
-       {variances.translation_per_metre, variances.translation_per_radian,
-        variances.rotation_per_metre, variances.rotation_per_radian, x, y, yaw, radius, track_width,
-        curvature}) {
+  for (const double each : {variances.translation_per_metre, variances.translation_per_radian,
+                            variances.rotation_per_metre, variances.rotation_per_radian, x, y, yaw,
+                            radius, track_width, curvature}) {
     RequireNotNegative(each, "a variance must be finite and not negative");
   }
   RequireNotNegative(period, "the period of updates must be finite and not negative");
   period_ = std::min(period_, 1e18);  // of UpdateTimer, too
   deviations_ = {std::sqrt(x), std::sqrt(y), std::sqrt(yaw)};
-  for (auto [deviation, bias] : {std::pair{radius, &biases_.radius},
-                                 std::pair{track_width, &biases_.track_width},
-                                 std::pair{curvature, &biases_.curvature}}) {
+  for (auto [deviation, bias] :
+       {std::pair{radius, &biases_.radius}, std::pair{track_width, &biases_.track_width},
+        std::pair{curvature, &biases_.curvature}}) {
     if (deviation > 0.0) *bias = deviation * numbers_.Draw();
   }
 }
@@ -94,8 +93,8 @@ Pose BodyDrift::Measured(const Pose& arc) {
     const double slip =
         metres > 0.0 ? along * std::sqrt(variances_.translation_per_metre / metres) : 0.0;
     const double scale = 1.0 + biases_.radius;
-    measured.x = (scale + slip) * arc.x +
-                 turned * std::sqrt(variances_.translation_per_radian * radians);
+    measured.x =
+        (scale + slip) * arc.x + turned * std::sqrt(variances_.translation_per_radian * radians);
     measured.y = (scale + slip) * arc.y;
     measured.yaw = scale * (1.0 + biases_.track_width) * arc.yaw + biases_.curvature * arc.x +
                    heading * std::sqrt(variances_.rotation_per_metre * metres +
