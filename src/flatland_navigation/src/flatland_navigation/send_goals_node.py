@@ -16,8 +16,9 @@ from flatland_server import FlatlandError, Pose, fill_pose
 def main() -> int:
     """Sends the goals of `~goals`.
 
-    If `~score` is set, it waits for the node score first. If `~loop` is set, they are sent again and again, until none of them is reached: goals that are
-    refused would otherwise be sent again at once, for ever.
+    If `~score` is set, it waits for the node score first. If `~loop` is set, they are sent
+    again and again, until none of them is reached: goals that are refused would otherwise be
+    sent again at once, for ever.
 
     Returns:
         The exit code: 1 if a goal was not reached.

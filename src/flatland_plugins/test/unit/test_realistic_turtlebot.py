@@ -119,7 +119,7 @@ def test_a_filter_of_its_twist_drifts_as_its_pose_does_and_less_with_the_gyrosco
     truths = [pose_of(run.last(f"/{name}/odometry/ground_truth"))[2] for name in names]
     estimates = np.array([[pose_of(odometry)[2] for odometry in wheels], *headings])
     errors = np.remainder(estimates - truths + math.pi, math.tau) - math.pi
-    pose, twist, fused = np.sqrt((errors**2).mean(axis=1))
+    pose, _, fused = np.sqrt((errors**2).mean(axis=1))
     # Variances of 8 m and 12 rad: slip, radius and track width, curvature.
     expected = 1.2e-4 * 8 + 9.3e-5 * 12 + (0.002**2 + 0.0015**2) * 12**2 + (0.008 * 8) ** 2
     assert errors[1] == pytest.approx(errors[0], abs=1e-3)

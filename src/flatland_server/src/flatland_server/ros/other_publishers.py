@@ -1,7 +1,7 @@
 """Warns of other nodes that publish on a topic of a plugin.
 
-robot_localization's default topic, odometry/filtered, is that of the odometry too: subscribers would
-get both by turns, and the filter its own output.
+robot_localization's default topic, odometry/filtered, is that of the odometry too: subscribers
+would get both by turns, and the filter its own output.
 """
 
 import logging
