@@ -40,7 +40,8 @@ class BodyDriftWorldTest : public WorldTest {
 };
 
 TEST_F(BodyDriftWorldTest, ThePoseIsTheIntegralOfTheMeasuredVelocity) {
-  for (const double period : {0.0, 0.01}) {  // of one step of 5 ms, or of two
+  // Of one step of 5 ms, or of two: their mean does not know how noise has bent the path between.
+  for (const double period : {0.0, 0.01}) {
     period_ = period;
     const World::Drift drift = Add(1, {0.01, 0.02, 0.03, 0.04, {0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}});
     world_.SetVelocity(robot_, {0.5, 0.1, 0.3});
@@ -52,7 +53,7 @@ TEST_F(BodyDriftWorldTest, ThePoseIsTheIntegralOfTheMeasuredVelocity) {
       const double dt = steps * kStep;
       integral = Wrapped(Compose(integral, MotionAlong({vx * dt, vy * dt, omega * dt})));
     }
-    ExpectPose(integral, world_.GetEstimate(drift), period > 0.0 ? 1e-3 : 1e-9);
+    ExpectPose(integral, world_.GetEstimate(drift), period > 0.0 ? 1e-2 : 1e-9);
   }
 }
 
