@@ -57,7 +57,7 @@ def step(count=1, expect=(), timeout=TIME_LIMIT):
 
 
 def reset(keep_time=False, seed=None):
-    return call("/reset", Reset, keep_time, seed is not None, seed or 0)
+    return call("/reset", Reset, not keep_time, seed is not None, seed or 0)
 
 
 @contextmanager

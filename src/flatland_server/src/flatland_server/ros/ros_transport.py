@@ -96,7 +96,7 @@ class RosTransport(Transport):
     def subscribe(
         self, topic: str, message_type: Any, callback: Callable[[Any], None]
     ) -> Subscription:
-        arrival = self.arrivals.open(rospy.resolve_name(topic))
+        arrival = self.arrivals.open(rospy.resolve_name(topic), message_type)
         return _RosSubscription(topic, message_type, callback, self, arrival)
 
     @property

@@ -11,7 +11,7 @@ from typing import Callable
 import rospy
 
 from flatland_server.exceptions import FlatlandError, StateError, counted
-from flatland_server.ros import open_files, rospy_patches
+from flatland_server.ros import open_files, other_publishers, rospy_patches
 from flatland_server.ros.client_files import ClientFiles
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
 from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
@@ -97,13 +97,16 @@ def _run(config: ServerConfig, simulate: Simulate) -> None:
             simplify_map=config.simplify_map,
             model_folders=config.models,
         )
-        manager = SimulationManager(world, timekeeper, config.update_rate)
+        manager = SimulationManager(
+            world, timekeeper, config.update_rate, command_age=config.command_age
+        )
         _open_topics(manager, transport, config)
     exclude_from_garbage_collection()
     if transport.rospy_calls.wait_until_registered(_REGISTRATION_LIMIT):
         warn_of_other_times()  # of two nodes that start together, the second one sees the first
     else:
         rospy.logwarn("the simulation starts before the ROS master knows all of its topics")
+    other_publishers.watch(transport.publisher_counts)
     rospy.loginfo(
         "%s: %s, %s; running",
         config.world_path,

@@ -29,6 +29,7 @@ class ServerConfig(NamedTuple):
     map_to_odom: bool
     history: bool
     """Whether states are kept for the service /seek; by default if `show_viz` is set."""
+    command_age: float
     models: Tuple[Path, ...]
     state_folder: Optional[Path] = None
     """For relative names of states; if there is one, clients name files in few folders only."""
@@ -70,6 +71,7 @@ class ServerConfig(NamedTuple):
             rospy_patches=_flag("~rospy_patches", True),
             map_to_odom=_flag("~map_to_odom", False),
             history=_flag("~history", show_viz),
+            command_age=positive_param("~command_age", math.inf, allow_infinity=True),
             models=_folders("~models"),
             state_folder=next(iter(_folders("~state_folder")), None),
             launch_file=Path(launch_file) if launch_file else None,

@@ -113,7 +113,8 @@ class StateServices:
 
     def _reset(self, request: ResetRequest) -> None:
         seed = request.seed if request.new_seed else None
-        self._change(lambda: self._manager.reset(seed, keep_time=request.keep_time))
+        keep_time = not request.restart_time
+        self._change(lambda: self._manager.reset(seed, keep_time=keep_time))
 
     def _reload_world(self, request: TriggerRequest) -> TriggerResponse:
         registry = self._manager.world.registry

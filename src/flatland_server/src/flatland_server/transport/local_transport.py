@@ -102,7 +102,7 @@ class LocalTransport(Transport):
         publisher, message = self._last.get(topic, (None, None))
         if publisher is not None and publisher.is_latched:
             self._published.append((topic, callback, message))
-        return _LocalSubscription(self, topic, callbacks, callback)
+        return _LocalSubscription(self, topic, message_type, callbacks, callback)
 
     def set_subscribed_topics(self, topics: Optional[Container[str]]) -> None:
         """Changes which topics count as having a subscriber.
@@ -259,11 +259,12 @@ class _LocalSubscription(Subscription):
         self,
         transport: LocalTransport,
         topic: str,
+        message_type: Any,
         callbacks: List[Callable[[Any], None]],
         callback: Callable[[Any], None],
     ) -> None:
         self._transport = transport
-        self._arrival = transport.arrivals.open(topic)
+        self._arrival = transport.arrivals.open(topic, message_type)
         self._callbacks = callbacks
         self._callback = callback
         callbacks.append(callback)
