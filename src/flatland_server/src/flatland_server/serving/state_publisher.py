@@ -2,11 +2,11 @@
 
 import time
 
-import rospy
-from flatland_msgs.msg import SimulationState
-
 from flatland_server.messages import ros_time
+from flatland_server.messages.message_types import get
 from flatland_server.simulation.simulation_manager import SimulationManager
+
+SimulationState = get("flatland_msgs/SimulationState")
 
 _PERIOD = 0.2
 """Seconds of real time between two messages; a change by a user is published at once."""
@@ -17,7 +17,10 @@ class StatePublisher:
 
     def __init__(self, manager: SimulationManager) -> None:
         self._manager = manager
-        self._publisher = rospy.Publisher("~state", SimulationState, queue_size=1, latch=True)
+        transport = manager.transport
+        self._publisher = transport.advertise(
+            f"{transport.node_name}/state", SimulationState, latch=True, queue_size=1
+        )
         self._due = 0.0
         self._published = (False, 0.0)
 
@@ -32,4 +35,5 @@ class StatePublisher:
         self._published = requested
         stamp = ros_time(manager.timekeeper.nanoseconds)
         paused, rate = requested
-        self._publisher.publish(SimulationState(stamp, paused, rate, manager.real_time_factor))
+        state = SimulationState(stamp, paused, rate, manager.real_time_factor)
+        self._publisher.publish(state)
