@@ -3,7 +3,7 @@
 import asyncio
 import time
 from collections import deque
-from typing import Awaitable, Callable, Deque, Dict, Iterable, Optional, Union
+from typing import Awaitable, Callable, Deque, Dict, Hashable, Iterable, Optional, Union
 
 from flatland_bridge.graph import Sample
 
@@ -68,16 +68,12 @@ class Stream:
 
 
 class Outbox:
-    """All that waits for one client. Its methods but `wake` are for the event loop's thread.
+    """All that waits for one client. Its methods but `wake` are for the event loop's thread."""
 
-    Args:
-        loop: the event loop.
-    """
-
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.streams: Dict[str, Stream] = {}
-        """By topic."""
-        self._loop = loop
+    def __init__(self) -> None:
+        self.streams: Dict[Hashable, Stream] = {}
+        """By topic, or as the protocol tells subscriptions apart."""
+        self._loop = asyncio.get_running_loop()
         self._replies: Deque[Data] = deque()
         self._event = asyncio.Event()
         self._is_awake = False

@@ -9,7 +9,7 @@ from concurrent.futures import Executor
 from typing import Any, Callable, Dict, Optional, Set, Tuple
 
 from flatland_bridge.graph import BridgeError, Graph
-from flatland_bridge.outbox import Data, Outbox, Stream
+from flatland_bridge.outbox import Data, Outbox, Send, Stream
 from flatland_bridge.plain_form import from_plain, to_plain
 from flatland_bridge.rosapi import RosApi
 from flatland_bridge.rosbridge_form import COMPRESSIONS, Message, decoded, encoded, publisher
@@ -32,26 +32,25 @@ class Providers:
     """Services that clients offer to other clients."""
 
     def __init__(self) -> None:
-        self.sessions: Dict[str, "Session"] = {}
+        self.sessions: Dict[str, "RosbridgeSession"] = {}
         """Which client offers a service, by its name."""
-        self.calls: Dict[str, Tuple["Session", Message]] = {}
+        self.calls: Dict[str, Tuple["RosbridgeSession", Message]] = {}
         """Callers that wait, and what they have called, by the id of the call."""
         self.numbers = itertools.count(1)
 
 
-class Session:
+class RosbridgeSession:
     """Obeys a client, which is told what is wrong with its messages, and stays connected.
 
     Args:
         graph: the topics and services.
-        outbox: what is sent to the client.
         pool: calls services, which takes time.
         providers: services of other clients.
     """
 
-    def __init__(self, graph: Graph, outbox: Outbox, pool: Executor, providers: Providers) -> None:
+    def __init__(self, graph: Graph, pool: Executor, providers: Providers) -> None:
         self._graph = graph
-        self._outbox = outbox
+        self._outbox = Outbox()
         self._pool = pool
         self._providers = providers
         self._rosapi = RosApi(graph)
@@ -95,6 +94,10 @@ class Session:
             self._operations[operation](message)
         except FlatlandError as error:
             self._status("error", str(error), message if isinstance(message, dict) else {})
+
+    async def run(self, send: Send) -> None:
+        """Sends messages for ever."""
+        await self._outbox.send_all(send)
 
     def close(self) -> None:
         """Ends all that the client has begun."""

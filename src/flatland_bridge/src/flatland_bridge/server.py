@@ -1,15 +1,52 @@
 """A world that is simulated in this process, for clients of all protocols: `flatland serve`."""
 
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Callable, Mapping, Optional, Sequence
 
 from flatland2d.world_source import WorldSource, open_world
-from flatland_bridge.rosbridge_server import Access, RosbridgeServer
+from flatland_bridge.foxglove_session import SUBPROTOCOLS, FoxgloveSession
+from flatland_bridge.graph import Graph
+from flatland_bridge.rosbridge_session import Providers, RosbridgeSession
 from flatland_bridge.shared_transport import SharedTransport
 from flatland_bridge.simulated_graph import SimulatedGraph
+from flatland_bridge.websocket_server import Access, Endpoint, WebSocketServer
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
+
+
+ROSBRIDGE, FOXGLOVE = "rosbridge", "Foxglove"
+
+_WORKERS = 8
+"""Calls of services that are answered at the same time."""
+
+
+def serve_clients(
+    graph: Graph, rosbridge_port: int, foxglove_port: int, access: Access
+) -> WebSocketServer:
+    """Serves the clients of all protocols, until it is closed.
+
+    Args:
+        graph: the topics and services.
+        rosbridge_port: of rosbridge and the page; 0 takes a free one.
+        foxglove_port: of Foxglove; 0 takes a free one.
+        access: who may connect.
+
+    Raises:
+        BridgeError: a port or the address cannot be used.
+    """
+    pool, providers = ThreadPoolExecutor(_WORKERS, "service"), Providers()
+    endpoints = (
+        Endpoint(
+            ROSBRIDGE,
+            rosbridge_port,
+            lambda: RosbridgeSession(graph, pool, providers),
+            has_page=True,
+        ),
+        Endpoint(FOXGLOVE, foxglove_port, lambda: FoxgloveSession(graph, pool), SUBPROTOCOLS),
+    )
+    return WebSocketServer(endpoints, access)
 
 
 class Server:
@@ -26,7 +63,7 @@ class Server:
         is_paused: whether it begins with a pause.
         access: who may connect.
         rosbridge_port: of rosbridge and the page; 0 takes a free one.
-        foxglove_port: of Foxglove; None opens none.
+        foxglove_port: of Foxglove; 0 takes a free one.
 
     Raises:
         FlatlandError: the world cannot be loaded, or a port cannot be used.
@@ -45,7 +82,7 @@ class Server:
         is_paused: bool = False,
         access: Access = Access(),  # noqa: B008 (immutable)
         rosbridge_port: int = 9090,
-        foxglove_port: Optional[int] = None,
+        foxglove_port: int = 8765,
     ) -> None:
         self.transport = SharedTransport(params)
         opened = open_world(
@@ -63,14 +100,8 @@ class Server:
             self.manager.change_rate(rate)
             self.manager.is_paused = is_paused
             self.graph = SimulatedGraph(self.manager, state_folder)
-            self.rosbridge = RosbridgeServer(self.graph, rosbridge_port, access)
-            stack.callback(self.rosbridge.close)
-            self.foxglove: Any = None
-            if foxglove_port is not None:
-                from flatland_bridge.foxglove_server import FoxgloveServer
-
-                self.foxglove = FoxgloveServer(self.graph, access.host, foxglove_port)
-                stack.callback(self.foxglove.close)
+            self.clients = serve_clients(self.graph, rosbridge_port, foxglove_port, access)
+            stack.callback(self.clients.close)
             self._stack = stack.pop_all()
 
     def run(self, goes_on: Callable[[], bool]) -> None:

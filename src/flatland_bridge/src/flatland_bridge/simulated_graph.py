@@ -132,6 +132,7 @@ class SimulatedGraph(Graph, Tap):
             if not has_success:
                 raise BridgeError(told(error)) from None
             return kind.response(success=False, message=told(error))
+        self._transport.call(self._follow_topics)  # so that the client finds new ones at once
         return kind.response(**({"success": True} if has_success else {}), **fields)
 
     # Tap: on the simulation's thread
@@ -164,7 +165,7 @@ class SimulatedGraph(Graph, Tap):
         if self._topics_timer.check_update():
             self._follow_subscribers()
             self._walls.update(self._manager.world.layers)
-            self._topics = self._present_topics()
+            self._follow_topics()
 
     def _follow_subscribers(self) -> None:
         """Tells plugins which topics have subscribers."""
@@ -172,6 +173,9 @@ class SimulatedGraph(Graph, Tap):
         if wanted != self._wanted:
             self._wanted = wanted
             self._transport.set_subscribed_topics(wanted)
+
+    def _follow_topics(self) -> None:
+        self._topics = self._present_topics()
 
     def _present_topics(self) -> Topics:
         transport = self._transport

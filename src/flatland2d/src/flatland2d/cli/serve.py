@@ -9,7 +9,7 @@ from pathlib import Path
 
 from flatland2d.cli.arguments import Subparsers, add_world, positive, whole_from
 from flatland2d.cli.run import interrupts
-from flatland_server.exceptions import FlatlandError, MissingPackageError
+from flatland_server.exceptions import MissingPackageError
 
 
 def add_parser(commands: Subparsers) -> None:
@@ -43,7 +43,6 @@ def add_parser(commands: Subparsers) -> None:
         metavar="PORT",
         help="of Foxglove; 0 takes a free one (default: %(default)s)",
     )
-    parser.add_argument("--no-foxglove", action="store_true", help="do not listen for Foxglove")
     parser.add_argument(
         "--host",
         default="127.0.0.1",
@@ -72,55 +71,41 @@ def add_parser(commands: Subparsers) -> None:
 
 def _execute(options: argparse.Namespace) -> int:
     try:
-        from flatland_bridge.rosbridge_server import Access
-        from flatland_bridge.server import Server
+        from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, Server
+        from flatland_bridge.websocket_server import Access
     except ImportError as error:
         if error.name is None or error.name.startswith("flatland"):
             raise
-        raise _missing(error.name) from None
+        raise MissingPackageError(
+            f"flatland serve needs {error.name}: pip install 'flatland2d[bridge]'"
+        ) from None
     token = secrets.token_urlsafe(16) if options.token is True else options.token
     access = Access(options.host, token, options.origin)
-    with_foxglove = not options.no_foxglove
-    if with_foxglove and token is not None:
-        print("Foxglove's server cannot ask for a token: it is not opened", file=sys.stderr)
-        with_foxglove = False
     if not access.is_local:
         known = "who knows the token" if token else "on the network"
         print(f"warning: everyone {known} can control the simulation", file=sys.stderr)
-    try:
-        server = Server(
-            options.world,
-            seed=options.seed,
-            step_size=options.step_size,
-            rate=options.rate,
-            params=dict(options.params),
-            model_folders=options.models,
-            state_folder=options.state_folder,
-            is_paused=options.paused,
-            access=access,
-            rosbridge_port=options.port,
-            foxglove_port=options.foxglove_port if with_foxglove else None,
-        )
-    except ImportError as error:
-        if isinstance(error, FlatlandError):
-            raise
-        raise _missing(str(error.name)) from None
+    server = Server(
+        options.world,
+        seed=options.seed,
+        step_size=options.step_size,
+        rate=options.rate,
+        params=dict(options.params),
+        model_folders=options.models,
+        state_folder=options.state_folder,
+        is_paused=options.paused,
+        access=access,
+        rosbridge_port=options.port,
+        foxglove_port=options.foxglove_port,
+    )
     with server, interrupts() as is_interrupted:
-        print(f"page and rosbridge: {server.rosbridge.url}")
-        if server.foxglove is not None:
-            print(f"Foxglove: {server.foxglove.url}")
-        sys.stdout.flush()
+        page = server.clients.url(ROSBRIDGE, "http")
+        print(f"page: {page}")
+        print(f"rosbridge: {server.clients.url(ROSBRIDGE, 'ws')}")
+        print(f"Foxglove: {server.clients.url(FOXGLOVE, 'ws')}", flush=True)
         if options.open:
-            webbrowser.open(server.rosbridge.url)
+            webbrowser.open(page)
         server.run(lambda: not is_interrupted())
     return 0
-
-
-def _missing(package: str) -> MissingPackageError:
-    return MissingPackageError(
-        f"flatland serve needs {package}: pip install 'flatland2d[bridge]' (with --no-foxglove, "
-        "foxglove-sdk is not needed)"
-    )
 
 
 def _rate(text: str) -> float:

@@ -1,23 +1,26 @@
-"""The rosbridge protocol over WebSocket, and the page, on one port."""
+"""WebSockets of all protocols, and the page: who may connect, and limits for those who do."""
 
 import asyncio
 import hmac
 import logging
+import os
 import threading
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
+from contextlib import AsyncExitStack
+from functools import partial
 from http import HTTPStatus
 from pathlib import Path
-from typing import Any, Dict, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, NamedTuple, Optional, Protocol, Sequence, Set
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
 
-from flatland_bridge.graph import BridgeError, Graph
-from flatland_bridge.outbox import Data, Outbox
-from flatland_bridge.rosbridge_session import Providers, Session
+from flatland_bridge.graph import BridgeError
+from flatland_bridge.outbox import Data, Send
 
 PAGE = Path(__file__).parent / "page"
 
@@ -33,8 +36,6 @@ _FILES = {
 _MOST_CLIENTS = 64
 _LARGEST_MESSAGE = 1_000_000
 """Bytes of a message of a client; larger ones may come in fragments."""
-_WORKERS = 8
-"""Calls of services that are answered at the same time."""
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
@@ -80,93 +81,133 @@ class Access(NamedTuple):
         return hmac.compare_digest(given.encode(), self.token.encode())
 
 
-class RosbridgeServer:
+class Session(Protocol):
+    """One client of a protocol. It is used on the event loop's thread."""
+
+    def handle(self, data: Data) -> None:
+        """Obeys a message of the client."""
+
+    async def run(self, send: Send) -> None:
+        """Sends messages for ever."""
+
+    def close(self) -> None:
+        """Ends all that the client has begun."""
+
+
+class Endpoint(NamedTuple):
+    """A port and what is spoken there.
+
+    Attributes:
+        name: of the protocol, for errors.
+        port: to listen at; 0 takes a free one.
+        open_session: called for each client.
+        subprotocols: of which clients must know one; without any, they need none.
+        has_page: whether browsers get the page there.
+    """
+
+    name: str
+    port: int
+    open_session: Callable[[], Session]
+    subprotocols: Sequence[str] = ()
+    has_page: bool = False
+
+
+class WebSocketServer:
     """Serves clients on a thread of its own, until it is closed.
 
     Args:
-        graph: the topics and services.
-        port: to listen at; 0 takes a free one.
+        endpoints: what to serve.
         access: who may connect.
 
+    Attributes:
+        ports: of the endpoints, by their names.
+
     Raises:
-        BridgeError: the port or the address cannot be used.
+        BridgeError: a port or the address cannot be used.
     """
 
-    def __init__(self, graph: Graph, port: int = 9090, access: Access = Access()) -> None:  # noqa: B008
-        self._graph = graph
+    def __init__(self, endpoints: Sequence[Endpoint], access: Access = Access()) -> None:  # noqa: B008
         self._access = access
-        self._providers = Providers()
         self._clients: Set[ServerConnection] = set()
-        self._pool = ThreadPoolExecutor(_WORKERS, "service")
         self._loop = asyncio.new_event_loop()
-        started: Future[int] = Future()
+        started: Future[Dict[str, int]] = Future()
         self._thread = threading.Thread(
-            target=lambda: self._loop.run_until_complete(self._run(port, started)),
-            name="rosbridge",
+            target=lambda: self._loop.run_until_complete(self._run(endpoints, started)),
+            name="websockets",
             daemon=True,
         )
         self._thread.start()
-        try:
-            self.port = started.result()
-        except (OSError, OverflowError) as error:
-            raise BridgeError(f"rosbridge cannot listen at {access.host}:{port}: {error}") from None
+        self.ports = started.result()
 
-    @property
-    def url(self) -> str:
-        """The address of the page."""
+    def url(self, name: str, scheme: str) -> str:
+        """The address of an endpoint, for a program on this machine.
+
+        Args:
+            name: of the endpoint.
+            scheme: "http" or "ws".
+        """
         host = self._access.host
         host = "localhost" if host in ("0.0.0.0", "::", "", *_LOOPBACK) else host
         token = f"/?token={self._access.token}" if self._access.token else "/"
-        return f"http://{host}:{self.port}{token}"
+        return f"{scheme}://{host}:{self.ports[name]}{token}"
 
     def close(self) -> None:
         """Disconnects all clients."""
         self._loop.call_soon_threadsafe(self._ending.set)
         self._thread.join()
-        self._pool.shutdown(wait=False)
 
-    async def _run(self, port: int, started: "Future[int]") -> None:
+    async def _run(
+        self, endpoints: Sequence[Endpoint], started: "Future[Dict[str, int]]"
+    ) -> None:
         self._ending = asyncio.Event()
-        try:
-            server = await serve(
-                self._serve,
-                self._access.host,
-                port,
-                process_request=self._check,
-                compression=None,  # costs more time than it saves on this machine
-                max_size=_LARGEST_MESSAGE,
-                max_queue=16,
-                server_header="Flatland",
-                logger=_quiet_logger(),
-            )
-        except BaseException as error:
-            started.set_exception(error)
-            return
-        started.set_result(server.sockets[0].getsockname()[1])
-        async with server:
+        async with AsyncExitStack() as stack:
+            ports = {}
+            for endpoint in endpoints:
+                try:
+                    server = await stack.enter_async_context(self._open(endpoint))
+                except (OSError, OverflowError) as error:
+                    reason = os.strerror(error.errno) if getattr(error, "errno", 0) else error
+                    where = f"{self._access.host}:{endpoint.port}"
+                    message = f"{endpoint.name} cannot listen at {where}: {reason}"
+                    started.set_exception(BridgeError(message))
+                    return
+                ports[endpoint.name] = server.sockets[0].getsockname()[1]
+            started.set_result(ports)
             await self._ending.wait()
 
-    def _check(self, connection: ServerConnection, request: Request) -> Optional[Response]:
+    def _open(self, endpoint: Endpoint) -> serve:
+        return serve(
+            partial(self._serve, endpoint),
+            self._access.host,
+            endpoint.port,
+            process_request=partial(self._check, endpoint),
+            subprotocols=[Subprotocol(name) for name in endpoint.subprotocols] or None,
+            compression=None,  # costs more time than it saves on this machine
+            max_size=_LARGEST_MESSAGE,
+            max_queue=16,
+            server_header="Flatland",
+            logger=_quiet_logger(),
+        )
+
+    def _check(
+        self, endpoint: Endpoint, connection: ServerConnection, request: Request
+    ) -> Optional[Response]:
         """The response to a request for a file, or to one that is refused."""
         if "websocket" not in request.headers.get("Upgrade", "").lower():
-            return _file(urlsplit(request.path).path)
+            return _file(urlsplit(request.path).path if endpoint.has_page else "")
         if not self._access.allows_origin(request.headers.get("Origin")):
-            return connection.respond(HTTPStatus.FORBIDDEN, "pages of this origin may not connect\n")
+            text = "pages of this origin may not connect; --origin allows it\n"
+            return connection.respond(HTTPStatus.FORBIDDEN, text)
         if not self._access.allows_token(request):
             return connection.respond(HTTPStatus.UNAUTHORIZED, "expected ?token=TOKEN\n")
         if len(self._clients) >= _MOST_CLIENTS:
             return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
         return None
 
-    async def _serve(self, connection: ServerConnection) -> None:
+    async def _serve(self, endpoint: Endpoint, connection: ServerConnection) -> None:
         self._clients.add(connection)
-        outbox = Outbox(asyncio.get_running_loop())
-        session = Session(self._graph, outbox, self._pool, self._providers)
-
-        async def send(data: Data) -> None:
-            await connection.send(data)
-
-        sender = asyncio.ensure_future(outbox.send_all(send))
+        session = endpoint.open_session()
+        sender = asyncio.ensure_future(session.run(connection.send))
         try:
             async for data in connection:
                 session.handle(data)
@@ -187,7 +228,7 @@ def _file(path: str) -> Response:
     headers: Dict[str, str] = {
         "Content-Type": f"{kind}; charset=utf-8",
         "Content-Length": str(len(content)),
-        "Content-Security-Policy": "default-src 'self'; connect-src 'self' ws: wss:",
+        "Content-Security-Policy": "default-src 'self'; img-src data:; connect-src 'self' ws: wss:",
         "Cache-Control": "no-store",
         "Connection": "close",
     }
