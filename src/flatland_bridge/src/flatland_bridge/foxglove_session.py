@@ -183,6 +183,7 @@ class FoxgloveSession:
             kind = get(str(each["schemaName"]).replace("/msg/", "/"))
             topic = topic if topic.startswith("/") else f"/{topic}"
             self._client_channels[each["id"]] = topic, kind, encoding
+            self._graph.advertise(topic, kind)
 
     def _unadvertise(self, message: Message) -> None:
         for number in message["channelIds"]:

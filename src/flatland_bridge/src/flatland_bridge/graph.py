@@ -110,6 +110,14 @@ class Graph(ABC):
             A function that ends the subscription.
         """
 
+    def advertise(self, topic: str, message_type: Any) -> None:  # noqa: B027 (nothing to prepare)
+        """Prepares to publish to a topic.
+
+        Args:
+            topic: its absolute name.
+            message_type: the class of its messages.
+        """
+
     @abstractmethod
     def publish(self, topic: str, message: Any) -> None:
         """Publishes a message.

@@ -155,13 +155,14 @@ class RosbridgeSession:
 
     def _advertise(self, message: Message) -> None:
         topic, kind = _topic(message), _ros1_name(message.get("type"))
-        get(kind)
+        message_type = get(kind)
         known = self._graph.topics.types.get(topic)
         if known not in (None, kind):
             raise BridgeError(f'the topic "{topic}" has the type {known}, not {kind}')
         if topic not in self._advertised and len(self._advertised) >= _MOST_TOPICS:
             raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
         self._advertised[topic] = kind
+        self._graph.advertise(topic, message_type)
 
     def _publish(self, message: Message) -> None:
         topic = _topic(message)
