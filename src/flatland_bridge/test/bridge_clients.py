@@ -5,7 +5,7 @@ import threading
 from contextlib import contextmanager
 
 import cbor2
-from websockets.sync.client import connect
+from websockets.sync import client as websockets_client
 
 from flatland_bridge.server import FOXGLOVE, ROSBRIDGE, Server
 
@@ -50,6 +50,11 @@ def running(world, **options):
             thread.join()
 
 
+def connect(url, **options):
+    """A WebSocket that is open until it is closed, or its server."""
+    return websockets_client.connect(url, **options).__enter__()
+
+
 class Client:
     """A client of rosbridge, made of a WebSocket and JSON alone."""
 
@@ -77,8 +82,8 @@ class Client:
             self.kept.append(message)
         raise AssertionError("the message did not come")
 
-    def call(self, service, _id="call", **args):
-        self.send("call_service", id=_id, service=service, args=args)
+    def call(self, name, /, **args):
+        self.send("call_service", id="call", service=name, args=args)
         return self.receive_until(lambda each: each["op"] == "service_response")
 
     def subscribed(self, topic, **options):

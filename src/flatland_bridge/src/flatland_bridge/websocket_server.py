@@ -185,6 +185,7 @@ class WebSocketServer:
             compression=None,  # costs more time than it saves on this machine
             max_size=_LARGEST_MESSAGE,
             max_queue=16,
+            close_timeout=1.0,  # the server ends even if clients do not read
             server_header="Flatland",
             logger=_quiet_logger(),
         )
