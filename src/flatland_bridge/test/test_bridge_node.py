@@ -14,7 +14,7 @@ from running_server import ROBOT
 from test_foxglove import Viewer
 from waiting import wait_until
 
-from flatland_bridge.server import FOXGLOVE, ROSBRIDGE
+from flatland_bridge.server import ROSBRIDGE
 
 pytestmark = pytest.mark.slow
 
@@ -54,7 +54,9 @@ def test_clients_see_and_control_the_server(bridge):
         lambda: "/bot/scan" in client.call("/rosapi/topics")["values"]["topics"], "the topics"
     )
     client.subscribed("/flatland_server/models")
-    while "bot" not in [each["name"] for each in client.next_of("/flatland_server/models")["models"]]:
+    while "bot" not in [
+        each["name"] for each in client.next_of("/flatland_server/models")["models"]
+    ]:
         pass
     client.subscribed("/bot/scan", compression="cbor").subscribed("/bot/odometry/ground_truth")
     client.send("advertise", topic="/bot/cmd_vel", type="geometry_msgs/Twist")

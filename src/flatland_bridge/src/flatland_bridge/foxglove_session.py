@@ -58,7 +58,7 @@ class FoxgloveSession:
         self._services: Dict[int, str] = {}
         self._subscriptions: Dict[int, Tuple[int, Callable[[], None]]] = {}  # channel, end
         self._client_channels: Dict[int, Tuple[str, Any, str]] = {}  # topic, class, encoding
-        self._calls: Set["asyncio.Task[None]"] = set()
+        self._calls: Set[asyncio.Task[None]] = set()
         self._operations: Dict[Any, Callable[[Message], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,

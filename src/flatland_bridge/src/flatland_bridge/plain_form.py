@@ -76,7 +76,9 @@ def from_plain(message_type: Any, value: Any) -> Any:
         except (ArithmeticError, TypeError, ValueError, binascii.Error):
             kind = message_type._slot_types[message_type.__slots__.index(name)]
             found = shortened(repr(given))
-            raise MessageError(f"{form.type_name}: {name}: expected {kind}, found {found}") from None
+            raise MessageError(
+                f"{form.type_name}: {name}: expected {kind}, found {found}"
+            ) from None
     return message
 
 

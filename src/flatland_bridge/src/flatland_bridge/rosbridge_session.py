@@ -32,9 +32,9 @@ class Providers:
     """Services that clients offer to other clients."""
 
     def __init__(self) -> None:
-        self.sessions: Dict[str, "RosbridgeSession"] = {}
+        self.sessions: Dict[str, RosbridgeSession] = {}
         """Which client offers a service, by its name."""
-        self.calls: Dict[str, Tuple["RosbridgeSession", Message]] = {}
+        self.calls: Dict[str, Tuple[RosbridgeSession, Message]] = {}
         """Callers that wait, and what they have called, by the id of the call."""
         self.numbers = itertools.count(1)
 
@@ -58,7 +58,7 @@ class RosbridgeSession:
         self._subscriptions: Dict[str, Callable[[], None]] = {}  # ends each, by topic
         self._ids: Dict[str, Set[Any]] = {}  # under which a topic was subscribed to
         self._advertised: Dict[str, str] = {}  # types by topic
-        self._calls: Set["asyncio.Task[None]"] = set()
+        self._calls: Set[asyncio.Task[None]] = set()
         self._fragments: Dict[str, Dict[int, str]] = {}
         self._operations: Dict[Any, Callable[[Message], None]] = {
             "advertise": self._advertise,
@@ -120,7 +120,9 @@ class RosbridgeSession:
         topic, kind = _topic(message), message.get("type")
         known = self._graph.topics.types.get(topic)
         if kind is not None and known not in (None, _ros1_name(kind)):
-            raise BridgeError(f'the topic "{topic}" has the type {known}, not {shortened(str(kind))}')
+            raise BridgeError(
+                f'the topic "{topic}" has the type {known}, not {shortened(str(kind))}'
+            )
         if topic not in self._subscriptions and len(self._subscriptions) >= _MOST_TOPICS:
             raise BridgeError(f"a client may subscribe to {_MOST_TOPICS} topics")
         compression = message.get("compression", "none")
@@ -265,7 +267,9 @@ class RosbridgeSession:
     def _set_level(self, message: Message) -> None:
         level = message.get("level")
         if level not in _LEVELS:
-            raise BridgeError(f"level: expected {', '.join(_LEVELS)}, found {shortened(repr(level))}")
+            raise BridgeError(
+                f"level: expected {', '.join(_LEVELS)}, found {shortened(repr(level))}"
+            )
         self._level = level
 
     def _status(self, level: str, text: str, about: Message) -> None:

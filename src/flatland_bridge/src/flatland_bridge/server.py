@@ -15,7 +15,6 @@ from flatland_bridge.websocket_server import Access, Endpoint, WebSocketServer
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.timekeeper import Timekeeper
 
-
 ROSBRIDGE, FOXGLOVE = "rosbridge", "Foxglove"
 
 _WORKERS = 8

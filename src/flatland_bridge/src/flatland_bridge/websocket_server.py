@@ -156,9 +156,7 @@ class WebSocketServer:
         self._loop.call_soon_threadsafe(self._ending.set)
         self._thread.join()
 
-    async def _run(
-        self, endpoints: Sequence[Endpoint], started: "Future[Dict[str, int]]"
-    ) -> None:
+    async def _run(self, endpoints: Sequence[Endpoint], started: "Future[Dict[str, int]]") -> None:
         self._ending = asyncio.Event()
         async with AsyncExitStack() as stack:
             ports = {}

@@ -1,7 +1,7 @@
 """Service types by name: ROS's own classes where there is ROS, else our own.
 
-    SpawnModel = service_types.get("flatland_msgs/SpawnModel")
-    request = SpawnModel.request(yaml_path="robot.model.yaml", name="robot")
+SpawnModel = service_types.get("flatland_msgs/SpawnModel")
+request = SpawnModel.request(yaml_path="robot.model.yaml", name="robot")
 """
 
 import importlib

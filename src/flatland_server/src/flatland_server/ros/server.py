@@ -12,7 +12,6 @@ import rospy
 
 from flatland_server.exceptions import FlatlandError, counted
 from flatland_server.ros import open_files, rospy_patches
-from flatland_server.serving.client_files import ClientFiles
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
 from flatland_server.ros.debug_visualization import DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
@@ -20,13 +19,14 @@ from flatland_server.ros.interactive_marker_manager import InteractiveMarkerMana
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
-from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
-from flatland_server.serving.model_publisher import ModelPublisher
-from flatland_server.serving.model_services import ModelServices
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
 from flatland_server.ros.service_manager import RosServiceHost
 from flatland_server.ros.shutdown import Shutdown
+from flatland_server.serving.client_files import ClientFiles
+from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
+from flatland_server.serving.model_publisher import ModelPublisher
+from flatland_server.serving.model_services import ModelServices
 from flatland_server.serving.state_publisher import StatePublisher
 from flatland_server.serving.state_services import StateServices
 from flatland_server.simulation.simulation_manager import SimulationManager

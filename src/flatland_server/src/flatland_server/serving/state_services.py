@@ -126,4 +126,3 @@ class StateServices:
 
         self._host.call(change)
         self._host.wait_until_registered()
-

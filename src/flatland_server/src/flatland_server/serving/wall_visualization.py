@@ -7,6 +7,7 @@ import logging
 from typing import Any, Callable, Dict, List, Tuple
 
 import numpy as np
+
 from flatland_server.arrays import Segments
 from flatland_server.messages.layer_walls import walls_of
 from flatland_server.messages.message_types import get
