@@ -227,7 +227,7 @@ class FoxgloveSession:
         kind = self._graph.service_type(name)
         response = self._graph.call(name, _message(kind.request, encoding, data))
         if encoding == _JSON:
-            return orjson.dumps(to_plain(response), option=orjson.OPT_SERIALIZE_NUMPY)
+            return bytes(orjson.dumps(to_plain(response), option=orjson.OPT_SERIALIZE_NUMPY))
         buffer = BytesIO()
         response.serialize(buffer)
         return buffer.getvalue()

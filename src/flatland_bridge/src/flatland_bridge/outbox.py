@@ -3,6 +3,7 @@
 import asyncio
 import time
 from collections import deque
+from contextlib import suppress
 from typing import Awaitable, Callable, Deque, Dict, Hashable, Iterable, Optional, Union
 
 from flatland_bridge.graph import Sample
@@ -82,10 +83,8 @@ class Outbox:
         """Makes `send_all` look for messages; for any thread."""
         if not self._is_awake:
             self._is_awake = True
-            try:
+            with suppress(RuntimeError):  # the server has ended
                 self._loop.call_soon_threadsafe(self._event.set)
-            except RuntimeError:  # the server has ended
-                pass
 
     def reply(self, data: Data) -> None:
         """Adds a reply, which is never dropped.
@@ -128,7 +127,5 @@ class Outbox:
         if delay == float("inf"):
             await self._event.wait()
             return
-        try:
+        with suppress(asyncio.TimeoutError):
             await asyncio.wait_for(self._event.wait(), delay)
-        except asyncio.TimeoutError:
-            pass

@@ -23,7 +23,7 @@ _TAGS = {
     **{"float32": (85, "<f4"), "float64": (86, "<f8")},
 }
 """The CBOR tags of typed arrays, little-endian, and NumPy's names of their numbers."""
-_TYPE_OF_TAG = {tag: name for tag, name in _TAGS.values()}
+_TYPE_OF_TAG = dict(_TAGS.values())
 
 Convert = Callable[[Any], Any]
 
@@ -42,7 +42,8 @@ def to_plain(message: Any, *, cbor: bool = False) -> Dict[str, Any]:
         message: the message.
         cbor: whether arrays of numbers are tagged bytes; otherwise they are NumPy's, or lists.
     """
-    fields = form_of(type(message), cbor).fields
+    kind: Any = type(message)
+    fields = form_of(kind, cbor).fields
     return {name: write(getattr(message, name)) for name, (write, _) in fields.items()}
 
 

@@ -98,4 +98,4 @@ _ENCODERS = {"none": _publish_json, "cbor": _publish_cbor, "cbor-raw": _publish_
 
 
 def _json(message: Message) -> str:
-    return orjson.dumps(message, option=orjson.OPT_SERIALIZE_NUMPY).decode()
+    return str(orjson.dumps(message, option=orjson.OPT_SERIALIZE_NUMPY), "utf-8")

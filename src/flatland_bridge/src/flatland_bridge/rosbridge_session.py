@@ -71,7 +71,7 @@ class RosbridgeSession:
             "set_level": self._set_level,
             "status": lambda message: None,
             "subscribe": self._subscribe,
-            "unadvertise": lambda message: self._advertised.pop(_topic(message), None) and None,
+            "unadvertise": self._unadvertise,
             "unadvertise_service": self._unadvertise_service,
             "unsubscribe": self._unsubscribe,
         }
@@ -165,6 +165,9 @@ class RosbridgeSession:
             raise BridgeError(f"a client may advertise {_MOST_TOPICS} topics")
         self._advertised[topic] = kind
         self._graph.advertise(topic, message_type)
+
+    def _unadvertise(self, message: Message) -> None:
+        self._advertised.pop(_topic(message), None)
 
     def _publish(self, message: Message) -> None:
         topic = _topic(message)

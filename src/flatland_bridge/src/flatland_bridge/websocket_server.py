@@ -164,7 +164,8 @@ class WebSocketServer:
                 try:
                     server = await stack.enter_async_context(self._open(endpoint))
                 except (OSError, OverflowError) as error:
-                    reason = os.strerror(error.errno) if getattr(error, "errno", 0) else error
+                    number = getattr(error, "errno", None)
+                    reason = os.strerror(number) if number else error
                     where = f"{self._access.host}:{endpoint.port}"
                     message = f"{endpoint.name} cannot listen at {where}: {reason}"
                     started.set_exception(BridgeError(message))

@@ -117,7 +117,7 @@ class StateServices:
         state = read_state(self._files.state(request.path))
         self._change(lambda: self._manager.load_state(state))
 
-    def _change(self, action: Callable[[], None]) -> None:
+    def _change(self, action: Callable[[], object]) -> None:
         """Rebuilds the world on the simulation's thread."""
 
         def change() -> None:

@@ -131,7 +131,7 @@ class WallVisualization:
     def _as_markers(self, walls: List[Tuple[LayerConfig, Segments]]) -> LazyMarkerArray:
         frame_id = self._frame_id
 
-        def make() -> MarkerArray:
+        def make() -> Any:
             # A viewer may still show the walls of another world.
             begin = delete_all(frame_id)
             return array_of([begin, *(flat_walls(*each, frame_id) for each in walls)])
