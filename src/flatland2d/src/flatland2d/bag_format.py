@@ -70,7 +70,7 @@ class BagFormat(Format):
         connection = _fields(
             topic=topic,
             type=channel.type.encode(),
-            md5sum=channel.md5sum.encode(),
+            md5sum=channel.checksum.encode(),
             message_definition=channel.definition.encode(),
             callerid=b"/flatland_server",
             latching=b"1" if channel.is_latched else b"0",

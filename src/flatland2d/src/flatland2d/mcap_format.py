@@ -1,4 +1,4 @@
-"""The format .mcap of Foxglove, with the profile of ROS 1: https://mcap.dev/spec."""
+"""The format .mcap of Foxglove, with the profile of ROS 1 or ROS 2: https://mcap.dev/spec."""
 
 import struct
 import zlib
@@ -27,14 +27,32 @@ _STATISTICS, _DATA_END = 0x0B, 0x0F
 _RECORD = struct.Struct("<BQ")
 _ZSTD = "zstd"
 
+_PROFILES = {"ros1": ("ros1", "ros1msg"), "cdr": ("ros2", "ros2msg")}
+"""The profile and the encoding of schemas, by that of messages."""
+
+_TRANSIENT_LOCAL = """\
+- history: 1
+  depth: 1
+  reliability: 1
+  durability: 1
+  deadline: {sec: 0, nsec: 0}
+  lifespan: {sec: 0, nsec: 0}
+  liveliness: 1
+  liveliness_lease_duration: {sec: 0, nsec: 0}
+  avoid_ros_namespace_conventions: false
+"""
+"""The quality of service of a latched topic, as rosbag2 writes it."""
+
 
 class McapFormat(Format):
     """An .mcap: its chunks are compressed if the package zstandard is installed."""
 
     magic = b"\x89MCAP0\r\n"
+    encodings = tuple(_PROFILES)
 
     def beginning(self, index_position: int) -> bytes:
-        return self.magic + _record(_HEADER, _text("ros1") + _text("flatland"))
+        profile, _ = _PROFILES[self._encoding]
+        return self.magic + _record(_HEADER, _text(profile) + _text("flatland"))
 
     def index(self, position: int) -> bytes:
         end = _record(_DATA_END, bytes(4))
@@ -69,15 +87,17 @@ class McapFormat(Format):
 
     def _channel_record(self, number: int, channel: Channel) -> bytes:
         """A channel after its schema, which has the channel's number."""
-        schema = _text(channel.type) + _text("ros1msg") + _text(channel.definition)
-        values = {
-            "callerid": "/flatland_server",
-            "latching": str(int(channel.is_latched)),
-            "md5sum": channel.md5sum,
-        }
+        schemas = _PROFILES[channel.encoding][1]
+        schema = _text(channel.type) + _text(schemas) + _text(channel.definition)
+        if channel.encoding == "cdr":
+            values = {"topic_type_hash": channel.checksum}
+            values["offered_qos_profiles"] = _TRANSIENT_LOCAL if channel.is_latched else ""
+        else:
+            values = {"callerid": "/flatland_server", "md5sum": channel.checksum}
+            values["latching"] = str(int(channel.is_latched))
         metadata = b"".join(_text(name) + _text(value) for name, value in values.items())
         numbers = struct.pack("<HH", number, number)
-        fields = numbers + _text(channel.topic) + _text("ros1") + block(metadata)
+        fields = numbers + _text(channel.topic) + _text(channel.encoding) + block(metadata)
         return _record(_SCHEMA, struct.pack("<H", number) + schema) + _record(_CHANNEL, fields)
 
     def _message_record(self, number: int, nanoseconds: int, data: bytes) -> bytes:
@@ -156,10 +176,14 @@ def _uncompressed(record: bytes) -> Fields:
 
 def _channel(fields: Fields, schemas: Dict[int, Tuple[str, str]]) -> Channel:
     name, definition = schemas.get(fields.number(2), ("", ""))
-    topic, _, metadata = fields.text(), fields.text(), Fields(fields.block())
+    topic, encoding, metadata = fields.text(), fields.text(), Fields(fields.block())
     values = {}
     while metadata:
         key = metadata.text()
         values[key] = metadata.text()
-    is_latched = values.get("latching") == "1"
-    return Channel(topic, name, values.get("md5sum", ""), definition, is_latched)
+    if encoding == "cdr":
+        is_latched = values.get("offered_qos_profiles") == _TRANSIENT_LOCAL
+        checksum = values.get("topic_type_hash", "")
+    else:
+        is_latched, checksum = values.get("latching") == "1", values.get("md5sum", "")
+    return Channel(topic, name, checksum, definition, is_latched, encoding)

@@ -11,6 +11,7 @@ import re
 import struct
 from io import BytesIO
 from typing import (
+    TYPE_CHECKING,
     Any,
     Callable,
     Collection,
@@ -36,6 +37,9 @@ from flatland_server.timekeeper import Timekeeper
 from flatland_server.transport.local_transport import LocalTransport
 from flatland_server.transport.serialized_transforms import TransformQueue
 from flatland_server.transport.tap import Tap
+
+if TYPE_CHECKING:
+    from flatland2d.ros2_messages import Ros2Messages
 
 _ALWAYS = ("/clock", "/tf", "/tf_static")
 _WORLD_FRAME = "map"
@@ -66,8 +70,10 @@ class Recorder(Tap):
             closed; then it replaces a recording of the same name.
         topics: names of topics, or regular expressions that match whole names; by default all.
         odometry_frames: returns the present frames of odometry: `lambda: world.odometry_frames`.
+        ros2: whether to record messages as ROS 2 has them, into an .mcap.
 
     Raises:
+        MissingPackageError: messages of ROS 2 need rosbags.
         RecordingError: the file cannot be written, something else than a recording is there, or a
             topic is neither a name nor a regular expression.
         UsageError: `topics` is no list.
@@ -80,6 +86,7 @@ class Recorder(Tap):
         path: Union[str, "os.PathLike[str]"],
         topics: Optional[Iterable[str]] = None,
         odometry_frames: Callable[[], Collection[str]] = frozenset,
+        ros2: bool = False,
     ) -> None:
         self._transport = transport
         self._timekeeper = timekeeper
@@ -93,8 +100,9 @@ class Recorder(Tap):
         self._static_frames: Set[str] = set()
         self._clock_type = get("rosgraph_msgs/Clock")
         self._transforms_type = get("tf2_msgs/TFMessage")
+        self._ros2 = _ros2_messages() if ros2 else None
         self._is_open = True
-        self._file = RecordingFile(path)
+        self._file = RecordingFile(path, encoding="cdr" if ros2 else "ros1")
         transport.open_tap(self)
         try:
             self.write_step()
@@ -209,10 +217,16 @@ class Recorder(Tap):
         key = (topic, kind, is_latched)
         channel = self._channels.get(key)
         if channel is None:
-            channel = self._channels[key] = Channel(
-                topic, kind._type, kind._md5sum, kind._full_text, is_latched
-            )
+            channel = self._channels[key] = self._channel(topic, kind, is_latched)
+        if self._ros2 is not None:
+            data = self._ros2.type_of(kind).to_cdr(data)
         self._file.write(channel, nanoseconds, data)
+
+    def _channel(self, topic: str, kind: Any, is_latched: bool) -> Channel:
+        if self._ros2 is None:
+            return Channel(topic, kind._type, kind._md5sum, kind._full_text, is_latched)
+        name, definition, checksum, _ = self._ros2.type_of(kind)
+        return Channel(topic, name, checksum, definition, is_latched, "cdr")
 
     def _numbered(self, topic: str, kind: Any, data: bytes) -> bytes:
         """A serialized message with the number that rospy gives it, the first of its header."""
@@ -231,6 +245,12 @@ class Recorder(Tap):
         for frame in sorted(frames):
             queue.add(Transform(now, _WORLD_FRAME, frame, Pose()))
         self._write_data("/tf_static", self._transforms_type, now, queue.take(), is_latched=True)
+
+
+def _ros2_messages() -> "Ros2Messages":
+    from flatland2d.ros2_messages import Ros2Messages  # a third of a second of imports
+
+    return Ros2Messages()
 
 
 def _serialized(message: Any) -> bytes:

@@ -45,20 +45,30 @@ class RecordingFile:
         path: of the file, which ends with .bag or .mcap. When this one is closed, it replaces a
             recording of this name.
         unfinished: appended to the name until then.
+        encoding: of the messages: ros1, or cdr, as ROS 2 has them.
 
     Raises:
-        RecordingError: the format is unknown, the file cannot be written, something else than a
-            recording is there, or the file is being recorded already.
+        RecordingError: the format is unknown, or has no messages of this encoding; the file cannot
+            be written, something else than a recording is there, or it is being recorded already.
     """
 
-    def __init__(self, path: Union[str, "os.PathLike[str]"], unfinished: str = UNFINISHED) -> None:
+    def __init__(
+        self,
+        path: Union[str, "os.PathLike[str]"],
+        unfinished: str = UNFINISHED,
+        encoding: str = "ros1",
+    ) -> None:
         if not isinstance(path, (str, os.PathLike)):
             raise UsageError(f"expected the path of a recording, found {shown(path)}")
         self.path = Path(path)
         kind = _FORMATS.get(self.path.suffix.lower())
-        if kind is None:
-            raise RecordingError(f"{self.path}: expected a name that ends with {listed(_FORMATS)}")
-        self._writer = _Writer(self.path, kind(), unfinished)
+        if kind is None or encoding not in kind.encodings:
+            endings = [name for name, each in _FORMATS.items() if encoding in each.encodings]
+            of_ros2 = " for messages of ROS 2" if encoding == "cdr" else ""
+            raise RecordingError(
+                f"{self.path}: expected a name that ends with {listed(endings)}{of_ros2}"
+            )
+        self._writer = _Writer(self.path, kind(encoding), unfinished)
         self._end = weakref.finalize(self, _close, self._writer, os.getpid())
 
     def write(self, channel: Channel, nanoseconds: int, data: bytes) -> None:

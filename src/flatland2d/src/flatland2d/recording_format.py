@@ -21,12 +21,15 @@ class Channel(NamedTuple):
     topic: str
     """Its absolute name."""
     type: str
-    """The name of the type, as package/Name."""
-    md5sum: str
+    """The name of the type, as package/Name, or package/msg/Name of ROS 2."""
+    checksum: str
+    """Of the type: its MD5 sum, or the RIHS01 hash of ROS 2."""
     definition: str
     """The text of the type and of all types in it."""
     is_latched: bool
     """Whether a player repeats the last message to subscribers that come later."""
+    encoding: str = "ros1"
+    """Of the messages: ros1, or cdr, as ROS 2 has them."""
 
 
 class Recorded(NamedTuple):
@@ -57,12 +60,18 @@ class Format(ABC):
 
     Attributes:
         magic: the first bytes of each file.
+        encodings: those of messages that it may have.
         chunks: those that were closed.
+
+    Args:
+        encoding: of the messages.
     """
 
     magic: ClassVar[bytes]
+    encodings: ClassVar[Tuple[str, ...]] = ("ros1",)
 
-    def __init__(self) -> None:
+    def __init__(self, encoding: str) -> None:
+        self._encoding = encoding
         self.chunks: List[Chunk] = []
         self._channels: Dict[Channel, int] = {}
         self._data = bytearray()  # of the open chunk

@@ -235,7 +235,11 @@ class Simulation(SimulatedTopics):
     # Recordings and pictures
 
     def record(
-        self, path: Union[str, "os.PathLike[str]"], topics: Optional[Iterable[str]] = None
+        self,
+        path: Union[str, "os.PathLike[str]"],
+        topics: Optional[Iterable[str]] = None,
+        *,
+        ros2: bool = False,
     ) -> "Recorder":
         """Begins to record topics, the time and the transforms into a file.
 
@@ -247,18 +251,25 @@ class Simulation(SimulatedTopics):
                 else.
             topics: names of topics, or regular expressions that match whole names; by default all.
                 They are computed while they are recorded.
+            ros2: whether to record messages as ROS 2 has them, into an .mcap.
 
         Returns:
             A context manager; the recording ends with it, or with `close`, or with the simulation.
 
         Raises:
+            MissingPackageError: messages of ROS 2 need the package rosbags.
             RecordingError: the file cannot be written, or something else than a recording is there.
         """
         from flatland2d.recorder import Recorder
 
         self.require_open()
         recorder = Recorder(
-            self.transport, self.timekeeper, path, topics, lambda: self.world.odometry_frames
+            self.transport,
+            self.timekeeper,
+            path,
+            topics,
+            lambda: self.world.odometry_frames,
+            ros2,
         )
         if not self._recorders:
             self.after_step.append(self._write_recordings)

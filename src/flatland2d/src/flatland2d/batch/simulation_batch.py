@@ -369,8 +369,9 @@ class SimulationBatch:
             batch.view(3).save_picture("robot.png", follow=batch.robot, sensors=True)
 
         It has the environment's seed, time, poses and velocities, but no other state, such as that
-        of contacts: stepping it does not continue the run of the environment. All calls return the
-        same simulation, and the batch closes it.
+        of contacts: stepping it does not continue the run of the environment. The yaw of a body
+        that has turned by more than half a turn is rounded (by at most 5e-7 rad). All calls return
+        the same simulation, and the batch closes it.
 
         Args:
             index: of the environment.

@@ -38,7 +38,7 @@ def _execute(options: argparse.Namespace) -> int:
     if first is None:
         raise RecordingError(f"{source}: expected a complete chunk, found none")
     count, start, end = 1, first.nanoseconds, first.nanoseconds
-    with closing(RecordingFile(output, ".recovered")) as file:
+    with closing(RecordingFile(output, ".recovered", first.channel.encoding)) as file:
         file.write(*first)
         for message in messages:
             file.write(*message)

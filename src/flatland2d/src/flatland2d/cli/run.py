@@ -42,6 +42,9 @@ def add_parser(commands: Subparsers) -> None:
         "--record", metavar="FILE", help="record messages: .bag for ROS, .mcap for Foxglove"
     )
     parser.add_argument(
+        "--ros2", action="store_true", help="record messages as ROS 2 has them, into an .mcap"
+    )
+    parser.add_argument(
         "--topics",
         nargs="+",
         metavar="TOPIC",
@@ -60,12 +63,13 @@ def add_parser(commands: Subparsers) -> None:
 
 
 def _execute(options: argparse.Namespace) -> int:
-    if options.topics and options.record is None:
-        options.parser.error("--topics says what to --record")
+    if options.record is None and (options.topics or options.ros2):
+        name = "--topics" if options.topics else "--ros2"
+        options.parser.error(f"{name} says what to --record")
     with contextlib.ExitStack() as stack:
         simulation = stack.enter_context(open_simulation(options, raise_failures=False))
         if options.record is not None:
-            recorder = simulation.record(options.record, topics=options.topics)
+            recorder = simulation.record(options.record, options.topics, ros2=options.ros2)
             stack.enter_context(recorder)
             for topic in recorder.unmatched(simulation.topics):
                 hint = suggestion(topic, simulation.topics)
