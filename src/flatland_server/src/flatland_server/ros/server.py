@@ -12,21 +12,23 @@ import rospy
 
 from flatland_server.exceptions import FlatlandError, StateError, counted
 from flatland_server.ros import open_files, other_publishers, rospy_patches
-from flatland_server.ros.client_files import ClientFiles
 from flatland_server.ros.clock import ClockPublisher, warn_of_other_times
-from flatland_server.ros.debug_visualization import FRAME_ID, DebugVisualization
+from flatland_server.ros.debug_visualization import DebugVisualization
 from flatland_server.ros.diagnostics import Diagnostics
 from flatland_server.ros.interactive_marker_manager import InteractiveMarkerManager
 from flatland_server.ros.launch_arguments import check_launch_arguments, parent_command_line
 from flatland_server.ros.loading_publisher import LoadingPublisher
 from flatland_server.ros.log_handler import RosLogHandler, tolerate_write_errors
-from flatland_server.ros.map_to_odom import MapToOdom
-from flatland_server.ros.model_publisher import ModelPublisher
 from flatland_server.ros.ros_transport import RosTransport
 from flatland_server.ros.server_config import ServerConfig
-from flatland_server.ros.service_manager import ServiceManager
+from flatland_server.ros.service_manager import RosServiceHost
 from flatland_server.ros.shutdown import Shutdown
-from flatland_server.ros.state_publisher import StatePublisher
+from flatland_server.serving.client_files import ClientFiles
+from flatland_server.serving.map_to_odom import FRAME_ID, MapToOdom
+from flatland_server.serving.model_publisher import ModelPublisher
+from flatland_server.serving.model_services import ModelServices
+from flatland_server.serving.state_publisher import StatePublisher
+from flatland_server.serving.state_services import StateServices
 from flatland_server.simulation.history import History
 from flatland_server.simulation.simulation_manager import SimulationManager
 from flatland_server.simulation.slow_plugin_watch import SlowPluginWatch
@@ -149,7 +151,9 @@ def _open_topics(manager: SimulationManager, transport: RosTransport, config: Se
     if config.map_to_odom:
         manager.on_tick.append(MapToOdom(manager.world).update)
     files = ClientFiles(manager.world, config.state_folder)
-    ServiceManager(manager, transport, files, config.control_period)
+    host = RosServiceHost(transport)
+    ModelServices(manager.world, host, files)
+    StateServices(manager, host, files, config.control_period)
 
 
 def exclude_from_garbage_collection() -> None:

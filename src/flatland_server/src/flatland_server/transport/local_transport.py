@@ -74,6 +74,15 @@ class LocalTransport(Transport):
         """
         return self._last.get(absolute_name(topic), (None, None))[1]
 
+    def last_latched(self, topic: str) -> Any:
+        """The last message of a topic if it is latched, or None.
+
+        Args:
+            topic: its name.
+        """
+        publisher, message = self._last.get(absolute_name(topic), (None, None))
+        return message if publisher is not None and publisher.is_latched else None
+
     @property
     def delivers_own(self) -> bool:
         return True
