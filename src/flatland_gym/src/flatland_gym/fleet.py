@@ -349,9 +349,9 @@ class BatchFleet(Fleet):
         mask[indices] = True
         seeds[indices] = [episode.seed for episode in episodes]
         poses[indices] = [episode.starts for episode in episodes]
-        places = self._places
-        for index, episode in zip(indices.tolist(), episodes):
-            places[index] = np.array([episode.places[name] for name in self._moved]).reshape(-1, 3)
+        places = self._places if self._moved else None
+        if places is not None:
+            places[indices] = [[each.places[name] for name in self._moved] for each in episodes]
         self._batch.reset(mask, seeds, poses, out=self._out, model_poses=places)
 
     def is_blocked(self, index: int, episode: Episode) -> bool:

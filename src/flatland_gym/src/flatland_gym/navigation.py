@@ -156,7 +156,7 @@ class Navigation:
         self._world_of[rows] = [episode.world for episode in episodes for _ in episode.goals]
         self.steps[rows] = 0
         self.successes[rows] = False
-        self.distances[rows] = goal_distances(self.rows.poses, self.goals)[rows]
+        self.distances[rows] = goal_distances(self.rows.poses[rows], self.goals[rows])
 
     def step(self, actions: FloatArray, indices: IntArray) -> Steps:
         """Makes a step with each of these robots.

@@ -311,8 +311,10 @@ class NavigationVectorEnv(VectorEnv[Any, Any, Any]):
     def _infos(self, chosen: BoolArray) -> Dict[str, Any]:
         """Infos with the values of some environments, in the form of VectorEnv."""
         infos: Dict[str, Any] = {}
+        others = None if chosen.all() else ~chosen
         for name, values in self.navigation.info().items():
-            values[~chosen] = 0
+            if others is not None:
+                values[others] = 0
             infos[name], infos[f"_{name}"] = values, chosen.copy()
         return infos
 

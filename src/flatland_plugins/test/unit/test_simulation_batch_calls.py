@@ -111,6 +111,7 @@ def unusable():
         (lambda b: b.move([1, 2, 3]), "x, y, yaw"),
         (lambda b: b.move(np.full((2, 3), 1e30)), "poses of finite numbers up to 50000"),
         (lambda b: b.view(2), "expected an environment from 0 to 1, found 2"),
+        (lambda b: b.added_walls(2), "expected an environment from 0 to 1, found 2"),
         (lambda b: b.view("1"), "found '1'"),
         (lambda b: b.free_poses(1, 0.0, np.random.default_rng(0)), "clearance"),
         (lambda b: b.free_space(None), "expected a clearance above zero, found None"),

@@ -42,7 +42,8 @@ class Lidars {
   const Lidar& Scan(LidarHandle lidar, const AccessGuard& guard);
   /// The number of beams of a lidar.
   int GetBeamCount(LidarHandle lidar) const;
-  /// Writes a lidar's scan of the present world to an array of GetBeamCount values.
+  /// For batches: writes a lidar's scan of the present world to an array of GetBeamCount values. It
+  /// may take some milliseconds, to search for visible walls.
   void ScanInto(LidarHandle lidar, float* ranges, const AccessGuard& guard) const;
   /// Scans from a pose in the world [m, m, rad]. Writes fan.size() values to each array: the
   /// distance [m] to what each beam meets first, or +infinity (REP 117), and its intensity, 0 or
@@ -63,11 +64,11 @@ class Lidars {
   /// Called by several threads at a time; the visible fixtures must be up to date. `intensities`
   /// may be null.
   void ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
-                float* intensities) const;
+                float* intensities, int search_effort) const;
   /// Draws the walls and fixtures on layers that the lidar sees and that `choose(layers)` accepts.
   template <class Choose>
   void DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
-              Choose choose) const;
+              int search_effort, Choose choose) const;
 
   const Access& access_;
   const Bodies& bodies_;

@@ -21,9 +21,11 @@
 /// the cell of a metre around it are known, as only these and their chains matter. So that no step
 /// is late, a scan from a cell that waits for its walls makes a part of the first search that waits
 /// (wall_search.hpp). Searches take much memory, so only as many are begun as there are threads.
-/// Batches keep what is known in a file (wall_cache.py).
+/// In a batch no step is awaited by itself: its scans make whole searches, so that none has to be
+/// drawn without them meanwhile. Batches keep what is known in a file (wall_cache.py).
 
 #include <atomic>
+#include <climits>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -55,8 +57,12 @@ class VisibleWalls {
   /// searches.
   void Prepare() const;
   /// Walls among which are all those that a lidar at a point can see, or null if they are not known
-  /// (yet); valid as long as this object. Several threads may call it at a time.
-  const WallList* SeenFrom(Vec2 point) const;
+  /// (yet); valid as long as this object. A search looks at about `effort` occluders. Several
+  /// threads may call it at a time.
+  const WallList* SeenFrom(Vec2 point, int effort = kEffort) const;
+
+  /// Of a part of a search, which takes about 40 us; and of a whole one.
+  static constexpr int kEffort = 2000, kWholeSearch = INT_MAX;
 
   /// The number of cells of a metre; 0 with few walls.
   int cell_count() const { return grids_.empty() ? 0 : grids_[1].columns * grids_[1].rows; }
@@ -107,13 +113,13 @@ class VisibleWalls {
     std::unique_ptr<WallSearch> search;  // null before its begin
   };
 
-  const WallList* SeenFrom(const Grid& grid, Vec2 point) const;
+  const WallList* SeenFrom(const Grid& grid, Vec2 point, int effort) const;
   void PrepareLocked() const;
   std::unique_ptr<WallSearch> Begin(const Grid& grid, int cell) const;
   /// Keeps the walls of a cell, or that there are too many.
   void KeepLocked(const Grid& grid, int cell, std::vector<uint32_t> indices) const;
-  /// Makes a part of a search.
-  void SearchOn() const;
+  /// Makes a part of a search, or all of it.
+  void SearchOn(int effort) const;
 
   std::shared_ptr<const SegmentTree> walls_;
   std::vector<Grid> grids_;   // the one with the smaller cells first; none for a few walls

@@ -66,7 +66,7 @@ const Lidar& Lidars::Scan(LidarHandle handle, const AccessGuard&) {
   ForEachInParallel(static_cast<int>(scanning_.size()), [&](int i) noexcept {
     Lidar& lidar = *scanning_[i].first;
     ScanInto(*lidar.settings.fan, scanning_[i].second, lidar.settings.scan, lidar.ranges.data(),
-             lidar.intensities.empty() ? nullptr : lidar.intensities.data());
+             lidar.intensities.empty() ? nullptr : lidar.intensities.data(), VisibleWalls::kEffort);
   });
   return requested;
 }
@@ -80,7 +80,8 @@ void Lidars::ScanInto(LidarHandle handle, float* ranges, const AccessGuard&) con
   const Mounted<Lidar>& mounted = lidars_.Get(handle);
   const LidarSettings& settings = mounted.mechanism.settings;
   RefreshVisibleFixtures();
-  ScanInto(*settings.fan, PoseOf(mounted), settings.scan, ranges, nullptr);
+  ScanInto(*settings.fan, PoseOf(mounted), settings.scan, ranges, nullptr,
+           VisibleWalls::kWholeSearch);
 }
 
 void Lidars::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& settings, float* ranges,
@@ -88,7 +89,7 @@ void Lidars::Scan(const BeamFan& fan, const Pose& pose, const ScanSettings& sett
   Require(IsUsable(pose), "a lidar's pose must be finite");
   RequireRange(settings.range);
   RefreshVisibleFixtures();
-  ScanInto(fan, pose, settings, ranges, intensities);
+  ScanInto(fan, pose, settings, ranges, intensities, VisibleWalls::kEffort);
 }
 
 void Lidars::RefreshVisibleFixtures() const {
@@ -120,17 +121,18 @@ void Lidars::AddVisibleFixtures(const BodyRecord& record) const {
 }
 
 void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& settings,
-                      float* ranges, float* intensities) const {
+                      float* ranges, float* intensities, int search_effort) const {
   thread_local DepthBuffer buffer;  // keeps its memory from scan to scan
   buffer.Begin(fan, settings.range);
   // Reflecting layers are drawn last, so that the buffer can tell them from the rest.
   const auto reflects = [&](LayerBits layers) {
     return (layers & settings.reflectance_layers) != 0;
   };
-  DrawOn(buffer, pose, settings, [&](LayerBits layers) { return !reflects(layers); });
+  DrawOn(buffer, pose, settings, search_effort,
+         [&](LayerBits layers) { return !reflects(layers); });
   if (settings.reflectance_layers != 0) {
     buffer.BeginReflecting();
-    DrawOn(buffer, pose, settings, reflects);
+    DrawOn(buffer, pose, settings, search_effort, reflects);
   }
   buffer.GetRanges(ranges);
   if (intensities != nullptr) buffer.GetIntensities(intensities);
@@ -138,11 +140,11 @@ void Lidars::ScanInto(const BeamFan& fan, const Pose& pose, const ScanSettings& 
 
 template <class Choose>
 void Lidars::DrawOn(DepthBuffer& buffer, const Pose& pose, const ScanSettings& settings,
-                    Choose choose) const {
+                    int search_effort, Choose choose) const {
   const Vec2 origin{pose.x, pose.y};
   for (const Layers::Layer& layer : layers_.all()) {
     if ((layer.bits & settings.layers) == 0 || !choose(layer.bits)) continue;
-    if (const WallList* seen = layer.walls->SeenFrom(origin)) {
+    if (const WallList* seen = layer.walls->SeenFrom(origin, search_effort)) {
       buffer.Draw(*seen, pose);
     } else {
       buffer.Draw(layer.walls->all(), pose);

@@ -17,8 +17,6 @@ constexpr double kMaxCells = 262144;
 constexpr size_t kMinWalls = 64;
 /// Of all cells together: 10 to 16 bytes each.
 constexpr size_t kMaxFoundWalls = 4'000'000;
-/// The number of occluders that a scan looks at for the walls of its cell, in about 40 us.
-constexpr int kEffort = 2000;
 /// Stands for the number of scans of a cell from which too many walls can be seen.
 constexpr int kGivenUp = INT_MAX;
 /// Cells are made wider by this, for rounding errors [m].
@@ -88,14 +86,14 @@ Box VisibleWalls::Grid::BoxOf(int cell) const {
   return box;
 }
 
-const WallList* VisibleWalls::SeenFrom(Vec2 point) const {
+const WallList* VisibleWalls::SeenFrom(Vec2 point, int effort) const {
   for (const Grid& grid : grids_) {
-    if (const WallList* seen = SeenFrom(grid, point)) return seen;
+    if (const WallList* seen = SeenFrom(grid, point, effort)) return seen;
   }
   return nullptr;
 }
 
-const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point) const {
+const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point, int effort) const {
   const int index = grid.CellAt(point);
   if (index < 0) return nullptr;
   Cell& cell = grid.cells[index];
@@ -113,7 +111,7 @@ const WallList* VisibleWalls::SeenFrom(const Grid& grid, Vec2 point) const {
     const std::lock_guard lock(mutex_);
     waiting_.push_back({&grid, index, nullptr});
   }
-  SearchOn();
+  SearchOn(effort);
   return seen();
 }
 
@@ -127,7 +125,7 @@ void VisibleWalls::PrepareLocked() const {
 }
 
 /// Of those that wait, the first ones are searched for: as many as there are threads that do so.
-void VisibleWalls::SearchOn() const {
+void VisibleWalls::SearchOn(int effort) const {
   std::unique_lock lock(mutex_);
   if (waiting_.empty()) return;
   Search next = std::move(waiting_.front());
@@ -135,7 +133,7 @@ void VisibleWalls::SearchOn() const {
   PrepareLocked();
   lock.unlock();
   if (next.search == nullptr) next.search = Begin(*next.grid, next.cell);
-  const bool has_ended = next.search->Continue(kEffort);
+  const bool has_ended = next.search->Continue(effort);
   lock.lock();
   if (!has_ended) {
     waiting_.push_front(std::move(next));

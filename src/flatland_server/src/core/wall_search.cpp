@@ -140,38 +140,70 @@ class Line {
   Vec2 a_, b_, way_;
 };
 
-/// All lines from a box to a target, and perhaps more: those between their outermost corners.
+/// All lines from a box to a target, and perhaps more: what lies between the two lines that touch
+/// both from the left and from the right.
 class Shaft {
  public:
   Shaft(const Box& from, const Target& target) : bounds_(from) {
     bounds_.Add(target.bounds);
     const Vec2 way = Middle(target) - Middle(from);
-    left_ = {-way.y, way.x};
-    const auto widen = [this](Vec2 corner) {
-      low_ = std::min(low_, Dot(left_, corner));
-      high_ = std::max(high_, Dot(left_, corner));
-    };
-    for (const Vec2& corner : CornersOf(from)) widen(corner);
-    for (const Vec2& corner : CornersOf(target.bounds)) widen(corner);
+    sides_[0] = SideOf(from, target, {-way.y, way.x});
+    sides_[1] = SideOf(from, target, {way.y, -way.x});
   }
 
   bool Meets(const Box& box) const {
     if (flatland::AreApart(box, bounds_)) return false;
-    const double middle = Dot(left_, Middle(box));
-    const Vec2 half = 0.5 * (box.high - box.low);
-    const double reach = std::abs(left_.x) * half.x + std::abs(left_.y) * half.y;
-    return !AreApart(middle - reach, middle + reach, low_, high_);
+    const Vec2 middle = Middle(box), half = 0.5 * (box.high - box.low);
+    const auto is_within = [&](const Side& side) {
+      const double reach = std::abs(side.normal.x) * half.x + std::abs(side.normal.y) * half.y;
+      return Dot(side.normal, middle) - reach <= side.limit;
+    };
+    return is_within(sides_[0]) && is_within(sides_[1]);
   }
   bool Meets(const Segment& line) const {
-    const double a = Dot(left_, line.a), b = Dot(left_, line.b);
-    return !AreApart(std::min(a, b), std::max(a, b), low_, high_) &&
-           !AreApart(BoxOf(line), bounds_);
+    if (AreApart(std::min(line.a.x, line.b.x), std::max(line.a.x, line.b.x), bounds_.low.x,
+                 bounds_.high.x) ||
+        AreApart(std::min(line.a.y, line.b.y), std::max(line.a.y, line.b.y), bounds_.low.y,
+                 bounds_.high.y)) {
+      return false;
+    }
+    const auto is_within = [&](const Side& side) {
+      return std::min(Dot(side.normal, line.a), Dot(side.normal, line.b)) <= side.limit;
+    };
+    return is_within(sides_[0]) && is_within(sides_[1]);
   }
 
  private:
+  /// All points p with Dot(normal, p) <= limit.
+  struct Side {
+    Vec2 normal;
+    double limit;
+  };
+
+  /// Begins with a line across `normal`, and turns it until it touches both.
+  static Side SideOf(const Box& from, const Target& target, Vec2 normal) {
+    const std::array<Vec2, 4> corners = CornersOf(from);
+    const auto farthest = [&normal](const Vec2* points, int count) {
+      Vec2 found = points[0];
+      for (int i = 1; i < count; ++i) {
+        if (Dot(normal, points[i]) > Dot(normal, found)) found = points[i];
+      }
+      return found;
+    };
+    Vec2 one = farthest(corners.data(), 4), other = farthest(target.corners.data(), target.count);
+    for (int turns = 0; turns < 2; ++turns) {
+      const Vec2 way = other - one, across{-way.y, way.x};
+      const double sign = Dot(across, normal);
+      if (sign == 0.0) break;
+      normal = sign > 0.0 ? across : -1.0 * across;
+      one = farthest(corners.data(), 4);
+      other = farthest(target.corners.data(), target.count);
+    }
+    return {normal, std::max(Dot(normal, one), Dot(normal, other))};
+  }
+
   Box bounds_;
-  Vec2 left_;
-  double low_ = 1e300, high_ = -1e300;  // of the corners, along `left_`
+  Side sides_[2];
 };
 
 }  // namespace

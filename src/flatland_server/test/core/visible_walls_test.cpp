@@ -212,6 +212,15 @@ TEST(VisibleWallsTest, AreFoundWhereManyScansAreMade) {
   EXPECT_EQ(visible.SeenFrom({std::nan(""), 0}), nullptr);
 }
 
+TEST(VisibleWallsTest, AreFoundByOneScanThatMayMakeTheWholeSearch) {
+  const VisibleWalls visible(std::make_shared<const SegmentTree>(HallAndRooms(1)));
+  const Vec2 place{10.5, 10.5};
+  for (int i = 1; i < VisibleWalls::kScansBefore; ++i) {
+    ASSERT_EQ(visible.SeenFrom(place, VisibleWalls::kWholeSearch), nullptr);
+  }
+  EXPECT_NE(visible.SeenFrom(place, VisibleWalls::kWholeSearch), nullptr);
+}
+
 TEST(VisibleWallsTest, ManyThreadsMayAsk) {
   const VisibleWalls visible(std::make_shared<const SegmentTree>(HallAndRooms(2)));
   const BeamFan fan(-3.0, 0.1, 60);

@@ -1,6 +1,7 @@
 """Plugins are found by their type in the packages on ROS_PACKAGE_PATH."""
 
 import sys
+import tracemalloc
 from pathlib import Path
 from typing import Iterator
 
@@ -8,6 +9,7 @@ import pytest
 from logged import warnings
 
 from flatland_server.exceptions import PluginError
+from flatland_server.plugins import plugin_loader
 from flatland_server.plugins.model_plugin import ModelPlugin
 from flatland_server.plugins.plugin_loader import PluginLoader
 from flatland_server.simulation.world import WorldPlugin
@@ -303,3 +305,18 @@ def test_a_faulty_manifest_of_another_package_does_not_hide_other_plugins(packag
     packages.add_plugin("your_plugins", "Good", "loader_manifest")
 
     assert PluginLoader().load("Good", ModelPlugin).__name__ == "Good"
+
+
+def test_a_loaded_plugin_takes_no_memory_when_it_is_loaded_again(packages):
+    packages.add_plugin("loader_pkg", "Loaded", "loader_again")
+    loader = PluginLoader()
+    loader.load("Loaded", ModelPlugin)
+    tracemalloc.start()
+    try:
+        for _ in range(200):
+            loader.load("Loaded", ModelPlugin)
+        here = tracemalloc.Filter(True, plugin_loader.__file__)
+        found = tracemalloc.take_snapshot().filter_traces([here]).statistics("filename")
+    finally:
+        tracemalloc.stop()
+    assert sum(each.count for each in found) < 20

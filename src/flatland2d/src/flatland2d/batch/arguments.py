@@ -161,7 +161,12 @@ def index_of(value: Any, count: int) -> BoolArray:
     Raises:
         UsageError: there is no environment of this index.
     """
-    if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
-        raise UsageError(f"expected an environment from 0 to {count - 1}, found {shown(value)}")
+    require_index(value, count)
     mask: BoolArray = np.arange(count) == value
     return mask
+
+
+def require_index(value: Any, count: int) -> None:
+    """Raises a UsageError unless there is an environment of this index, of n."""
+    if not (isinstance(value, (int, np.integer)) and 0 <= value < count):
+        raise UsageError(f"expected an environment from 0 to {count - 1}, found {shown(value)}")

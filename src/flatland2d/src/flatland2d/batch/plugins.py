@@ -124,8 +124,15 @@ class BatchPlugins:
             made += now
         core.step(commands, count - made, step_size, out, goes_on=made > 0, mask=driven)
 
+    @property
+    def worlds_differ(self) -> bool:
+        """True if environments have worlds of their own."""
+        return bool(self._worlds)
+
     def added_walls(self, environment: int) -> FloatArray:
         """Walls that plugins have added to an environment: (m, 4)."""
+        if not self._worlds:
+            return np.empty((0, 4))
         counts = [len(self._config.walls_of(layer)) for layer in self._config.layers]
         walls = self._worlds.walls(environment) or []
         added = [segments[count:] for segments, count in zip(walls, counts)]

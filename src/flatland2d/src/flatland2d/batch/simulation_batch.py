@@ -11,6 +11,7 @@ from flatland2d.batch.arguments import (
     index_of,
     mask_of,
     poses_of,
+    require_index,
     seeds_of,
     states_of,
     steps_of,
@@ -530,7 +531,11 @@ class SimulationBatch:
         Raises:
             UsageError: there is no such environment, or the batch is closed.
         """
-        self._load_one(index)
+        if self._plugins.worlds_differ:
+            self._load_one(index)
+        else:
+            self._require_open()
+            require_index(index, self._num_envs)
         return self._plugins.added_walls(index)
 
     def free_space(self, clearance: float) -> FreeSpace:
@@ -648,7 +653,7 @@ class SimulationBatch:
         if mask is None:
             np.multiply(nanoseconds, 1e-9, out=rows.times)
         else:
-            rows.times[mask] = nanoseconds[mask] * 1e-9
+            np.multiply(nanoseconds, 1e-9, out=rows.times, where=mask)
         if len(self._noises) == 1:
             ranges = rows.ranges.reshape(self._num_envs, -1)
             self._noises[0].add(ranges, self._seeds, nanoseconds, mask)

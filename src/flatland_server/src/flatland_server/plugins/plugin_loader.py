@@ -9,6 +9,7 @@ import importlib
 import inspect
 import logging
 import os
+import sys
 from typing import Dict, Iterable, Optional, Type, TypeVar
 
 from flatland_server.exceptions import PluginError, shortened, suggestion
@@ -113,6 +114,7 @@ def _cpp_error(type: str, origin: str) -> str:
 
 def _import(declaration: PluginDeclaration) -> object:
     module_name, _, class_name = declaration.class_path.rpartition(".")
+    class_name = sys.intern(class_name)  # Python's cache of attributes keeps thousands of others
     try:
         module = importlib.import_module(module_name)
     except Exception as error:
