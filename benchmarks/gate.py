@@ -1,4 +1,4 @@
-"""The gate of `flatland sweep --baseline` in trials: how often it stops worse controllers, and equal ones.
+"""`flatland sweep --baseline` in trials: how often it stops worse controllers, and equal ones.
 
     usage: gate.py [--trials 20] [--seeds 100] [--slower 0.1] [--jobs N]
 
@@ -18,8 +18,7 @@ from typing import Any, Dict
 import numpy as np
 import yaml
 
-from flatland2d.sweep import SweepRun
-from flatland2d.sweep import drivers
+from flatland2d.sweep import SweepRun, drivers
 from flatland2d.sweep.orca import orca
 
 CONTROLLERS = {"gaps": drivers.gaps, "orca": orca}
@@ -76,7 +75,9 @@ def is_worse(folder: Path, name: str, content: Dict[str, Any], options: argparse
     done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
     if done.returncode not in (0, 1) or "failed to run" in done.stderr:
         raise RuntimeError(done.stdout + done.stderr)
-    is_wanted = (folder / name / ("results.csv" if name == "baseline" else "regressions.xml")).exists()
+    is_wanted = (
+        folder / name / ("results.csv" if name == "baseline" else "regressions.xml")
+    ).exists()
     if not is_wanted:
         raise RuntimeError(done.stdout + done.stderr)
     return done.returncode == 1

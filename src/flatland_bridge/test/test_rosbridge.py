@@ -148,7 +148,7 @@ def test_models_come_and_go_by_services(client):
     assert client.call("/delete_model", name="two")["values"]["success"]
     assert "/two/scan" not in client.call("/rosapi/topics")["values"]["topics"]
     client.call("/step", steps=10)
-    assert client.call("/reset")["values"]["success"]
+    assert client.call("/reset", restart_time=True)["values"]["success"]
     assert client.call("/rosapi/get_time")["values"]["time"] == {"secs": 0, "nsecs": 0}
 
 

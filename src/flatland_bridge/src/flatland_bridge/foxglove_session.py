@@ -1,6 +1,6 @@
 """One client of the Foxglove WebSocket protocol: Foxglove, Lichtblick.
 
-https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md. Messages are those of ROS 1: `ros1`,
+https://github.com/foxglove/ws-protocol. Messages are those of ROS 1: `ros1`,
 with `ros1msg` schemas; clients may also send JSON.
 """
 

@@ -315,7 +315,7 @@ def _heading(rng: np.random.Generator) -> float:
 def _is_clear(place: Sequence[float], radius: float, discs: Circles) -> bool:
     """True if a disc overlaps no other one."""
     x, y = place
-    for a, b, r in discs:  # quicker than a generator
+    for a, b, r in discs:  # noqa: SIM110 (quicker than a generator)
         if not math.hypot(x - a, y - b) > radius + r:
             return False
     return True

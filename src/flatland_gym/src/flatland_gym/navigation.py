@@ -288,9 +288,7 @@ class Navigation:
         poses, velocities = self._motions(np.arange(len(flat)))
         radii = self._radii[self._world_of][..., None]
         others = np.concatenate([poses[..., :2], velocities[..., :2], radii], axis=-1)
-        near = neighbor_rows(
-            rows.poses, rows.local_velocities, others, count, self.robot.max_range
-        )
+        near = neighbor_rows(rows.poses, rows.local_velocities, others, count, self.robot.max_range)
         return np.concatenate([flat, near], axis=1)
 
     def formed(self, observations: Float32Array) -> Any:

@@ -261,7 +261,9 @@ class Ppo:
             last = last.copy()
             for index in np.flatnonzero(ended):
                 last[index] = infos["final_obs"][index]
-        values: Float32Array = np.where(terminated, 0.0, self._critic.forward(self._scale.of(last))[-1][:, 0])
+        values: Float32Array = np.where(
+            terminated, 0.0, self._critic.forward(self._scale.of(last))[-1][:, 0]
+        )
         return values
 
     def _note(self, rewards: Float32Array, ended: BoolArray, infos: dict) -> None:  # type: ignore[type-arg]

@@ -82,7 +82,7 @@ class NavigationSettings:
             value = getattr(self, name)
             if not (value is None and name == "beams"):
                 _require(name, value, is_whole(value) and value >= 1, "a whole number above 0")
-        is_count = is_whole(self.neighbors) and 0 <= self.neighbors
+        is_count = is_whole(self.neighbors) and self.neighbors >= 0
         _require("neighbors", self.neighbors, is_count, "a whole number of 0 or more")
         _require("world", self.world, self.worlds, "a world, or one at least in a sequence")
         for name in ("step_size", "goal_radius", "speed_limit", "yaw_rate_limit", "steer_limit"):

@@ -1,5 +1,6 @@
 """The node's parameters: their defaults, and what is refused."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,7 @@ def test_the_defaults_are_those_of_the_launch_file(read):
         rospy_patches=True,
         map_to_odom=False,
         history=True,
+        command_age=math.inf,
         models=(),
     )
 
