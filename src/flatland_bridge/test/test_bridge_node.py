@@ -64,8 +64,11 @@ def test_clients_see_and_control_the_server(bridge):
     def has_moved():
         client.send("publish", topic="/bot/cmd_vel", msg={"linear": {"x": 0.5}})
         assert client.call("/step", steps=20)["values"]["success"]
-        pose = client.next_of("/bot/odometry/ground_truth")["pose"]["pose"]
-        return pose["position"]["x"] > 0.05
+        # The node's own subscribers connect in the background: the first steps may be without.
+        topics = {each.get("topic"): each.get("msg") for each in client.kept}
+        if not {"/bot/scan", "/bot/odometry/ground_truth"} <= topics.keys():
+            return False
+        return topics["/bot/odometry/ground_truth"]["pose"]["pose"]["position"]["x"] > 0.05
 
     wait_until(has_moved, "the robot to drive")
     assert len(client.next_of("/bot/scan")["ranges"].value) == 4 * 1081
